@@ -1,0 +1,72 @@
+"""Logical Robots: a terminal game and laboratory for programming robots in logic.
+
+The names below are the public interface. Each is loaded when it is first used, so that a script
+which needs only the world never loads the mind, and none of them loads a screen.
+
+Example:
+    >>> from logical_robots_tui import World, load_level
+    >>> world = World(load_level("open-room"))
+    >>> rows = world.sense()
+"""
+
+from __future__ import annotations
+
+import importlib
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from logical_robots_tui.errors import InputError, LogicalRobotsError
+    from logical_robots_tui.game import Frame, Game
+    from logical_robots_tui.mind import Decision, Diagnostic, Mind, Program, ProgramError
+    from logical_robots_tui.values import Desire
+    from logical_robots_tui.world import Level, World, list_levels, load_level
+
+__version__ = "0.1.0"
+
+__all__ = [
+    "Decision",
+    "Desire",
+    "Diagnostic",
+    "Frame",
+    "Game",
+    "InputError",
+    "Level",
+    "LogicalRobotsError",
+    "Mind",
+    "Program",
+    "ProgramError",
+    "World",
+    "__version__",
+    "list_levels",
+    "load_level",
+]
+
+_HOMES = {
+    "Decision": "mind",
+    "Desire": "values",
+    "Diagnostic": "mind",
+    "Frame": "game",
+    "Game": "game",
+    "InputError": "errors",
+    "Level": "world",
+    "LogicalRobotsError": "errors",
+    "Mind": "mind",
+    "Program": "mind",
+    "ProgramError": "mind",
+    "World": "world",
+    "list_levels": "world",
+    "load_level": "world",
+}
+
+
+def __getattr__(name: str) -> object:
+    """Load a public name from its part on first use."""
+    if name not in _HOMES:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    value: object = getattr(importlib.import_module(f"{__name__}.{_HOMES[name]}"), name)
+    globals()[name] = value
+    return value
+
+
+def __dir__() -> list[str]:
+    return sorted({*globals(), *__all__})

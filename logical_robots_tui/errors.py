@@ -1,0 +1,37 @@
+"""The error tree: everything a player or caller can be told went wrong."""
+
+from __future__ import annotations
+
+__all__ = ["InputError", "LogicalRobotsError"]
+
+
+class LogicalRobotsError(Exception):
+    """Base of every error that this package raises on purpose.
+
+    Attributes:
+        title: A few words for the head of a message box.
+    """
+
+    title = "Something went wrong"
+
+
+class InputError(LogicalRobotsError):
+    """A file, key or value that a person gave can't be used.
+
+    Attributes:
+        place: Where it is: a file, a file and line, a key such as ``areas[2].radius``, or "".
+        message: What is wrong, one plain sentence.
+        hint: What to do about it, or "".
+    """
+
+    title = "This input can't be used"
+
+    def __init__(self, message: str, *, place: str = "", hint: str = "") -> None:
+        self.place = place
+        self.message = message
+        self.hint = hint
+        super().__init__(str(self))
+
+    def __str__(self) -> str:
+        head = f"{self.place}: {self.message}" if self.place else self.message
+        return f"{head} {self.hint}" if self.hint else head

@@ -1,0 +1,30 @@
+"""The values that pass between the parts; they belong to no part alone."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any, TypeAlias
+
+__all__ = ["Desire", "SensorRow", "Value"]
+
+Value: TypeAlias = "None | bool | int | float | str | Sequence[Value] | Mapping[str, Value]"
+"""What a program can compute or remember: null, text, number, list or record."""
+
+SensorRow: TypeAlias = dict[str, Any]
+"""``{"robot_name": str, "sensor": {...}}``, as the program's ``Sensor`` predicate sees it."""
+
+
+@dataclass(frozen=True, slots=True)
+class Desire:
+    """What a program wants of one robot's engines.
+
+    Values outside [-1, 1] are legal: driving clamps them, the battery pays for them as given.
+
+    Attributes:
+        left_engine: Wanted power of the left engine; 1.0 is one map unit a tick.
+        right_engine: Wanted power of the right engine.
+    """
+
+    left_engine: float
+    right_engine: float

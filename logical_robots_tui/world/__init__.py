@@ -1,0 +1,23 @@
+"""The world: levels, and the simulation that runs them."""
+
+from __future__ import annotations
+
+from logical_robots_tui.world.level import Area, Beacon, Level, LevelError, Robot, Visibility
+from logical_robots_tui.world.load import list_levels, load_level
+from logical_robots_tui.world.state import AreaState, RobotState, WorldState
+from logical_robots_tui.world.world import World
+
+__all__ = [
+    "Area",
+    "AreaState",
+    "Beacon",
+    "Level",
+    "LevelError",
+    "Robot",
+    "RobotState",
+    "Visibility",
+    "World",
+    "WorldState",
+    "list_levels",
+    "load_level",
+]

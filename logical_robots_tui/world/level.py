@@ -1,0 +1,153 @@
+"""Levels: immutable descriptions of a labyrinth and what stands in it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Literal
+
+from logical_robots_tui.errors import InputError
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
+__all__ = [
+    "AREA_COLOR",
+    "ROBOT_COLOR",
+    "Area",
+    "Beacon",
+    "Level",
+    "LevelError",
+    "Robot",
+    "Visibility",
+]
+
+ROBOT_COLOR = "#4a9eff"
+AREA_COLOR = "#3fb950"
+
+
+class LevelError(InputError):
+    """A level that can't be found, read or understood."""
+
+    title = "This level can't be used"
+
+
+@dataclass(frozen=True, slots=True)
+class Robot:
+    """A robot as it stands at the start.
+
+    Attributes:
+        name: Unique in the level.
+        x: Map units from the left rim.
+        y: Map units from the top rim, growing downwards.
+        angle: Heading in radians, clockwise as seen on the screen, 0 to the right; kept as given.
+        color: As given in the level, a CSS name or ``#rrggbb``.
+        has_battery: Whether the engines need charge.
+        can_charge: Whether it charges other robots; only with a battery.
+        battery_capacity: Charge at the start and at most.
+        battery_consumption_rate: Charge per tick at full power of both engines.
+    """
+
+    name: str
+    x: float
+    y: float
+    angle: float = 0.0
+    color: str = ROBOT_COLOR
+    has_battery: bool = False
+    can_charge: bool = False
+    battery_capacity: float = 0.0
+    battery_consumption_rate: float = 0.0
+
+
+@dataclass(frozen=True, slots=True)
+class Beacon:
+    """A labelled light that radars see. Names need not be unique.
+
+    Attributes:
+        name: The label that a radar reports.
+        x: Map units from the left rim.
+        y: Map units from the top rim.
+        charging_station: Whether it charges robots nearby.
+    """
+
+    name: str
+    x: float
+    y: float
+    charging_station: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class Area:
+    """A circle that may be solid, switched by beacons, or a goal. Names need not be unique.
+
+    Attributes:
+        name: The label that a radar reports while the area is solid and active.
+        x: Centre, map units from the left rim.
+        y: Centre, map units from the top rim.
+        radius: Map units.
+        color: As given in the level.
+        victory_robots: Names of the robots that must all be inside at once to win; () is no goal.
+        on_beacon: Name of the beacon that switches it on when seen, or "".
+        off_beacon: Name of the beacon that switches it off when seen, or "".
+        sticky_switch: Whether it stays as switched when the beacon is out of sight.
+        impenetrable: Whether it is solid while active.
+    """
+
+    name: str
+    x: float
+    y: float
+    radius: float
+    color: str = AREA_COLOR
+    victory_robots: tuple[str, ...] = ()
+    on_beacon: str = ""
+    off_beacon: str = ""
+    sticky_switch: bool = False
+    impenetrable: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class Visibility:
+    """Which rows of other robots a robot's program may see.
+
+    Attributes:
+        memory: ``own``, ``seen`` (also those of robots on its radar this tick), or ``all``.
+        sensor: ``own`` or ``all``.
+    """
+
+    memory: Literal["own", "seen", "all"] = "own"
+    sensor: Literal["own", "all"] = "own"
+
+
+@dataclass(frozen=True, eq=False)
+class Level:
+    """An immutable description of a labyrinth, its inhabitants and its teaching text.
+
+    Attributes:
+        name: Short name, as typed on the command line; the file's name without its ending.
+        title: Name to show.
+        width: Map units.
+        height: Map units.
+        walls: Read-only bool array of shape (height, width); True is wall.
+        robots: At least one, in file order.
+        beacons: In file order.
+        areas: In file order.
+        visibility: What a program may see of other robots.
+        briefing: What the level asks for, plain text with line breaks, or "".
+        hints: Hints to reveal one at a time.
+        starter: Name of the program to start with, or "".
+        source: Path of the file it came from, or "".
+    """
+
+    name: str
+    title: str
+    width: int
+    height: int
+    walls: NDArray[np.bool_]
+    robots: tuple[Robot, ...]
+    beacons: tuple[Beacon, ...] = ()
+    areas: tuple[Area, ...] = ()
+    visibility: Visibility = field(default_factory=Visibility)
+    briefing: str = ""
+    hints: tuple[str, ...] = ()
+    starter: str = ""
+    source: str = ""

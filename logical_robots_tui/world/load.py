@@ -1,0 +1,90 @@
+"""Finding levels by path or name and reading them in either format."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from logical_robots_tui.shipped import did_you_mean, shipped_folder, shipped_names
+from logical_robots_tui.world.level import Level, LevelError
+from logical_robots_tui.world.native import read_native
+from logical_robots_tui.world.web import read_web
+
+__all__ = ["list_levels", "load_level"]
+
+_SUFFIXES = (".toml", ".json")
+_MOST_BYTES = 64 * 2**20
+_FORMATS = "A level is a .toml file of this game or a .json file of the web platform."
+
+
+def list_levels() -> list[str]:
+    """Return the names of the levels that come with the game, sorted by file name."""
+    return sorted({name for suffix in _SUFFIXES for name in shipped_names("levels", suffix)})
+
+
+def load_level(path_or_name: str | Path) -> Level:
+    """Read a level.
+
+    Args:
+        path_or_name: Path of a ``.toml`` level of this game or a ``.json`` level of the web
+            platform; any other file is judged by its first character. Text without a folder and
+            without an ending is the name of a shipped level.
+
+    Raises:
+        LevelError: There is no such level, or it can't be read, or something in it is wrong. Its
+            ``place`` names the file and the line or key.
+    """
+    if isinstance(path_or_name, str) and _is_name(path_or_name):
+        path = _shipped(path_or_name)
+    else:
+        path = Path(path_or_name)
+    source = str(path)
+    text = _text(path)
+    is_web = path.suffix.lower() == ".json" or (
+        path.suffix.lower() != ".toml" and text.lstrip().startswith("{")
+    )
+    return (read_web if is_web else read_native)(text, path.stem, source)
+
+
+def _is_name(text: str) -> bool:
+    return not set(text) & {"/", "\\"} and Path(text).suffix == "" and text not in {".", ".."}
+
+
+def _shipped(name: str) -> Path:
+    for suffix in _SUFFIXES:
+        path = shipped_folder("levels") / f"{name}{suffix}"
+        if name in list_levels() and path.is_file():
+            return path
+    hint = did_you_mean(name, list_levels()) or "A path needs its ending, such as maze.toml."
+    raise LevelError(f'There is no level called "{name}".', hint=hint)
+
+
+def _text(path: Path) -> str:
+    """Return a file's text."""
+    try:
+        if path.is_dir():
+            raise LevelError("This is a folder, not a level.", place=str(path), hint=_FORMATS)
+        if not path.is_file():
+            raise _not_there(path)
+        with path.open("rb") as file:
+            content = file.read(_MOST_BYTES + 1)
+    except (OSError, ValueError) as error:
+        reason = getattr(error, "strerror", None) or str(error)
+        raise LevelError(f"The file can't be read: {reason}.", place=str(path)) from None
+    if len(content) > _MOST_BYTES:
+        message = f"The file is larger than {_MOST_BYTES // 2**20} MB."
+        raise LevelError(message, place=str(path), hint=_FORMATS)
+    try:
+        text = content.decode("utf-8-sig")
+    except UnicodeDecodeError as error:
+        line = content.count(b"\n", 0, error.start) + 1
+        place = f"{path}, line {line}"
+        raise LevelError("This is no text in UTF-8.", place=place, hint=_FORMATS) from None
+    return text
+
+
+def _not_there(path: Path) -> LevelError:
+    if path.exists():
+        return LevelError("This is no ordinary file.", place=str(path), hint=_FORMATS)
+    siblings = path.parent.iterdir() if path.parent.is_dir() else ()
+    hint = did_you_mean(path.name, [p.name for p in siblings if p.suffix in _SUFFIXES])
+    return LevelError("There is no such file.", place=str(path), hint=hint)

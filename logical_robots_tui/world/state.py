@@ -1,0 +1,66 @@
+"""What changes in a world from tick to tick, as immutable values."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+__all__ = ["AreaState", "RobotState", "WorldState"]
+
+
+@dataclass(frozen=True, slots=True)
+class RobotState:
+    """One robot at the end of a tick.
+
+    Attributes:
+        name: The robot's name.
+        x: Map units from the left rim.
+        y: Map units from the top rim.
+        angle: Heading in radians, clockwise as seen on the screen; in [0, 2π) after the first tick.
+        battery_level: Charge left; meaningless without a battery.
+        left_engine: Power at which the left engine ran in this tick, in [-1, 1].
+        right_engine: Power at which the right engine ran in this tick, in [-1, 1].
+        blocked: Whether a wall stopped its move in this tick.
+        dead: Whether its battery was empty in this tick.
+    """
+
+    name: str
+    x: float
+    y: float
+    angle: float
+    battery_level: float
+    left_engine: float = 0.0
+    right_engine: float = 0.0
+    blocked: bool = False
+    dead: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class AreaState:
+    """One area at the end of a tick.
+
+    Attributes:
+        name: The area's name.
+        active: Whether it is switched on.
+        visitors: Names of the robots inside, in file order.
+    """
+
+    name: str
+    active: bool
+    visitors: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class WorldState:
+    """A whole world at the end of a tick: all that is needed to go on from there.
+
+    Attributes:
+        tick: Number of the last finished tick; 0 is the start.
+        robots: In file order.
+        areas: In file order.
+        won_at: The tick of victory, or None.
+    """
+
+    tick: int
+    robots: tuple[RobotState, ...]
+    areas: tuple[AreaState, ...]
+    won_at: int | None = None

@@ -1,0 +1,214 @@
+"""The running simulation of a level, one tick at a time."""
+
+from __future__ import annotations
+
+import math
+from numbers import Real
+from typing import TYPE_CHECKING
+
+from logical_robots_tui.shipped import did_you_mean
+from logical_robots_tui.world.battery import charging_sources, is_dead, run_battery
+from logical_robots_tui.world.driving import Mover, drive, is_inside, push_out
+from logical_robots_tui.world.sensing import Senses, seen_beacons
+from logical_robots_tui.world.state import AreaState, RobotState, WorldState
+from logical_robots_tui.world.switching import is_won, starts_active, switched
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Mapping
+
+    from logical_robots_tui.values import Desire, SensorRow
+    from logical_robots_tui.world.level import Level
+
+__all__ = ["World"]
+
+
+class World:
+    """The running simulation of a level.
+
+    One tick is a ``sense`` followed by an ``act``. The world holds nothing but the level, an
+    immutable ``WorldState``, and what the robots sensed in a tick that has begun; the same level
+    and the same desires always give the same future.
+
+    Args:
+        level: The level to run; it stands at its start.
+
+    Raises:
+        ValueError: Two robots of the level have one name.
+    """
+
+    def __init__(self, level: Level) -> None:
+        self._names = [robot.name for robot in level.robots]
+        if len(set(self._names)) < len(self._names):
+            raise ValueError("Robots of one level need different names.")
+        self._level = level
+        self._senses = Senses(level)
+        self._state = _start(level)
+        self._sensed: list[SensorRow] | None = None
+        self._seen: frozenset[str] = frozenset()
+
+    @property
+    def level(self) -> Level:
+        """The level that runs."""
+        return self._level
+
+    @property
+    def tick(self) -> int:
+        """The clock: number of the tick that has begun, else of the last finished one."""
+        return self._state.tick + (self._sensed is not None)
+
+    @property
+    def won(self) -> bool:
+        """Whether a goal was reached, now or in an earlier tick."""
+        return self._state.won_at is not None
+
+    @property
+    def won_at(self) -> int | None:
+        """The tick in which a goal was first reached, or None."""
+        return self._state.won_at
+
+    @property
+    def robots(self) -> tuple[RobotState, ...]:
+        """The robots at the end of the last finished tick, in file order."""
+        return self._state.robots
+
+    @property
+    def areas(self) -> tuple[AreaState, ...]:
+        """The areas at the end of the last finished tick, in file order."""
+        return self._state.areas
+
+    def sense(self) -> list[SensorRow]:
+        """Begin a tick: advance the clock and return what every robot senses.
+
+        Until ``act`` finishes the tick, calling it again returns the same rows.
+
+        Returns:
+            One ``{"robot_name": ..., "sensor": {...}}`` per robot in file order: plain dicts,
+            lists, numbers and text. Don't change them.
+        """
+        if self._sensed is None:
+            rows = self._rows(self._state.tick + 1)
+            self._sensed, self._seen = rows, seen_beacons(rows)
+        return self._sensed
+
+    def look(self) -> list[SensorRow]:
+        """Return what the robots see right now, with the present clock; nothing advances."""
+        return self._rows(self.tick)
+
+    def act(self, desires: Mapping[str, Desire]) -> None:
+        """Finish the tick: batteries, driving, pushing out, switches, visits, victory.
+
+        Begins the tick itself if ``sense`` didn't.
+
+        Args:
+            desires: By robot name. A robot without one stands still; so does an engine whose
+                power is no finite number.
+
+        Raises:
+            ValueError: A name is no robot of the level; nothing has changed then.
+        """
+        self._refuse_strangers(desires)
+        self.sense()
+        before, level = self._state, self._level
+
+        movers = [Mover(r.x, r.y, r.angle, r.battery_level) for r in before.robots]
+        pairs = list(zip(level.areas, before.areas, strict=True))
+        solid = [area for area, state in pairs if area.impenetrable and state.active]
+        sources = charging_sources(level, movers)
+        for robot, mover in zip(level.robots, movers, strict=True):
+            left, right = _engines(desires.get(robot.name))
+            run_battery(robot, mover, left, right, sources)
+            mover.dead = is_dead(robot, mover)
+            if mover.dead:
+                left = right = 0.0
+            drive(mover, left, right, level)
+            push_out(mover, solid)
+
+        robots = tuple(map(_finished, self._names, movers))
+        areas = tuple(
+            AreaState(
+                name=area.name,
+                active=switched(area, state.active, self._seen),
+                visitors=tuple(
+                    name
+                    for name, mover in zip(self._names, movers, strict=True)
+                    if is_inside(mover, area)
+                ),
+            )
+            for area, state in pairs
+        )
+        tick, won_at = before.tick + 1, before.won_at
+        if won_at is None and is_won(zip(level.areas, areas, strict=True)):
+            won_at = tick
+        self._state = WorldState(tick, robots, areas, won_at)
+        self._sensed = None
+
+    def save(self) -> WorldState:
+        """Return the world at the end of the last finished tick.
+
+        A tick that has begun is not part of it; sensing again begins it in the same way.
+        """
+        return self._state
+
+    def restore(self, state: WorldState) -> None:
+        """Go back or forward to a saved state; the future from there is exactly the same.
+
+        Args:
+            state: From ``save`` of a world of the same level.
+
+        Raises:
+            ValueError: The state has other robots or areas than the level.
+        """
+        robots = [robot.name for robot in state.robots]
+        areas = [area.name for area in state.areas]
+        if robots != self._names or areas != [area.name for area in self._level.areas]:
+            raise ValueError("This state belongs to another level.")
+        self._state = state
+        self._sensed = None
+
+    def _rows(self, clock: int) -> list[SensorRow]:
+        return self._senses.rows(self._state.robots, self._state.areas, clock)
+
+    def _refuse_strangers(self, names: Iterable[str]) -> None:
+        for name in sorted(set(names).difference(self._names)):
+            hint = did_you_mean(name, self._names)
+            raise ValueError(f'The level has no robot "{name}". {hint}'.rstrip())
+
+
+def _start(level: Level) -> WorldState:
+    robots = tuple(
+        RobotState(r.name, float(r.x), float(r.y), float(r.angle), float(r.battery_capacity))
+        for r in level.robots
+    )
+    areas = tuple(AreaState(area.name, starts_active(area)) for area in level.areas)
+    return WorldState(0, robots, areas)
+
+
+def _finished(name: str, mover: Mover) -> RobotState:
+    return RobotState(
+        name=name,
+        x=mover.x,
+        y=mover.y,
+        angle=mover.angle,
+        battery_level=mover.battery_level,
+        left_engine=mover.left_engine,
+        right_engine=mover.right_engine,
+        blocked=mover.blocked,
+        dead=mover.dead,
+    )
+
+
+def _engines(desire: Desire | None) -> tuple[float, float]:
+    if desire is None:
+        return 0.0, 0.0
+    return _power(desire.left_engine), _power(desire.right_engine)
+
+
+def _power(engine: object) -> float:
+    """Return an engine's power as a plain finite float, 0 for anything that isn't a number."""
+    if not isinstance(engine, Real):
+        return 0.0
+    try:
+        power = float(engine)
+    except OverflowError:
+        return 0.0
+    return power if math.isfinite(power) else 0.0

@@ -1,0 +1,65 @@
+"""A slow caster of rays that is written straight from the rules, to judge the fast one by."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from logical_robots_tui.world import Level, World
+
+
+def plain_look(world: World) -> list[dict[str, Any]]:
+    """Return what ``world.look()`` should."""
+    rows = []
+    for robot, state in zip(world.level.robots, world.robots, strict=True):
+        span = 120 * math.pi / 180
+        forward = _cast(world, state.name, state.angle)
+        radar = []
+        for i in range(31):
+            heading = (state.angle - span / 2) + i * (span / 30)
+            distance, kind, label = _cast(world, state.name, heading)
+            angle = -(heading - state.angle)
+            radar.append({"angle": angle, "distance": distance, "object": kind, "label": label})
+        sensor = {
+            "forward_distance": forward[0],
+            "forward_object": forward[1],
+            "forward_label": forward[2],
+            "radar": radar,
+            "self": {
+                "can_charge": robot.can_charge,
+                "has_battery": robot.has_battery,
+                "battery_level": state.battery_level,
+                "battery_capacity": robot.battery_capacity,
+            },
+            "clock": world.tick,
+        }
+        rows.append({"robot_name": state.name, "sensor": sensor})
+    return rows
+
+
+def _cast(world: World, looker: str, heading: float) -> tuple[int, str, str]:
+    level = world.level
+    (here,) = (robot for robot in world.robots if robot.name == looker)
+    for d in range(1, 200):
+        px = here.x + math.cos(heading) * d
+        py = here.y + math.sin(heading) * d
+        if _is_wall(level, math.floor(px), math.floor(py)):
+            return d, "wall", "wall"
+        for robot in world.robots:
+            if robot.name != looker and math.hypot(px - robot.x, py - robot.y) < 9:
+                return d, "robot", robot.name
+        for beacon in level.beacons:
+            if math.hypot(px - beacon.x, py - beacon.y) < 8:
+                return d, "beacon", beacon.name
+        for area, state in zip(level.areas, world.areas, strict=True):
+            is_solid = area.impenetrable and state.active
+            if is_solid and math.hypot(px - area.x, py - area.y) < area.radius:
+                return d, "wall", area.name
+    return 200, "none", "nothing"
+
+
+def _is_wall(level: Level, column: int, row: int) -> bool:
+    if not (0 <= column < level.width and 0 <= row < level.height):
+        return True
+    return bool(level.walls[row, column])

@@ -1,0 +1,129 @@
+"""The world does what the web platform was recorded to do."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, Any
+
+import pytest
+
+from logical_robots_tui.world import AreaState, RobotState, World, WorldState, load_level
+
+from .records import OBJECT_CODES, TRACES, Trace, read_trace, scripted_desires
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+    from pathlib import Path
+
+    from logical_robots_tui.values import Desire, SensorRow
+
+TOLERANCE = 1e-6
+
+
+@pytest.fixture(scope="module", params=TRACES, ids=lambda path: path.stem)
+def trace(request: pytest.FixtureRequest) -> Trace:
+    path: Path = request.param
+    return read_trace(path)
+
+
+def test_all_traces_are_there() -> None:
+    assert len(TRACES) == 22
+
+
+def test_a_free_run_follows_the_trace_from_start_to_end(trace: Trace) -> None:
+    world = World(load_level(trace.level_path))
+    _check_state(world, trace.start)
+    events: list[list[Any]] = []
+    for tick in range(1, trace.header["ticks"] + 1):
+        before = world.save()
+        rows = world.sense()
+        desires = scripted_desires(trace.header["script"], tick, rows)
+        world.act(desires)
+        events += _events(before, world.save())
+        if tick in trace.ticks:
+            _check_senses(rows, desires, trace, trace.ticks[tick])
+            _check_state(world, trace.ticks[tick])
+    assert sorted(map(str, events)) == sorted(map(str, trace.events))
+    assert len(trace.ticks) > 80
+
+
+def test_every_recorded_tick_follows_from_the_recorded_one_before(trace: Trace) -> None:
+    world = World(load_level(trace.level_path))
+    before = trace.start
+    for tick in range(1, 13):
+        after = trace.ticks[tick]
+        world.restore(_recorded_state(before, trace))
+        rows = world.sense()
+        desires = scripted_desires(trace.header["script"], tick, rows)
+        _check_senses(rows, desires, trace, after)
+        world.act(desires)
+        _check_state(world, after)
+        before = after
+
+
+def _recorded_state(record: dict[str, Any], trace: Trace) -> WorldState:
+    names = trace.header["robots"]
+    return WorldState(
+        tick=record["t"],
+        robots=tuple(
+            RobotState(name, robot["x"], robot["y"], robot["a"], robot["b"])
+            for name, robot in zip(names, record["robots"], strict=True)
+        ),
+        areas=tuple(
+            AreaState(name, bool(area["on"]), tuple(names[i] for i in area["in"]))
+            for name, area in zip(trace.header["areas"], record["areas"], strict=True)
+        ),
+        won_at=record["t"] if record["won"] else None,
+    )
+
+
+def _check_state(world: World, record: dict[str, Any]) -> None:
+    assert world.tick == record["t"]
+    for state, robot in zip(world.robots, record["robots"], strict=True):
+        assert state.x == pytest.approx(robot["x"], abs=TOLERANCE)
+        assert state.y == pytest.approx(robot["y"], abs=TOLERANCE)
+        assert math.remainder(state.angle - robot["a"], math.tau) == pytest.approx(0, abs=TOLERANCE)
+        assert state.battery_level == pytest.approx(robot["b"], abs=TOLERANCE)
+    names = [robot.name for robot in world.robots]
+    seen_areas = [
+        {"on": int(area.active), "in": [names.index(visitor) for visitor in area.visitors]}
+        for area in world.areas
+    ]
+    assert seen_areas == record["areas"]
+    assert world.won == bool(record["won"])
+
+
+def _check_senses(
+    rows: list[SensorRow], desires: Mapping[str, Desire], trace: Trace, record: dict[str, Any]
+) -> None:
+    labels = trace.header["labels"]
+    assert [row["robot_name"] for row in rows] == trace.header["robots"]
+    for row, robot in zip(rows, record["robots"], strict=True):
+        sensor = row["sensor"]
+        assert sensor["clock"] == record["t"]
+        assert sensor["forward_distance"] == robot["fd"]
+        assert sensor["forward_object"] == OBJECT_CODES[robot["fo"]]
+        assert sensor["forward_label"] == labels[robot["fl"]]
+        assert [ray["distance"] for ray in sensor["radar"]] == robot["rd"]
+        assert [ray["object"] for ray in sensor["radar"]] == [OBJECT_CODES[c] for c in robot["ro"]]
+        assert [ray["label"] for ray in sensor["radar"]] == [labels[i] for i in robot["rl"]]
+        assert sensor["self"]["battery_level"] == pytest.approx(robot["sb"], abs=TOLERANCE)
+        desire = desires[row["robot_name"]]
+        assert desire.left_engine == pytest.approx(robot["dl"], abs=TOLERANCE)
+        assert desire.right_engine == pytest.approx(robot["dr"], abs=TOLERANCE)
+
+
+def _events(before: WorldState, after: WorldState) -> list[list[Any]]:
+    """Return what changed in one tick, in the words of the traces."""
+    events: list[list[Any]] = []
+    names = [robot.name for robot in after.robots]
+    for i, (old, new) in enumerate(zip(before.areas, after.areas, strict=True)):
+        if old.active != new.active:
+            events.append([after.tick, "on" if new.active else "off", i])
+        for robot, name in enumerate(names):
+            if (name in new.visitors) != (name in old.visitors):
+                kind = "enter" if name in new.visitors else "leave"
+                events.append([after.tick, kind, i, robot])
+    if before.won_at is None and after.won_at is not None:
+        events.append([after.won_at, "won"])
+    return events

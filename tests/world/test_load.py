@@ -1,0 +1,167 @@
+"""Finding levels, by path and by name."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+
+import pytest
+
+from logical_robots_tui import shipped
+from logical_robots_tui.errors import InputError
+from logical_robots_tui.shipped import did_you_mean, shipped_folder, shipped_names
+from logical_robots_tui.world import LevelError, list_levels, load, load_level
+
+from .records import LEVELS
+from .test_native import SMALL
+
+WEB = LEVELS[0].read_text("utf-8")
+
+
+@pytest.fixture
+def package(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """A package folder of our own, with nothing shipped yet."""
+    folder = tmp_path / "place" / "package"
+    folder.mkdir(parents=True)
+    monkeypatch.setattr(shipped, "__file__", str(folder / "shipped.py"))
+    return folder
+
+
+@pytest.fixture
+def levels(package: Path) -> Path:
+    """The folder of shipped levels, with three of them."""
+    folder = package / "levels"
+    folder.mkdir()
+    (folder / "02-maze.toml").write_text(SMALL)
+    (folder / "01-start.toml").write_text(SMALL)
+    (folder / "03-web.json").write_text(WEB)
+    (folder / "notes.md").write_text("No level.")
+    return folder
+
+
+def refusal(path_or_name: str | Path) -> LevelError:
+    with pytest.raises(LevelError) as caught:
+        load_level(path_or_name)
+    return caught.value
+
+
+def test_a_checkout_has_what_ships_beside_the_package(package: Path) -> None:
+    (package.parent / "levels").mkdir()
+    assert shipped_folder("levels") == package.parent / "levels"
+    assert shipped_folder("programs") == package.parent / "programs"
+
+
+def test_an_installed_copy_has_what_ships_inside_the_package(levels: Path) -> None:
+    (levels.parent.parent / "levels").mkdir()
+    assert shipped_folder("levels") == levels
+
+
+def test_names_are_those_of_the_files_with_the_ending_sorted(levels: Path) -> None:
+    assert shipped_names("levels", ".toml") == ["01-start", "02-maze"]
+    assert shipped_names("programs", ".l") == []
+    assert levels.is_dir()
+
+
+def test_levels_of_both_formats_are_listed_by_file_name(levels: Path) -> None:
+    assert list_levels() == ["01-start", "02-maze", "03-web"]
+    assert len(list(levels.iterdir())) == 4
+
+
+def test_a_shipped_level_is_found_by_its_name(levels: Path) -> None:
+    level = load_level("02-maze")
+    assert (level.name, level.source) == ("02-maze", str(levels / "02-maze.toml"))
+    assert load_level("03-web").name == "03-web"
+
+
+@pytest.mark.usefixtures("levels")
+def test_a_wrong_name_asks_which_one_was_meant() -> None:
+    error = refusal("02-mase")
+    assert error.message == 'There is no level called "02-mase".'
+    assert error.hint == 'Did you mean "02-maze"?'
+
+
+@pytest.mark.usefixtures("levels")
+@pytest.mark.parametrize("name", ["", "zzzzzz", "*"])
+def test_a_name_like_no_other_says_how_to_give_a_path(name: str) -> None:
+    assert refusal(name).hint == "A path needs its ending, such as maze.toml."
+
+
+@pytest.mark.usefixtures("levels")
+def test_a_path_is_never_taken_for_a_name(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    assert refusal("./02-maze").message == "There is no such file."
+    assert refusal(Path("02-maze")).message == "There is no such file."
+
+
+def test_a_missing_file_asks_which_one_was_meant(tmp_path: Path) -> None:
+    (tmp_path / "maze.toml").write_text(SMALL)
+    error = refusal(tmp_path / "mase.toml")
+    assert error.place == str(tmp_path / "mase.toml")
+    assert error.message == "There is no such file."
+    assert error.hint == 'Did you mean "maze.toml"?'
+
+
+def test_a_missing_folder_is_a_missing_file(tmp_path: Path) -> None:
+    assert refusal(tmp_path / "none" / "maze.toml").message == "There is no such file."
+
+
+@pytest.mark.parametrize("folder", [".", "..", "/"])
+def test_a_folder_is_refused(folder: str) -> None:
+    error = refusal(folder)
+    assert error.place == str(Path(folder))
+    assert error.message == "This is a folder, not a level."
+
+
+def test_what_is_no_ordinary_file_is_refused_without_waiting_for_it(tmp_path: Path) -> None:
+    os.mkfifo(tmp_path / "pipe.toml")
+    assert refusal(tmp_path / "pipe.toml").message == "This is no ordinary file."
+
+
+def test_a_path_that_no_system_allows_is_refused() -> None:
+    assert refusal("maze\0.toml").message
+    assert refusal("n" * 5000 + ".toml").message
+
+
+def test_a_file_that_is_not_text_is_refused_at_its_line(tmp_path: Path) -> None:
+    path = tmp_path / "maze.toml"
+    path.write_bytes(b"title = 'A'\ncell = \xff\x00\x01\n")
+    error = refusal(path)
+    assert error.place == f"{path}, line 2"
+    assert error.message == "This is no text in UTF-8."
+    assert error.hint.startswith("A level is a .toml file")
+
+
+def test_a_huge_file_is_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(load, "_MOST_BYTES", 2**20)
+    path = tmp_path / "maze.toml"
+    path.write_bytes(b"#" * (2**20 + 1))
+    assert refusal(path).message == "The file is larger than 1 MB."
+    path.write_bytes(b"#" * 2**20)
+    assert "larger" not in refusal(path).message
+
+
+def test_an_ending_decides_the_format(tmp_path: Path) -> None:
+    (tmp_path / "a.JSON").write_text(SMALL)
+    (tmp_path / "b.toml").write_text(WEB)
+    assert "JSON" in refusal(tmp_path / "a.JSON").message
+    assert "TOML" in refusal(tmp_path / "b.toml").message
+
+
+def test_without_a_known_ending_the_first_character_decides(tmp_path: Path) -> None:
+    (tmp_path / "native.txt").write_text(SMALL)
+    (tmp_path / "web").write_text("\n  " + WEB)
+    assert load_level(str(tmp_path / "native.txt")).title == "Small"
+    assert load_level(tmp_path / "web").name == "web"
+
+
+def test_a_level_error_is_an_input_error_that_shows_place_message_and_hint(tmp_path: Path) -> None:
+    (tmp_path / "maze.toml").write_text(SMALL)
+    error = refusal(tmp_path / "mase.toml")
+    assert isinstance(error, InputError)
+    assert str(error) == f'{tmp_path}/mase.toml: There is no such file. Did you mean "maze.toml"?'
+
+
+def test_a_question_names_what_is_nearest_or_nothing_at_all() -> None:
+    assert did_you_mean("ALPA", ["Alpha", "Beta"]) == 'Did you mean "Alpha"?'
+    assert did_you_mean("xyz", ["Alpha", "Beta"]) == ""
+    assert did_you_mean("", []) == ""

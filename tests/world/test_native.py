@@ -1,0 +1,353 @@
+"""The level format of this game."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+import numpy as np
+import pytest
+
+from logical_robots_tui.world import Area, Beacon, LevelError, Robot, Visibility, load_level
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+FULL = """\
+title = "Two gates"
+cell = 10
+walls = '''
+######
+#..  #
+#.##.#
+######
+'''
+briefing = '''
+Open the gate.
+
+Then leave.
+'''
+hints = ["Look for the lamp.", "Turn\\nleft."]
+starter = "wander"
+
+[visibility]
+memory = "seen"
+sensor = "all"
+
+[[robots]]
+name = "Ann"
+x = 15
+y = 15.5
+heading = 90
+color = "orange"
+battery = {capacity = 100, consumption = 0.5, charges_others = true}
+
+[[robots]]
+name = "Bob"
+x = 40
+y = 15
+
+[[beacons]]
+name = "lamp"
+x = 12
+y = 25
+charging_station = true
+
+[[areas]]
+name = "home"
+x = 45
+y = 25
+radius = 6.5
+color = "#0f0"
+goal_for = ["Ann", "Bob"]
+on_beacon = "lamp"
+off_beacon = "lamp"
+sticky = true
+solid = true
+"""
+
+SMALL = """\
+title = "Small"
+cell = 10
+walls = '''
+####
+#..#
+####
+'''
+
+[[robots]]
+name = "Ann"
+x = 15
+y = 15
+"""
+
+
+def write(folder: Path, text: str) -> Path:
+    path = folder / "level.toml"
+    path.write_text(text, "utf-8")
+    return path
+
+
+def refusal(folder: Path, text: str) -> LevelError:
+    with pytest.raises(LevelError) as caught:
+        load_level(write(folder, text))
+    assert caught.value.message.endswith(".")
+    assert caught.value.place.startswith(str(folder / "level.toml"))
+    return caught.value
+
+
+def place(error: LevelError) -> str:
+    """Return where in the file an error is."""
+    _, _, rest = error.place.partition("level.toml")
+    return rest.removeprefix(":").removeprefix(",").strip()
+
+
+def test_everything_that_a_level_can_say_is_read(tmp_path: Path) -> None:
+    level = load_level(write(tmp_path, FULL))
+    assert (level.name, level.title) == ("level", "Two gates")
+    assert level.source == str(tmp_path / "level.toml")
+    assert (level.width, level.height) == (60, 40)
+    assert level.briefing == "Open the gate.\n\nThen leave."
+    assert level.hints == ("Look for the lamp.", "Turn\nleft.")
+    assert level.starter == "wander"
+    assert level.visibility == Visibility(memory="seen", sensor="all")
+    assert level.robots == (
+        Robot("Ann", 15, 15.5, math.pi / 2, "orange", True, True, 100, 0.5),
+        Robot("Bob", 40, 15),
+    )
+    assert level.beacons == (Beacon("lamp", 12, 25, True),)
+    assert level.areas == (
+        Area("home", 45, 25, 6.5, "#0f0", ("Ann", "Bob"), "lamp", "lamp", True, True),
+    )
+
+
+def test_every_character_of_the_map_is_a_square_of_cells(tmp_path: Path) -> None:
+    walls = load_level(write(tmp_path, FULL)).walls
+    assert walls.shape == (40, 60)
+    assert walls[:10].all()
+    assert not walls[10:20, 10:50].any()
+    assert walls[20:30, 20:40].all()
+    assert np.count_nonzero(walls) == 18 * 100
+    assert not walls.flags.writeable
+
+
+def test_what_a_level_leaves_out_has_its_default(tmp_path: Path) -> None:
+    level = load_level(write(tmp_path, SMALL))
+    assert level.robots == (Robot("Ann", 15, 15),)
+    assert (level.beacons, level.areas, level.hints) == ((), (), ())
+    assert (level.briefing, level.starter) == ("", "")
+    assert level.visibility == Visibility()
+
+
+def test_a_file_of_another_system_with_its_line_ends_and_mark_is_read(tmp_path: Path) -> None:
+    path = tmp_path / "level.toml"
+    path.write_bytes(b"\xef\xbb\xbf" + SMALL.replace("\n", "\r\n").encode())
+    assert load_level(path).walls.shape == (30, 40)
+
+
+def test_a_row_of_the_wrong_length_is_named_with_its_line(tmp_path: Path) -> None:
+    error = refusal(tmp_path, SMALL.replace("#..#", "#...#"))
+    assert place(error) == "row 2 of walls (line 5)"
+    assert error.message == "This row has 5 characters, the first one has 4."
+
+
+def test_the_line_of_a_row_is_right_when_other_text_looks_like_the_map(tmp_path: Path) -> None:
+    decoy = 'briefing = """\nwalls = \'\'\'\n####\n"""\n'
+    error = refusal(tmp_path, decoy + SMALL.replace("#..#", "#.."))
+    assert place(error) == "row 2 of walls (line 9)"
+
+
+def test_a_map_written_on_one_line_still_has_its_rows_counted(tmp_path: Path) -> None:
+    text = 'title = "A"\ncell = 1\nwalls = "##\\n#"\nrobots = [{name = "Ann", x = 0, y = 0}]\n'
+    assert place(refusal(tmp_path, text)) == "row 2 of walls"
+
+
+@pytest.mark.parametrize(("character", "shown"), [("X", '"X"'), ("\t", "U+0009")])
+def test_a_strange_character_of_the_map_is_named_with_its_line(
+    tmp_path: Path, character: str, shown: str
+) -> None:
+    error = refusal(tmp_path, SMALL.replace("#..#", f"#.{character}#"))
+    assert place(error) == "row 2 of walls (line 5)"
+    assert error.message == f"Character 3 is {shown}, which is neither wall nor free."
+    assert "# and free cells as . or space" in error.hint
+
+
+def test_broken_toml_is_placed_by_line_and_column(tmp_path: Path) -> None:
+    error = refusal(tmp_path, SMALL.replace("cell = 10", "cell = = 10"))
+    assert place(error) == "line 2, column 8"
+    assert error.message.startswith("This is no valid TOML: ")
+
+
+def test_toml_that_ends_too_early_is_placed_at_its_end(tmp_path: Path) -> None:
+    error = refusal(tmp_path, "walls = '''\n###")
+    assert place(error) == "end of document"
+
+
+@pytest.mark.parametrize("value", ["9" * 5000, "2024-02-31", "[" * 100_000])
+def test_toml_that_its_parser_chokes_on_is_refused(tmp_path: Path, value: str) -> None:
+    error = refusal(tmp_path, f"title = {value}\n")
+    assert error.message.startswith("This is no valid TOML: ")
+
+
+BAD_VALUES = [
+    # what to write instead of what, where it's wrong, what the message says
+    ('title = "Small"\n', "", "title", '"title" is missing.'),
+    ('"Small"', "5", "title", '"title" must be text, not a number.'),
+    ('"Small"', '""', "title", '"title" is empty.'),
+    ("cell = 10\n", "", "cell", '"cell" is missing.'),
+    ("cell = 10", "cell = 0", "cell", '"cell" must be 1 or more, not 0.'),
+    ("cell = 10", "cell = 1.5", "cell", '"cell" must be a whole number, not 1.5.'),
+    ("cell = 10", "cell = true", "cell", '"cell" must be a number, not true or false.'),
+    ("cell = 10", "cell = 2000", "walls", "The map is 8000 x 6000 units; 4000 x 4000 is the most."),
+    ("cell = 10", "cell = 10\nsize = 3", "size", '"size" means nothing here.'),
+    ("cell = 10", "cell = 10\nhints = 3", "hints", '"hints" must be a list, not a number.'),
+    ("cell = 10", "cell = 10\nhints = [3]", "hints[0]", "This must be text, not a number."),
+    ("cell = 10", 'cell = 10\nbriefing = "\\u001b[2J"', "briefing", "can't be shown"),
+    ("cell = 10", 'cell = 10\nhints = ["\\u0007"]', "hints[0]", "can't be shown"),
+    ("cell = 10", "cell = 10\nvisibility = 3", "visibility", "must be a record, not a number."),
+    (
+        "cell = 10",
+        'cell = 10\nvisibility = {memory = "none"}',
+        "visibility.memory",
+        '"memory" must be "own" or "seen" or "all".',
+    ),
+    (
+        "cell = 10",
+        'cell = 10\nvisibility = {sensor = "seen"}',
+        "visibility.sensor",
+        '"sensor" must be "own" or "all".',
+    ),
+    ("cell = 10", "cell = 10\nvisibility = {eyes = 2}", "visibility.eyes", "means nothing here."),
+    ("[[robots]]", "[[beacons]]", "robots", "The level has no robots."),
+    ("[[robots]]", "[robots]", "robots", '"robots" must be a list, not a record.'),
+    ('name = "Ann"\n', "", "robots[0].name", '"name" is missing.'),
+    ('"Ann"', '" "', "robots[0].name", '"name" is empty.'),
+    ('"Ann"', '"' + "n" * 61 + '"', "robots[0].name", "longer than 60 characters"),
+    ('"Ann"', '"\\u001b[31mAnn"', "robots[0].name", "can't be shown"),
+    ('"Ann"', '"Ann\\nBob"', "robots[0].name", "can't be shown"),
+    ('"Ann"', '"An\\u202en"', "robots[0].name", "can't be shown"),
+    ("x = 15\n", "", "robots[0].x", '"x" is missing.'),
+    ("x = 15", 'x = "15"', "robots[0].x", '"x" must be a number, not text.'),
+    ("x = 15", "x = 2024-01-01", "robots[0].x", '"x" must be a number, not a date or time.'),
+    ("x = 15", "x = nan", "robots[0].x", '"x" must be a finite number, not nan.'),
+    ("x = 15", "x = -inf", "robots[0].x", '"x" must be a finite number, not -inf.'),
+    ("x = 15", "x = 1" + "0" * 400, "robots[0].x", '"x" is too large; 1000000 is the most.'),
+    ("x = 15", "x = 40", "robots[0]", 'Robot "Ann" stands outside the map.'),
+    ("y = 15", "y = -1", "robots[0]", 'Robot "Ann" stands outside the map.'),
+    ("y = 15", "y = 15\nangle = 3", "robots[0].angle", '"angle" means nothing here.'),
+    ("y = 15", 'y = 15\nheading = "up"', "robots[0].heading", "must be a number, not text."),
+    ("y = 15", 'y = 15\ncolor = "#12345"', "robots[0].color", '"color" is no colour.'),
+    ("y = 15", "y = 15\ncolor = 12", "robots[0].color", '"color" must be text, not a number.'),
+    ("y = 15", "y = 15\nbattery = 5", "robots[0].battery", "must be a record, not a number."),
+    ("y = 15", "y = 15\nbattery = {}", "robots[0].battery.capacity", '"capacity" is missing.'),
+    (
+        "y = 15",
+        "y = 15\nbattery = {capacity = -1}",
+        "robots[0].battery.capacity",
+        '"capacity" must be 0 or more, not -1.',
+    ),
+    (
+        "y = 15",
+        "y = 15\nbattery = {capacity = 1, charges_others = 1}",
+        "robots[0].battery.charges_others",
+        '"charges_others" must be true or false, not a number.',
+    ),
+    (
+        "y = 15",
+        "y = 15\nbattery = {capacity = 1, drain = 1}",
+        "robots[0].battery.drain",
+        '"drain" means nothing here.',
+    ),
+]
+
+
+@pytest.mark.parametrize(("old", "new", "where", "message"), BAD_VALUES)
+def test_a_bad_value_is_refused_at_its_key(
+    tmp_path: Path, old: str, new: str, where: str, message: str
+) -> None:
+    assert old in SMALL
+    error = refusal(tmp_path, SMALL.replace(old, new, 1))
+    assert place(error) == where
+    assert message in error.message
+
+
+BAD_ADDITIONS = [
+    (
+        '[[robots]]\nname = "Ann"\nx = 20\ny = 15',
+        "robots[1].name",
+        'Two robots are called "Ann".',
+    ),
+    ('[[beacons]]\nname = "lamp"\nx = 20', "beacons[0].y", '"y" is missing.'),
+    ("[[areas]]\nx = 20\ny = 15\nradius = 5", "areas[0].name", '"name" is missing.'),
+    ('[[areas]]\nname = "a"\nx = 1\ny = 1', "areas[0].radius", '"radius" is missing.'),
+    (
+        '[[areas]]\nname = "a"\nx = 1\ny = 1\nradius = -2',
+        "areas[0].radius",
+        '"radius" must be 0 or more, not -2.',
+    ),
+    (
+        '[[areas]]\nname = "a"\nx = 1\ny = 1\nradius = 5\non_beacon = "lamp"',
+        "areas[0].on_beacon",
+        'Area "a" is switched by "lamp", which is no beacon here.',
+    ),
+    (
+        '[[areas]]\nname = "a"\nx = 1\ny = 1\nradius = 5\noff_beacon = "lamp"',
+        "areas[0].off_beacon",
+        'Area "a" is switched by "lamp", which is no beacon here.',
+    ),
+    (
+        '[[areas]]\nname = "a"\nx = 1\ny = 1\nradius = 5\ngoal_for = "Ann"',
+        "areas[0].goal_for",
+        '"goal_for" must be a list, not text.',
+    ),
+    (
+        '[[areas]]\nname = "a"\nx = 1\ny = 1\nradius = 5\nsolid = "yes"',
+        "areas[0].solid",
+        '"solid" must be true or false, not text.',
+    ),
+    (
+        "\n".join(f'[[beacons]]\nname = "b{i}"\nx = 1\ny = 1' for i in range(1001)),
+        "beacons",
+        "There are 1001 beacons; 1000 is the most.",
+    ),
+]
+
+
+@pytest.mark.parametrize(("addition", "where", "message"), BAD_ADDITIONS)
+def test_a_bad_addition_is_refused_at_its_key(
+    tmp_path: Path, addition: str, where: str, message: str
+) -> None:
+    error = refusal(tmp_path, f"{SMALL}\n{addition}\n")
+    assert place(error) == where
+    assert error.message == message
+
+
+def test_a_goal_for_an_unknown_robot_asks_which_one_was_meant(tmp_path: Path) -> None:
+    area = '[[areas]]\nname = "a"\nx = 1\ny = 1\nradius = 5\ngoal_for = ["ann"]\n'
+    error = refusal(tmp_path, SMALL + area)
+    assert place(error) == "areas[0].goal_for"
+    assert error.message == 'Area "a" is a goal for "ann", which is no robot here.'
+    assert error.hint == 'Did you mean "Ann"?'
+
+
+def test_a_mistyped_key_asks_which_one_was_meant(tmp_path: Path) -> None:
+    error = refusal(tmp_path, SMALL.replace("walls =", "wals ="))
+    assert place(error) == "wals"
+    assert error.hint == 'Did you mean "walls"?'
+
+
+def test_a_key_that_is_like_no_other_lists_what_is_known(tmp_path: Path) -> None:
+    error = refusal(tmp_path, SMALL + "battery = {capacity = 1, zzz = 1}\n")
+    assert error.hint == "Known here: capacity, consumption, charges_others."
+
+
+def test_a_level_without_a_map_tells_how_to_draw_one(tmp_path: Path) -> None:
+    error = refusal(tmp_path, 'title = "A"\ncell = 10\n')
+    assert place(error) == "walls"
+    assert "Draw walls as #" in error.hint
+
+
+def test_an_empty_map_is_refused(tmp_path: Path) -> None:
+    error = refusal(tmp_path, "title = 'A'\ncell = 10\nwalls = ''\n")
+    assert place(error) == "walls"
+    assert error.message == "The first row of the map is empty."

@@ -1,0 +1,184 @@
+"""What robots see."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, Any
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from logical_robots_tui.world import Area, Beacon, Level, Robot, World, load_level
+
+from .making import levels, make_level
+from .plain_sensing import plain_look
+from .records import LEVELS, scripted_desires
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+HERE = Robot("Ann", 50.5, 50.5)
+
+
+def forward(level: Level) -> tuple[int, str, str]:
+    sensor = World(level).look()[0]["sensor"]
+    return sensor["forward_distance"], sensor["forward_object"], sensor["forward_label"]
+
+
+@settings(max_examples=300, deadline=None)
+@given(levels())
+def test_the_fast_rays_hit_what_the_plain_rays_hit(level: Level) -> None:
+    world = World(level)
+    assert world.look() == plain_look(world)
+
+
+@pytest.mark.parametrize("path", LEVELS, ids=lambda path: path.stem)
+def test_the_fast_rays_agree_with_the_plain_ones_along_a_drive(path: Path) -> None:
+    world = World(load_level(path))
+    for tick in range(1, 61):
+        if tick % 10 == 0:
+            assert world.look() == plain_look(world)
+        world.act(scripted_desires("reactive", tick, world.sense()))
+
+
+@settings(max_examples=200, deadline=None)
+@given(
+    heading=st.floats(0, math.tau),
+    along=st.integers(1, 205) | st.floats(1, 205),
+    radius=st.floats(0.001, 300),
+    off=st.floats(-1e-7, 1e-7) | st.sampled_from((0.0, 1e-15, -1e-15, 1e-12, -1e-12)),
+)
+def test_a_ray_that_grazes_a_circle_decides_as_the_plain_one(
+    heading: float, along: float, radius: float, off: float
+) -> None:
+    aside = radius * (1 + off)
+    area = Area(
+        "boulder",
+        500.3 + along * math.cos(heading) - aside * math.sin(heading),
+        500.7 + along * math.sin(heading) + aside * math.cos(heading),
+        radius,
+        impenetrable=True,
+    )
+    robot = Robot("Ann", 500.3, 500.7, heading)
+    world = World(make_level([robot], width=1000, height=1000, areas=[area]))
+    assert world.look() == plain_look(world)
+
+
+def test_more_robots_than_one_pass_takes_all_see_each_other() -> None:
+    crowd = [Robot(f"R{i}", 10.3 + 13 * i, 50.5, math.pi) for i in range(20)]
+    world = World(make_level(crowd))
+    rows = world.look()
+    assert rows == plain_look(world)
+    assert [row["sensor"]["forward_label"] for row in rows] == [
+        "wall",
+        *(robot.name for robot in crowd[:-1]),
+    ]
+
+
+def test_a_robot_30_ahead_reads_22() -> None:
+    assert forward(make_level([HERE, Robot("Bob", 80.5, 50.5)])) == (22, "robot", "Bob")
+
+
+def test_a_beacon_30_ahead_reads_23() -> None:
+    assert forward(make_level([HERE], beacons=[Beacon("lamp", 80.5, 50.5)])) == (
+        23,
+        "beacon",
+        "lamp",
+    )
+
+
+def test_a_solid_area_is_seen_as_a_wall_with_its_name() -> None:
+    area = Area("boulder", 80.5, 50.5, 10, impenetrable=True)
+    assert forward(make_level([HERE], areas=[area])) == (21, "wall", "boulder")
+
+
+def test_a_solid_area_that_is_off_is_not_seen() -> None:
+    area = Area("boulder", 80.5, 50.5, 10, impenetrable=True, on_beacon="lamp")
+    assert forward(make_level([HERE], areas=[area])) == (200, "none", "nothing")
+
+
+def test_an_area_that_is_not_solid_is_not_seen() -> None:
+    area = Area("field", 80.5, 50.5, 10)
+    assert forward(make_level([HERE], areas=[area])) == (200, "none", "nothing")
+
+
+def test_a_wall_is_read_at_the_first_step_into_its_cell() -> None:
+    assert forward(make_level([HERE], walls=[(60, 50)])) == (10, "wall", "wall")
+
+
+def test_a_ray_reaches_199_and_no_further() -> None:
+    assert forward(make_level([HERE], walls=[(249, 50)])) == (199, "wall", "wall")
+    assert forward(make_level([HERE], walls=[(250, 50)])) == (200, "none", "nothing")
+
+
+def test_the_rim_of_the_map_is_seen_as_a_wall() -> None:
+    assert forward(make_level([HERE], width=70)) == (20, "wall", "wall")
+
+
+def test_a_robot_outside_the_map_sees_walls_at_1_all_around() -> None:
+    row = World(make_level([Robot("Ann", -30, 50)])).look()[0]
+    assert {(ray["distance"], ray["object"]) for ray in row["sensor"]["radar"]} == {(1, "wall")}
+
+
+def test_at_one_distance_a_wall_is_seen_before_a_robot_before_a_beacon_before_an_area() -> None:
+    wall = [(72, 50)]
+    robot = Robot("Bob", 80.5, 50.5)
+    beacon = Beacon("lamp", 79.5, 50.5)
+    area = Area("boulder", 80.5, 50.5, 9, impenetrable=True)
+    everything: dict[str, Any] = {"walls": wall, "beacons": [beacon], "areas": [area]}
+    assert forward(make_level([HERE, robot], **everything)) == (22, "wall", "wall")
+    del everything["walls"]
+    assert forward(make_level([HERE, robot], **everything)) == (22, "robot", "Bob")
+    assert forward(make_level([HERE], **everything)) == (22, "beacon", "lamp")
+    del everything["beacons"]
+    assert forward(make_level([HERE], **everything)) == (22, "wall", "boulder")
+
+
+def test_the_first_of_two_beacons_at_one_distance_is_seen() -> None:
+    twins = [Beacon("first", 80.5, 50.5), Beacon("second", 80.5, 50.5)]
+    assert forward(make_level([HERE], beacons=twins)) == (23, "beacon", "first")
+
+
+def test_a_radius_is_strict_even_where_only_one_step_touches_it() -> None:
+    beside = Beacon("lamp", 80.5, 58.5)
+    inside = Beacon("lamp", 80.5, math.nextafter(58.5, 0))
+    assert forward(make_level([HERE], beacons=[beside])) == (200, "none", "nothing")
+    assert forward(make_level([HERE], beacons=[inside])) == (30, "beacon", "lamp")
+
+
+@settings(deadline=None)
+@given(st.integers(20, 150), st.floats(1, 15))
+def test_a_step_that_falls_exactly_on_a_rim_is_not_inside(step: int, aside: float) -> None:
+    x, y = HERE.x + step + 10, HERE.y + aside
+    radius = math.hypot(HERE.x + step - x, HERE.y - y)
+    area = Area("boulder", x, y, radius, impenetrable=True)
+    assert forward(make_level([HERE], areas=[area])) == (step + 1, "wall", "boulder")
+
+
+def test_the_radar_sweeps_from_60_degrees_left_to_60_degrees_right() -> None:
+    left_of_ann = Beacon("lamp", 80.5, 30.5)  # y grows downwards
+    radar = World(make_level([HERE], beacons=[left_of_ann])).look()[0]["sensor"]["radar"]
+    degrees = [math.degrees(ray["angle"]) for ray in radar]
+    assert degrees == pytest.approx([60 - 4 * i for i in range(31)])
+    seen = [math.degrees(ray["angle"]) for ray in radar if ray["label"] == "lamp"]
+    assert min(seen) > 0
+    assert any(angle == pytest.approx(32) for angle in seen)
+
+
+def test_rows_hold_plain_python_values_only() -> None:
+    areas = [Area("boulder", 80.5, 50.5, 10, impenetrable=True)]
+    world = World(make_level([HERE, Robot("Bob", 60, 60)], areas=areas))
+    plain = {dict, list, str, int, float, bool}
+
+    def kinds(value: object) -> set[type]:
+        if isinstance(value, dict):
+            return {dict}.union(*map(kinds, value.values()))
+        if isinstance(value, list):
+            return {list}.union(*map(kinds, value))
+        return {type(value)}
+
+    assert kinds(world.sense()) <= plain
+    ray = world.sense()[0]["sensor"]["radar"][0]
+    assert type(ray["distance"]) is int
+    assert type(ray["angle"]) is float

@@ -1,0 +1,240 @@
+"""The world from tick to tick."""
+
+from __future__ import annotations
+
+import copy
+import math
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from logical_robots_tui.values import Desire
+from logical_robots_tui.world import Area, Beacon, Level, Robot, World
+
+from .making import NAMES, levels, make_level
+
+AHEAD = Desire(1, 1)
+ANN = Robot("Ann", 50.5, 50.5)
+BOB = Robot("Bob", 150.5, 50.5)
+
+engines = st.one_of(
+    st.floats(-2, 2), st.floats(), st.sampled_from((1.0, -1.0, 0.0, math.nan, math.inf))
+)
+desires = st.dictionaries(st.sampled_from(NAMES), st.builds(Desire, engines, engines))
+
+
+def known(wanted: dict[str, Desire], level: Level) -> dict[str, Desire]:
+    names = {robot.name for robot in level.robots}
+    return {name: desire for name, desire in wanted.items() if name in names}
+
+
+@settings(max_examples=100, deadline=None)
+@given(levels(), st.lists(desires, min_size=1, max_size=8), st.data())
+def test_a_restored_world_has_exactly_the_same_future(
+    level: Level, plan: list[dict[str, Desire]], data: st.DataObject
+) -> None:
+    plan = [known(wanted, level) for wanted in plan]
+    world = World(level)
+    states, rows = [world.save()], []
+    for wanted in plan:
+        rows.append(copy.deepcopy(world.sense()))
+        world.act(wanted)
+        states.append(world.save())
+
+    start = data.draw(st.integers(0, len(plan)))
+    world.restore(states[start])
+    assert world.save() == states[start]
+    for tick in range(start, len(plan)):
+        assert world.sense() == rows[tick]
+        world.act(plan[tick])
+        assert world.save() == states[tick + 1]
+
+    # A world that never saw the past goes on in the same way.
+    other = World(level)
+    other.restore(states[start])
+    for tick in range(start, len(plan)):
+        other.act(plan[tick])
+    assert other.save() == states[-1]
+
+
+@settings(max_examples=100, deadline=None)
+@given(levels(), st.lists(desires, min_size=1, max_size=8))
+def test_no_desire_poisons_the_state(level: Level, plan: list[dict[str, Desire]]) -> None:
+    world = World(level)
+    for wanted in plan:
+        world.act(known(wanted, level))
+    for robot in world.robots:
+        for value in (robot.x, robot.y, robot.angle, robot.battery_level):
+            assert type(value) is float
+            assert math.isfinite(value)
+        assert -1 <= robot.left_engine <= 1
+        assert -1 <= robot.right_engine <= 1
+        assert type(robot.blocked) is type(robot.dead) is bool
+    for area in world.areas:
+        assert type(area.active) is bool
+
+
+def test_a_world_starts_at_tick_0_with_nobody_visiting() -> None:
+    world = World(make_level([ANN], areas=[Area("home", 50, 50, 20, victory_robots=("Ann",))]))
+    assert (world.tick, world.won, world.won_at) == (0, False, None)
+    assert world.areas[0].active
+    assert world.areas[0].visitors == ()
+
+
+def test_sensing_again_in_a_tick_gives_the_same_rows_and_the_same_clock() -> None:
+    world = World(make_level())
+    first = copy.deepcopy(world.sense())
+    assert world.sense() == first
+    assert world.tick == 1
+    assert first[0]["sensor"]["clock"] == 1
+
+
+def test_looking_shows_the_present_clock_and_advances_nothing() -> None:
+    world = World(make_level())
+    assert world.look()[0]["sensor"]["clock"] == 0
+    assert world.tick == 0
+    assert world.sense() == world.look()
+    world.act({"Ann": AHEAD})
+    assert world.look()[0]["sensor"]["clock"] == 1
+    assert world.tick == 1
+
+
+def test_acting_without_sensing_senses_by_itself() -> None:
+    area = Area("gate", 200, 50, 10, on_beacon="lamp")
+    level = make_level([ANN], beacons=[Beacon("lamp", 80, 50)], areas=[area])
+    sensing, blind = World(level), World(level)
+    sensing.sense()
+    sensing.act({"Ann": AHEAD})
+    blind.act({"Ann": AHEAD})
+    assert blind.save() == sensing.save()
+    assert blind.areas[0].active
+
+
+def test_a_tick_that_has_begun_is_not_part_of_what_is_saved() -> None:
+    world = World(make_level())
+    before = world.save()
+    rows = copy.deepcopy(world.sense())
+    assert world.save() == before
+    world.restore(world.save())
+    assert world.tick == 0
+    assert world.sense() == rows
+
+
+def test_changing_the_rows_changes_nothing_in_the_world() -> None:
+    area = Area("gate", 200, 50, 10, on_beacon="lamp")
+    world = World(make_level([ANN], beacons=[Beacon("lamp", 80, 50)], areas=[area]))
+    world.sense()[0]["sensor"]["radar"].clear()
+    world.act({})
+    assert world.areas[0].active
+
+
+def test_a_robot_without_a_desire_stands_still() -> None:
+    world = World(make_level([ANN, BOB]))
+    world.act({"Ann": AHEAD})
+    ann, bob = world.robots
+    assert (ann.x, ann.y, ann.left_engine, ann.right_engine) == (51.5, 50.5, 1.0, 1.0)
+    assert (bob.x, bob.y, bob.left_engine, bob.right_engine) == (150.5, 50.5, 0.0, 0.0)
+
+
+def test_a_stronger_left_engine_turns_a_robot_to_its_right() -> None:
+    world = World(make_level())
+    world.act({"Ann": Desire(1, 0)})
+    assert world.robots[0].angle == pytest.approx(1 / 20)
+    assert world.robots[0].y > 50.5
+
+
+@pytest.mark.parametrize("engine", [math.nan, math.inf, -math.inf, None, "1", 10**400])
+def test_an_engine_whose_power_is_no_finite_number_stands_still(engine: Any) -> None:
+    robot = Robot("Ann", 50.5, 50.5, has_battery=True, battery_capacity=10)
+    world = World(make_level([robot]))
+    world.act({"Ann": Desire(engine, 1)})
+    assert (world.robots[0].left_engine, world.robots[0].right_engine) == (0.0, 1.0)
+    assert world.robots[0].battery_level == 10
+
+
+def test_numbers_of_numpy_drive_like_plain_ones_and_stay_out_of_the_state() -> None:
+    world = World(make_level())
+    world.act({"Ann": Desire(np.float32(0.5), np.float64(0.5))})  # type: ignore[arg-type] # on purpose
+    robot = world.robots[0]
+    assert robot.x == 51.0
+    assert type(robot.x) is type(robot.left_engine) is float
+
+
+def test_driving_clamps_a_desire_but_the_battery_pays_for_all_of_it() -> None:
+    robot = Robot(
+        "Ann", 50.5, 50.5, has_battery=True, battery_capacity=10, battery_consumption_rate=0.5
+    )
+    world = World(make_level([robot]))
+    world.act({"Ann": Desire(4, 4)})
+    assert world.robots[0].x == 51.5
+    assert world.robots[0].battery_level == 8
+
+
+def test_the_largest_of_desires_costs_nothing_where_driving_is_free() -> None:
+    robot = Robot("Ann", 50.5, 50.5, has_battery=True, battery_capacity=10)
+    world = World(make_level([robot]))
+    world.act({"Ann": Desire(1e308, 1e308)})
+    assert world.robots[0].battery_level == 10
+
+
+def test_a_wall_blocks_a_move_but_not_the_turn() -> None:
+    world = World(make_level(walls=[(51, 50)]))
+    world.act({"Ann": Desire(1, 0.9)})
+    robot = world.robots[0]
+    assert robot.blocked
+    assert (robot.x, robot.y) == (50.5, 50.5)
+    assert robot.angle == pytest.approx(0.005)
+    world.act({"Ann": Desire(-1, -1)})
+    assert not world.robots[0].blocked
+
+
+def test_a_robot_that_only_turns_inside_a_wall_is_not_blocked() -> None:
+    world = World(make_level(walls=[(50, 50)]))
+    world.act({"Ann": Desire(1, -1)})
+    assert not world.robots[0].blocked
+
+
+def test_a_robot_with_an_empty_battery_is_dead_from_the_tick_that_empties_it() -> None:
+    robot = Robot(
+        "Ann", 50.5, 50.5, has_battery=True, battery_capacity=1.5, battery_consumption_rate=1
+    )
+    world = World(make_level([robot]))
+    world.act({"Ann": AHEAD})
+    assert not world.robots[0].dead
+    world.act({"Ann": AHEAD})
+    assert world.robots[0].dead
+    assert (world.robots[0].x, world.robots[0].left_engine) == (51.5, 0.0)
+
+
+def test_victory_stays_once_it_is_reached() -> None:
+    goal = Area("home", 53, 50.5, 2, victory_robots=("Ann",))
+    world = World(make_level([ANN], areas=[goal]))
+    for _ in range(10):
+        world.act({"Ann": AHEAD})
+    assert world.won
+    assert world.won_at == 1
+    assert world.areas[0].visitors == ()
+
+
+def test_a_desire_for_a_robot_that_is_not_there_is_refused_and_changes_nothing() -> None:
+    world = World(make_level([ANN, BOB]))
+    with pytest.raises(ValueError, match=r'no robot "Anne"\. Did you mean "Ann"\?'):
+        world.act({"Bob": AHEAD, "Anne": AHEAD})
+    assert world.tick == 0
+    assert world.robots[1].x == 150.5
+
+
+def test_a_state_of_another_level_is_refused() -> None:
+    world = World(make_level([ANN]))
+    with pytest.raises(ValueError, match="another level"):
+        world.restore(World(make_level([ANN, BOB])).save())
+    with pytest.raises(ValueError, match="another level"):
+        world.restore(World(make_level([ANN], areas=[Area("home", 1, 1, 1)])).save())
+
+
+def test_two_robots_of_one_name_are_refused() -> None:
+    with pytest.raises(ValueError, match="different names"):
+        World(make_level([ANN, ANN]))
