@@ -1,0 +1,22 @@
+"""The mind: Logica programs compiled to SQLite; sensors and memories in, decisions out."""
+
+from logical_robots_tui.mind.decision import Decision, Notice, NoticeKind
+from logical_robots_tui.mind.diagnostics import Diagnostic, ProgramError, QueryError, Stopped
+from logical_robots_tui.mind.limits import Limits
+from logical_robots_tui.mind.mind import Mind, Table
+from logical_robots_tui.mind.program import Predicate, Program
+
+__all__ = [
+    "Decision",
+    "Diagnostic",
+    "Limits",
+    "Mind",
+    "Notice",
+    "NoticeKind",
+    "Predicate",
+    "Program",
+    "ProgramError",
+    "QueryError",
+    "Stopped",
+    "Table",
+]

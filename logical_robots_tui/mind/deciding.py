@@ -1,0 +1,96 @@
+"""From the rows of `Robot` to decisions, with a notice for everything that is unusual."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING
+
+from logical_robots_tui.mind.decision import Decision, Notice
+from logical_robots_tui.mind.stored import to_json
+from logical_robots_tui.values import Desire, Value
+
+if TYPE_CHECKING:
+    from logical_robots_tui.mind.limits import Limits
+
+__all__ = ["decide", "note_stranger"]
+
+
+def note_stranger(name: Value, notices: list[Notice]) -> None:
+    """Note, once, a row of `Robot` that is for no robot of the level."""
+    if any(n.kind in ("null name", "unknown robot") for n in notices):
+        return
+    if name is None:
+        notices.append(Notice("null name", "Robot gave a row whose robot_name is null."))
+    else:
+        notices.append(Notice("unknown robot", f"Robot gave a row for {name!r}, who is not here."))
+
+
+def decide(
+    name: str,
+    rows: Sequence[Mapping[str, Value]],
+    memory: Value,
+    notices: list[Notice],
+    limits: Limits,
+) -> Decision:
+    """The decision that follows from the rows of `Robot` for one robot; of several the last."""
+    notices = list(notices)
+    if not rows:
+        if not any(n.kind == "failed" for n in notices):
+            notices.append(Notice("no row", f"Robot has no row for {name}: engines stop."))
+        return Decision(name, None, memory, tuple(notices))
+    if len(rows) > 1:
+        notices.append(
+            Notice("several rows", f"Robot has {len(rows)} rows for {name}: the last one counts.")
+        )
+    row = rows[-1]
+    if "memory" not in row:
+        notices.append(Notice("no memory", "Robot has no memory column: memory stays as it was."))
+    else:
+        memory = _remember(row["memory"], memory, notices, limits)
+    return Decision(name, _desire(row.get("desire"), notices), memory, tuple(notices))
+
+
+def _remember(new: Value, old: Value, notices: list[Notice], limits: Limits) -> Value:
+    size = len(to_json(new)) if isinstance(new, str | list | dict) else 0
+    if size <= limits.memory_bytes:
+        return new
+    notices.append(
+        Notice(
+            "no memory",
+            f"The new memory has {size:,} characters, more than {limits.memory_bytes:,}: "
+            "memory stays as it was.",
+        )
+    )
+    return old
+
+
+def _desire(value: Value, notices: list[Notice]) -> Desire | None:
+    if not isinstance(value, Mapping):
+        what = "null" if value is None else "not a record"
+        notices.append(Notice("bad engine", f"The desire is {what}: engines stop."))
+        return None
+    engines = {}
+    for engine in ("left_engine", "right_engine"):
+        power = _power(value.get(engine))
+        if power is None:
+            what = _short(value[engine]) if engine in value else "missing"
+            notices.append(Notice("bad engine", f"{engine} is {what}: it stands still."))
+        engines[engine] = power or 0.0
+    return Desire(**engines)
+
+
+def _power(value: Value) -> float | None:
+    """An engine's power as a finite number, or None where it is none."""
+    if not isinstance(value, int | float):
+        return None
+    try:
+        power = float(value)
+    except OverflowError:
+        return None
+    return power if math.isfinite(power) else None
+
+
+def _short(value: Value) -> str:
+    text = "null" if value is None else to_json(value)
+    return text if len(text) <= 40 else text[:39] + "…"

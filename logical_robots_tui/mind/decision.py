@@ -1,0 +1,45 @@
+"""What a program decides for one robot in one tick."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Literal, TypeAlias
+
+if TYPE_CHECKING:
+    from logical_robots_tui.values import Desire, Value
+
+__all__ = ["Decision", "Notice", "NoticeKind"]
+
+NoticeKind: TypeAlias = Literal[
+    "no row", "several rows", "bad engine", "no memory", "null name", "unknown robot", "failed"
+]
+
+
+@dataclass(frozen=True, slots=True)
+class Notice:
+    """Something about a decision that a player should know; it never stops the game.
+
+    Attributes:
+        kind: What sort of thing happened.
+        message: One plain sentence.
+    """
+
+    kind: NoticeKind
+    message: str
+
+
+@dataclass(frozen=True, slots=True)
+class Decision:
+    """One robot's desire and new memory, or why there is none.
+
+    Attributes:
+        robot_name: Whose decision this is.
+        desire: What the engines should do; None stops the robot for this tick.
+        memory: What the robot remembers from now on.
+        notices: What was unusual about it, in the order found.
+    """
+
+    robot_name: str
+    desire: Desire | None
+    memory: Value
+    notices: tuple[Notice, ...] = ()

@@ -1,0 +1,58 @@
+"""What is wrong with a program, where, and what to do about it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from logical_robots_tui.errors import LogicalRobotsError
+
+__all__ = ["Diagnostic", "ProgramError", "QueryError", "Stopped"]
+
+
+@dataclass(frozen=True, slots=True)
+class Diagnostic:
+    """One mistake in a program.
+
+    Attributes:
+        line: Line in the program's text, from 1.
+        column: Column in that line, from 1.
+        message: What is wrong, one plain sentence.
+        hint: What to do about it, or "".
+        excerpt: The offending text, one line, or "".
+    """
+
+    line: int
+    column: int
+    message: str
+    hint: str = ""
+    excerpt: str = ""
+
+    def __str__(self) -> str:
+        head = f"line {self.line}, column {self.column}: {self.message}"
+        return f"{head} {self.hint}" if self.hint else head
+
+
+class ProgramError(LogicalRobotsError):
+    """A program can't be compiled.
+
+    Attributes:
+        diagnostics: At least one, in the order of the text.
+    """
+
+    title = "This program can't run yet"
+
+    def __init__(self, diagnostics: tuple[Diagnostic, ...]) -> None:
+        self.diagnostics = diagnostics
+        super().__init__("\n".join(str(d) for d in diagnostics))
+
+
+class QueryError(LogicalRobotsError):
+    """A predicate has no rows to show, or failed at this tick."""
+
+    title = "No rows"
+
+
+class Stopped(LogicalRobotsError):  # noqa: N818 - not an error: somebody asked for it
+    """The work was stopped on request before it was done."""
+
+    title = "Stopped"

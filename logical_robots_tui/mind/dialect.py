@@ -1,0 +1,114 @@
+"""The SQL that Logica is compiled to: the package's SQLite dialect with DuckDB's meaning."""
+
+from __future__ import annotations
+
+import copy
+import re
+from typing import Any
+
+from logica.compiler import dialects
+
+__all__ = ["RobotDialect"]
+
+_COLUMN = re.compile(r"\w+\.\w+")
+_ALWAYS_JSON = (".sensor", ".value")
+
+
+class RobotDialect(dialects.SqLiteDialect):  # type: ignore[misc]  # the package has no types
+    """SQLite with real division, no exceptions on null, and only functions of our own."""
+
+    def BuiltInFunctions(self) -> dict[str, str | None]:
+        """Functions by Logica name, as SQL templates."""
+        functions: dict[str, str | None] = dict(super().BuiltInFunctions())
+        functions.update(
+            {
+                # An expression that the optimiser can't move out of its subquery.
+                "MagicalEntangle": "IIF({1} = 0, {0}, NULL)",
+                "Set": "list_of_distinct({0})",
+                "Join": "join_list({0}, {1})",
+                "Sort": "sort_list({0})",
+                "Agg++": "concat_lists(%s)",
+                "Concat": "concat_two_lists({0}, {1})",
+                "Split": "split_text(%s)",
+                "If": "IIF(%s)",
+                "AnyValue": "MIN(%s)",
+                "Element": "json_extract({0}, '$[' || CAST({1} AS INTEGER) || ']')",
+                "ToInt64": "CAST(round(%s) AS INTEGER)",
+                "ToFloat64": "CAST(%s AS REAL)",
+                "Range": "number_range({0})",
+            }
+        )
+        return functions
+
+    def InfixOperators(self) -> dict[str, str]:
+        """Operators by Logica name, as SQL templates."""
+        return {
+            **super().InfixOperators(),
+            "/": "(%s) * 1.0 / (%s)",
+            "in": "%s IN (SELECT value FROM json_each(%s))",
+        }
+
+    def Subscript(self, record: str, subscript: str, record_is_table: bool) -> str:
+        """SQL of `record.subscript`; a column that may hold plain text gives null."""
+        if record_is_table:
+            return f"{record}.{subscript}"
+        field = subscript.replace("'", "''")
+        sql = f"json_extract({record}, '$.{field}')"
+        if _COLUMN.fullmatch(record) and not record.endswith(_ALWAYS_JSON):
+            return f"CASE WHEN json_valid({record}) THEN {sql} END"
+        return sql
+
+    def LibraryProgram(self) -> str:
+        """Nothing: the prelude is added to the rules of the program before they are compiled."""
+        return ""
+
+    def DecorateCombineRule(self, rule: dict[str, Any], var: str) -> dict[str, Any]:
+        """Tie what is aggregated to its own subquery, the package's way.
+
+        The pair of `argument -> value` is tied part by part, so that it need never be built.
+        """
+        pair = _pair(rule)
+        if pair is None:
+            decorated: dict[str, Any] = super().DecorateCombineRule(rule, var)
+            return decorated
+        rule = copy.deepcopy(rule)
+        pair = _pair(rule)
+        assert pair is not None
+        for side in pair["record"]["field_value"]:
+            side["value"] = {"expression": _entangled(side["value"], var)}
+        body = rule.setdefault("body", {"conjunction": {"conjunct": []}})
+        body["conjunction"]["conjunct"].append(_zero(var))
+        return rule
+
+
+def _pair(rule: dict[str, Any]) -> dict[str, Any] | None:
+    """The call of `->` that a combine aggregates, if that is what it does."""
+    value = rule["head"]["record"]["field_value"][0]["value"]
+    argument = value["aggregation"]["expression"]["call"]["record"]["field_value"][0]["value"]
+    call: dict[str, Any] | None = argument.get("expression", {}).get("call")
+    return call if call and call["predicate_name"] == "->" else None
+
+
+def _entangled(value: dict[str, Any], var: str) -> dict[str, Any]:
+    return {
+        "call": {
+            "predicate_name": "MagicalEntangle",
+            "record": {
+                "field_value": [
+                    {"field": 0, "value": value},
+                    {"field": 1, "value": {"expression": {"variable": {"var_name": var}}}},
+                ]
+            },
+        }
+    }
+
+
+def _zero(var: str) -> dict[str, Any]:
+    return {
+        "inclusion": {
+            "list": {
+                "literal": {"the_list": {"element": [{"literal": {"the_number": {"number": "0"}}}]}}
+            },
+            "element": {"variable": {"var_name": var}},
+        }
+    }

@@ -1,0 +1,76 @@
+"""Programs: Logica text, compiled."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Literal
+
+if TYPE_CHECKING:
+    import threading
+    from collections.abc import Mapping
+
+__all__ = ["INPUTS", "Predicate", "Program"]
+
+INPUTS: Mapping[str, tuple[str, ...]] = {
+    "Sensor": ("robot_name", "sensor"),
+    "Memory": ("robot_name", "memory"),
+}
+"""The predicates that the game supplies, with their columns."""
+
+
+@dataclass(frozen=True, slots=True)
+class Predicate:
+    """A predicate that an inspector can name.
+
+    Attributes:
+        name: As written in the program.
+        kind: ``input`` (Sensor, Memory), ``program`` (defined in the text) or ``prelude``.
+        line: Line of its first rule in the program's text, from 1, or None.
+        has_rows: False for a function of its arguments, which has no rows of its own.
+        reason: Why it has no rows, one sentence, or "".
+    """
+
+    name: str
+    kind: Literal["input", "program", "prelude"]
+    line: int | None
+    has_rows: bool
+    reason: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class Program:
+    """A compiled program; make one with `Program.compile`.
+
+    Attributes:
+        text: The Logica text.
+        predicates: Inputs first, then the program's own in the order of the text, then the prelude.
+        statements: One SQL query by predicate name, for those that have rows.
+        memory: Visibility of memories that the program asks for with ``@Visible``, or None.
+        sensor: Visibility of sensors that the program asks for with ``@Visible``, or None.
+    """
+
+    text: str
+    predicates: tuple[Predicate, ...]
+    statements: Mapping[str, str]
+    memory: Literal["own", "seen", "all"] | None = None
+    sensor: Literal["own", "all"] | None = None
+
+    @classmethod
+    def compile(cls, text: str, *, stop: threading.Event | None = None) -> Program:
+        """Compile Logica text. Blocks; the work is done in a process of its own.
+
+        Args:
+            text: The program.
+            stop: Set it from another thread to give up; takes effect within 0.1 s.
+
+        Raises:
+            ProgramError: The program is wrong; holds diagnostics with line, column and hint.
+            Stopped: `stop` was set.
+        """
+        from logical_robots_tui.mind.compilation import compile_program
+
+        return compile_program(text, stop=stop)
+
+    def predicate(self, name: str) -> Predicate | None:
+        """The predicate of that name, or None."""
+        return next((p for p in self.predicates if p.name == name), None)

@@ -1,0 +1,185 @@
+"""Compiling: what a player is told about a program that is wrong."""
+
+from __future__ import annotations
+
+import threading
+from time import monotonic
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from logical_robots_tui.mind import Program, ProgramError, Stopped, compilation
+from logical_robots_tui.mind.text import prepare
+from tests.mind.rows import PAPER, ROBOT, remembered
+
+GOOD = ROBOT + "m = 1;"
+M = len(ROBOT) + 1  # column of what follows
+
+
+def complaint(text: str) -> tuple[int, int, str, str]:
+    """Line, column, message and hint of the first diagnostic."""
+    with pytest.raises(ProgramError) as caught:
+        Program.compile(text)
+    first = caught.value.diagnostics[0]
+    return first.line, first.column, first.message, first.hint
+
+
+@pytest.mark.parametrize(
+    ("text", "line", "column", "words"),
+    [
+        ("", 1, 1, "there is no Robot predicate"),
+        ("Foo(1);\nBar(2);", 1, 1, "there is no Robot predicate"),
+        ("A(1);\nB(2);\n" + ROBOT + "m = (1;", 3, M + 4, "'(' is never closed"),
+        ("A(1);\n" + GOOD + "\n# ) fine\nB(1));", 4, 5, "')' closes nothing"),
+        ("A(1);\nB([1, 2);", 2, 8, "')' does not match the '[' of line 2"),
+        ('A(1);\nB("open);\n' + GOOD, 2, 3, 'never closed with "'),
+        ("A(1);\nB(2);\nC(x) :- x == ;\n" + GOOD, 3, 13, "this is not"),
+        ("A(1)\nB(2);\n" + GOOD, 2, 1, "does not belong in the head"),
+        (GOOD + "\nA(x) :- B(x) :- C(x);", 2, 1, "two ':-' in one rule"),
+        ("A(1);\n" + ROBOT + "m = Wings(1);", 2, M + 4, "Wings is not defined"),
+        ("A(1);\n" + ROBOT + "m = y + 1;", 2, M + 4, "nothing says what y is"),
+        ("A(1);\nRobot(desire: 1, memory: 1);", 2, 1, "Robot has no robot_name"),
+        ("A(1);\nRobot(robot_name: 1, memory: 1);", 2, 1, "Robot has no desire"),
+        ("lower(x);", 1, 1, "Robot predicate"),
+        ("just some words", 1, 1, "a rule starts with a predicate"),
+        (GOOD + "\nimport a.b.C;", 2, 1, "can't import"),
+        ('@Engine("duckdb");\n' + GOOD, 1, 1, "@Engine is chosen by the game"),
+        ('A(1);\n@AttachDatabase("a", "/etc/passwd");\n' + GOOD, 2, 1, "@AttachDatabase is chosen"),
+        ("@Sparkle(Robot);\n" + GOOD, 1, 1, "no annotation @Sparkle"),
+        ('@Visible(Memory, "some");\n' + GOOD, 1, 1, "not a visibility"),
+        ("Memory(robot_name: 1);\n" + GOOD, 1, 1, "Memory is supplied by the game"),
+        (ROBOT + '\nm = SqlExpr("1", {});', 2, 5, "can't write SQL"),
+        (ROBOT + "\nm = x, `(select 1 as x)`(x:);", 2, 8, "can't write SQL"),
+        (ROBOT + '\nm = ReadFile("/etc/passwd");', 2, 5, "ReadFile is not there for robots"),
+        (ROBOT + "\nm = (if 1 == 1 then 2);", 2, 9, "this 'if' can't be read"),
+        ("A(1);\n\0", 2, 1, "not text"),
+    ],
+)
+def test_a_mistake_is_told_with_its_place(text: str, line: int, column: int, words: str) -> None:
+    found_line, found_column, message, _ = complaint(text)
+    assert words in message
+    assert (found_line, found_column) == (line, column)
+
+
+def test_a_misspelt_name_gets_a_suggestion() -> None:
+    assert complaint(ROBOT + "m = Squrt(2);")[3] == "Did you mean Sqrt?"
+    assert complaint("Nearest(1);" + ROBOT + "Nearst(m);")[3] == "Did you mean Nearest?"
+
+
+def test_messages_hold_no_terminal_codes() -> None:
+    for text in (ROBOT + "m = y;", "A(1) A(2);", "F(x) = y;" + ROBOT + "F(1, 2, m);"):
+        assert "\x1b" not in "".join(str(part) for part in complaint(text))
+
+
+def test_a_program_of_a_megabyte_is_refused_at_once() -> None:
+    began = monotonic()
+    assert "1,000,000 characters" in complaint("x" * 1_000_000)[2]
+    assert monotonic() - began < 1
+
+
+def test_deep_nesting_is_refused_in_plain_words() -> None:
+    deep = "(" * 2_000 + "1" + ")" * 2_000
+    message = complaint(ROBOT + f"m = -{deep.replace('(', '(-')};")[2]
+    assert "nested too deeply" in message
+
+
+def test_the_listing_of_the_paper_compiles_as_printed() -> None:
+    program = Program.compile(PAPER)
+    robot, motion = program.predicate("Robot"), program.predicate("FreedomMotion")
+    assert robot is not None
+    assert robot.has_rows
+    assert motion is not None
+    assert (motion.line, motion.has_rows) == (1, False)
+    assert "function of its arguments" in motion.reason
+
+
+def test_predicates_come_in_the_order_of_the_text_after_the_inputs() -> None:
+    program = Program.compile("B(1);\n\nA(2) :- B(1);\nC(x) += 1 :- A(x);\n" + GOOD)
+    own = [(p.name, p.line) for p in program.predicates if p.kind == "program"]
+    assert own == [("B", 1), ("A", 3), ("C", 4), ("Robot", 5)]
+    assert [p.name for p in program.predicates[:2]] == ["Sensor", "Memory"]
+    assert "WeightedAverage" in [p.name for p in program.predicates if p.kind == "prelude"]
+
+
+def test_a_program_may_define_what_the_prelude_has() -> None:
+    own = "WeightedAverage(pair) = Sum(pair.arg) * 100;"
+    assert remembered("WeightedAverage{1 -> x :- x in [5, 6]}", rules=own) == 200
+    assert remembered("WeightedAverage{1 -> x :- x in [5, 6]}") == 5.5
+
+
+def test_recursion_reaches_as_deep_as_on_duckdb() -> None:
+    rules = (
+        "Step(0); Step(n + 1) :- Step(n), n < 60;\nFar(m? Max= n) distinct :- Step(n);\n"
+        "TheFar() = m :- Far(m:);"
+    )
+    assert remembered("TheFar()", rules=rules) == 32
+    assert remembered("TheFar()", rules="@Recursive(Step, 50);" + rules) == 50
+
+
+def test_applying_the_same_text_again_gives_the_same_program() -> None:
+    assert Program.compile(PAPER) is Program.compile(PAPER)
+
+
+def test_compiling_can_be_stopped_and_the_next_program_compiles() -> None:
+    heavy = "A0(x) :- x in [1];" + "".join(
+        f"A{i}(x) :- (A{i - 1}(x) | A{i - 1}(x)), (A{i - 1}(x) | A{i - 1}(x));"
+        for i in range(1, 12)
+    )
+    stop = threading.Event()
+    timer = threading.Timer(0.3, stop.set)
+    timer.start()
+    began = monotonic()
+    with pytest.raises(Stopped):
+        Program.compile(heavy + ROBOT + "A11(m);", stop=stop)
+    timer.join()
+    assert monotonic() - began < 3
+    assert Program.compile(ROBOT + "m = 12345;").statements
+
+
+def test_a_program_that_compiles_too_long_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(compilation, "COMPILE_SECONDS", 0.0)
+    assert "longer than 0 seconds" in complaint(ROBOT + "m = 54321;")[2]
+
+
+def test_a_compile_process_that_dies_is_replaced() -> None:
+    Program.compile(ROBOT + "m = 777;")
+    process = compilation._compiler._process
+    assert process is not None
+    process.kill()
+    process.wait()
+    assert Program.compile(ROBOT + "m = 778;").statements
+
+
+def test_comments_and_quotes_do_not_disturb_places() -> None:
+    text = '# a ( comment\n/* { */ A("# no comment; } (");\n' + ROBOT + "m = Wings(1);"
+    assert complaint(text)[:2] == (3, M + 4)
+
+
+def test_a_space_before_the_brace_of_an_aggregate_is_allowed_only_there() -> None:
+    assert remembered('"Sum {x}"') == "Sum {x}"
+    assert remembered("Sum   {x :- x in [1, 2]}") == 3
+    assert remembered("Sum\n  {x :- x in [1, 2]}") == 3
+
+
+@settings(deadline=None)
+@given(st.text(alphabet='aZ_ \n#"`/*(){}[];:-,=.|~1', max_size=60))
+def test_preparing_keeps_the_length_and_the_lines(text: str) -> None:
+    prepared = prepare(text)
+    assert len(prepared.text) == len(prepared.skeleton) == len(text)
+    assert [i for i, c in enumerate(prepared.skeleton) if c == "\n"] == [
+        i for i, c in enumerate(text) if c == "\n"
+    ]
+
+
+@settings(max_examples=40, deadline=None)
+@given(st.text(alphabet='AaRobt_ \n#"(){}[];:-,=.|~1+', max_size=40))
+def test_nonsense_is_always_a_diagnostic_inside_the_text(nonsense: str) -> None:
+    text = nonsense + "\n" + "Rob"
+    with pytest.raises(ProgramError) as caught:
+        Program.compile(text)
+    lines = text.split("\n")
+    for diagnostic in caught.value.diagnostics:
+        assert 1 <= diagnostic.line <= len(lines)
+        assert 1 <= diagnostic.column <= len(lines[diagnostic.line - 1]) + 1
+        assert diagnostic.message

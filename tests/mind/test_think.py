@@ -1,0 +1,178 @@
+"""Thinking: decisions, and what is said when a program decides oddly."""
+
+from __future__ import annotations
+
+import math
+import threading
+
+import pytest
+
+from logical_robots_tui.mind import Limits, Mind, NoticeKind, Program, Stopped
+from logical_robots_tui.values import Desire
+from tests.mind.rows import PAPER, ROBOT, remembered, row, think
+
+EVERYBODY = "Robot(robot_name:, desire: {}, memory: 1) :- Sensor(robot_name:);"
+
+
+def test_the_program_of_the_paper_steers_towards_the_weighted_mean_of_the_radar() -> None:
+    sees = {i: (20 + i, "wall", "wall") for i in range(15)}
+    rows = [row("Ada", sees=sees)]
+    (decision,) = think(PAPER, rows, {})
+    radar = rows[0]["sensor"]["radar"]
+    freedom = sum(r["distance"] * r["angle"] for r in radar) / sum(r["distance"] for r in radar)
+    assert decision.desire is not None
+    assert decision.desire.left_engine == pytest.approx(0.5 - freedom + 0.1)
+    assert decision.desire.right_engine == pytest.approx(0.5 + freedom)
+    assert decision.memory == "I am a robot"
+    assert decision.notices == ()
+
+
+def test_each_robot_gets_one_decision_in_the_order_of_the_rows() -> None:
+    decisions = think(PAPER, [row("Zoe"), row("Ada"), row("Bo")], {})
+    assert [d.robot_name for d in decisions] == ["Zoe", "Ada", "Bo"]
+
+
+def test_whole_numbers_divide_to_real_ones() -> None:
+    assert remembered("60 / 100") == 0.6
+    assert remembered("[7 / 2, -7 / 2, 1 / 4]") == [3.5, -3.5, 0.25]
+
+
+@pytest.mark.parametrize(
+    ("desire", "expected", "words"),
+    [
+        ("{left_engine: null, right_engine: 0.5}", Desire(0.0, 0.5), "left_engine is null"),
+        ("{right_engine: 0.5}", Desire(0.0, 0.5), "left_engine is missing"),
+        ("{left_engine: 0.5, right_engine: 1e999}", Desire(0.5, 0.0), "right_engine is"),
+        ('{left_engine: "fast", right_engine: 1}', Desire(0.0, 1.0), 'left_engine is "fast"'),
+        ("null", None, "The desire is null"),
+        ("7", None, "The desire is not a record"),
+    ],
+)
+def test_an_engine_that_is_no_number_stands_still_and_is_reported(
+    desire: str, expected: Desire | None, words: str
+) -> None:
+    text = f"Robot(robot_name:, desire: {desire}, memory: 1) :- Sensor(robot_name:);"
+    (decision,) = think(text, [row("Ada")], {})
+    assert decision.desire == expected
+    assert [n.kind for n in decision.notices] == ["bad engine"]
+    assert words in decision.notices[0].message
+
+
+def _kinds(text: str, memory: object = "before") -> tuple[object, object, list[NoticeKind]]:
+    (decision,) = think(text, [row("Ada")], {"Ada": memory})
+    return decision.desire, decision.memory, [n.kind for n in decision.notices]
+
+
+def test_no_row_stops_the_robot_and_keeps_its_memory() -> None:
+    text = ROBOT + "m = 1, sensor.clock > 100;"
+    assert _kinds(text) == (None, "before", ["no row"])
+
+
+def test_of_several_rows_the_last_counts() -> None:
+    text = ROBOT + "m in [1, 2, 3];"
+    desire, memory, kinds = _kinds(text)
+    assert (desire, kinds) == (Desire(0.5, 0.5), ["several rows"])
+    assert memory == 3
+
+
+def test_a_program_without_memory_leaves_it_as_it_was() -> None:
+    text = "Robot(robot_name:, desire: {left_engine: 1, right_engine: 1}) :- Sensor(robot_name:);"
+    assert _kinds(text) == (Desire(1.0, 1.0), "before", ["no memory"])
+
+
+def test_a_row_for_nobody_is_reported() -> None:
+    text = EVERYBODY.replace("{}", "{left_engine: 1, right_engine: 1}")
+    stranger = 'Robot(robot_name: "Mallory", desire: null, memory: 1);'
+    assert _kinds(text + stranger)[2] == ["unknown robot"]
+    nobody = "Robot(robot_name: null, desire: null, memory: 1);"
+    assert _kinds(text + nobody)[2] == ["null name"]
+
+
+def test_a_failing_query_is_a_notice_and_keeps_the_memory() -> None:
+    text = ROBOT + 'm = Join("no list", "-");'
+    assert _kinds(text) == (None, "before", ["failed"])
+
+
+def test_null_memory_is_a_memory() -> None:
+    assert remembered("null", "something") is None
+
+
+def test_a_huge_memory_is_refused_and_the_old_one_kept() -> None:
+    text = ROBOT + "Memory(robot_name:, memory:), m = memory ++ memory;"
+    limits = Limits(memory_bytes=100)
+    (decision,) = think(text, [row("Ada")], {"Ada": "x" * 80}, limits=limits)
+    assert decision.memory == "x" * 80
+    assert [n.kind for n in decision.notices] == ["no memory"]
+
+
+@pytest.mark.parametrize(
+    "memory",
+    [
+        "I am a robot",
+        "",
+        7,
+        -0.25,
+        None,
+        [1, "two", None],
+        {"plan": [{"at": "A", "seen": {"B": 2}}], "näme": "Zoë 东"},
+        {"quote": 'say "hi"', "slash": "\\"},
+    ],
+)
+def test_a_memory_survives_many_ticks_unchanged(memory: object) -> None:
+    program = Program.compile(ROBOT + "Memory(robot_name:, memory:), m = memory;")
+    mind = Mind(program)
+    kept = memory
+    for _ in range(5):
+        (decision,) = mind.think([row("Ada")], {"Ada": kept})  # type: ignore[dict-item]  # any value
+        kept = decision.memory
+    mind.close()
+    assert kept == memory
+
+
+def test_a_record_inside_a_record_stays_a_record() -> None:
+    rules = "@Ground(Deep); Deep(r: {a: {b: [1, {c: 2}]}}); TheDeep() = r :- Deep(r:);"
+    assert remembered("{kept: memory, deep: TheDeep()}", {"x": [1]}, rules=rules) == {
+        "kept": {"x": [1]},
+        "deep": {"a": {"b": [1, {"c": 2}]}},
+    }
+
+
+def test_a_field_of_a_memory_that_is_plain_text_is_null() -> None:
+    assert remembered("Coalesce(memory.count, 0) + 1", "I am a robot") == 1
+    assert remembered("Coalesce(memory.count, 0) + 1", {"count": 4}) == 5
+
+
+def test_text_is_not_taken_for_markup_or_sql() -> None:
+    assert remembered('"it\'s [bold]"') == "it's [bold]"
+
+
+def _slow() -> Program:
+    return Program.compile(
+        "N(x) :- x in Range(3000); Big(s? += a * b) distinct :- N(a), N(b), N(c);"
+        "Robot(robot_name:, desire: {left_engine: s, right_engine: 0}, memory: 1) :-"
+        "  Sensor(robot_name:), Big(s:);"
+    )
+
+
+def test_a_thought_that_takes_too_long_is_ended_and_reported() -> None:
+    mind = Mind(_slow(), limits=Limits(think_seconds=0.05))
+    (decision,) = mind.think([row("Ada")], {"Ada": "kept"})
+    mind.close()
+    assert decision.memory == "kept"
+    assert "longer than 0.05 seconds" in decision.notices[0].message
+
+
+def test_a_thought_can_be_stopped_from_another_thread() -> None:
+    mind = Mind(_slow())
+    stop = threading.Event()
+    timer = threading.Timer(0.05, stop.set)
+    timer.start()
+    with pytest.raises(Stopped):
+        mind.think([row("Ada")], {}, stop=stop)
+    timer.join()
+    assert mind.query("Sensor", [row("Ada")], {}).rows
+    mind.close()
+
+
+def test_angles_reach_the_program_exactly() -> None:
+    assert remembered("Element(sensor.radar, 0).angle") == pytest.approx(math.pi / 3, abs=1e-12)

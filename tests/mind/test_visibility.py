@@ -1,0 +1,88 @@
+"""Each robot reasons over exactly the rows that it may see."""
+
+from __future__ import annotations
+
+from typing import Any, Literal
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from logical_robots_tui.mind import Mind, Program
+from tests.mind.rows import row, think
+
+PROGRAM = """
+Names(l? List= n) distinct :- Sensor(robot_name: n);
+Minds(l? List= n) distinct :- Memory(robot_name: n);
+Robot(robot_name:, desire: {left_engine: 0, right_engine: 0}, memory: {sensors: s, memories: m}) :-
+  Sensor(robot_name:), Names(l: s), Minds(l: m);
+"""
+ROWS = [
+    row("Ada", sees={3: (40, "robot", "Bo"), 4: (40, "beacon", "Cy")}),
+    row("Bo"),
+    row("Cy"),
+]
+
+
+def _seen(text: str, **options: Any) -> dict[str, Any]:
+    decisions = think(text, ROWS, {"Ada": 1, "Bo": 2, "Cy": 3}, **options)
+    return {d.robot_name: d.memory for d in decisions}
+
+
+def test_by_default_a_robot_sees_its_own_rows_only() -> None:
+    assert _seen(PROGRAM) == {
+        name: {"sensors": [name], "memories": [name]} for name in ("Ada", "Bo", "Cy")
+    }
+
+
+def test_seen_adds_the_memories_of_robots_on_the_radar_but_not_of_beacons_of_that_name() -> None:
+    seen = _seen(PROGRAM, memory="seen")
+    assert seen["Ada"] == {"sensors": ["Ada"], "memories": ["Ada", "Bo"]}
+    assert seen["Bo"] == {"sensors": ["Bo"], "memories": ["Bo"]}
+
+
+def test_all_shows_everything_and_is_thought_once() -> None:
+    everybody = ["Ada", "Bo", "Cy"]
+    seen = _seen(PROGRAM, memory="all", sensor="all")
+    assert seen == {name: {"sensors": everybody, "memories": everybody} for name in everybody}
+
+
+@pytest.mark.parametrize("memory", ["own", "seen", "all"])
+def test_a_program_overrides_the_level(memory: str) -> None:
+    text = f'@Visible(Memory, "{memory}");\n@Visible(Sensor, "all");{PROGRAM}'
+    seen = _seen(text, memory="own")
+    expected = {"own": ["Ada"], "seen": ["Ada", "Bo"], "all": ["Ada", "Bo", "Cy"]}
+    assert seen["Ada"] == {"sensors": ["Ada", "Bo", "Cy"], "memories": expected[memory]}
+
+
+def test_a_query_says_in_whose_reasoning_a_row_holds() -> None:
+    mind = Mind(Program.compile(PROGRAM), memory="seen")
+    table = mind.query("Minds", ROWS, {})
+    mind.close()
+    assert table.columns == ("l",)
+    assert dict(zip(table.viewers, table.rows, strict=True)) == {
+        "Ada": (["Ada", "Bo"],),
+        "Bo": (["Bo"],),
+        "Cy": (["Cy"],),
+    }
+
+
+@settings(max_examples=20, deadline=None)
+@given(
+    hidden=st.recursive(
+        st.none() | st.integers(-9, 9) | st.text(max_size=5),
+        lambda inner: st.lists(inner, max_size=2) | st.dictionaries(st.just("k"), inner),
+        max_leaves=4,
+    ),
+    clock=st.integers(1, 99),
+    visibility=st.sampled_from(["own", "seen"]),
+)
+def test_a_decision_depends_on_nothing_hidden(
+    hidden: Any, clock: int, visibility: Literal["own", "seen"]
+) -> None:
+    mind = Mind(Program.compile(PROGRAM), memory=visibility)
+    before = mind.think(ROWS, {"Ada": 1, "Bo": 2, "Cy": 3})
+    changed = [ROWS[0], ROWS[1], row("Cy", clock=clock)]
+    after = mind.think(changed, {"Ada": 1, "Bo": 2, "Cy": hidden})
+    mind.close()
+    assert after[:2] == before[:2]
