@@ -1,0 +1,240 @@
+"""Drafts: text that was typed and not saved, kept so that nothing can lose it."""
+
+from __future__ import annotations
+
+import fcntl
+import hashlib
+import itertools
+import json
+import os
+import secrets
+import threading
+from dataclasses import dataclass, field
+from datetime import UTC, datetime
+from typing import TYPE_CHECKING, Any
+
+from logical_robots_tui.game.source import write_atomically
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+__all__ = ["OLD_DRAFTS_KEPT", "Draft", "Drafts", "fingerprint"]
+
+OLD_DRAFTS_KEPT = 50
+"""How many drafts that nobody wanted stay in the folder ``old``."""
+
+_serials = itertools.count()
+_held_locks: set[int] = set()
+
+
+def fingerprint(text: str) -> str:
+    """A short name for a text: the same text, the same name."""
+    return hashlib.sha256(text.encode("utf-8", "surrogatepass")).hexdigest()[:16]
+
+
+@dataclass(frozen=True, slots=True)
+class Draft:
+    """Unsaved text of one program.
+
+    Attributes:
+        program: Name of the program, to show.
+        path: Path of the program's file; drafts of one path follow each other.
+        text: What was typed.
+        base: Fingerprint of the program's text as it was read from the file.
+        saved: When the draft was made, with time zone.
+    """
+
+    program: str
+    path: str
+    text: str
+    base: str
+    saved: datetime = field(default_factory=lambda: datetime.now(UTC))
+    _serial: int = field(default_factory=lambda: next(_serials), repr=False, compare=False)
+
+
+class Drafts:
+    """The drafts of one session, each in its own file, under a lock held while the session lives.
+
+    What a session that ended badly left behind can be adopted by the next one; a session still
+    alive keeps its own. All methods may be called from any thread and from a signal handler.
+
+    Args:
+        folder: Where the drafts of all sessions are; it is made when needed.
+    """
+
+    def __init__(self, folder: Path) -> None:
+        self.folder = folder
+        self._session = f"{datetime.now(UTC):%Y%m%d%H%M%S}{secrets.token_hex(4)}"
+        self._guard = threading.RLock()
+        self._lock: int | None = None
+        self._mine: dict[str, Draft] = {}
+        self._dropped: dict[str, int] = {}
+
+    def keep(self, draft: Draft) -> None:
+        """Write a draft in the place of the one before it; one made earlier changes nothing.
+
+        Raises:
+            OSError: It can't be written.
+        """
+        with self._guard:
+            newest = self._mine.get(draft.path)
+            if newest is not None and newest._serial > draft._serial:
+                return
+            if self._dropped.get(draft.path, -1) > draft._serial:
+                return
+            self._mine[draft.path] = draft
+            self._hold_lock()
+            write_atomically(self._file(draft.path), _as_json(draft))
+
+    def get(self, path: str) -> Draft | None:
+        """The draft of a program in this session, or None."""
+        return self._mine.get(path)
+
+    def drop(self, path: str) -> None:
+        """Forget the draft of a program, because its text is saved or is the file's again."""
+        with self._guard:
+            self._dropped[path] = next(_serials)
+            if self._mine.pop(path, None) is not None:
+                self._file(path).unlink(missing_ok=True)
+
+    def put_away(self, path: str) -> None:
+        """Move the draft of a program into the folder ``old``, because it is not wanted now."""
+        with self._guard:
+            self._dropped[path] = next(_serials)
+            if self._mine.pop(path, None) is not None:
+                self._retire(self._file(path))
+
+    def adopt(self) -> list[Draft]:
+        """Take over what sessions that are over left behind.
+
+        Returns:
+            All drafts of this session then, newest first.
+
+        Raises:
+            OSError: The folder can't be used.
+        """
+        with self._guard:
+            if self.folder.is_dir():
+                self._hold_lock()
+                for session in sorted({p.name.partition("-")[0] for p in self._draft_files()}):
+                    if session != self._session:
+                        self._adopt_session(session)
+                self._remove_dead_locks()
+            return sorted(self._mine.values(), key=lambda draft: draft.saved, reverse=True)
+
+    def close(self) -> None:
+        """End the session; its drafts stay for the next one."""
+        with self._guard:
+            if self._lock is None:
+                return
+            if not self._mine:
+                self._lock_file(self._session).unlink(missing_ok=True)
+            _release(self._lock)
+            self._lock = None
+
+    # -- files ---------------------------------------------------------------------------------
+
+    def _file(self, path: str) -> Path:
+        return self.folder / f"{self._session}-{fingerprint(path)}.json"
+
+    def _lock_file(self, session: str) -> Path:
+        return self.folder / f"{session}.lock"
+
+    def _draft_files(self, session: str = "") -> list[Path]:
+        return sorted(self.folder.glob(f"{session}*-*.json"))
+
+    def _hold_lock(self) -> None:
+        if self._lock is None:
+            self.folder.mkdir(parents=True, exist_ok=True)
+            self._lock = _acquire(self._lock_file(self._session))
+
+    def _adopt_session(self, session: str) -> None:
+        lock = _acquire(self._lock_file(session))
+        if lock is None:
+            return
+        try:
+            for file in self._draft_files(session):
+                self._adopt_file(file)
+            self._lock_file(session).unlink(missing_ok=True)
+        finally:
+            _release(lock)
+
+    def _adopt_file(self, file: Path) -> None:
+        draft = _from_json(file)
+        if draft is None:
+            self._retire(file)
+            return
+        rival = self._mine.get(draft.path)
+        if rival is not None and rival.saved >= draft.saved:
+            self._retire(file)
+            return
+        if rival is not None:
+            self._retire(self._file(draft.path))
+        file.replace(self._file(draft.path))
+        self._mine[draft.path] = draft
+
+    def _remove_dead_locks(self) -> None:
+        for file in self.folder.glob("*.lock"):
+            if file.stem != self._session and (lock := _acquire(file)) is not None:
+                if not self._draft_files(file.stem):
+                    file.unlink(missing_ok=True)
+                _release(lock)
+
+    def _retire(self, file: Path) -> None:
+        old = self.folder / "old"
+        old.mkdir(exist_ok=True)
+        file.replace(old / f"{datetime.now(UTC):%Y%m%d%H%M%S%f}-{file.name}")
+        for surplus in sorted(old.glob("*.json"))[:-OLD_DRAFTS_KEPT]:
+            surplus.unlink(missing_ok=True)
+
+
+def _as_json(draft: Draft) -> str:
+    data = {
+        "program": draft.program,
+        "path": draft.path,
+        "base": draft.base,
+        "saved": draft.saved.isoformat(),
+        "text": draft.text,
+    }
+    return json.dumps(data, indent=1)
+
+
+def _from_json(file: Path) -> Draft | None:
+    """Read a draft; None if the file is not one."""
+    try:
+        data: dict[str, Any] = json.loads(file.read_text("utf-8"))
+        saved = datetime.fromisoformat(data["saved"])
+        program, path, text, base = (data[key] for key in ("program", "path", "text", "base"))
+    except (OSError, ValueError, KeyError, TypeError):
+        return None
+    if saved.tzinfo is None or not all(isinstance(t, str) for t in (program, path, text, base)):
+        return None
+    return Draft(program, path, text, base, saved)
+
+
+def _acquire(file: Path) -> int | None:
+    """Lock a file; None if somebody else, or a file system without locks, does not let us."""
+    handle = os.open(file, os.O_RDWR | os.O_CREAT | os.O_CLOEXEC, 0o600)
+    try:
+        fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        if os.fstat(handle).st_ino != file.stat().st_ino:  # removed while we waited for it
+            raise BlockingIOError
+    except OSError:
+        os.close(handle)
+        return None
+    _held_locks.add(handle)
+    return handle
+
+
+def _release(handle: int) -> None:
+    _held_locks.discard(handle)
+    os.close(handle)
+
+
+def _release_all() -> None:
+    for handle in tuple(_held_locks):
+        _release(handle)
+
+
+# A forked child would keep the locks of its parent alive beyond the parent's end.
+os.register_at_fork(after_in_child=_release_all)

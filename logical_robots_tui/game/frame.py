@@ -1,0 +1,43 @@
+"""A frame: the immutable record of one finished tick."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from logical_robots_tui.mind.decision import Decision
+    from logical_robots_tui.values import SensorRow, Value
+    from logical_robots_tui.world.state import WorldState
+
+__all__ = ["Frame"]
+
+
+@dataclass(frozen=True, slots=True)
+class Frame:
+    """Everything that the screen, the inspector and a replay need of one tick.
+
+    Frame 0 is the start: nobody has thought yet, ``decisions`` is empty, ``before`` is ``after``,
+    and ``sensors`` show what the robots see from where they start (clock 0).
+
+    Attributes:
+        tick: Number of the tick, 0 for the start.
+        before: The world from which the robots sensed.
+        after: The world after they acted.
+        sensors: The program's ``Sensor`` rows, one per robot in file order. Don't change them.
+        memories_before: Each robot's memory as the program saw it, by robot name.
+        decisions: What the program decided, one per robot in file order.
+        memories: Each robot's memory afterwards, by robot name.
+        think_milliseconds: How long thinking took; two frames that differ only in it are equal.
+    """
+
+    tick: int
+    before: WorldState
+    after: WorldState
+    sensors: tuple[SensorRow, ...]
+    memories_before: Mapping[str, Value]
+    decisions: tuple[Decision, ...]
+    memories: Mapping[str, Value]
+    think_milliseconds: float = field(compare=False)

@@ -1,0 +1,47 @@
+"""What a level wants, and how far a tick has come."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from logical_robots_tui.world import Level, WorldState
+
+__all__ = ["Goal", "goals"]
+
+
+@dataclass(frozen=True, slots=True)
+class Goal:
+    """One goal area and who is in it.
+
+    Attributes:
+        area_name: Name of the area.
+        active: Whether it counts at this tick.
+        wanted: Names of the robots that must all be inside at once.
+        inside: Those of them that are.
+    """
+
+    area_name: str
+    active: bool
+    wanted: tuple[str, ...]
+    inside: tuple[str, ...]
+
+    @property
+    def reached(self) -> bool:
+        """Whether everybody wanted is in while it counts."""
+        return self.active and len(self.inside) == len(self.wanted)
+
+
+def goals(level: Level, state: WorldState) -> tuple[Goal, ...]:
+    """The goal areas of a level in file order, as they stand after a tick."""
+    return tuple(
+        Goal(
+            area.name,
+            now.active,
+            area.victory_robots,
+            tuple(name for name in area.victory_robots if name in now.visitors),
+        )
+        for area, now in zip(level.areas, state.areas, strict=True)
+        if area.victory_robots
+    )

@@ -1,0 +1,131 @@
+"""Program texts: the shipped ones, the player's own, and any file."""
+
+from __future__ import annotations
+
+import os
+import tempfile
+from dataclasses import dataclass
+from pathlib import Path
+
+from logical_robots_tui.errors import InputError
+from logical_robots_tui.shipped import did_you_mean, shipped_folder, shipped_names
+
+__all__ = [
+    "MAX_PROGRAM_BYTES",
+    "SUFFIX",
+    "Source",
+    "list_programs",
+    "load_program",
+    "save_program",
+    "write_atomically",
+]
+
+SUFFIX = ".l"
+MAX_PROGRAM_BYTES = 1_000_000
+
+
+@dataclass(frozen=True, slots=True)
+class Source:
+    """A program's text and where it lives.
+
+    Attributes:
+        name: Short name to show: the file's name without its ending.
+        text: Logica text.
+        path: The file it came from.
+        shipped: Whether it came with the game and so is not to be overwritten.
+    """
+
+    name: str
+    text: str
+    path: Path
+    shipped: bool
+
+
+def list_programs(own: Path | None = None) -> list[str]:
+    """Names of the shipped programs, then of those in the folder `own`, each sorted."""
+    names = shipped_names("programs", SUFFIX)
+    if own is not None and own.is_dir():
+        names += sorted(p.stem for p in own.glob(f"*{SUFFIX}") if p.stem not in names)
+    return names
+
+
+def load_program(path_or_name: str | Path, own: Path | None = None) -> Source:
+    """Read a program by its path, or by its name among the player's own and the shipped ones.
+
+    Args:
+        path_or_name: A path, or a name as `list_programs` gives it.
+        own: Folder with the player's own programs.
+
+    Raises:
+        InputError: No such program, or it is not a text file of at most 1 MB.
+    """
+    path = Path(path_or_name)
+    if path.exists():
+        return _read(path)
+    if path.name == str(path_or_name):
+        for folder in (own, shipped_folder("programs")):
+            if folder is not None and (found := folder / f"{path.name}{SUFFIX}").is_file():
+                return _read(found)
+    known = list_programs(own)
+    raise InputError(
+        "there is no such program",
+        place=str(path_or_name),
+        hint=did_you_mean(path.stem, known) or f"There are {', '.join(known) or 'none'}.",
+    )
+
+
+def save_program(path: Path, text: str) -> None:
+    """Write a program's text so that the file is always either the old or the new one.
+
+    Raises:
+        InputError: The file can't be written.
+    """
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        write_atomically(path, text)
+    except OSError as error:
+        raise InputError(
+            f"can't be written: {error.strerror or error}",
+            place=str(path),
+            hint="Save it under another name or in another folder.",
+        ) from error
+
+
+def write_atomically(path: Path, text: str) -> None:
+    """Replace a file's content in one step, keeping its permissions."""
+    mode = path.stat().st_mode & 0o777 if path.exists() else 0o644
+    handle, temporary = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.")
+    try:
+        with os.fdopen(handle, "w", encoding="utf-8", newline="") as file:
+            file.write(text)
+            file.flush()
+            os.fsync(file.fileno())
+        Path(temporary).chmod(mode)
+        Path(temporary).replace(path)
+    except BaseException:
+        Path(temporary).unlink(missing_ok=True)
+        raise
+
+
+def _read(path: Path) -> Source:
+    place = str(path)
+    if path.is_dir():
+        raise InputError("is a folder, not a program", place=place, hint="Name a file in it.")
+    try:
+        with path.open("rb") as file:
+            raw = file.read(MAX_PROGRAM_BYTES + 1)
+    except OSError as error:
+        raise InputError(f"can't be read: {error.strerror or error}", place=place) from error
+    if len(raw) > MAX_PROGRAM_BYTES:
+        raise InputError("is larger than 1 MB", place=place, hint="A program is a short text.")
+    try:
+        text = raw.decode("utf-8-sig")
+    except UnicodeDecodeError as error:
+        line = raw.count(b"\n", 0, error.start) + 1
+        raise InputError(
+            "is not UTF-8 text", place=f"{place}, line {line}", hint="Is it a program at all?"
+        ) from error
+    if "\0" in text:
+        raise InputError("is a binary file, not a program", place=place)
+    shipped = path.resolve().parent == shipped_folder("programs").resolve()
+    return Source(path.stem, text.replace("\r\n", "\n"), path, shipped)

@@ -1,0 +1,199 @@
+"""The game: ticks, time travel, and work that is dropped when the player moves on."""
+
+from __future__ import annotations
+
+import asyncio
+from time import monotonic
+from typing import TYPE_CHECKING
+
+import pytest
+
+from logical_robots_tui.game import Frame, Game, NoSuchTickError, Superseded
+from logical_robots_tui.mind import Program, QueryError
+from tests.game.playing import BACKWARDS, COUNTER, SLOW, game, hall
+
+if TYPE_CHECKING:
+    from collections.abc import AsyncIterator
+    from pathlib import Path
+
+
+@pytest.fixture
+async def hall_game(tmp_path: Path) -> AsyncIterator[Game]:
+    made = game(tmp_path)
+    yield made
+    await made.close()
+
+
+async def test_the_start_shows_what_the_robots_see_before_anybody_thinks(hall_game: Game) -> None:
+    start = hall_game.frame
+    assert (start.tick, start.decisions, start.memories) == (0, (), {"Ada": "", "Bo": ""})
+    assert [r["robot_name"] for r in start.sensors] == ["Ada", "Bo"]
+    assert start.sensors[0]["sensor"]["clock"] == 0
+
+
+async def test_a_step_senses_thinks_and_acts_once(hall_game: Game) -> None:
+    frame = await hall_game.step()
+    assert frame is hall_game.frame
+    assert (frame.tick, frame.sensors[0]["sensor"]["clock"]) == (1, 1)
+    assert frame.after.robots[0].x == pytest.approx(41)
+    assert frame.memories_before == {"Ada": "", "Bo": ""}
+    assert frame.memories == {"Ada": 1, "Bo": 1}
+
+
+async def test_running_ends_with_victory_and_tells_the_tick(hall_game: Game) -> None:
+    await hall_game.run()
+    assert hall_game.won_at == hall_game.frame.tick
+    assert not hall_game.running
+    assert hall_game.frame.after.areas[0].visitors == ("Ada", "Bo")
+
+
+async def test_a_won_game_goes_on_when_asked_to(hall_game: Game) -> None:
+    await hall_game.run_until(tick=200)
+    won_at = hall_game.won_at
+    await hall_game.run_until(tick=won_at + 5 if won_at else 0)
+    assert hall_game.won_at == won_at
+    assert won_at is not None
+    assert hall_game.frame.tick == won_at + 5
+
+
+async def test_every_tick_of_a_run_is_restored_exactly(hall_game: Game) -> None:
+    frames = [hall_game.frame]
+    hall_game.listen(frames.append)
+    await hall_game.run_until(tick=30)
+    assert [hall_game.frame_at(t) for t in range(31)] == frames
+    for expected in reversed(frames[:-1]):
+        assert hall_game.back() == expected
+    assert hall_game.back() == frames[0]
+
+
+async def test_stepping_again_after_going_back_gives_the_same_frames(hall_game: Game) -> None:
+    await hall_game.run_until(tick=20)
+    first = [hall_game.frame_at(t) for t in range(21)]
+    hall_game.go_to(7)
+    await hall_game.run_until(tick=20)
+    assert [hall_game.frame_at(t) for t in range(21)] == first
+
+
+async def test_two_games_of_the_same_program_are_the_same(tmp_path: Path) -> None:
+    runs: list[list[Frame]] = []
+    for _ in range(2):
+        played = game(tmp_path)
+        frames: list[Frame] = []
+        played.listen(frames.append)
+        await played.run_until(tick=25)
+        await played.close()
+        runs.append(frames)
+    assert runs[0] == runs[1]
+
+
+async def test_going_back_and_changing_the_program_makes_another_future(hall_game: Game) -> None:
+    await hall_game.run_until(tick=20)
+    there = hall_game.frame.after.robots[0].x
+    hall_game.go_to(5)
+    hall_game.use(Program.compile(BACKWARDS))
+    await hall_game.run_until(tick=20)
+    assert hall_game.frame.after.robots[0].x < there
+    assert hall_game.frame.memories["Ada"] == 20
+    with pytest.raises(NoSuchTickError):
+        hall_game.frame_at(21)
+
+
+async def test_restarting_begins_anew_with_the_same_program(hall_game: Game) -> None:
+    await hall_game.run_until(tick=9)
+    start = hall_game.restart()
+    assert (start.tick, start.memories) == (0, {"Ada": "", "Bo": ""})
+    assert (await hall_game.step()).tick == 1
+
+
+async def test_history_forgets_the_oldest_ticks(tmp_path: Path) -> None:
+    short = Game(hall(tmp_path), Program.compile(COUNTER), history=5)
+    await short.run_until(tick=12)
+    assert short.history.first == 8
+    for _ in range(20):
+        short.back()
+    assert short.frame.tick == 8
+    with pytest.raises(NoSuchTickError, match="ticks 8 to"):
+        short.frame_at(3)
+    await short.close()
+
+
+async def test_a_tick_of_a_run_that_is_over_is_dropped(tmp_path: Path) -> None:
+    slow = game(tmp_path, SLOW)
+    step = asyncio.create_task(slow.step())
+    await asyncio.sleep(0)
+    slow.restart()
+    with pytest.raises(Superseded):
+        await step
+    assert slow.frame.tick == 0
+    await slow.close()
+
+
+async def test_a_runaway_program_leaves_the_loop_free_and_can_be_stopped(tmp_path: Path) -> None:
+    slow = game(tmp_path, SLOW)
+    running = asyncio.create_task(slow.run())
+    turns = 0
+    began = monotonic()
+    while monotonic() - began < 0.3:
+        await asyncio.sleep(0)
+        turns += 1
+    assert turns > 20
+    assert slow.running
+    stopped = monotonic()
+    slow.pause()
+    await running
+    assert monotonic() - stopped < 0.1 + 0.4  # 0.1 s promised; the rest is for a loaded machine
+    assert slow.frame.tick == 0
+    slow.use(Program.compile(COUNTER))
+    assert (await slow.step()).tick == 1
+    await slow.close()
+
+
+async def test_cancelling_a_step_leaves_the_game_where_it_was(tmp_path: Path) -> None:
+    slow = game(tmp_path, SLOW)
+    step = asyncio.create_task(slow.step())
+    await asyncio.sleep(0)
+    step.cancel()
+    with pytest.raises(asyncio.CancelledError):
+        await step
+    slow.use(Program.compile(COUNTER))
+    assert (await slow.step()).tick == 1
+    await slow.close()
+
+
+async def test_a_query_speaks_of_the_frame_that_was_asked_for(hall_game: Game) -> None:
+    await hall_game.run_until(tick=10)
+    answer = await hall_game.query("Robot", hall_game.frame_at(4))
+    assert (answer.tick, answer.predicate) == (4, "Robot")
+    assert [row[2] for row in answer.table.rows] == [4, 4]
+    memory = await hall_game.query("Memory", hall_game.frame_at(4))
+    assert memory.table.rows == (("Ada", 3), ("Bo", 3))
+
+
+async def test_a_query_for_what_has_no_rows_says_why(hall_game: Game) -> None:
+    with pytest.raises(QueryError, match="no predicate Wings"):
+        await hall_game.query("Wings")
+    with pytest.raises(QueryError, match="function of its arguments"):
+        await hall_game.query("WeightedAverage")
+
+
+async def test_pausing_a_slow_pace_takes_effect_at_once(hall_game: Game) -> None:
+    hall_game.pace.speed = 0.01
+    ticked = asyncio.Event()
+    hall_game.listen(lambda _: ticked.set())
+    running = asyncio.create_task(hall_game.run())
+    await ticked.wait()
+    began = monotonic()
+    hall_game.pause()
+    await running
+    assert monotonic() - began < 5
+    assert hall_game.frame.tick == 1
+
+
+async def test_speeds_go_from_slow_motion_to_flat_out(hall_game: Game) -> None:
+    pace = hall_game.pace
+    for _ in range(20):
+        pace.slower()
+    assert pace.speed == 1.0
+    for _ in range(20):
+        pace.faster()
+    assert pace.speed is None
