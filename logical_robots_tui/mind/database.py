@@ -20,7 +20,7 @@ _STEPS_BETWEEN_LOOKS = 2_000  # virtual machine steps of SQLite, about 50 micros
 
 _ALLOWED_ACTIONS = frozenset({sqlite3.SQLITE_SELECT, sqlite3.SQLITE_READ, sqlite3.SQLITE_RECURSIVE})
 
-_BUILT_IN = frozenset(
+BUILT_IN = frozenset(
     [
         "abs",
         "acos",
@@ -227,6 +227,6 @@ class Database:
             return sqlite3.SQLITE_OK
         if action == sqlite3.SQLITE_FUNCTION and second is not None:
             name = second.lower()
-            if name in _BUILT_IN or name in functions.FUNCTIONS or name in functions.AGGREGATES:
+            if name in BUILT_IN or name in functions.NAMES:
                 return sqlite3.SQLITE_OK
         return sqlite3.SQLITE_DENY

@@ -15,7 +15,7 @@ _ALWAYS_JSON = (".sensor", ".value")
 
 
 class RobotDialect(dialects.SqLiteDialect):  # type: ignore[misc]  # the package has no types
-    """SQLite with real division, no exceptions on null, and only functions of our own."""
+    """SQLite with DuckDB's division, no exceptions on null, and only functions of our own."""
 
     def BuiltInFunctions(self) -> dict[str, str | None]:
         """Functions by Logica name, as SQL templates."""
@@ -36,6 +36,12 @@ class RobotDialect(dialects.SqLiteDialect):  # type: ignore[misc]  # the package
                 "ToInt64": "CAST(round(%s) AS INTEGER)",
                 "ToFloat64": "CAST(%s AS REAL)",
                 "Range": "number_range({0})",
+                "Unique": "unique_list({0})",
+                # DuckDB has no list where there is nothing to list.
+                "List": "NULLIF(json_group_array({0}), '[]')",
+                "Least": "least(%s)",
+                "Greatest": "greatest(%s)",
+                "Mod": "modulo(%s)",
             }
         )
         return functions
@@ -44,7 +50,9 @@ class RobotDialect(dialects.SqLiteDialect):  # type: ignore[misc]  # the package
         """Operators by Logica name, as SQL templates."""
         return {
             **super().InfixOperators(),
-            "/": "(%s) * 1.0 / (%s)",
+            "/": "divide(%s, %s)",
+            "%": "modulo(%s, %s)",
+            "++": "concatenate(%s, %s)",
             "in": "%s IN (SELECT value FROM json_each(%s))",
         }
 

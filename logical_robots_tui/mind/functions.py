@@ -16,7 +16,7 @@ from logical_robots_tui.mind.stored import to_json
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-__all__ = ["AGGREGATES", "FUNCTIONS", "install"]
+__all__ = ["NAMES", "install"]
 
 Scalar: TypeAlias = "int | float | str | None"
 
@@ -58,6 +58,40 @@ def _null_safe(function: Callable[..., Any]) -> Callable[..., Any]:
         return function(*arguments)
 
     return safe
+
+
+def _present(values: tuple[Scalar, ...]) -> list[Scalar]:
+    return [v for v in values if v is not None]
+
+
+def _divide(left: float, right: float) -> float | None:
+    """Real division; a number over zero is infinite, as on DuckDB, and zero over zero is null."""
+    if right:
+        return left / right
+    return math.copysign(math.inf, left) * math.copysign(1, right) if left else None
+
+
+def _modulo(left: float, right: float) -> float | None:
+    """The remainder with the sign of the dividend, whole if both are."""
+    if not right:
+        return None
+    remainder = math.fmod(left, right)
+    return int(remainder) if isinstance(left, int) and isinstance(right, int) else remainder
+
+
+def _concatenate(left: Scalar, right: Scalar) -> str:
+    """`++`: two lists make a list, everything else a text."""
+    if _is_list(left) and _is_list(right):
+        return _concat(left, right)
+    return _text(left) + _text(right)
+
+
+def _is_list(value: Scalar) -> bool:
+    return isinstance(value, str) and value[:1] == "[" and isinstance(_element(value), list)
+
+
+def _unique(items: Scalar) -> str:
+    return to_json(sorted({to_json(i): i for i in _list(items)}.values(), key=_order))
 
 
 def _join(items: Scalar, separator: str) -> str:
@@ -122,7 +156,7 @@ def _unary(function: Callable[[float], float]) -> Callable[[float], float | None
     return lambda x: _finite(lambda: function(x))
 
 
-FUNCTIONS: dict[str, tuple[int, Callable[..., Any]]] = {
+_FUNCTIONS: dict[str, tuple[int, Callable[..., Any]]] = {
     "join_list": (2, _join),
     "split_text": (2, _split),
     "sort_list": (1, _sort),
@@ -132,10 +166,21 @@ FUNCTIONS: dict[str, tuple[int, Callable[..., Any]]] = {
     "record_as_json": (1, _record_as_json),
     "assemble_record": (1, _assemble),
     "disassemble_record": (1, _disassemble),
+    "concatenate": (2, _concatenate),
+    "divide": (2, _divide),
     "ends_with": (2, lambda text, end: int(text.endswith(end))),
-    "greatest": (-1, max),
-    "least": (-1, min),
+    "modulo": (2, _modulo),
+    "reverse": (1, lambda text: text[::-1]),
+    "starts_with": (2, lambda text, start: int(text.startswith(start))),
+    "unicode_of": (1, lambda text: ord(text[0]) if text else 0),
+    "unique_list": (1, _unique),
 }
+
+_NULL_MEANS_ABSENT: dict[str, tuple[int, Callable[..., Any]]] = {
+    "greatest": (-1, lambda *values: max(_present(values), key=_order, default=None)),
+    "least": (-1, lambda *values: min(_present(values), key=_order, default=None)),
+}
+"""Functions that pass over null instead of giving it back."""
 
 _MATHS: dict[str, tuple[int, Callable[..., Any]]] = {
     "acos": (1, _unary(math.acos)),
@@ -164,7 +209,7 @@ _MATHS: dict[str, tuple[int, Callable[..., Any]]] = {
 
 
 class _Collect:
-    """An aggregate that collects values and makes JSON of them at the end."""
+    """An aggregate that makes a list of values; of nothing it makes null, as DuckDB does."""
 
     def __init__(self) -> None:
         self.items: list[Any] = []
@@ -172,16 +217,16 @@ class _Collect:
     def step(self, value: Scalar) -> None:
         self.items.append(_element(value))
 
-    def finalize(self) -> str:
-        return to_json(self.items)
+    def finalize(self) -> str | None:
+        return to_json(self.items) if self.items else None
 
 
 class _Distinct(_Collect):
     """`Set`: each value once, in ascending order, without null."""
 
-    def finalize(self) -> str:
+    def finalize(self) -> str | None:
         unique = {to_json(i): i for i in self.items if i is not None}
-        return to_json(sorted(unique.values(), key=_order))
+        return to_json(sorted(unique.values(), key=_order)) if unique else None
 
 
 class _ConcatLists(_Collect):
@@ -222,9 +267,9 @@ class _ArgMax(_ArgMin):
 
 
 class _ArgMinK(_Pairs):
-    def finalize(self) -> str:
+    def finalize(self) -> str | None:
         count = None if self.count is None else max(0, int(self.count))
-        return to_json([_element(a) for a in self.ordered()[:count]])
+        return to_json([_element(a) for a in self.ordered()[:count]]) if self.pairs else None
 
 
 class _ArgMaxK(_ArgMinK):
@@ -237,11 +282,11 @@ class _Array(_Pairs):
     def step(self, argument: Scalar, value: Scalar, count: float | None = None) -> None:
         self.pairs.append((_order(argument), value))
 
-    def finalize(self) -> str:
-        return to_json([_element(a) for a in self.ordered()])
+    def finalize(self) -> str | None:
+        return to_json([_element(a) for a in self.ordered()]) if self.pairs else None
 
 
-AGGREGATES: dict[str, tuple[int, type[Any]]] = {
+_AGGREGATES: dict[str, tuple[int, type[Any]]] = {
     "list_of_distinct": (1, _Distinct),
     "concat_lists": (1, _ConcatLists),
     "arg_min": (2, _ArgMin),
@@ -252,9 +297,13 @@ AGGREGATES: dict[str, tuple[int, type[Any]]] = {
 }
 
 
+NAMES = frozenset({*_FUNCTIONS, *_NULL_MEANS_ABSENT, *_MATHS, *_AGGREGATES})
+"""Names of all functions of this module, in lower case as SQLite's authorizer tells them."""
+
+
 def install(connection: sqlite3.Connection) -> None:
     """Give a connection all functions of this module, and mathematics if it has none."""
-    functions = dict(FUNCTIONS)
+    functions = dict(_FUNCTIONS)
     for name, (arity, function) in _MATHS.items():
         try:
             arguments = ",".join(["1"] * arity)
@@ -263,5 +312,7 @@ def install(connection: sqlite3.Connection) -> None:
             functions[name] = (arity, function)
     for name, (arity, function) in functions.items():
         connection.create_function(name, arity, _null_safe(function), deterministic=True)
-    for name, (arity, aggregate) in AGGREGATES.items():
+    for name, (arity, function) in _NULL_MEANS_ABSENT.items():
+        connection.create_function(name, arity, function, deterministic=True)
+    for name, (arity, aggregate) in _AGGREGATES.items():
         connection.create_aggregate(name, arity, aggregate)

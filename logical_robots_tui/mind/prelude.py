@@ -19,14 +19,13 @@ ArgMinK(pair, k) = SqlExpr("arg_min_k({a}, {v}, {k})", {a: pair.arg, v: pair.val
 ArgMaxK(pair, k) = SqlExpr("arg_max_k({a}, {v}, {k})", {a: pair.arg, v: pair.value, k:});
 Array(pair) = SqlExpr("array_by({a}, {v})", {a: pair.arg, v: pair.value});
 
-StartsWith(text, start) = SqlExpr("(substr({t}, 1, length({s})) = {s})", {t: text, s: start});
-EndsWith(text, end) = SqlExpr("ends_with({t}, {e})", {t: text, e: end});
 NaturalHash(x) = SqlExpr("natural_hash({x})", {x:});
 Fingerprint(x) = SqlExpr("natural_hash({x})", {x:});
 RecordAsJson(record) = SqlExpr("record_as_json({r})", {r: record});
 AssembleRecord(pairs) = SqlExpr("assemble_record({p})", {p: pairs});
 DisassembleRecord(record) = SqlExpr("disassemble_record({r})", {r: record});
-Char(code) = SqlExpr("char({c})", {c: code});
+Chr(code) = SqlExpr("char({c})", {c: code});
+Ord(text) = SqlExpr("unicode_of({t})", {t: text});
 Num(x) = x;
 Str(x) = x;
 """
