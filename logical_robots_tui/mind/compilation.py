@@ -14,7 +14,6 @@ from pathlib import Path
 from time import monotonic
 from typing import Any
 
-import logical_robots_tui
 from logical_robots_tui.mind.diagnostics import Diagnostic, ProgramError, Stopped
 from logical_robots_tui.mind.program import Predicate, Program
 
@@ -126,8 +125,8 @@ class _Compiler:
         if self._process is not None and self._process.poll() is None:
             return self._process
         self.close()
-        package = Path(logical_robots_tui.__file__).parent.parent
-        path = os.pathsep.join(filter(None, [str(package), os.environ.get("PYTHONPATH")]))
+        home = Path(__file__).resolve().parents[2]
+        path = os.pathsep.join(filter(None, [str(home), os.environ.get("PYTHONPATH")]))
         self._process = subprocess.Popen(
             [sys.executable, "-m", "logical_robots_tui.mind.worker"],
             stdin=subprocess.PIPE,
