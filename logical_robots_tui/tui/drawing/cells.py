@@ -1,0 +1,159 @@
+"""A block of cells with text and colours, and the strips that show it."""
+
+from __future__ import annotations
+
+from functools import lru_cache
+from typing import TYPE_CHECKING
+
+import numpy as np
+from rich.color import Color
+from rich.segment import Segment
+from rich.style import Style
+from textual.strip import Strip
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from numpy.typing import NDArray
+
+__all__ = ["BOLD", "CONTINUED", "Cells", "text_id"]
+
+BOLD = 1 << 48
+"""Added to the style of a cell, which else is ``ink << 24 | paper``, each 0xRRGGBB."""
+
+_PAPER = 0xFFFFFF
+
+_texts: list[str] = []
+_text_ids: dict[str, int] = {}
+
+
+def text_id(text: str) -> int:
+    """Return the number that stands for the text of a cell."""
+    number = _text_ids.get(text)
+    if number is None:
+        number = _text_ids[text] = len(_texts)
+        _texts.append(text)
+    return number
+
+
+CONTINUED = text_id("")
+"""The right half of a character two cells wide."""
+_BLANK = text_id(" ")
+
+
+class Cells:
+    """Rows of cells.
+
+    Attributes:
+        text: Numbers of texts, shape (rows, columns).
+        style: Packed styles, shape (rows, columns).
+        tone: What a cell looks like from afar, 0xRRGGBB: the paper for a character put on it.
+    """
+
+    def __init__(
+        self, text: NDArray[np.int64], style: NDArray[np.int64], tone: NDArray[np.int64]
+    ) -> None:
+        self.text = text
+        self.style = style
+        self.tone = tone
+
+    @classmethod
+    def blank(cls, rows: int, columns: int) -> Cells:
+        """Return black cells."""
+        shape = rows, columns
+        zeros = np.zeros(shape, np.int64)
+        return cls(np.full(shape, _BLANK, np.int64), zeros, zeros.copy())
+
+    def copy(self) -> Cells:
+        """Return cells that change independently."""
+        return Cells(self.text.copy(), self.style.copy(), self.tone.copy())
+
+    def put(
+        self, row: int, column: int, text: str, ink: int, paper: int = -1, bold: bool = False
+    ) -> None:
+        """Write a text of width 1 into a cell.
+
+        Args:
+            row: Of the cell.
+            column: Of the cell.
+            text: What to write.
+            ink: Its colour, 0xRRGGBB.
+            paper: The colour behind it; without one the tone of the cell.
+            bold: Whether it is bold.
+        """
+        self.text[row, column] = text_id(text)
+        paper = int(self.tone[row, column]) if paper < 0 else paper
+        self.style[row, column] = ink << 24 | paper | (BOLD if bold else 0)
+
+    def changes(self, earlier: Cells) -> list[tuple[int, int, int]]:
+        """Return where cells differ from earlier ones of the same shape.
+
+        Returns:
+            (row, first column, column after the last) of each row that changed.
+        """
+        differs = (self.text != earlier.text) | (self.style != earlier.style)
+        found = []
+        width = differs.shape[1]
+        for row in np.flatnonzero(differs.any(axis=1)).tolist():
+            columns = np.flatnonzero(differs[row])
+            first, stop = int(columns[0]), int(columns[-1]) + 1
+            # A wide character changes as a whole, before and after.
+            halves = (self.text[row] == CONTINUED) | (earlier.text[row] == CONTINUED)
+            while first and halves[first]:
+                first -= 1
+            while stop < width and halves[stop]:
+                stop += 1
+            found.append((row, first, stop))
+        return found
+
+    def strip(self, row: int) -> Strip:
+        """Return a row to show, with as few changes of style as it takes."""
+        styles = self.style[row]
+        chars = [_texts[number] for number in self.text[row].tolist()]
+        if not chars:
+            return Strip([], 0)
+        starts = [0, *(np.flatnonzero(styles[1:] != styles[:-1]) + 1).tolist()]
+        segments: list[Segment] = []
+        run, run_style, run_blank = "", 0, False
+        for start, stop, style in zip(
+            starts, [*starts[1:], len(chars)], styles[starts].tolist(), strict=True
+        ):
+            text = "".join(chars[start:stop])
+            blank = text.isspace()
+            # A blank looks the same in any ink.
+            alike = (blank or run_blank) and (style ^ run_style) & _PAPER == 0
+            if run and (alike or style == run_style):
+                run += text
+                run_style = style if run_blank else run_style
+                run_blank = run_blank and blank
+            elif text:
+                if run:
+                    segments.append(Segment(run, _STYLES[run_style]))
+                run, run_style, run_blank = text, style, blank
+        segments.append(Segment(run, _STYLES[run_style]))
+        return Strip(segments, len(chars))
+
+    def plain(self) -> Sequence[str]:
+        """Return the text of each row."""
+        return ["".join(_texts[number] for number in line) for line in self.text.tolist()]
+
+
+class _Styles(dict[int, Style]):
+    """The style for each packed style, made when it is first asked for."""
+
+    def __missing__(self, packed: int) -> Style:
+        if len(self) > 20_000:
+            self.clear()
+        style = Style.from_color(_colour(packed >> 24 & _PAPER), _colour(packed & _PAPER))
+        if packed & BOLD:
+            style += Style(bold=True)
+        self[packed] = style
+        return style
+
+
+_STYLES = _Styles()
+
+
+@lru_cache(maxsize=8192)
+def _colour(packed: int) -> Color:
+    return Color.from_rgb(packed >> 16, packed >> 8 & 0xFF, packed & 0xFF)

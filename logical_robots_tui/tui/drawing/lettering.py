@@ -1,0 +1,249 @@
+"""Characters over the picture: beacons, robots, ends of rays, and names."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+from logical_robots_tui.tui.drawing.cells import BOLD, Cells, text_id
+from logical_robots_tui.tui.drawing.glyphs import Drawing
+from logical_robots_tui.tui.drawing.ground import beacon_colour
+from logical_robots_tui.tui.drawing.palette import RGB, Palette, mix, packed, parse
+from logical_robots_tui.tui.drawing.plates import Plate, Room, fit_name
+from logical_robots_tui.tui.drawing.robots import body_rows, shows_body, text_on
+from logical_robots_tui.world.sensing import ROBOT_RADIUS
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Sequence
+
+    from logical_robots_tui.tui.drawing.look import Look
+    from logical_robots_tui.tui.drawing.rays import Fan
+    from logical_robots_tui.tui.drawing.viewport import Floats, Viewport
+    from logical_robots_tui.world.level import Level
+    from logical_robots_tui.world.state import RobotState
+
+__all__ = ["StillLettering", "letter", "robot_colour"]
+
+_MIN_COLUMNS, _MIN_ROWS = 24, 8
+"""Below this a view is too small for names."""
+
+_PRIORITY = {"wall": 1, "beacon": 2, "robot": 3}
+
+
+def robot_colour(color: str, palette: Palette) -> RGB:
+    """Return the colour in which a robot of a level is drawn."""
+    return palette.legible(parse(color))
+
+
+class StillLettering:
+    """The glyphs of beacons and the names of beacons and areas, placed once for a view.
+
+    Args:
+        level: The level.
+        active: For each area whether it is switched on.
+        viewport: The view.
+        look: How to draw.
+        ground: Colours of the still layer's dots, shape (down, across, 3).
+    """
+
+    def __init__(
+        self,
+        level: Level,
+        active: Sequence[bool],
+        viewport: Viewport,
+        look: Look,
+        ground: Floats,
+    ) -> None:
+        palette, glyphs = look.palette, look.drawing.glyphs
+        self.glyphs: list[tuple[int, int, str, int]] = []
+        """(row, column, glyph, ink) of each beacon in view."""
+        named: list[tuple[int, str, RGB, tuple[int, int], bool]] = []
+        for beacon in level.beacons:
+            cell = viewport.cell(beacon.x, beacon.y)
+            if cell is None:
+                continue
+            colour = beacon_colour(beacon, palette)
+            glyph = glyphs.charger if beacon.charging_station else glyphs.beacon
+            self.glyphs.append((*cell, glyph, packed(mix(colour, palette.bright, 0.35))))
+            named.append((1, beacon.name, mix(colour, palette.bright, 0.25), cell, False))
+        for area, is_active in zip(level.areas, active, strict=False):
+            cell = viewport.cell(area.x, area.y)
+            if cell is None:
+                continue
+            goal = bool(area.victory_robots)
+            name = f"{glyphs.goal} {area.name}".rstrip() if goal else area.name
+            colour = palette.strong(parse(area.color))
+            if not is_active:
+                colour = mix(colour, palette.floor, 0.45)
+            named.append((0 if goal else 2, name, colour, cell, True))
+
+        self.plates: list[tuple[Plate, int, tuple[int, int]]] = []
+        """The names that found a place, their style and the place (row, first column)."""
+        room = Room(viewport.rows, viewport.columns)
+        for row, column, _, _ in self.glyphs:
+            room.take(row, column, column + 1)
+        for _, name, colour, (row, column), inside in sorted(named, key=lambda item: item[0]):
+            plate = Plate(_name_cells(name, viewport, look), row, column, inside=inside)
+            place = room.place(plate) if plate.cells else None
+            if place:
+                paper = self._paper(plate, place, ground, look)
+                self.plates.append((plate, packed(colour) << 24 | packed(paper), place))
+
+    @staticmethod
+    def _paper(plate: Plate, place: tuple[int, int], ground: Floats, look: Look) -> RGB:
+        """Return what shows through behind a name."""
+        across, down = look.drawing.dots
+        row, column = place
+        part = ground[
+            row * down : (row + 1) * down, column * across : (column + len(plate.cells)) * across
+        ]
+        red, green, blue = part.mean(axis=(0, 1)).tolist()
+        share = 1.0 if look.drawing is Drawing.ASCII else 0.6
+        return mix((round(red), round(green), round(blue)), look.palette.plate, share)
+
+
+def letter(
+    cells: Cells,
+    still: StillLettering,
+    robots: Sequence[tuple[RobotState, RGB]],
+    fans: Iterable[Fan],
+    viewport: Viewport,
+    look: Look,
+) -> None:
+    """Write all characters over a picture.
+
+    Args:
+        cells: The picture, changed in place.
+        still: What stands still.
+        robots: All robots with their colours, the most important last.
+        fans: The rays whose ends to mark.
+        viewport: The view.
+        look: How to draw.
+    """
+    if look.marks:
+        _mark_ends(cells, fans, robots, viewport, look)
+    for row, column, glyph, ink in still.glyphs:
+        cells.put(row, column, glyph, ink, bold=True)
+    room = Room(viewport.rows, viewport.columns)
+    for row, column, _, _ in still.glyphs:
+        room.take(row, column, column + 1)
+    clear = body_rows(viewport)
+    placed = []
+    for robot, colour in robots:
+        cell = viewport.cell(robot.x, robot.y)
+        if cell is None:
+            continue
+        placed.append((robot, colour, cell))
+        _put_robot(cells, robot, colour, cell, viewport, look)
+        for row in range(cell[0] - clear, cell[0] + clear + 1):
+            room.take(row, cell[1] - 2 * clear, cell[1] + 2 * clear + 1)
+
+    moved = []
+    for plate, style, (row, column) in still.plates:
+        if room.is_free(row, column, column + len(plate.cells)):
+            room.take(row, column, column + len(plate.cells))
+            _put_plate(cells, row, column, plate, style)
+        else:
+            moved.append((plate, style))
+    for robot, colour, cell in reversed(placed):
+        _put_robot_name(cells, room, robot, colour, cell, viewport, look)
+    for plate, style in moved:
+        place = room.place(plate)
+        if place:
+            _put_plate(cells, *place, plate, style)
+
+
+def _mark_ends(
+    cells: Cells,
+    fans: Iterable[Fan],
+    robots: Sequence[tuple[RobotState, RGB]],
+    viewport: Viewport,
+    look: Look,
+) -> None:
+    """Mark where rays end: one mark in a cell, the most important of them."""
+    marks: dict[tuple[int, int], str] = {}
+    bodies = [(robot.x, robot.y) for robot, _ in robots] if shows_body(viewport) else []
+    for fan in fans:
+        for x, y, kind in fan.ends():
+            cell = viewport.cell(x, y)
+            if cell is None or _PRIORITY[kind] < _PRIORITY.get(marks.get(cell, ""), 0):
+                continue
+            if not any(math.hypot(x - bx, y - by) < 0.8 * ROBOT_RADIUS for bx, by in bodies):
+                marks[cell] = kind
+    glyphs, palette = look.drawing.glyphs, look.palette
+    at_wall = glyphs.hit_wall_near if shows_body(viewport) else glyphs.hit_wall
+    shown = {
+        "wall": (at_wall, packed(palette.hit_wall)),
+        "beacon": (glyphs.hit_beacon, packed(palette.hit_beacon)),
+        "robot": (glyphs.hit_robot, packed(palette.hit_robot)),
+    }
+    for (row, column), kind in marks.items():
+        glyph, ink = shown[kind]
+        cells.put(row, column, glyph, ink, bold=kind != "wall")
+
+
+def _put_robot(
+    cells: Cells,
+    robot: RobotState,
+    colour: RGB,
+    cell: tuple[int, int],
+    viewport: Viewport,
+    look: Look,
+) -> None:
+    """Write the character of a robot; a large body needs one only when something is wrong."""
+    glyphs, palette = look.drawing.glyphs, look.palette
+    plain = look.drawing is Drawing.ASCII
+    glyph = glyphs.dead if robot.dead else glyphs.heading(robot.angle)
+    if not plain and shows_body(viewport):
+        if not (robot.dead or robot.blocked):
+            return
+        glyph = glyphs.dead if robot.dead else glyphs.blocked
+        if glyph == glyphs.blocked:
+            colour = palette.alarm
+    elif robot.name != look.selected if plain else robot.blocked:
+        cells.put(*cell, glyph, packed(colour), packed(palette.floor), bold=True)
+        return
+    cells.put(*cell, glyph, packed(text_on(colour)), packed(colour), bold=True)
+
+
+def _put_robot_name(
+    cells: Cells,
+    room: Room,
+    robot: RobotState,
+    colour: RGB,
+    cell: tuple[int, int],
+    viewport: Viewport,
+    look: Look,
+) -> None:
+    name = _name_cells(robot.name, viewport, look)
+    if not name:
+        return
+    if robot.blocked:
+        name = (*name, look.drawing.glyphs.blocked)
+    plate = Plate(name, *cell, clear=body_rows(viewport))
+    place = room.place(plate)
+    if place is None:
+        return
+    palette = look.palette
+    if robot.name == look.selected:
+        ink, paper = text_on(colour), colour
+    else:
+        ink, paper = palette.strong(colour), mix(palette.plate, colour, 0.2)
+    _put_plate(cells, *place, plate, BOLD | packed(ink) << 24 | packed(paper))
+    if robot.blocked and robot.name != look.selected:
+        row, column = place[0], place[1] + len(name) - 1
+        cells.put(row, column, name[-1], packed(palette.alarm), packed(paper), bold=True)
+
+
+def _put_plate(cells: Cells, row: int, column: int, plate: Plate, style: int) -> None:
+    part = slice(column, column + len(plate.cells))
+    cells.text[row, part] = [text_id(text) for text in plate.cells]
+    cells.style[row, part] = style
+
+
+def _name_cells(name: str, viewport: Viewport, look: Look) -> tuple[str, ...]:
+    if not look.names or viewport.columns < _MIN_COLUMNS or viewport.rows < _MIN_ROWS:
+        return ()
+    width = min(max(viewport.columns // 4, 6), 20)
+    glyphs, plain = look.drawing.glyphs, look.drawing is Drawing.ASCII
+    return tuple(fit_name(name, width, glyphs.cut, glyphs.unknown, ascii_only=plain))

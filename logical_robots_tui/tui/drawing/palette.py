@@ -1,0 +1,133 @@
+"""Colours of the labyrinth, for dark and for light themes."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import lru_cache
+from typing import TypeAlias
+
+from textual.color import Color, ColorParseError
+
+__all__ = ["DARK", "LIGHT", "RGB", "Palette", "luminance", "mix", "packed", "parse"]
+
+RGB: TypeAlias = tuple[int, int, int]
+"""Red, green and blue, each 0 to 255."""
+
+
+@dataclass(frozen=True, slots=True)
+class Palette:
+    """All colours that don't come from the level.
+
+    Attributes:
+        light: Whether sensors darken the floor, as ink does, instead of lighting it.
+        void: Around the map.
+        floor: Where robots drive.
+        grid: Faint lines on the floor.
+        rock: Inside of walls.
+        rim: Lit edge of walls.
+        beacon: Beacons and their names.
+        charger: Beacons that charge.
+        plate: Behind names.
+        bright: Strongest text.
+        hit_wall: Where a ray ends at a wall.
+        hit_beacon: Where a ray ends at a beacon.
+        hit_robot: Where a ray ends at a robot.
+        dead: Robots without charge.
+        alarm: Robots that a wall stopped.
+    """
+
+    light: bool
+    void: RGB
+    floor: RGB
+    grid: RGB
+    rock: RGB
+    rim: RGB
+    beacon: RGB
+    charger: RGB
+    plate: RGB
+    bright: RGB
+    hit_wall: RGB
+    hit_beacon: RGB
+    hit_robot: RGB
+    dead: RGB
+    alarm: RGB
+
+    def legible(self, colour: RGB) -> RGB:
+        """Return a colour of the same hue that stands out from the floor."""
+        seen = luminance(colour)
+        if self.light:
+            return mix((0, 0, 0), colour, 0.42 / seen) if seen > 0.42 else colour
+        return mix((255, 255, 255), colour, (1 - 0.42) / (1 - seen)) if seen < 0.42 else colour
+
+    def strong(self, colour: RGB) -> RGB:
+        """Return a colour fit for text in it."""
+        return mix(self.bright, self.legible(colour), 0.55)
+
+
+DARK = Palette(
+    light=False,
+    void=(8, 8, 12),
+    floor=(12, 16, 24),
+    grid=(21, 24, 36),
+    rock=(29, 33, 45),
+    rim=(98, 114, 164),
+    beacon=(255, 214, 102),
+    charger=(94, 234, 212),
+    plate=(12, 14, 20),
+    bright=(244, 246, 252),
+    hit_wall=(255, 107, 107),
+    hit_beacon=(126, 231, 135),
+    hit_robot=(121, 184, 255),
+    dead=(128, 132, 140),
+    alarm=(255, 92, 92),
+)
+
+LIGHT = Palette(
+    light=True,
+    void=(222, 225, 231),
+    floor=(252, 252, 249),
+    grid=(238, 239, 240),
+    rock=(203, 208, 219),
+    rim=(104, 117, 158),
+    beacon=(163, 106, 0),
+    charger=(0, 124, 112),
+    plate=(252, 252, 249),
+    bright=(16, 18, 28),
+    hit_wall=(200, 36, 36),
+    hit_beacon=(24, 128, 44),
+    hit_robot=(20, 96, 200),
+    dead=(128, 132, 140),
+    alarm=(200, 30, 30),
+)
+
+
+@lru_cache(maxsize=256)
+def parse(text: str, fallback: RGB = (150, 160, 180)) -> RGB:
+    """Read a colour as levels give it: a CSS name, ``#rgb``, ``#rrggbb``, ``rgb()`` or ``hsl()``.
+
+    Args:
+        text: The colour; its transparency is ignored.
+        fallback: What anything else stands for.
+    """
+    try:
+        return Color.parse(text.strip()).rgb
+    except (ColorParseError, ValueError):
+        return fallback
+
+
+def luminance(colour: RGB) -> float:
+    """Return how bright a colour looks, 0 to 1 (ITU-R BT.709 weights on the encoded values)."""
+    red, green, blue = colour
+    return (0.2126 * red + 0.7152 * green + 0.0722 * blue) / 255
+
+
+def mix(one: RGB, other: RGB, share: float) -> RGB:
+    """Return ``share`` of the other colour with the rest of the one."""
+    red, green, blue = (round(a + (b - a) * share) for a, b in zip(one, other, strict=True))
+    return red, green, blue
+
+
+def packed(colour: RGB) -> int:
+    """Return a colour as 0xRRGGBB."""
+    red, green, blue = colour
+    return red << 16 | green << 8 | blue

@@ -1,0 +1,176 @@
+"""Draws a level and a frame into cells, and tells what changed since the last time."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from logical_robots_tui.tui.drawing.cells import Cells, text_id
+from logical_robots_tui.tui.drawing.dots import BLOCKS, fit, pack, split
+from logical_robots_tui.tui.drawing.glyphs import Drawing
+from logical_robots_tui.tui.drawing.ground import ASCII_KINDS, Ground, lay_ground
+from logical_robots_tui.tui.drawing.lettering import StillLettering, letter, robot_colour
+from logical_robots_tui.tui.drawing.palette import RGB, Palette, packed
+from logical_robots_tui.tui.drawing.rays import Fan, fans, shine
+from logical_robots_tui.tui.drawing.robots import paint_robot
+from logical_robots_tui.tui.drawing.viewport import Floats, Raster
+from logical_robots_tui.tui.drawing.walls import WallTable
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from logical_robots_tui.game.frame import Frame
+    from logical_robots_tui.tui.drawing.look import Look
+    from logical_robots_tui.tui.drawing.viewport import Viewport
+    from logical_robots_tui.world.level import Level
+    from logical_robots_tui.world.state import RobotState
+
+__all__ = ["Picture"]
+
+_STRENGTH, _SELECTED, _OTHERS = 0.34, 0.5, 0.2
+"""Light of a fan: without a selection, of the selected robot, of the others then."""
+
+_BLOCK_IDS = {
+    count: np.array([text_id(char) for char in chars], np.int64) for count, chars in BLOCKS.items()
+}
+_KIND_IDS = np.array([text_id(char) for char in ASCII_KINDS], np.int64)
+_LIT_ID = text_id(".")
+
+
+class Picture:
+    """A labyrinth in cells, kept up to date frame by frame.
+
+    What stands still is painted again only when the view, the look or the state of an area
+    changes. Of the rest only the cells whose dots changed are fitted again.
+
+    Attributes:
+        cells: What was drawn last.
+    """
+
+    def __init__(self) -> None:
+        self.cells = Cells.blank(0, 0)
+        self._level: Level | None = None
+        self._still_key: object = None
+        self._dots: NDArray[np.uint8] | None = None
+        self._base = self.cells
+
+    def draw(
+        self, level: Level, frame: Frame, viewport: Viewport, look: Look
+    ) -> list[tuple[int, int, int]]:
+        """Draw a frame.
+
+        Args:
+            level: The level that the frame belongs to.
+            frame: What to draw: robots as they are afterwards, rays from where they sensed.
+            viewport: The part of the map to show.
+            look: How to draw it.
+
+        Returns:
+            (row, first column, column after the last) of each row that changed.
+        """
+        earlier = self.cells
+        if viewport.rows < 1 or viewport.columns < 1:
+            self.cells = Cells.blank(max(viewport.rows, 0), max(viewport.columns, 0))
+            self._still_key = None
+            return []
+        active = tuple(area.active for area in frame.after.areas)
+        raster = Raster(viewport, *look.drawing.dots)
+        self._keep_still(level, active, raster, look)
+        colours = {robot.name: robot_colour(robot.color, look.palette) for robot in level.robots}
+        robots = [
+            (robot, _state_colour(robot, colours, look.palette)) for robot in frame.after.robots
+        ]
+        robots.sort(key=lambda pair: pair[0].name == look.selected)
+        seen = fans(frame) if look.rays or look.marks else []
+
+        image = self._ground.image.copy()
+        lit = np.zeros(raster.shape, np.bool_)
+        for fan in seen if look.rays else []:
+            colour = colours.get(fan.name, look.palette.dead)
+            _light_up(image, lit, fan, colour, self._ground, raster, look)
+        if look.drawing is Drawing.ASCII:
+            cells = _plain_cells(self._ground, image, lit, look.palette)
+        else:
+            for robot, colour in robots:
+                paint_robot(image, raster, robot, colour, look.palette)
+            cells = self._fitted(image, raster)
+        letter(cells, self._lettering, robots, seen, viewport, look)
+
+        self.cells = cells
+        if earlier.text.shape != cells.text.shape:
+            return [(row, 0, viewport.columns) for row in range(viewport.rows)]
+        return cells.changes(earlier)
+
+    def _keep_still(
+        self, level: Level, active: tuple[bool, ...], raster: Raster, look: Look
+    ) -> None:
+        """Paint what stands still, unless that is what was painted last."""
+        if level is not self._level:
+            self._level, self._walls, self._still_key = level, WallTable(level.walls), None
+        key = active, raster, look.drawing, look.palette, look.names
+        if key == self._still_key:
+            return
+        self._still_key = key
+        self._ground = lay_ground(level, self._walls, active, raster, look.palette)
+        self._lettering = StillLettering(level, active, raster.viewport, look, self._ground.image)
+
+    def _fitted(self, image: Floats, raster: Raster) -> Cells:
+        """Fit the cells whose dots changed, and return them with the rest."""
+        # Steps of 4 keep faint changes of light from changing cells.
+        coarse = np.clip(image, 0, 255, out=image).astype(np.uint8) & np.uint8(0xFC)
+        dots = split(coarse, raster.across, raster.down)
+        shape = raster.viewport.rows, raster.viewport.columns
+        if self._dots is None or self._dots.shape != dots.shape or self._base.text.shape != shape:
+            self._base = Cells.blank(*shape)
+            changed = np.arange(len(dots))
+        else:
+            changed = np.flatnonzero((dots != self._dots).any(axis=(1, 2)))
+        self._dots = dots
+        pattern, ink, paper = fit(dots[changed])
+        self._base.text.ravel()[changed] = _BLOCK_IDS[dots.shape[1]][pattern]
+        self._base.style.ravel()[changed] = pack(ink) << 24 | pack(paper)
+        self._base.tone.ravel()[changed] = pack(dots[changed].mean(axis=1, dtype=np.float32))
+        return self._base.copy()
+
+
+def _state_colour(robot: RobotState, colours: dict[str, RGB], palette: Palette) -> RGB:
+    return palette.dead if robot.dead else colours.get(robot.name, palette.dead)
+
+
+def _light_up(
+    image: Floats,
+    lit: NDArray[np.bool_],
+    fan: Fan,
+    colour: RGB,
+    ground: Ground,
+    raster: Raster,
+    look: Look,
+) -> None:
+    """Add the light of a fan to an image, or take away what its ink does, and note where."""
+    found = shine(fan, raster)
+    if found is None:
+        return
+    window, brightness = found
+    lit[window] |= brightness > 0
+    strength = _STRENGTH
+    if look.selected is not None:
+        strength = _SELECTED if fan.name == look.selected else _OTHERS
+    light = (brightness * ground.gleam[window])[..., None]
+    tint = np.array(colour, np.float32) * np.float32(strength)
+    if look.palette.light:
+        image[window] *= 1 - light * (np.float32(strength) - tint / 255)
+    else:
+        image[window] += light * tint
+
+
+def _plain_cells(ground: Ground, image: Floats, lit: NDArray[np.bool_], palette: Palette) -> Cells:
+    """Return cells of plain characters, in colours that stand out from the floor."""
+    text = _KIND_IDS[ground.kinds]
+    text[lit & (ground.kinds == 0)] = _LIT_ID
+    floor = np.array(palette.floor, np.float32)
+    apart = image - floor
+    apart *= 150 / np.maximum(np.abs(apart).max(axis=2, keepdims=True), 1)
+    ink = pack(np.clip(floor + apart, 0, 252))
+    paper = np.full(text.shape, packed(palette.floor), np.int64)
+    return Cells(text, ink << 24 | paper, paper)

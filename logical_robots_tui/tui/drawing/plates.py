@@ -1,0 +1,114 @@
+"""Names in the labyrinth: what of a name can be shown, and where it stands in nobody's way."""
+
+from __future__ import annotations
+
+import unicodedata
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+from rich.cells import cell_len
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+__all__ = ["Plate", "Room", "fit_name"]
+
+
+def fit_name(name: str, width: int, cut: str, unknown: str, ascii_only: bool = False) -> list[str]:
+    """Return a name as the texts of cells, at most ``width`` of them.
+
+    A character two cells wide is followed by an empty text. Marks stay with their letter. Control
+    characters become ``unknown``; invisible ones, which could reorder the line or join characters
+    into one of another width, are left out.
+
+    Args:
+        name: Any text.
+        width: Cells there are.
+        cut: What a name ends with that was too long.
+        unknown: What stands for a character that can't be shown.
+        ascii_only: Whether anything but ASCII counts as such a character.
+    """
+    cells: list[str] = []
+    for char in unicodedata.normalize("NFC", name[: 4 * width + 16]):
+        category = unicodedata.category(char)
+        if category in {"Cf", "Cs", "Me"} or "\ufe00" <= char <= "\ufe0f":
+            continue
+        if "\U0001f3fb" <= char <= "\U0001f3ff" or "\U0001f1e6" <= char <= "\U0001f1ff":
+            char = unknown
+        if category in {"Cc", "Zl", "Zp", "Co", "Cn"} or (ascii_only and not char.isascii()):
+            char = unknown
+        size = cell_len(char)
+        if size:
+            cells += [char] if size == 1 else [char, ""]
+        elif cells and not ascii_only:
+            base = -1 if cells[-1] else -2
+            if len(cells[base]) < 3 and cell_len(cells[base] + char) == cell_len(cells[base]):
+                cells[base] += char
+    if len(cells) <= width:
+        return cells
+    cells = cells[: max(width - 1, 0)]
+    if cells and cell_len(cells[-1]) == 2:
+        cells.pop()
+    return [*cells, cut][:width]
+
+
+@dataclass(frozen=True, slots=True)
+class Plate:
+    """A name to show at something.
+
+    Attributes:
+        cells: Texts of its cells, as ``fit_name`` gives them.
+        row: Cell of what it names.
+        column: Cell of what it names.
+        clear: Rows above and below that belong to what it names.
+        inside: Whether it may stand on what it names.
+    """
+
+    cells: tuple[str, ...]
+    row: int
+    column: int
+    clear: int = 0
+    inside: bool = False
+
+    def places(self, rows: int, columns: int) -> Iterator[tuple[int, int]]:
+        """Return where it could stand, as (row, first column), the best first."""
+        width, beside = len(self.cells), 2 * self.clear + 2
+        if width > columns:
+            return
+        middle = min(max(self.column - width // 2, 0), columns - width)
+        steps = [self.clear + 1, self.clear + 2, self.clear + 3]
+        wanted = [(self.row, middle)] if self.inside else []
+        wanted += [(self.row - steps[0], middle), (self.row + steps[0], middle)]
+        wanted += [(self.row, self.column + beside), (self.row, self.column - beside + 1 - width)]
+        for step in steps:
+            for row in (self.row - step, self.row + step):
+                wanted += [(row, self.column + 1), (row, self.column - width), (row, middle)]
+        for row, column in wanted:
+            if 0 <= row < rows and 0 <= column <= columns - width:
+                yield row, column
+
+
+class Room:
+    """The cells that are still free for names."""
+
+    def __init__(self, rows: int, columns: int) -> None:
+        self._taken = np.zeros((rows, columns), dtype=np.bool_)
+
+    def take(self, row: int, first: int, stop: int) -> None:
+        """Take cells of a row; what lies outside doesn't matter."""
+        if 0 <= row < self._taken.shape[0]:
+            self._taken[row, max(first, 0) : max(stop, 0)] = True
+
+    def is_free(self, row: int, first: int, stop: int) -> bool:
+        """Return whether cells of a row, and one to each side, are free."""
+        return not self._taken[row, max(first - 1, 0) : stop + 1].any()
+
+    def place(self, plate: Plate) -> tuple[int, int] | None:
+        """Find a place for a plate and take it; None if there is none."""
+        width = len(plate.cells)
+        for row, column in plate.places(*self._taken.shape):
+            if self.is_free(row, column, column + width):
+                self.take(row, column, column + width)
+                return row, column
+        return None

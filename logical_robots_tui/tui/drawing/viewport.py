@@ -1,0 +1,152 @@
+"""Where map units fall on the cells of a terminal."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import TYPE_CHECKING, Any, Self, TypeAlias
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+__all__ = ["CELL_ASPECT", "Floats", "Raster", "Viewport"]
+
+Floats: TypeAlias = "NDArray[np.floating[Any]]"
+"""An array of floats; single precision unless it holds places on the map."""
+
+CELL_ASPECT = 2.0
+"""Height of a terminal cell in widths of one."""
+
+
+@dataclass(frozen=True, slots=True)
+class Viewport:
+    """The rectangle of a map that a block of cells shows; a map unit is as long down as across.
+
+    Attributes:
+        columns: Width in cells.
+        rows: Height in cells.
+        left: Map units at the left edge of the first column.
+        top: Map units at the top edge of the first row.
+        units: Map units per column; a row holds twice as many.
+    """
+
+    columns: int
+    rows: int
+    left: float
+    top: float
+    units: float
+
+    @classmethod
+    def fit(cls, width: float, height: float, columns: int, rows: int) -> Self:
+        """Show a whole map in the middle of the cells, as large as it goes.
+
+        Args:
+            width: Map units, positive.
+            height: Map units, positive.
+            columns: Cells across.
+            rows: Cells down.
+        """
+        units = max(width / max(columns, 1), height / (max(rows, 1) * CELL_ASPECT), 1e-9)
+        return cls(columns, rows, 0.0, 0.0, units).centred(width / 2, height / 2)
+
+    @property
+    def width(self) -> float:
+        """Map units across."""
+        return self.columns * self.units
+
+    @property
+    def height(self) -> float:
+        """Map units down."""
+        return self.rows * self.units * CELL_ASPECT
+
+    def centred(self, x: float, y: float) -> Self:
+        """Show the same length of map around another point, in map units."""
+        return replace(self, left=x - self.width / 2, top=y - self.height / 2)
+
+    def zoomed(self, factor: float) -> Self:
+        """Show the middle ``factor`` times as large."""
+        x, y = self.left + self.width / 2, self.top + self.height / 2
+        return replace(self, units=self.units / factor).centred(x, y)
+
+    def cell(self, x: float, y: float) -> tuple[int, int] | None:
+        """Return the (row, column) that shows a point of the map, or None if none does."""
+        across, down = (x - self.left) / self.units, (y - self.top) / (self.units * CELL_ASPECT)
+        # Compared as floats: what is not a number is nowhere.
+        if not (0 <= across < self.columns and 0 <= down < self.rows):
+            return None
+        return math.floor(down), math.floor(across)
+
+    def position(self, row: float, column: float) -> tuple[float, float]:
+        """Return the map units (x, y) in the middle of a cell, which may lie outside."""
+        return (
+            self.left + (column + 0.5) * self.units,
+            self.top + (row + 0.5) * self.units * CELL_ASPECT,
+        )
+
+
+@dataclass(frozen=True)
+class Raster:
+    """The dots of a viewport: each cell is ``across`` dots wide and ``down`` dots high."""
+
+    viewport: Viewport
+    across: int
+    down: int
+
+    @property
+    def shape(self) -> tuple[int, int]:
+        """Dots (down, across) of the whole viewport."""
+        return self.viewport.rows * self.down, self.viewport.columns * self.across
+
+    @cached_property
+    def x_edges(self) -> Floats:
+        """Map units of the dots' left edges, and the last one's right edge."""
+        view = self.viewport
+        return view.left + np.arange(self.shape[1] + 1) * (view.units / self.across)
+
+    @cached_property
+    def y_edges(self) -> Floats:
+        """Map units of the dots' upper edges, and the last one's lower edge."""
+        view = self.viewport
+        return view.top + np.arange(self.shape[0] + 1) * (view.units * CELL_ASPECT / self.down)
+
+    @cached_property
+    def x(self) -> Floats:
+        """Map units of the dots' centres, across."""
+        return (self.x_edges[1:] + self.x_edges[:-1]) / 2
+
+    @cached_property
+    def y(self) -> Floats:
+        """Map units of the dots' centres, down."""
+        return (self.y_edges[1:] + self.y_edges[:-1]) / 2
+
+    @property
+    def dot(self) -> float:
+        """Map units of a dot's side, were it a square of the same size."""
+        return self.viewport.units * math.sqrt(CELL_ASPECT / (self.across * self.down))
+
+    def window(
+        self, left: float, right: float, top: float, bottom: float
+    ) -> tuple[slice, slice] | None:
+        """Return the slices (down, across) of the dots that touch a rectangle of the map.
+
+        None if there are none.
+        """
+        if not (left <= right and top <= bottom):
+            return None
+        first_x, last_x = np.searchsorted(self.x_edges, (left, right)).tolist()
+        first_y, last_y = np.searchsorted(self.y_edges, (top, bottom)).tolist()
+        down = slice(max(first_y - 1, 0), min(last_y, self.shape[0]))
+        across = slice(max(first_x - 1, 0), min(last_x, self.shape[1]))
+        if down.start >= down.stop or across.start >= across.stop:
+            return None
+        return down, across
+
+    def offsets(self, window: tuple[slice, slice], x: float, y: float) -> tuple[Floats, Floats]:
+        """Return map units from a point to the dots of a window: a row dx and a column dy."""
+        down, across = window
+        dx = (self.x[across] - x).astype(np.float32)[None, :]
+        dy = (self.y[down] - y).astype(np.float32)[:, None]
+        return dx, dy

@@ -1,0 +1,127 @@
+"""Levels, frames and pictures for tests of the drawing."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from logical_robots_tui.game.frame import Frame
+from logical_robots_tui.tui.drawing import DARK, Look, Palette, Picture, Viewport
+from logical_robots_tui.tui.drawing.cells import BOLD
+from logical_robots_tui.tui.drawing.palette import RGB, luminance
+from logical_robots_tui.values import Desire
+from logical_robots_tui.world import Level, Robot, RobotState, World
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Mapping
+
+    from logical_robots_tui.values import SensorRow
+
+BARE = Look(rays=False, marks=False, names=False)
+"""Nothing but what stands there."""
+
+
+def room(
+    width: int = 400, height: int = 200, thick: int = 10, robots: Iterable[Robot] = (), **more: Any
+) -> Level:
+    """Return a level with a rim of wall."""
+    walls = np.ones((height, width), dtype=np.bool_)
+    walls[thick : height - thick, thick : width - thick] = False
+    return Level("room", "Room", width, height, walls, tuple(robots), **more)
+
+
+def start(level: Level) -> Frame:
+    """Return the frame of a level's start."""
+    world = World(level)
+    state = world.save()
+    return Frame(0, state, state, tuple(world.look()), {}, (), {}, 0.0)
+
+
+def run(level: Level, ticks: int, desires: Mapping[str, Desire] | None = None) -> list[Frame]:
+    """Return the frames of a level whose robots want the same in every tick."""
+    world = World(level)
+    frames = [start(level)]
+    for tick in range(1, ticks + 1):
+        before, rows = world.save(), world.sense()
+        world.act(desires or {robot.name: Desire(0.9, 0.6) for robot in level.robots})
+        frames.append(Frame(tick, before, world.save(), tuple(rows), {}, (), {}, 0.0))
+    return frames
+
+
+def with_robot(frame: Frame, **changes: Any) -> Frame:
+    """Return a frame whose first robot is changed."""
+    first, *others = frame.after.robots
+    robots: tuple[RobotState, ...] = (replace(first, **changes), *others)
+    return replace(frame, after=replace(frame.after, robots=robots))
+
+
+def with_active(frame: Frame, active: bool) -> Frame:
+    """Return a frame with all areas switched on or off."""
+    areas = tuple(replace(area, active=active) for area in frame.after.areas)
+    return replace(frame, after=replace(frame.after, areas=areas))
+
+
+def seeing(name: str, rays: Iterable[tuple[float, float, str]]) -> SensorRow:
+    """Return a sensor row with (angle, distance, object) for each ray."""
+    radar = [
+        {"angle": angle, "distance": distance, "object": kind, "label": "?"}
+        for angle, distance, kind in rays
+    ]
+    return {"robot_name": name, "sensor": {"radar": radar}}
+
+
+class Drawn:
+    """A picture to ask questions about, each about a place on the map."""
+
+    def __init__(
+        self,
+        level: Level,
+        frame: Frame | None = None,
+        look: Look = BARE,
+        columns: int = 80,
+        rows: int = 20,
+        view: Viewport | None = None,
+    ) -> None:
+        self.view = view or Viewport.fit(level.width, level.height, columns, rows)
+        self.picture = Picture()
+        self.picture.draw(level, frame or start(level), self.view, look)
+        self.lines = self.picture.cells.plain()
+
+    def cell(self, x: float, y: float) -> tuple[int, int]:
+        cell = self.view.cell(x, y)
+        assert cell is not None
+        return cell
+
+    def text(self, x: float, y: float) -> str:
+        """The character there; lines must hold no wide ones."""
+        row, column = self.cell(x, y)
+        return self.lines[row][column]
+
+    def ink(self, x: float, y: float) -> RGB:
+        return _colour(int(self.picture.cells.style[self.cell(x, y)]) >> 24)
+
+    def paper(self, x: float, y: float) -> RGB:
+        return _colour(int(self.picture.cells.style[self.cell(x, y)]))
+
+    def bold(self, x: float, y: float) -> bool:
+        return bool(self.picture.cells.style[self.cell(x, y)] & BOLD)
+
+    def tone(self, x: float, y: float) -> RGB:
+        """What the cell looks like from afar."""
+        return _colour(int(self.picture.cells.tone[self.cell(x, y)]))
+
+
+def _colour(packed: int) -> RGB:
+    return packed >> 16 & 0xFF, packed >> 8 & 0xFF, packed & 0xFF
+
+
+def apart(one: RGB, other: RGB) -> int:
+    """Return the largest difference of two colours in one channel."""
+    return max(abs(a - b) for a, b in zip(one, other, strict=True))
+
+
+def contrast(colour: RGB, palette: Palette = DARK) -> float:
+    """Return how far a colour's brightness is from the floor's."""
+    return abs(luminance(colour) - luminance(palette.floor))

@@ -1,0 +1,107 @@
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from logical_robots_tui.tui.drawing.cells import BOLD, CONTINUED, Cells, text_id
+from logical_robots_tui.tui.drawing.dots import BLOCKS, fit, pack, split
+from logical_robots_tui.tui.drawing.viewport import Floats
+
+
+def put_word(cells: Cells, row: int, column: int, word: str, ink: int, paper: int) -> None:
+    for i, char in enumerate(word):
+        cells.put(row, column + i, char, ink, paper)
+
+
+def test_a_strip_has_a_segment_for_each_style() -> None:
+    cells = Cells.blank(1, 6)
+    put_word(cells, 0, 0, "abc", 0xFF0000, 0x101010)
+    put_word(cells, 0, 3, "def", 0x00FF00, 0x101010)
+    strip = cells.strip(0)
+    assert [segment.text for segment in strip] == ["abc", "def"]
+    styles = [segment.style for segment in strip]
+    assert all(style and style.color and style.bgcolor for style in styles)
+    assert str(styles[0]) == "#ff0000 on #101010"
+
+
+def test_a_blank_joins_its_neighbours_on_the_same_paper() -> None:
+    cells = Cells.blank(1, 6)
+    put_word(cells, 0, 0, "ab", 0xFF0000, 0x101010)
+    put_word(cells, 0, 2, "  ", 0x0000FF, 0x101010)
+    put_word(cells, 0, 4, "cd", 0xFF0000, 0x101010)
+    assert [segment.text for segment in cells.strip(0)] == ["ab  cd"]
+
+
+def test_bold_cells_have_a_bold_style() -> None:
+    cells = Cells.blank(1, 1)
+    cells.put(0, 0, "x", 0xFFFFFF, 0, bold=True)
+    assert cells.style[0, 0] & BOLD
+    (segment,) = cells.strip(0)
+    assert segment.style is not None
+    assert segment.style.bold
+
+
+def test_changes_are_spans_of_rows() -> None:
+    cells = Cells.blank(4, 10)
+    later = cells.copy()
+    assert later.changes(cells) == []
+    later.put(1, 3, "x", 1, 0)
+    later.put(1, 7, "x", 1, 0)
+    later.put(3, 0, "x", 1, 0)
+    assert later.changes(cells) == [(1, 3, 8), (3, 0, 1)]
+
+
+def test_a_wide_character_changes_as_a_whole() -> None:
+    cells = Cells.blank(1, 6)
+    cells.text[0, 2], cells.text[0, 3] = text_id("機"), CONTINUED
+    later = cells.copy()
+    later.style[0, 3] = 5
+    assert later.changes(cells) == [(0, 2, 4)]
+    assert cells.strip(0).cell_length == 6
+    assert cells.strip(0).text == "  機  "
+
+
+def test_dots_of_two_colours_are_fitted_exactly() -> None:
+    dark, bright = (8, 12, 16), (200, 100, 40)
+    for count, blocks in ((4, BLOCKS[4]), (2, BLOCKS[2])):
+        for pattern in range(1, 2**count - 1):
+            dots = np.array(
+                [[bright if pattern >> i & 1 else dark for i in range(count)]], np.uint8
+            )
+            (index,), ink, paper = fit(dots)
+            assert blocks[index] == blocks[pattern]
+            assert pack(ink)[0] == 200 << 16 | 100 << 8 | 40
+            assert pack(paper)[0] == 8 << 16 | 12 << 8 | 16
+
+
+def test_a_cell_of_one_colour_is_blank() -> None:
+    dots = np.full((1, 4, 3), 96, np.uint8)
+    (index,), ink, paper = fit(dots)
+    assert BLOCKS[4][index] == " "
+    assert pack(ink) == pack(paper) == 0x606060
+
+
+@given(st.lists(st.integers(0, 255), min_size=12, max_size=12))
+def test_no_division_of_the_dots_is_better(values: list[int]) -> None:
+    dots = np.array(values, np.uint8).reshape(1, 4, 3)
+    (index,), ink, paper = fit(dots)
+
+    def error(pattern: int, one: Floats, other: np.ndarray) -> float:
+        chosen = np.array([one if pattern >> i & 1 else other for i in range(4)])
+        return float(((dots[0] - chosen) ** 2).sum())
+
+    def best(pattern: int) -> float:
+        members = np.array([pattern >> i & 1 for i in range(4)], bool)
+        return error(pattern, dots[0][members].mean(axis=0), dots[0][~members].mean(axis=0))
+
+    least = min(best(pattern) for pattern in range(1, 15))
+    assert error(int(index), ink[0], paper[0]) <= least + 41
+
+
+@pytest.mark.parametrize(("across", "down"), [(2, 2), (1, 2), (1, 1)])
+def test_dots_are_split_by_cell_in_reading_order(across: int, down: int) -> None:
+    image = np.arange(3 * down * 4 * across, dtype=np.uint8).reshape(3 * down, 4 * across)
+    cells = split(np.repeat(image[..., None], 3, axis=2), across, down)
+    assert cells.shape == (12, across * down, 3)
+    block = image[down : 2 * down, 2 * across : 3 * across]
+    assert cells[4 + 2, :, 0].tolist() == block.ravel().tolist()

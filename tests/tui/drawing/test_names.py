@@ -1,0 +1,108 @@
+from dataclasses import replace
+
+import pytest
+from rich.cells import cell_len
+
+from logical_robots_tui.tui.drawing import Look
+from logical_robots_tui.tui.drawing.plates import fit_name
+from logical_robots_tui.world import Area, Beacon, Robot
+from tests.tui.drawing.scenes import BARE, Drawn, room, start, with_robot
+
+NAMES = replace(BARE, names=True)
+
+
+def shown(name: str, width: int = 12) -> str:
+    return "".join(fit_name(name, width, "…", "□"))
+
+
+@pytest.mark.parametrize(
+    ("name", "wanted"),
+    [
+        ("Juliet", "Juliet"),
+        ("a name that is long", "a name that…"),
+        ("[red]x[/red]", "[red]x[/red]"),
+        ("a\x1b[31m\nb", "a□[31m□b"),
+        ("\u202eevil\u200b", "evil"),
+        ("機械人形", "機械人形"),
+        ("機械人形機械人形", "機械人形機…"),
+        ("cafe\u0301", "café"),
+        ("\u0301\u0301x", "x"),
+        ("", ""),
+    ],
+)
+def test_a_name_is_shown_as_far_as_it_can_be(name: str, wanted: str) -> None:
+    assert shown(name) == wanted
+
+
+@pytest.mark.parametrize("name", ["ab機械", "機械人形", "👩\u200d🚀👍🏽🇩🇪☎\ufe0f", "क्षि", "a" * 40])
+@pytest.mark.parametrize("width", [0, 1, 2, 3, 5])
+def test_a_name_takes_as_many_cells_as_its_text_is_wide(name: str, width: int) -> None:
+    cells = fit_name(name, width, "…", "□")
+    assert len(cells) <= width
+    assert cell_len("".join(cells)) == len(cells)
+
+
+def test_without_unicode_only_ascii_is_shown() -> None:
+    assert "".join(fit_name("Ω spot é", 9, "~", "?", ascii_only=True)) == "? spot ?"
+
+
+def test_robots_beacons_and_areas_have_name_plates() -> None:
+    level = room(
+        robots=(Robot("Ann", 60, 60),),
+        beacons=(Beacon("lamp", 200, 60),),
+        areas=(Area("pool", 100, 140, 30), Area("home", 300, 140, 30, victory_robots=("Ann",))),
+    )
+    text = "\n".join(Drawn(level, look=NAMES).lines)
+    for name in ("Ann", "lamp", "pool", "⚑ home"):
+        assert name in text
+    assert "Ann" not in "\n".join(Drawn(level, look=BARE).lines)
+
+
+def test_names_avoid_each_other_and_the_robots() -> None:
+    robots = [Robot(f"robot {i}", 180 + 9 * i, 90 + 9 * (i % 3)) for i in range(6)]
+    beacons = [Beacon(f"lamp {i}", 60 + 50 * i, 150) for i in range(6)]
+    drawn = Drawn(
+        room(1000, 500, robots=robots, beacons=tuple(beacons)), look=NAMES, columns=100, rows=25
+    )
+    text = "\n".join(drawn.lines)
+    for name in [robot.name for robot in robots] + [beacon.name for beacon in beacons]:
+        assert text.count(name) == 1
+    for beacon in beacons:
+        assert drawn.text(beacon.x, beacon.y) == "◆"
+    for robot in robots:
+        assert drawn.text(robot.x, robot.y) == "→"
+
+
+def test_a_name_makes_way_for_a_robot_and_comes_back() -> None:
+    level = room(1000, 500, robots=(Robot("Ann", 100, 100),), beacons=(Beacon("lamp", 500, 250),))
+    before = Drawn(level, look=NAMES, columns=100, rows=25)
+    row = next(i for i, line in enumerate(before.lines) if "lamp" in line)
+    x, y = before.view.position(row, before.lines[row].index("lamp") + 1)
+    during = Drawn(level, with_robot(start(level), x=x, y=y), NAMES, columns=100, rows=25)
+    assert during.text(x, y) == "→"
+    assert "lamp" in "\n".join(during.lines)
+    assert "lamp" not in during.lines[row]
+
+
+def test_a_blocked_robot_has_a_mark_behind_its_name() -> None:
+    level = room(1000, 500, robots=(Robot("Ann", 500, 250),))
+    drawn = Drawn(level, with_robot(start(level), blocked=True), NAMES)
+    assert "Ann!" in "\n".join(drawn.lines)
+
+
+def test_the_plate_of_a_selected_robot_is_in_its_colour() -> None:
+    level = room(1000, 500, robots=(Robot("Ann", 500, 250, color="#ff8040"),))
+
+    def paper(look: Look) -> int:
+        drawn = Drawn(level, look=look)
+        row = next(i for i, line in enumerate(drawn.lines) if "Ann" in line)
+        column = drawn.lines[row].index("Ann")
+        return int(drawn.picture.cells.style[row, column]) & 0xFFFFFF
+
+    assert paper(replace(NAMES, selected="Ann")) == 0xFF8040
+    assert paper(NAMES) != 0xFF8040
+
+
+def test_a_view_too_small_for_names_has_none() -> None:
+    level = room(robots=(Robot("Ann", 200, 100),), beacons=(Beacon("lamp", 100, 100),))
+    assert "Ann" not in "\n".join(Drawn(level, look=NAMES, columns=12, rows=5).lines)

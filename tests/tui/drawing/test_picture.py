@@ -1,0 +1,188 @@
+"""Whatever there is to draw, the picture is whole."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from rich.cells import cell_len
+
+from logical_robots_tui.game.frame import Frame
+from logical_robots_tui.tui.drawing import DARK, LIGHT, Drawing, Look, Picture, Viewport
+from logical_robots_tui.world import (
+    Area,
+    AreaState,
+    Beacon,
+    Level,
+    Robot,
+    RobotState,
+    WorldState,
+)
+from tests.tui.drawing.scenes import room, run, seeing
+
+_numbers = st.one_of(
+    st.floats(-300, 600), st.sampled_from((math.nan, math.inf, -math.inf, 1e300, 0.0))
+)
+_names = st.one_of(
+    st.text(max_size=12),
+    st.sampled_from(("機械人形", "👩\u200d🚀", "a\x1b[2J", "\u202eabc", "é" * 30)),
+)
+_colours = st.sampled_from(("red", "#fff", "#12345678", "", "no colour", "auto", "hsl(10,50%,50%)"))
+_looks = st.builds(
+    Look,
+    drawing=st.sampled_from(Drawing),
+    palette=st.sampled_from((DARK, LIGHT)),
+    rays=st.booleans(),
+    marks=st.booleans(),
+    names=st.booleans(),
+    selected=st.one_of(st.none(), _names),
+)
+
+
+@st.composite
+def scenes(draw: st.DrawFn) -> tuple[Level, Frame]:
+    """Draw a level and a frame that no loader and no world would give."""
+    width, height = draw(st.integers(1, 300)), draw(st.integers(1, 200))
+    walls = np.random.default_rng(draw(st.integers(0, 99))).random((height, width))
+    robots = draw(
+        st.lists(st.builds(Robot, _names, _numbers, _numbers, _numbers, _colours), max_size=4)
+    )
+    beacons = draw(st.lists(st.builds(Beacon, _names, _numbers, _numbers, st.booleans())))
+    areas = draw(
+        st.lists(
+            st.builds(
+                Area,
+                _names,
+                _numbers,
+                _numbers,
+                _numbers,
+                _colours,
+                victory_robots=st.sampled_from(((), ("a",))),
+                impenetrable=st.booleans(),
+            ),
+            max_size=4,
+        )
+    )
+    level = Level(
+        "weird",
+        "Weird",
+        width,
+        height,
+        walls < draw(st.sampled_from((0, 0.3, 1))),
+        tuple(robots),
+        tuple(beacons),
+        tuple(areas),
+    )
+    states = tuple(
+        RobotState(
+            robot.name,
+            robot.x,
+            robot.y,
+            robot.angle,
+            1.0,
+            blocked=draw(st.booleans()),
+            dead=draw(st.booleans()),
+        )
+        for robot in robots
+    )
+    state = WorldState(1, states, tuple(AreaState(a.name, draw(st.booleans())) for a in areas))
+    ray = st.tuples(
+        st.floats(-4, 4),
+        st.integers(0, 200),
+        st.sampled_from(("wall", "robot", "beacon", "none", "news")),
+    )
+    sensors = tuple(
+        seeing(robot.name, draw(st.lists(ray, max_size=31)))
+        for robot in robots
+        if draw(st.booleans())
+    )
+    return level, Frame(1, state, state, sensors, {}, (), {}, 0.0)
+
+
+@st.composite
+def views(draw: st.DrawFn, level: Level) -> Viewport:
+    columns, rows = draw(st.integers(0, 60)), draw(st.integers(0, 24))
+    view = Viewport.fit(level.width, level.height, columns, rows)
+    return view.zoomed(draw(st.floats(0.05, 50))).centred(
+        draw(st.floats(-50, 350)), draw(st.floats(-50, 250))
+    )
+
+
+@given(st.data(), scenes(), _looks)
+def test_any_scene_fills_every_line_exactly(
+    data: st.DataObject, scene: tuple[Level, Frame], look: Look
+) -> None:
+    level, frame = scene
+    view = data.draw(views(level))
+    picture = Picture()
+    picture.draw(level, frame, view, look)
+    assert picture.cells.text.shape == (view.rows, view.columns)
+    for row in range(view.rows):
+        strip = picture.cells.strip(row)
+        assert strip.cell_length == view.columns
+        assert sum(cell_len(segment.text) for segment in strip) == view.columns
+        assert all(segment.style is not None for segment in strip)
+        assert strip.text.isprintable()
+
+
+@given(st.data(), st.lists(st.tuples(scenes(), _looks), min_size=2, max_size=3))
+def test_drawing_on_gives_what_drawing_anew_gives(
+    data: st.DataObject, scenes_and_looks: list[tuple[tuple[Level, Frame], Look]]
+) -> None:
+    picture = Picture()
+    for (level, frame), look in scenes_and_looks:
+        view = data.draw(views(level))
+        picture.draw(level, frame, view, look)
+        anew = Picture()
+        anew.draw(level, frame, view, look)
+        assert (picture.cells.text == anew.cells.text).all()
+        assert (picture.cells.style == anew.cells.style).all()
+
+
+@pytest.mark.parametrize("drawing", Drawing)
+def test_a_run_drawn_frame_by_frame_equals_each_frame_drawn_alone(drawing: Drawing) -> None:
+    level = room(
+        robots=(Robot("Ann", 60, 60, 0.4, "red"), Robot("Bob", 200, 120, 2.0, "#00ff88")),
+        beacons=(Beacon("lamp", 120, 80), Beacon("dock", 300, 90, charging_station=True)),
+        areas=(Area("pool", 200, 60, 30, on_beacon="lamp"), Area("home", 330, 150, 30)),
+    )
+    view, look = Viewport.fit(level.width, level.height, 60, 20), Look(drawing=drawing)
+    picture = Picture()
+    shown: list[list[str]] = []
+    for frame in run(level, 40):
+        changes = picture.draw(level, frame, view, look)
+        if not shown:
+            shown = [[str(list(picture.cells.strip(row)))] for row in range(20)]
+        for row, _, _ in changes:
+            shown[row] = [str(list(picture.cells.strip(row)))]
+        anew = Picture()
+        anew.draw(level, frame, view, look)
+        assert shown == [[str(list(anew.cells.strip(row)))] for row in range(20)]
+
+
+def test_only_what_changed_is_reported() -> None:
+    level = room(800, 400, robots=(Robot("Ann", 400, 200),))
+    view, look = Viewport.fit(800, 400, 100, 25), Look(rays=False, marks=False, names=False)
+    frames = run(level, 30)
+    picture = Picture()
+    assert len(picture.draw(level, frames[0], view, look)) == 25
+    assert picture.draw(level, frames[0], view, look) == []
+    changes = picture.draw(level, frames[30], view, look)
+    assert 1 <= len(changes) <= 6
+    assert sum(stop - first for _, first, stop in changes) < 60
+
+
+def test_an_area_that_is_switched_is_drawn_anew() -> None:
+    level = room(areas=(Area("pool", 200, 100, 40),))
+    (frame,) = run(level, 0)
+    off = replace(
+        frame, after=replace(frame.after, areas=(replace(frame.after.areas[0], active=False),))
+    )
+    view, picture = Viewport.fit(400, 200, 60, 15), Picture()
+    picture.draw(level, frame, view, Look())
+    assert picture.draw(level, off, view, Look())
+    assert picture.draw(level, frame, view, Look())

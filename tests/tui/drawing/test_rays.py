@@ -1,0 +1,134 @@
+import math
+from dataclasses import replace
+
+import pytest
+
+from logical_robots_tui.game.frame import Frame
+from logical_robots_tui.tui.drawing import DARK, LIGHT, Drawing, Look, Palette, Viewport
+from logical_robots_tui.world import Beacon, Level, Robot
+from tests.tui.drawing.scenes import BARE, Drawn, apart, contrast, room, seeing, start, with_robot
+
+RAYS = replace(BARE, rays=True)
+MARKS = replace(BARE, marks=True)
+
+
+def scene(width: int = 800, height: int = 400) -> Level:
+    return room(width, height, 20, robots=(Robot("Ann", 300.5, 200.5, 0.0, "#ff4040"),))
+
+
+def hits(*ends: tuple[float, str], degrees: float = 4) -> tuple[Level, Frame]:
+    """A scene with rays from the left to the right around straight ahead."""
+    level, middle = scene(), (len(ends) - 1) / 2
+    rays = [
+        (math.radians(degrees) * (middle - i), distance, kind)
+        for i, (distance, kind) in enumerate(ends)
+    ]
+    return level, replace(start(level), sensors=(seeing("Ann", rays),))
+
+
+@pytest.mark.parametrize(
+    ("kind", "glyph", "colour"),
+    [
+        ("wall", "·", DARK.hit_wall),
+        ("beacon", "◇", DARK.hit_beacon),
+        ("robot", "•", DARK.hit_robot),
+    ],
+)
+def test_the_end_of_a_ray_shows_what_was_hit(
+    kind: str, glyph: str, colour: tuple[int, int, int]
+) -> None:
+    level, frame = hits((100, "none"), (120, kind), (100, "none"))
+    drawn = Drawn(level, frame, MARKS)
+    assert drawn.text(420.5, 200.5) == glyph
+    assert drawn.ink(420.5, 200.5) == colour
+    assert sum(line.count(glyph) for line in drawn.lines) == 1
+
+
+def test_from_near_a_wall_is_marked_with_a_cross() -> None:
+    level, frame = hits((100, "none"), (30, "wall"), (100, "none"))
+    view = Viewport.fit(800, 400, 80, 20).zoomed(6).centred(310, 200)
+    assert Drawn(level, frame, MARKS, view=view).text(330.5, 200.5) == "\N{MULTIPLICATION SIGN}"
+
+
+@pytest.mark.parametrize("order", [1, -1])
+def test_where_several_rays_end_a_robot_goes_before_a_beacon_before_a_wall(order: int) -> None:
+    ends = [(100.0, "wall"), (100.0, "beacon"), (100.0, "robot"), (100.0, "wall")]
+    level, frame = hits(*ends[::order], degrees=0.1)
+    assert Drawn(level, frame, MARKS).text(400.5, 200.5) == "•"
+    level, frame = hits(*[end for end in ends[::order] if end[1] != "robot"], degrees=0.1)
+    assert Drawn(level, frame, MARKS).text(400.5, 200.5) == "◇"
+
+
+def test_plain_characters_mark_ends_too() -> None:
+    for kind, glyph in (("wall", "x"), ("beacon", "+"), ("robot", "o")):
+        level, frame = hits((120, kind), (120, kind))
+        drawn = Drawn(level, frame, replace(MARKS, drawing=Drawing.ASCII))
+        assert drawn.text(420.5, 200.5) == glyph
+
+
+@pytest.mark.parametrize("palette", [DARK, LIGHT])
+def test_light_reaches_as_far_as_the_rays_and_no_farther(palette: Palette) -> None:
+    level, frame = hits(*[(120.0, "wall")] * 15)
+    look = replace(RAYS, palette=palette)
+    lit, dark = Drawn(level, frame, look), Drawn(level, frame, replace(look, rays=False))
+    for x in (345, 380, 410):
+        assert apart(lit.tone(x, 203), dark.tone(x, 203)) > 20
+        assert contrast(lit.tone(x, 203), palette) > contrast(dark.tone(x, 203), palette)
+    for x, y in ((450, 203), (250, 203), (320, 260), (320, 140)):
+        assert lit.tone(x, y) == dark.tone(x, y)
+
+
+def test_light_has_the_colour_of_the_robot() -> None:
+    level, frame = hits(*[(120.0, "none")] * 15)
+    red, green, blue = Drawn(level, frame, RAYS).tone(360, 203)
+    assert red > 2 * green
+    assert red > 2 * blue
+
+
+def test_each_ray_lights_its_own_direction() -> None:
+    level, frame = hits(*[(150.0, "none")] * 8, *[(30.0, "wall")] * 8)
+    lit, dark = Drawn(level, frame, RAYS), Drawn(level, frame, BARE)
+    left, right = (400, 170), (400, 231)  # Of the robot: y grows downwards.
+    assert lit.tone(*left) != dark.tone(*left)
+    assert lit.tone(*right) == dark.tone(*right)
+
+
+def test_the_rim_of_a_wall_is_lit_where_rays_hit_it() -> None:
+    level = room(800, 400, 60, robots=(Robot("Ann", 640, 200, 0.0, "#ff4040"),))
+    lit, dark = Drawn(level, look=RAYS), Drawn(level)
+    assert lit.tone(743, 200)[0] > dark.tone(743, 200)[0] + 20
+    assert lit.tone(785, 200) == dark.tone(785, 200)
+
+
+def test_rays_start_where_the_robot_sensed() -> None:
+    level, frame = hits(*[(120.0, "none")] * 15)
+    moved = with_robot(frame, x=100.0, y=60.0, angle=2.0)
+    lit, dark = Drawn(level, moved, RAYS), Drawn(level, moved, BARE)
+    assert apart(lit.tone(360, 203), dark.tone(360, 203)) > 20
+    assert lit.tone(100, 100) == dark.tone(100, 100)
+
+
+def test_a_selected_robot_shines_brighter_and_the_others_less() -> None:
+    level, frame = hits(*[(120.0, "none")] * 15)
+    plain, chosen, other = (
+        Drawn(level, frame, replace(RAYS, selected=name)).tone(360, 203)[0]
+        for name in (None, "Ann", "Bob")
+    )
+    assert chosen > plain > other
+
+
+def test_a_switch_hides_the_rays_and_another_the_marks() -> None:
+    level = room(robots=(Robot("Ann", 50, 100),), beacons=(Beacon("b", 120, 100),))
+    both = Drawn(level, look=Look(names=False))
+    no_marks = Drawn(level, look=Look(names=False, marks=False))
+    no_rays = Drawn(level, look=Look(names=False, rays=False))
+    assert "◇" in "".join(both.lines)
+    assert "◇" not in "".join(no_marks.lines)
+    assert no_rays.tone(80, 103) == Drawn(level).tone(80, 103) != both.tone(80, 103)
+
+
+def test_plain_characters_dot_the_floor_that_rays_reach() -> None:
+    level, frame = hits(*[(120.0, "none")] * 15)
+    drawn = Drawn(level, frame, replace(RAYS, drawing=Drawing.ASCII))
+    assert drawn.text(360, 203) == "."
+    assert drawn.text(250, 203) == " "
