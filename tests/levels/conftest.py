@@ -1,0 +1,18 @@
+"""What the tests of levels share."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import pytest
+
+from logical_robots_tui.mind.compilation import stop_compiling
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+
+@pytest.fixture(scope="session", autouse=True)
+def _no_compiler_left_behind() -> Iterator[None]:
+    yield
+    stop_compiling()

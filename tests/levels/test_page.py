@@ -1,0 +1,72 @@
+"""The page about levels is true: its example is a level, and it names every key."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import pytest
+
+from logical_robots_tui.world import Level, LevelError, load_level
+from tests.levels.playing import ticks_to_win
+
+PAGE = Path(__file__).parents[2] / "docs" / "levels.md"
+
+
+def example() -> str:
+    (text,) = re.findall(r"^```toml\n(.*?)^```$", PAGE.read_text("utf-8"), re.DOTALL | re.MULTILINE)
+    return str(text)
+
+
+@pytest.fixture
+def file(tmp_path: Path) -> Path:
+    path = tmp_path / "gate.toml"
+    path.write_text(example(), "utf-8")
+    return path
+
+
+@pytest.fixture
+def level(file: Path) -> Level:
+    return load_level(file)
+
+
+def test_the_example_is_a_level(level: Level) -> None:
+    assert (level.name, level.title) == ("gate", "Two at the gate")
+    assert (level.width, level.height) == (300, 70)
+    assert [robot.name for robot in level.robots] == ["Ann", "Bob"]
+
+
+async def test_the_example_can_be_played(level: Level) -> None:
+    text = """
+    Robot(robot_name:, desire: {left_engine: 1, right_engine: 1}, memory: "") :-
+      Sensor(robot_name:);
+    """
+    assert await ticks_to_win(level, text, 20) is None
+
+
+EVERY_TABLE = [
+    # text of the example, and the same with a key that means nothing
+    ("cell = 10", "cell = 10\nzzz = 1"),
+    ("visibility = {", "visibility = {zzz = 1, "),
+    ("[[robots]]", "[[robots]]\nzzz = 1"),
+    ("battery = {", "battery = {zzz = 1, "),
+    ("[[beacons]]", "[[beacons]]\nzzz = 1"),
+    ("[[areas]]", "[[areas]]\nzzz = 1"),
+]
+
+
+@pytest.mark.parametrize(("before", "after"), EVERY_TABLE)
+def test_example_and_page_name_every_key_that_a_level_knows(
+    file: Path, before: str, after: str
+) -> None:
+    file.write_text(example().replace(before, after, 1), "utf-8")
+    with pytest.raises(LevelError) as caught:
+        load_level(file)
+    known = caught.value.hint.removeprefix("Known here: ").removesuffix(".").split(", ")
+    assert len(known) > 1
+    explained = PAGE.read_text("utf-8").replace(example(), "")
+    for key in set(known) - {"robots", "beacons", "areas"}:
+        assert f"`{key}`" in explained
+        assert re.search(rf"\b{key} = ", example())
+    for key in ("robots", "beacons", "areas"):
+        assert f"`[[{key}]]`" in explained
