@@ -55,8 +55,9 @@ class Draft:
 class Drafts:
     """The drafts of one session, each in its own file, under a lock held while the session lives.
 
-    What a session that ended badly left behind can be adopted by the next one; a session still
-    alive keeps its own. All methods may be called from any thread and from a signal handler.
+    What a session that is over left behind is adopted by the next one and stays apart from what
+    that one keeps itself, until somebody takes it or puts it away. A session still alive keeps its
+    own. All methods may be called from any thread and from a signal handler.
 
     Args:
         folder: Where the drafts of all sessions are; it is made when needed.
@@ -68,6 +69,7 @@ class Drafts:
         self._guard = threading.RLock()
         self._lock: int | None = None
         self._mine: dict[str, Draft] = {}
+        self._adopted: dict[str, Draft] = {}
         self._dropped: dict[str, int] = {}
 
     def keep(self, draft: Draft) -> None:
@@ -87,8 +89,22 @@ class Drafts:
             write_atomically(self._file(draft.path), _as_json(draft))
 
     def get(self, path: str) -> Draft | None:
-        """The draft of a program in this session, or None."""
+        """The draft of a program that this session kept, or None."""
         return self._mine.get(path)
+
+    def take(self, path: str) -> Draft | None:
+        """Make the adopted draft of a program one's own; None if there is none.
+
+        One's own draft of the same program goes into the folder ``old``.
+        """
+        with self._guard:
+            draft = self._adopted.pop(path, None)
+            if draft is not None:
+                if self._mine.pop(path, None) is not None:
+                    self._retire(self._file(path))
+                self._adopted_file(path).replace(self._file(path))
+                self._mine[path] = draft
+            return draft
 
     def drop(self, path: str) -> None:
         """Forget the draft of a program, because its text is saved or is the file's again."""
@@ -98,17 +114,16 @@ class Drafts:
                 self._file(path).unlink(missing_ok=True)
 
     def put_away(self, path: str) -> None:
-        """Move the draft of a program into the folder ``old``, because it is not wanted now."""
+        """Move the adopted draft of a program into the folder ``old``; it is not wanted now."""
         with self._guard:
-            self._dropped[path] = next(_serials)
-            if self._mine.pop(path, None) is not None:
-                self._retire(self._file(path))
+            if self._adopted.pop(path, None) is not None:
+                self._retire(self._adopted_file(path))
 
     def adopt(self) -> list[Draft]:
         """Take over what sessions that are over left behind.
 
         Returns:
-            All drafts of this session then, newest first.
+            All adopted drafts, newest first; one for each path.
 
         Raises:
             OSError: The folder can't be used.
@@ -120,14 +135,14 @@ class Drafts:
                     if session != self._session:
                         self._adopt_session(session)
                 self._remove_dead_locks()
-            return sorted(self._mine.values(), key=lambda draft: draft.saved, reverse=True)
+            return sorted(self._adopted.values(), key=lambda draft: draft.saved, reverse=True)
 
     def close(self) -> None:
         """End the session; its drafts stay for the next one."""
         with self._guard:
             if self._lock is None:
                 return
-            if not self._mine:
+            if not self._mine and not self._adopted:
                 self._lock_file(self._session).unlink(missing_ok=True)
             _release(self._lock)
             self._lock = None
@@ -136,6 +151,9 @@ class Drafts:
 
     def _file(self, path: str) -> Path:
         return self.folder / f"{self._session}-{fingerprint(path)}.json"
+
+    def _adopted_file(self, path: str) -> Path:
+        return self.folder / f"{self._session}-{fingerprint(path)}-adopted.json"
 
     def _lock_file(self, session: str) -> Path:
         return self.folder / f"{session}.lock"
@@ -155,7 +173,7 @@ class Drafts:
         try:
             for file in self._draft_files(session):
                 self._adopt_file(file)
-            self._lock_file(session).unlink(missing_ok=True)
+            self._clear(session)
         finally:
             _release(lock)
 
@@ -164,21 +182,26 @@ class Drafts:
         if draft is None:
             self._retire(file)
             return
-        rival = self._mine.get(draft.path)
+        rival = self._adopted.get(draft.path)
         if rival is not None and rival.saved >= draft.saved:
             self._retire(file)
             return
         if rival is not None:
-            self._retire(self._file(draft.path))
-        file.replace(self._file(draft.path))
-        self._mine[draft.path] = draft
+            self._retire(self._adopted_file(draft.path))
+        file.replace(self._adopted_file(draft.path))
+        self._adopted[draft.path] = draft
 
     def _remove_dead_locks(self) -> None:
         for file in self.folder.glob("*.lock"):
             if file.stem != self._session and (lock := _acquire(file)) is not None:
                 if not self._draft_files(file.stem):
-                    file.unlink(missing_ok=True)
+                    self._clear(file.stem)
                 _release(lock)
+
+    def _clear(self, session: str) -> None:
+        """Remove what a session that is over leaves besides drafts: its lock, half a write."""
+        for file in (self._lock_file(session), *self.folder.glob(f".{session}-*")):
+            file.unlink(missing_ok=True)
 
     def _retire(self, file: Path) -> None:
         old = self.folder / "old"

@@ -1,0 +1,149 @@
+"""What each command does."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from textual.command import CommandPalette
+
+from logical_robots_tui.tui.dialogs.help import Help
+from logical_robots_tui.tui.drawing.glyphs import Drawing
+from logical_robots_tui.tui.palette import CommandProvider
+
+if TYPE_CHECKING:
+    from logical_robots_tui.tui.screen import MainScreen
+
+__all__ = ["Actions"]
+
+
+class Actions:
+    """One method for each command, called as the command is.
+
+    Args:
+        screen: What to act on.
+    """
+
+    def __init__(self, screen: MainScreen) -> None:
+        self._screen = screen
+
+    def run(self) -> None:
+        """Run or pause."""
+        self._screen.labyrinth.briefing.display = False
+        state = self._screen.session.state
+        if self._screen.session.game is None and state.phase == "mistake":
+            self._screen.warn(f"The program has a mistake in line {state.mistakes[0].line}.")
+        self._screen.session.toggle_run()
+
+    def step(self) -> None:
+        """Compute one tick."""
+        self._screen.labyrinth.briefing.display = False
+        self._screen.session.step()
+
+    def back(self) -> None:
+        """Return to the tick before."""
+        self._screen.session.back()
+
+    def restart(self) -> None:
+        """Begin the level again."""
+        self._screen.session.restart()
+        self._screen.forget_victory()
+
+    def faster(self) -> None:
+        """Choose the next higher speed."""
+        self._screen.session.faster()
+
+    def slower(self) -> None:
+        """Choose the next lower speed."""
+        self._screen.session.slower()
+
+    def apply(self) -> None:
+        """Compile the text in the editor and use it."""
+        self._screen.session.apply(self._screen.text)
+
+    def mistake(self) -> None:
+        """Go to the mistake."""
+        self._screen.go_to(self._screen.program)
+        self._screen.program.go_to_mistake()
+
+    def level(self) -> None:
+        """Choose a level."""
+        self._screen.spawn(self._screen.library.choose_level, "library", exclusive=True)
+
+    def next_level(self) -> None:
+        """Go on to the next level."""
+        self._screen.spawn(self._screen.library.next_level, "library", exclusive=True)
+
+    def program(self) -> None:
+        """Choose a program."""
+        self._screen.spawn(self._screen.library.choose_program, "library", exclusive=True)
+
+    def save(self) -> None:
+        """Save the text as a program of the player's own."""
+        self._screen.spawn(self._screen.library.save, "library", exclusive=True)
+
+    def revert(self) -> None:
+        """Put the text of the file into the editor again."""
+        self._screen.replace_text(self._screen.session.source.text)
+
+    def labyrinth(self) -> None:
+        """Go to the labyrinth."""
+        self._screen.go_to(self._screen.labyrinth)
+
+    def editor(self) -> None:
+        """Go to the program's text."""
+        self._screen.go_to(self._screen.program)
+
+    def inspector(self) -> None:
+        """Go to the inspector."""
+        self._screen.go_to(self._screen.inspector)
+
+    def leave(self) -> None:
+        """Go to the labyrinth and close what lies over it."""
+        if self._screen.active is self._screen.labyrinth:
+            self._screen.labyrinth.banner.display = False
+            self._screen.labyrinth.briefing.display = False
+        self._screen.go_to(self._screen.labyrinth)
+
+    def next_pane(self) -> None:
+        """Go to the next pane."""
+        self._screen.go_on(1)
+
+    def previous_pane(self) -> None:
+        """Go to the pane before."""
+        self._screen.go_on(-1)
+
+    def rays(self) -> None:
+        """Show or hide what the radars reach."""
+        self._screen.labyrinth.view.rays = not self._screen.labyrinth.view.rays
+
+    def drawing(self) -> None:
+        """Draw in the next way."""
+        ways = list(Drawing)
+        view = self._screen.labyrinth.view
+        view.drawing = ways[(ways.index(view.drawing) + 1) % len(ways)]
+        self._screen.tell(f"Drawn in {view.drawing.value}.")
+
+    def briefing(self) -> None:
+        """Show or hide what the level asks for."""
+        if not self._screen.labyrinth.briefing.toggle():
+            self._screen.tell("This level says nothing about itself.")
+
+    def help(self) -> None:
+        """Show the help."""
+        self._screen.app.push_screen(
+            Help(self._screen.session.level, self._screen.labyrinth.view.drawing)
+        )
+
+    def palette(self) -> None:
+        """Find a command by its name."""
+        self._screen.app.push_screen(
+            CommandPalette([CommandProvider], placeholder="Find a command…")
+        )
+
+    def redraw(self) -> None:
+        """Paint the whole screen again."""
+        self._screen.refresh(layout=True, repaint=True)
+
+    def quit(self) -> None:
+        """Leave the game."""
+        self._screen.app.exit()

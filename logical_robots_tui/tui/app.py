@@ -1,0 +1,80 @@
+"""The app: theme, the main screen, and an orderly end."""
+
+from __future__ import annotations
+
+import asyncio
+from time import monotonic
+from typing import TYPE_CHECKING, ClassVar
+
+from textual.binding import Binding
+
+from logical_robots_tui.tui.crash import CarefulApp
+from logical_robots_tui.tui.screen import MainScreen
+from logical_robots_tui.tui.theme import EXTRA_VARIABLES, NIGHT
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from textual.binding import BindingType
+
+    from logical_robots_tui.game import Source
+    from logical_robots_tui.world import Level
+
+__all__ = ["LogicalRobotsApp"]
+
+_TWICE = 2.0  # seconds between two presses that are meant as one wish
+
+
+class LogicalRobotsApp(CarefulApp, inherit_bindings=False):
+    """The game in a terminal.
+
+    Args:
+        level: Where to begin.
+        source: The program to begin with.
+        data_dir: Where drafts and the player's programs are.
+    """
+
+    TITLE = "Logical Robots"
+    CSS_PATH = "screen.tcss"
+    ENABLE_COMMAND_PALETTE = False
+    BINDINGS: ClassVar[list[BindingType]] = [
+        Binding("ctrl+c", "interrupt", "Leave", show=False, system=True),
+    ]
+
+    def __init__(self, level: Level, source: Source, *, data_dir: Path) -> None:
+        super().__init__()
+        self.main = MainScreen(level, source, data_dir)
+        self.animation_level = "none"
+        self._interrupted_at = float("-inf")
+        self._event_loop: asyncio.AbstractEventLoop | None = None
+
+    def get_theme_variable_defaults(self) -> dict[str, str]:
+        """Variables that our style sheets use in every theme."""
+        return EXTRA_VARIABLES
+
+    def get_default_screen(self) -> MainScreen:
+        """The main screen."""
+        return self.main
+
+    def on_load(self) -> None:
+        """Dress up before the first picture."""
+        self._event_loop = asyncio.get_running_loop()
+        self.register_theme(NIGHT)
+        self.theme = NIGHT.name
+
+    def last_words(self) -> None:
+        """Write what was typed to its draft."""
+        self.main.keeper.flush()
+
+    def leave_soon(self) -> None:
+        """Ask the app to end; may be called on any thread or in a signal handler."""
+        if self._event_loop is not None:
+            self._event_loop.call_soon_threadsafe(self.exit)
+
+    def action_interrupt(self) -> None:
+        """Leave at the second ^C in a row; the first may have been meant for something else."""
+        now = monotonic()
+        if now - self._interrupted_at < _TWICE:
+            self.exit()
+        self._interrupted_at = now
+        self.notify("Press ^C again to leave the game.", markup=False, timeout=_TWICE)

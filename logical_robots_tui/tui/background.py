@@ -1,0 +1,31 @@
+"""Work in the background of a widget, given up when the widget goes."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, TypeAlias
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Coroutine
+
+    from textual.dom import DOMNode
+    from textual.worker import Worker
+
+__all__ = ["Work", "in_background"]
+
+Work: TypeAlias = "Callable[[], Coroutine[Any, Any, None]]"
+"""A function and not a coroutine: one that is cancelled early has never been begun."""
+
+
+def in_background(
+    node: DOMNode, work: Work, group: str = "default", *, exclusive: bool = False
+) -> Worker[None]:
+    """Start work for a widget.
+
+    Args:
+        node: The widget.
+        work: What to do.
+        group: Name of the work it belongs to.
+        exclusive: Whether what the group still does is cancelled.
+    """
+    worker: Worker[None] = node.run_worker(work, group=group, exclusive=exclusive)
+    return worker

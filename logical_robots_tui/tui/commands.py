@@ -1,0 +1,272 @@
+"""Every command of the game, each declared once.
+
+A declaration yields the key binding, the entry in the command bar, the entry in the palette and
+the line in the help.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Literal, TypeAlias
+
+from textual.binding import Binding
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+__all__ = ["COMMANDS", "GROUPS", "Command", "Place", "bindings", "command", "key_name"]
+
+Place: TypeAlias = Literal["anywhere", "editor", "outside"]
+"""Where the command bar offers a command: always, only in the editor, only outside of it."""
+
+
+@dataclass(frozen=True, slots=True)
+class Command:
+    """Something that a player can ask for.
+
+    Attributes:
+        id: Its name in code, and that of the method that does it.
+        title: What it does, a few words that start with a capital letter.
+        help: One sentence for the help and the palette.
+        group: The heading it stands under in the help.
+        keys: Keys that ask for it, as Textual names them. Printable ones act only while nobody
+            is typing.
+        bar: Label in the command bar, or "" to leave it out; beside an equal key it is not said.
+        place: Where the bar shows it.
+        spare: How easily the bar does without it where there is little room; 0 is not at all.
+    """
+
+    id: str
+    title: str
+    help: str
+    group: str
+    keys: tuple[str, ...]
+    bar: str = ""
+    place: Place = "outside"
+    spare: int = 0
+
+    @property
+    def key_names(self) -> str:
+        """The keys as printed on a keyboard, such as ``space, F5``."""
+        return ", ".join(key_name(key) for key in self.keys)
+
+    def bar_key(self, *, typing: bool) -> str:
+        """The key that the command bar names, or "" if there is none.
+
+        Args:
+            typing: Whether printable keys are text at the moment.
+        """
+        keys = [
+            key for key in self.keys if not typing or (len(key_name(key)) > 1 and key != "space")
+        ]
+        return key_name(keys[0]) if keys else ""
+
+
+_GAME, _PROGRAM, _VIEW, _HELP = "Running", "Program and level", "Looking", "Help and leaving"
+GROUPS = (_GAME, _PROGRAM, _VIEW, _HELP)
+
+COMMANDS: tuple[Command, ...] = (
+    Command(
+        "run",
+        "Run or pause",
+        "Let the robots go on by themselves, or stop them; also stops a thought under way.",
+        _GAME,
+        ("space", "f5"),
+        bar="Run",
+        place="anywhere",
+    ),
+    Command(
+        "step",
+        "Step",
+        "Compute one tick.",
+        _GAME,
+        ("n", "full_stop", "f8"),
+        bar="Step",
+    ),
+    Command("back", "Step back", "Return to the tick before.", _GAME, ("p", "comma"), bar="Back"),
+    Command(
+        "restart",
+        "Restart",
+        "Begin the level again at tick 0, with the same program.",
+        _GAME,
+        ("r",),
+        bar="Restart",
+        spare=1,
+    ),
+    Command(
+        "slower",
+        "Slower",
+        "Choose the next lower speed.",
+        _GAME,
+        ("minus",),
+        bar="-",
+    ),
+    Command(
+        "faster",
+        "Faster",
+        "Choose the next higher speed; the last one is flat out.",
+        _GAME,
+        ("plus", "equals_sign"),
+        bar="Speed",
+    ),
+    Command(
+        "apply",
+        "Apply the program",
+        "Compile the text in the editor and let the robots think with it from the next tick on.",
+        _PROGRAM,
+        ("ctrl+r", "f4"),
+        bar="Apply",
+        place="anywhere",
+        spare=2,
+    ),
+    Command(
+        "mistake",
+        "Go to the mistake",
+        "Put the cursor where the program can't be compiled.",
+        _PROGRAM,
+        ("ctrl+g",),
+    ),
+    Command(
+        "level",
+        "Choose a level",
+        "Pick a level, or type the path of a level file.",
+        _PROGRAM,
+        ("l",),
+        bar="Level",
+    ),
+    Command(
+        "next_level",
+        "Next level",
+        "Go on to the level after this one.",
+        _PROGRAM,
+        ("greater_than_sign",),
+    ),
+    Command(
+        "program",
+        "Choose a program",
+        "Pick a program, or type the path of a program file.",
+        _PROGRAM,
+        ("o",),
+        bar="Open",
+    ),
+    Command(
+        "save",
+        "Save the program as…",
+        "Save the text in the editor as a program of your own.",
+        _PROGRAM,
+        ("s", "f2"),
+        bar="Save",
+        spare=3,
+    ),
+    Command(
+        "revert",
+        "Back to the program's file",
+        "Put the text of the file into the editor again; undo brings yours back.",
+        _PROGRAM,
+        (),
+    ),
+    Command("labyrinth", "Labyrinth", "Go to the labyrinth.", _VIEW, ("1",)),
+    Command("editor", "Editor", "Go to the program's text.", _VIEW, ("2", "e"), bar="Edit"),
+    Command("inspector", "Inspector", "Go to the inspector.", _VIEW, ("3", "i")),
+    Command(
+        "leave",
+        "Leave the editor",
+        "Go from the editor to the labyrinth, where single letters are commands.",
+        _VIEW,
+        ("escape",),
+        bar="Leave",
+        place="editor",
+    ),
+    Command(
+        "next_pane",
+        "Next pane",
+        "Go to the next pane; works in the editor too.",
+        _VIEW,
+        ("ctrl+n", "right_square_bracket"),
+        bar="Next pane",
+        place="editor",
+    ),
+    Command(
+        "previous_pane", "Previous pane", "Go to the pane before.", _VIEW, ("left_square_bracket",)
+    ),
+    Command("rays", "Rays", "Show or hide what the robots' radars reach.", _VIEW, ("y",)),
+    Command(
+        "drawing",
+        "Way of drawing",
+        "Draw the labyrinth in quadrants, in half blocks, or in plain characters.",
+        _VIEW,
+        ("d",),
+    ),
+    Command("briefing", "Briefing", "Show or hide what the level asks for.", _VIEW, ("b",)),
+    Command(
+        "help",
+        "Help",
+        "Show all keys and what the signs in the labyrinth mean.",
+        _HELP,
+        ("question_mark", "f1"),
+        bar="Help",
+    ),
+    Command(
+        "palette",
+        "Commands",
+        "Find any command by typing a part of its name.",
+        _HELP,
+        ("ctrl+p",),
+        bar="Commands",
+        place="anywhere",
+        spare=4,
+    ),
+    Command("redraw", "Redraw", "Paint the whole screen again.", _HELP, ("ctrl+l",)),
+    Command(
+        "quit",
+        "Quit",
+        "Leave the game. Text that is not saved is kept and offered the next time.",
+        _HELP,
+        ("q",),
+        bar="Quit",
+    ),
+)
+
+_BY_ID = {entry.id: entry for entry in COMMANDS}
+
+_NAMES = {
+    "space": "space",
+    "full_stop": ".",
+    "comma": ",",
+    "plus": "+",
+    "minus": "-",
+    "equals_sign": "=",
+    "greater_than_sign": ">",
+    "question_mark": "?",
+    "left_square_bracket": "[",
+    "right_square_bracket": "]",
+    "escape": "esc",
+}
+
+
+def command(command_id: str) -> Command:
+    """The command of that name."""
+    return _BY_ID[command_id]
+
+
+def key_name(key: str) -> str:
+    """A key as printed on a keyboard, such as ``^R`` or ``F5``."""
+    if key.startswith("ctrl+"):
+        return f"^{key.removeprefix('ctrl+').upper()}"
+    if key[0] == "f" and key[1:].isdigit():
+        return key.upper()
+    return _NAMES.get(key, key)
+
+
+def bindings() -> Iterator[Binding]:
+    """The key bindings of all commands."""
+    for entry in COMMANDS:
+        if entry.keys:
+            yield Binding(
+                ",".join(entry.keys),
+                f"command('{entry.id}')",
+                entry.title,
+                tooltip=entry.help,
+                show=False,
+                id=entry.id,
+            )

@@ -1,0 +1,83 @@
+"""What happens when the game itself makes a mistake, or its terminal goes away."""
+
+from __future__ import annotations
+
+import os
+import signal
+import threading
+from typing import TYPE_CHECKING, Any
+
+from rich.text import Text
+from textual.app import App
+from textual.worker import WorkerFailed
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+    from types import FrameType
+
+__all__ = ["CarefulApp", "OwnMistake", "end_on_hangup"]
+
+_GRACE = 1.0  # seconds that an orderly end may take after a hangup
+
+
+class OwnMistake(Exception):  # noqa: N818 - it is called what it is
+    """An exception that should not have happened; shown as one line instead of a traceback."""
+
+    def __rich__(self) -> Text:
+        return Text("The game has stopped. What you typed is kept and offered the next time.")
+
+
+class CarefulApp(App[None]):
+    """An app that ends in an orderly way after an exception nobody expected.
+
+    Attributes:
+        mistake: The first such exception, or None.
+    """
+
+    mistake: Exception | None = None
+
+    def last_words(self) -> None:
+        """Bring what must not be lost to safety; called before anything else."""
+
+    def _handle_exception(self, error: Exception) -> None:
+        # Textual has no public hook for this. Its own way, a traceback with all local variables,
+        # is kept from the player by handing it an exception that knows how to be shown.
+        cause = error.error if isinstance(error, WorkerFailed) else error
+        if self.mistake is None:
+            self.mistake = cause if isinstance(cause, Exception) else error
+            self.last_words()
+        report = OwnMistake(str(error))
+        report.__cause__ = cause
+        super()._handle_exception(report)
+
+
+def end_on_hangup(last_words: Callable[[], None], leave: Callable[[], None]) -> Callable[[], None]:
+    """End in an orderly way when the terminal goes away or somebody ends the process.
+
+    Everything important is done in the signal handler, because the event loop may be waiting for
+    a terminal that is gone; the process ends even then.
+
+    Args:
+        last_words: Brings to safety what must not be lost.
+        leave: Asks the app to end; called on any thread.
+
+    Returns:
+        Puts the handlers back that were there before.
+    """
+
+    def handler(number: int, frame: FrameType | None) -> None:
+        timer = threading.Timer(_GRACE, os._exit, (128 + number,))
+        timer.daemon = True
+        timer.start()
+        last_words()
+        leave()
+
+    before: dict[int, Any] = {
+        number: signal.signal(number, handler) for number in (signal.SIGHUP, signal.SIGTERM)
+    }
+
+    def put_back() -> None:
+        for number, previous in before.items():
+            signal.signal(number, previous)
+
+    return put_back

@@ -1,0 +1,1 @@
+"""Boxes over the game that ask or tell something."""

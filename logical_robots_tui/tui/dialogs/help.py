@@ -1,0 +1,144 @@
+"""Help: all keys, the signs in the labyrinth, and the hints of the level."""
+
+from __future__ import annotations
+
+from textwrap import wrap
+from typing import TYPE_CHECKING, ClassVar
+
+from textual.binding import Binding
+from textual.containers import Vertical, VerticalScroll
+from textual.content import Content
+from textual.widgets import Static
+
+from logical_robots_tui.tui.commands import COMMANDS, GROUPS
+from logical_robots_tui.tui.dialogs.dialog import Dialog
+from logical_robots_tui.tui.drawing.glyphs import Drawing, legend
+from logical_robots_tui.tui.plain import one_line
+from logical_robots_tui.tui.theme import INK
+
+if TYPE_CHECKING:
+    from textual.app import ComposeResult
+
+    from logical_robots_tui.world import Level
+
+__all__ = ["Help"]
+
+_EDITOR_KEYS = (
+    ("tab", "two spaces"),
+    ("^Z, ^Y", "undo, redo"),
+    ("^_", "make lines comments, or text again"),
+    ("^X, ^C, ^V", "cut, copy, paste"),
+    ("F6, F7", "select the line, select all"),
+    ("^K, ^U, ^W", "delete to the end, to the start, the word before"),
+)
+
+_INSPECTOR_SIGNS = (
+    ("◂", "what the world gives to the program"),
+    ("•", "a predicate of the program, with the line where it begins"),
+    ("◦", "a predicate that comes with the game"),
+    ("ƒ", "a function of its arguments: it has no rows of its own"),
+)
+_KEYS_WIDTH, _TITLE_WIDTH = 12, 27
+_BESIDE_FROM = 84  # columns from which on a sentence stands beside its title
+
+
+class Help(Dialog[None]):
+    """A text to scroll.
+
+    Args:
+        level: Its hints are at the end.
+        drawing: Whose signs to explain.
+    """
+
+    DEFAULT_CSS = """
+    Help > #box { height: 90%; max-width: 100; }
+    Help VerticalScroll { height: 1fr; scrollbar-gutter: stable; }
+    """
+
+    BINDINGS: ClassVar[list[Binding | tuple[str, str] | tuple[str, str, str]]] = [
+        Binding("question_mark,f1,q", "leave", "Close", show=False),
+        Binding("h", "hint", "Next hint", show=False),
+    ]
+
+    def __init__(self, level: Level, drawing: Drawing) -> None:
+        super().__init__()
+        self._level = level
+        self._drawing = drawing
+        self._hints = 0
+
+    def compose(self) -> ComposeResult:
+        """One long text."""
+        with Vertical(id="box") as box:
+            box.border_title = "Help"
+            with VerticalScroll():
+                yield Static(id="help")
+            keys = (
+                "↑↓ scroll   h a hint   esc close" if self._level.hints else "↑↓ scroll   esc close"
+            )
+            yield Static(keys, id="keys", markup=False)
+
+    def on_resize(self) -> None:
+        """Break the lines anew."""
+        self.call_after_refresh(self._write)
+
+    def action_hint(self) -> None:
+        """Reveal one more hint of the level and go to it."""
+        self._hints = min(self._hints + 1, len(self._level.hints))
+        self._write()
+        self.query_one(VerticalScroll).scroll_end(animate=False)
+
+    def _write(self) -> None:
+        width = self.query_one(VerticalScroll).scrollable_content_region.width
+        self.query_one("#help", Static).update(self._content(width))
+
+    def _content(self, width: int) -> Content:
+        lines: list[Content] = []
+        for group in GROUPS:
+            lines.append(_heading(group))
+            for entry in COMMANDS:
+                if entry.group == group:
+                    lines += _entry(entry.key_names or "^P", entry.title, entry.help, width)
+        lines.append(_heading("In the editor"))
+        for keys, what in _EDITOR_KEYS:
+            lines += _entry(keys, what, "", width)
+        lines.append(_heading("In the labyrinth"))
+        for sign, colour, meaning in legend(self._drawing):
+            style = "#{:02x}{:02x}{:02x}".format(*colour)
+            lines.append(Content.assemble("  ", (sign, style), "  ", (meaning, INK.text)))
+        lines.append(_heading("In the inspector"))
+        for sign, meaning in _INSPECTOR_SIGNS:
+            lines.append(Content.assemble("  ", (sign, INK.key), "  ", (meaning, INK.text)))
+        lines += self._hint_lines(width)
+        return Content("\n").join(lines)
+
+    def _hint_lines(self, width: int) -> list[Content]:
+        hints = self._level.hints
+        if not hints:
+            return []
+        lines = [_heading(f"Hints for {one_line(self._level.title)}")]
+        for number, hint in enumerate(hints[: self._hints], start=1):
+            lines += [
+                Content(line)
+                for line in wrap(
+                    one_line(hint), width, initial_indent=f"  {number}. ", subsequent_indent="     "
+                )
+            ]
+        left = len(hints) - self._hints
+        if left:
+            lines.append(Content.styled(f"  press h for a hint ({left} left)", INK.dim))
+        return lines
+
+
+def _heading(text: str) -> Content:
+    return Content.styled(f"\n{text}", f"bold {INK.title}")
+
+
+def _entry(keys: str, title: str, text: str, width: int) -> list[Content]:
+    """Keys, what they do, and a sentence about it, the latter broken under itself."""
+    head = f"  {keys:<{_KEYS_WIDTH}} "
+    first = Content.assemble((head, INK.key), (title, INK.text))
+    indent = len(head) + (_TITLE_WIDTH if width > _BESIDE_FROM else 2)
+    told = [Content.styled(line, INK.dim) for line in wrap(text, max(width, 40) - indent)]
+    if told and width > _BESIDE_FROM:
+        first = first.append(" " * (indent - first.cell_length)).append(told.pop(0))
+    return [first, *(Content(" " * indent).append(line) for line in told)]

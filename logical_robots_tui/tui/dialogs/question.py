@@ -1,0 +1,90 @@
+"""A question with a few answers."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from textual import on
+from textual.containers import Horizontal, Vertical, VerticalScroll
+from textual.content import Content
+from textual.widgets import Button, Static
+
+from logical_robots_tui.tui.dialogs.chooser import visible_lines
+from logical_robots_tui.tui.dialogs.dialog import Dialog
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from textual import events
+    from textual.app import ComposeResult
+
+__all__ = ["Question"]
+
+
+class Question(Dialog[str]):
+    """Asks, and gives the name of the answer.
+
+    Args:
+        title: What it is about.
+        question: The question.
+        answers: Pairs of name and label; the first letter of the label is its key.
+        text: A text to show when asked, under the answer ``show``.
+    """
+
+    DEFAULT_CSS = """
+    Question > #box { max-width: 72; padding: 1 2; }
+    Question #text { height: auto; max-height: 14; margin-top: 1; display: none;
+        background: $panel; padding: 0 1; }
+    Question #answers { height: 1; margin-top: 1; }
+    Question Button {
+        height: 1; min-width: 8; border: none; margin-right: 2; padding: 0 1;
+        background: $panel; color: $foreground; text-style: none;
+    }
+    Question Button:focus { background: #2c3760; text-style: bold; border: none; }
+    """
+
+    def __init__(
+        self, title: str, question: str, answers: Sequence[tuple[str, str]], *, text: str = ""
+    ) -> None:
+        super().__init__()
+        self._title_text = title
+        self._question = question
+        self._answers = answers
+        self._text = text
+
+    def compose(self) -> ComposeResult:
+        """The question above its answers."""
+        with Vertical(id="box") as box:
+            box.border_title = Content(self._title_text)
+            yield Static(Content(self._question), id="question")
+            with VerticalScroll(id="text"):
+                yield Static(Content(visible_lines(self._text)))
+            with Horizontal(id="answers"):
+                for name, label in self._answers:
+                    yield Button(Content(label), id=f"answer-{name}", compact=True)
+
+    def on_mount(self) -> None:
+        """Begin at the first answer."""
+        self.query(Button).first().focus()
+
+    def on_key(self, event: events.Key) -> None:
+        """Answer by the first letter, or go to the next answer with the arrows."""
+        if event.key in ("left", "right"):
+            event.stop()
+            self.focus_next(Button) if event.key == "right" else self.focus_previous(Button)
+        for name, label in self._answers:
+            if event.character and event.character.casefold() == label[0].casefold():
+                event.stop()
+                self._answer(name)
+
+    @on(Button.Pressed)
+    def _pressed(self, event: Button.Pressed) -> None:
+        if event.button.id is not None:
+            self._answer(event.button.id.removeprefix("answer-"))
+
+    def _answer(self, name: str) -> None:
+        if name == "show":
+            text = self.query_one("#text")
+            text.display = not text.display
+        else:
+            self.dismiss(name)

@@ -1,0 +1,1 @@
+"""The inspector: what the robots see, think and remember."""

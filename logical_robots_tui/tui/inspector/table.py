@@ -1,0 +1,177 @@
+"""A table of values with a cursor, quick to replace many times a second."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, ClassVar, TypeAlias
+
+from rich.cells import cell_len, set_cell_size
+from rich.segment import Segment
+from rich.style import Style
+from textual.binding import Binding
+from textual.geometry import Region, Size
+from textual.message import Message
+from textual.scroll_view import ScrollView
+from textual.strip import Strip
+
+from logical_robots_tui.tui.inspector.cells import cell, is_number
+from logical_robots_tui.tui.plain import clip, visible
+from logical_robots_tui.tui.theme import INK
+
+if TYPE_CHECKING:
+    from textual import events
+
+    from logical_robots_tui.values import Value
+
+__all__ = ["ValueTable"]
+
+Row: TypeAlias = "tuple[Value, ...]"
+
+_GAP = 2
+_MEASURED_ROWS = 200
+_NARROWEST, _WIDEST = 4, 60
+
+_HEAD = Style(color=INK.title, bold=True)
+_HERE = Style(bgcolor="#2c3760", color="#eef1ff")
+_ROW = Style(bgcolor="#151b2a")
+
+
+class ValueTable(ScrollView, can_focus=True):
+    """Rows of a predicate under the names of its columns."""
+
+    DEFAULT_CSS = """
+    ValueTable { background: $surface; height: 1fr; overflow: auto auto; }
+    """
+
+    BINDINGS: ClassVar[list[Binding | tuple[str, str] | tuple[str, str, str]]] = [
+        Binding("up", "go(-1, 0)", show=False),
+        Binding("down", "go(1, 0)", show=False),
+        Binding("left", "go(0, -1)", show=False),
+        Binding("right", "go(0, 1)", show=False),
+        Binding("pageup", "go(-10, 0)", show=False),
+        Binding("pagedown", "go(10, 0)", show=False),
+        Binding("home", "go(-1000000, 0)", show=False),
+        Binding("end", "go(1000000, 0)", show=False),
+    ]
+
+    class Pointed(Message):
+        """The cursor is on another value, or the value under it is another one."""
+
+    def __init__(self) -> None:
+        super().__init__(id="rows")
+        self._columns: tuple[str, ...] = ()
+        self._rows: tuple[Row, ...] = ()
+        self._widths: list[int] = []
+        self._at = (0, 0)
+
+    @property
+    def pointed(self) -> tuple[str, Value] | None:
+        """Name of the column and the value under the cursor, or None if there are no rows."""
+        row, column = self._at
+        if not self._rows or not self._columns:
+            return None
+        return self._columns[column], self._rows[row][column]
+
+    def show(self, columns: tuple[str, ...], rows: tuple[Row, ...]) -> None:
+        """Show other rows; the cursor stays where it is as far as they reach."""
+        if columns != self._columns:
+            self._at = (self._at[0], 0)
+        self._columns, self._rows = columns, rows
+        self._measure()
+        self.action_go(0, 0)
+        self.refresh()
+
+    def on_resize(self) -> None:
+        """Give the columns the width there is now."""
+        self._measure()
+        self.refresh()
+
+    def on_click(self, event: events.Click) -> None:
+        """Put the cursor on the value under the pointer."""
+        row = event.y + self.scroll_offset.y - 1
+        x, column = event.x + self.scroll_offset.x, 0
+        for number, width in enumerate(self._widths):
+            if x < width + _GAP:
+                column = number
+                break
+            x -= width + _GAP
+        else:
+            column = len(self._widths) - 1
+        self._at = (row, column)
+        self.action_go(0, 0)
+
+    def action_go(self, down: int, right: int) -> None:
+        """Move the cursor as far as there are rows and columns."""
+        row = max(0, min(self._at[0] + down, len(self._rows) - 1))
+        column = max(0, min(self._at[1] + right, len(self._columns) - 1))
+        self._at = (row, column)
+        if self._widths:
+            x = sum(self._widths[:column]) + _GAP * column
+            # One line more on top, because the head covers the first visible one.
+            area = Region(x, row, self._widths[column] + _GAP, 2)
+            self.scroll_to_region(area, animate=False, force=True)
+        self.refresh()
+        self.post_message(self.Pointed())
+
+    def render_line(self, y: int) -> Strip:
+        """One line: the head at the top of the view, rows below."""
+        offset, top = self.scroll_offset
+        base = self.rich_style
+        if not self._columns:
+            return Strip.blank(self.size.width, base)
+        number = top + y - 1
+        if y == 0:
+            segments = [
+                Segment(_fit(visible(name), width, number) + " " * _GAP, base + _HEAD)
+                for number, (name, width) in self._head()
+            ]
+        elif 0 <= number < len(self._rows):
+            segments = self._row(number, base)
+        else:
+            return Strip.blank(self.size.width, base)
+        strip = Strip(segments)
+        fill = base + _ROW if y and number == self._at[0] and self.has_focus else base
+        width = max(self.size.width, self.virtual_size.width)
+        return strip.extend_cell_length(width, fill).crop(offset, offset + self.size.width)
+
+    def _head(self) -> list[tuple[bool, tuple[str, int]]]:
+        first = self._rows[0] if self._rows else (None,) * len(self._columns)
+        return [
+            (is_number(value), (name, width))
+            for value, name, width in zip(first, self._columns, self._widths, strict=True)
+        ]
+
+    def _row(self, number: int, base: Style) -> list[Segment]:
+        row_style = base + _ROW if number == self._at[0] and self.has_focus else base
+        segments = []
+        for column, (value, width) in enumerate(zip(self._rows[number], self._widths, strict=True)):
+            text, colour = cell(value, width)
+            style = row_style + Style(color=colour)
+            if (number, column) == self._at and self.has_focus:
+                style = base + _HERE
+            fitted = _fit(text, width, is_number(value))
+            segments += [Segment(fitted, style), Segment(" " * _GAP, row_style)]
+        return segments
+
+    def _measure(self) -> None:
+        """Give each column the width it needs, or its fair share if that is too much."""
+        sample = self._rows[:_MEASURED_ROWS]
+        wanted = [
+            max(
+                _NARROWEST,
+                len(clip(visible(name), _WIDEST)),
+                *(cell_len(cell(row[number], _WIDEST)[0]) for row in sample),
+            )
+            for number, name in enumerate(self._columns)
+        ]
+        spare = self.size.width - _GAP * len(wanted)
+        while wanted and sum(wanted) > spare and max(wanted) > 12:
+            widest = wanted.index(max(wanted))
+            wanted[widest] = max(12, wanted[widest] - (sum(wanted) - spare))
+        self._widths = wanted
+        self.virtual_size = Size(sum(wanted) + _GAP * len(wanted), len(self._rows) + 1)
+
+
+def _fit(text: str, width: int, right: bool) -> str:
+    text = set_cell_size(text, width) if cell_len(text) > width else text
+    missing = " " * (width - cell_len(text))
+    return missing + text if right else text + missing

@@ -1,0 +1,166 @@
+"""Going to other levels and programs, saving, and drafts that come back."""
+
+from __future__ import annotations
+
+import asyncio
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from logical_robots_tui.errors import InputError
+from logical_robots_tui.game import Source, load_program
+from logical_robots_tui.tui.dialogs.chooser import Chooser
+from logical_robots_tui.tui.dialogs.question import Question
+from logical_robots_tui.tui.dialogs.save import SaveAs
+from logical_robots_tui.tui.dialogs.shelves import LevelShelf, ProgramShelf
+from logical_robots_tui.tui.plain import clip, one_line
+from logical_robots_tui.world import Level, list_levels, load_level
+
+if TYPE_CHECKING:
+    from logical_robots_tui.game.drafts import Draft
+    from logical_robots_tui.tui.screen import MainScreen
+
+__all__ = ["Library"]
+
+
+class Library:
+    """Changes the level and the program of a screen without losing what was typed.
+
+    Args:
+        screen: Whose level and program.
+        own: Folder of the player's programs.
+    """
+
+    def __init__(self, screen: MainScreen, own: Path) -> None:
+        self._screen = screen
+        self._own = own
+
+    # -- levels --------------------------------------------------------------------------------
+
+    async def choose_level(self) -> None:
+        """Ask for a level and go there."""
+        chooser = Chooser[Level](LevelShelf(), self._screen.session.level.name)
+        level = await self._screen.app.push_screen_wait(chooser)
+        if level is not None:
+            await self.open_level(level)
+
+    async def next_level(self) -> None:
+        """Go to the level after this one, or say that it was the last."""
+        names = await asyncio.to_thread(list_levels)
+        here = self._screen.session.level.name
+        following = names[names.index(here) + 1 :] if here in names else names[:1]
+        if not following:
+            self._screen.tell("This was the last level.")
+            return
+        try:
+            level = await asyncio.to_thread(load_level, following[0])
+        except InputError as error:
+            self._screen.warn(str(error))
+            return
+        await self.open_level(level)
+
+    async def open_level(self, level: Level) -> None:
+        """Go to a level, with the program that it starts with if it names one."""
+        session = self._screen.session
+        source = session.source
+        if level.starter and level.starter != source.name:
+            try:
+                source = await asyncio.to_thread(load_program, level.starter, self._own)
+            except InputError as error:
+                self._screen.warn(str(error))
+        text = self._leave_text_for(source)
+        session.open_level(level, source, text)
+        self._screen.begin_level()
+
+    # -- programs ------------------------------------------------------------------------------
+
+    async def choose_program(self) -> None:
+        """Ask for a program and think with it."""
+        chooser = Chooser[Source](ProgramShelf(self._own), self._screen.session.source.name)
+        source = await self._screen.app.push_screen_wait(chooser)
+        if source is not None:
+            self.open_program(source)
+
+    def open_program(self, source: Source) -> None:
+        """Edit and apply a program, or the draft of it that there is."""
+        self._screen.session.open_program(source, self._leave_text_for(source))
+
+    async def save(self) -> None:
+        """Ask for a name and save the text under it."""
+        session = self._screen.session
+        former, text = session.source, self._screen.text
+        saved = await self._screen.app.push_screen_wait(SaveAs(former, text, self._own))
+        if saved is not None:
+            self._screen.keeper.drafts.drop(str(former.path))
+            session.saved_as(saved)
+            self._screen.keeper.edited()
+            self._screen.tell(f"Saved as {one_line(saved.name)}.")
+
+    def _leave_text_for(self, source: Source) -> str:
+        """Put the text of a program, or its draft, into the editor; what was there is kept.
+
+        Returns:
+            The text put there.
+        """
+        screen = self._screen
+        if source.path == screen.session.source.path:
+            return screen.text
+        screen.keeper.flush()
+        drafts = screen.keeper.drafts
+        draft = drafts.get(str(source.path)) or drafts.take(str(source.path))
+        if draft is not None and draft.text != source.text:
+            screen.tell(f"Your unsaved text of {one_line(source.name)} is back.")
+            screen.put_text(draft.text)
+            return draft.text
+        screen.put_text(source.text)
+        return source.text
+
+    # -- drafts --------------------------------------------------------------------------------
+
+    async def offer_drafts(self) -> None:
+        """Offer the text that an earlier session left unsaved, if there is any."""
+        screen = self._screen
+        drafts = [
+            draft
+            for draft in await asyncio.to_thread(screen.keeper.adopt)
+            if await asyncio.to_thread(self._still_unsaved, draft)
+        ]
+        if not drafts:
+            return
+        here = str(screen.session.source.path)
+        draft = next((draft for draft in drafts if draft.path == here), drafts[0])
+        answers = [("yes", "Yes, continue"), ("no", "No, put it away"), ("show", "Show it")]
+        when = draft.saved.astimezone()
+        name = clip(one_line(draft.program), 40)
+        question = f"Continue with your unsaved text of “{name}” from {when:%H:%M, %d %B}?"
+        answer = await screen.app.push_screen_wait(
+            Question("Unsaved text", question, answers, text=draft.text)
+        )
+        if answer == "yes":
+            self._continue_with(draft)
+        elif answer == "no":
+            await asyncio.to_thread(screen.keeper.drafts.put_away, draft.path)
+
+    def _continue_with(self, draft: Draft) -> None:
+        screen = self._screen
+        source = screen.session.source
+        screen.keeper.flush()
+        screen.keeper.drafts.take(draft.path)
+        if draft.path == str(source.path):
+            screen.replace_text(draft.text)
+        else:
+            source = self._source_of(draft)
+            screen.put_text(draft.text)
+        screen.session.open_program(source, draft.text)
+
+    def _source_of(self, draft: Draft) -> Source:
+        """The program that a draft belongs to, even if its file is gone."""
+        try:
+            return load_program(draft.path)
+        except InputError:
+            return Source(draft.program, "", Path(draft.path), shipped=False)
+
+    def _still_unsaved(self, draft: Draft) -> bool:
+        if self._source_of(draft).text != draft.text:
+            return True
+        self._screen.keeper.drafts.put_away(draft.path)
+        return False

@@ -1,0 +1,50 @@
+"""The palette: all commands by a part of their name."""
+
+from __future__ import annotations
+
+from functools import partial
+from typing import TYPE_CHECKING
+
+from textual.command import DiscoveryHit, Hit, Provider
+
+from logical_robots_tui.tui.commands import COMMANDS
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from textual.command import Hits
+
+    from logical_robots_tui.tui.commands import Command
+
+__all__ = ["CommandProvider"]
+
+
+class CommandProvider(Provider):
+    """Offers every command of the game."""
+
+    async def discover(self) -> Hits:
+        """All commands, before anything is typed."""
+        for entry in COMMANDS:
+            if entry.id != "palette":
+                yield DiscoveryHit(
+                    _title(entry), self._caller(entry), text=entry.title, help=entry.help
+                )
+
+    async def search(self, query: str) -> Hits:
+        """The commands whose title or help matches."""
+        matcher = self.matcher(query)
+        for entry in COMMANDS:
+            if entry.id == "palette":
+                continue
+            score = max(matcher.match(entry.title), matcher.match(entry.help) * 0.5)
+            if score > 0:
+                yield Hit(
+                    score, _title(entry), self._caller(entry), text=entry.title, help=entry.help
+                )
+
+    def _caller(self, entry: Command) -> Callable[[], object]:
+        return partial(self.screen.run_action, f"command('{entry.id}')")
+
+
+def _title(entry: Command) -> str:
+    return f"{entry.title}   {entry.key_names}" if entry.keys else entry.title

@@ -1,0 +1,38 @@
+"""Text from players, made safe for a terminal and kept out of markup."""
+
+from __future__ import annotations
+
+import unicodedata
+
+__all__ = ["clip", "one_line", "visible"]
+
+_PICTURES = {code: 0x2400 + code for code in range(32)} | {0x7F: 0x2421}
+_PICTURES |= dict.fromkeys(range(0x80, 0xA0), 0xFFFD)
+_KEEP_TABS = {code: picture for code, picture in _PICTURES.items() if code != 0x09}
+_INVISIBLE = {"Cf", "Zl", "Zp", "Cs"}
+
+
+def visible(text: str, *, tabs: bool = False) -> str:
+    """Replace each character that a terminal would act on by one that shows it.
+
+    Args:
+        text: Anything.
+        tabs: Whether tabs stay.
+
+    Returns:
+        Text of the same length without control, bidirectional and other invisible characters.
+    """
+    text = text.translate(_KEEP_TABS if tabs else _PICTURES)
+    if text.isascii():
+        return text
+    return "".join("\ufffd" if unicodedata.category(c) in _INVISIBLE else c for c in text)
+
+
+def one_line(text: str) -> str:
+    """The text on one line: every run of white space becomes one space."""
+    return visible(" ".join(text.split()))
+
+
+def clip(text: str, width: int) -> str:
+    """At most `width` characters of a text, the last one a `…` if something is missing."""
+    return text if len(text) <= width else text[: max(width - 1, 0)] + "…"[:width]

@@ -1,0 +1,170 @@
+"""The editor: a text area that knows Logica's words and shows where a mistake is."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, ClassVar
+
+from rich.segment import Segment
+from rich.style import Style
+from rich.text import Text
+from textual.binding import Binding
+from textual.message import Message
+from textual.strip import Strip
+from textual.widgets import TextArea
+from textual.widgets.text_area import TextAreaTheme
+
+from logical_robots_tui.tui.plain import visible
+from logical_robots_tui.tui.program.lexer import LONGEST_LINE, LineStates, pieces
+from logical_robots_tui.tui.theme import INK, SYNTAX
+
+if TYPE_CHECKING:
+    from textual import events
+    from textual.document._document import EditResult
+    from textual.document._edit import Edit
+
+__all__ = ["Editor"]
+
+_THEME = TextAreaTheme(
+    name="logica",
+    cursor_line_style=Style(bgcolor="#151b2a"),
+    cursor_line_gutter_style=Style(color=INK.title, bgcolor="#151b2a"),
+    gutter_style=Style(color=INK.faint),
+    selection_style=Style(bgcolor="#33437a"),
+    bracket_matching_style=Style(bgcolor="#3b4464", bold=True),
+)
+
+
+class Editor(TextArea):
+    """Edits the text of a program. Escape leaves it."""
+
+    DEFAULT_CSS = """
+    Editor { border: none; padding: 0; background: $surface; }
+    Editor:focus { border: none; }
+    """
+
+    BINDINGS: ClassVar[list[Binding | tuple[str, str] | tuple[str, str, str]]] = [
+        Binding("ctrl+underscore,ctrl+slash", "toggle_comment", show=False),
+    ]
+
+    class Leave(Message):
+        """The player wants to go elsewhere."""
+
+    def __init__(self) -> None:
+        super().__init__(
+            id="text",
+            show_line_numbers=True,
+            tab_behavior="indent",
+            soft_wrap=False,
+            compact=True,
+            max_checkpoints=500,
+        )
+        self.cursor_blink = False
+        self.indent_width = 2
+        self._states = LineStates()
+        self._mistakes: frozenset[int] = frozenset()
+        self.register_theme(_THEME)
+        self.theme = _THEME.name
+
+    # -- content -------------------------------------------------------------------------------
+
+    def put(self, text: str) -> None:
+        """Replace the whole text as one edit that can be undone."""
+        if text != self.text:
+            self.replace(text, self.document.start, self.document.end)
+        self.move_cursor((0, 0))
+
+    def load_text(self, text: str) -> None:
+        """Begin with another text; there is nothing to undo then."""
+        self._states.forget()
+        super().load_text(text)
+
+    def edit(self, edit: Edit) -> EditResult:
+        """Change the text."""
+        self._states.forget(edit.top[0])
+        return super().edit(edit)
+
+    def undo(self) -> None:
+        """Take back the last edit."""
+        self._states.forget()
+        super().undo()
+
+    def redo(self) -> None:
+        """Do an edit again that was taken back."""
+        self._states.forget()
+        super().redo()
+
+    def mark(self, lines: frozenset[int]) -> None:
+        """Mark lines that hold a mistake, counted from 0."""
+        if lines != self._mistakes:
+            self._mistakes = lines
+            self.notify_style_update()
+            self.refresh()
+
+    # -- keys ----------------------------------------------------------------------------------
+
+    def on_key(self, event: events.Key) -> None:
+        """Take keys before the text area does.
+
+        Escape leaves. Control-J is a line end: that is how the lines of a paste arrive through a
+        terminal that does not mark pastes. A binding would come too late, after the next letter.
+        """
+        if event.key not in ("escape", "ctrl+j"):
+            return
+        event.stop()
+        event.prevent_default()
+        if event.key == "escape":
+            self.post_message(self.Leave())
+        else:
+            start, end = self.selection
+            self.replace("\n", start, end, maintain_selection_offset=False)
+
+    def action_toggle_comment(self) -> None:
+        """Make the selected lines comments, or make them text again, as one edit."""
+        (first, _), (last, column) = sorted(self.selection)
+        if last > first and column == 0:
+            last -= 1
+        lines = [self.document.get_line(number) for number in range(first, last + 1)]
+        written = [line for line in lines if line.strip()]
+        if not written:
+            return
+        if all(line.lstrip().startswith("#") for line in written):
+            changed = [_without_comment(line) for line in lines]
+        else:
+            changed = [f"# {line}" if line.strip() else line for line in lines]
+        self.replace("\n".join(changed), (first, 0), (last, len(lines[-1])))
+
+    # -- drawing -------------------------------------------------------------------------------
+
+    def get_line(self, line_index: int) -> Text:
+        """A line with its colours. Control characters are shown, not sent to the terminal."""
+        line = self.document.get_line(line_index)
+        text = Text(visible(line, tabs=True), end="", no_wrap=True)
+        if len(line) <= LONGEST_LINE:
+            state = self._states.at(line_index, self.document.get_line)
+            for start, end, kind in pieces(line, state):
+                text.stylize(SYNTAX[kind], start, end)
+        if line_index in self._mistakes:
+            text.stylize(SYNTAX["mistake"])
+        return text
+
+    def render_line(self, y: int) -> Strip:
+        """A line of the widget, with a mark in the gutter if it holds a mistake."""
+        strip = super().render_line(y)
+        number = self.scroll_offset.y + y
+        if number not in self._mistakes or number >= self.document.line_count:
+            return strip
+        gutter = self.gutter_width
+        label = f"{number + 1:>{gutter - 2}}✗ "
+        rest = strip.crop(gutter)
+        segments = [
+            Segment(text, (style or Style()) + SYNTAX["mistake"], control)
+            for text, style, control in rest
+        ]
+        return Strip(
+            [Segment(label, SYNTAX["mistake-gutter"]), *segments], gutter + rest.cell_length
+        )
+
+
+def _without_comment(line: str) -> str:
+    before, _, after = line.partition("#")
+    return before + after.removeprefix(" ")

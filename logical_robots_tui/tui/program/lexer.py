@@ -1,0 +1,130 @@
+"""Colours for Logica text, one line at a time."""
+
+from __future__ import annotations
+
+import re
+from typing import TYPE_CHECKING, NamedTuple
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+__all__ = ["LineStates", "Piece", "State", "pieces"]
+
+State = str
+"""What a line begins inside of: "", ``/*`` (a comment) or three quotes (a long string)."""
+
+LONGEST_LINE = 2_000
+"""Lines beyond this many characters are not coloured; no person wrote them."""
+
+
+class Piece(NamedTuple):
+    """A coloured part of a line.
+
+    Attributes:
+        start: First column, from 0.
+        end: Column after the last one.
+        kind: Name of a style: comment, string, number, keyword, predicate, annotation, field
+            or operator.
+    """
+
+    start: int
+    end: int
+    kind: str
+
+
+_KEYWORDS = (
+    "in|is|if|then|else|import|as|distinct|limit|order_by|couldbe|cantbe|shouldbe|null|true|false"
+)
+_TOKEN = re.compile(
+    rf"""
+    (?P<line_comment>\#.*)
+  | (?P<block>/\*)
+  | (?P<long>\"\"\")
+  | (?P<string>"(?:[^"\\]|\\.)*"?|'(?:[^'\\]|\\.)*'?|`[^`]*`?)
+  | (?P<annotation>@\w+)
+  | (?P<number>\b\d+(?:\.\d+)?(?:[eE][+-]?\d+)?\b)
+  | (?P<keyword>\b(?:{_KEYWORDS})\b)
+  | (?P<predicate>\b[A-Z]\w*)
+  | (?P<field>\b[a-z_]\w*(?=\s*:(?![-=])))
+  | (?P<operator>:-|->|=>|:=|[-+*/^%=<>!&|~]+)
+  | \w+
+    """,
+    re.VERBOSE,
+)
+_ENDS = {"/*": "*/", '"""': '"""'}
+# What decides the state at the end of a line; all else can be skipped.
+_SWITCH = re.compile(r'#|/\*|"""|"(?:[^"\\]|\\.)*"?|\'(?:[^\'\\]|\\.)*\'?|`[^`]*`?')
+
+
+def pieces(line: str, state: State = "") -> list[Piece]:
+    """The coloured parts of a line, from left to right.
+
+    Args:
+        line: Text without its line end.
+        state: What the line begins inside of.
+    """
+    if len(line) > LONGEST_LINE:
+        return []
+    found: list[Piece] = []
+    at = 0
+    while at < len(line):
+        if state:
+            end = line.find(_ENDS[state], at)
+            stop = len(line) if end < 0 else end + len(_ENDS[state])
+            found.append(Piece(at, stop, "comment" if state == "/*" else "string"))
+            at, state = stop, state if end < 0 else ""
+            continue
+        match = _TOKEN.search(line, at)
+        if match is None:
+            break
+        kind, start, at = match.lastgroup, *match.span()
+        if kind in ("block", "long"):
+            state = match.group()
+            at = start + len(state)
+            end = line.find(_ENDS[state], at)
+            stop = len(line) if end < 0 else end + len(_ENDS[state])
+            found.append(Piece(start, stop, "comment" if kind == "block" else "string"))
+            at, state = stop, state if end < 0 else ""
+        elif kind is not None:
+            found.append(Piece(start, at, "comment" if kind == "line_comment" else kind))
+    return found
+
+
+def state_after(line: str, state: State) -> State:
+    """What the next line begins inside of."""
+    at = 0
+    while True:
+        if state:
+            end = line.find(_ENDS[state], at)
+            if end < 0:
+                return state
+            at, state = end + len(_ENDS[state]), ""
+        match = _SWITCH.search(line, at)
+        if match is None or match.group() == "#":
+            return ""
+        at = match.end()
+        if match.group() in _ENDS:
+            state = match.group()
+
+
+class LineStates:
+    """What each line of a text begins inside of, worked out when asked and as far as asked."""
+
+    def __init__(self) -> None:
+        self._known: list[State] = [""]
+
+    def forget(self, after: int = 0) -> None:
+        """The line `after` or any later one has changed."""
+        del self._known[max(after, 0) + 1 :]
+
+    def at(self, line: int, text_of: Callable[[int], str]) -> State:
+        """What a line begins inside of.
+
+        Args:
+            line: Its number, from 0.
+            text_of: Gives the text of a line.
+        """
+        while len(self._known) <= line:
+            number = len(self._known) - 1
+            self._known.append(state_after(text_of(number), self._known[-1]))
+        return self._known[line]

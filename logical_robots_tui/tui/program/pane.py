@@ -1,0 +1,73 @@
+"""The program pane: the editor, what became of the text, and what is wrong with it."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, ClassVar
+
+from textual import on
+
+from logical_robots_tui.tui.pane import Pane
+from logical_robots_tui.tui.plain import clip, one_line
+from logical_robots_tui.tui.program.editor import Editor
+from logical_robots_tui.tui.program.mistakes import MistakeStrip
+
+if TYPE_CHECKING:
+    from logical_robots_tui.tui.session import ProgramState
+
+__all__ = ["ProgramPane"]
+
+
+class ProgramPane(Pane):
+    """Shows and edits the text of the program at hand."""
+
+    command_id: ClassVar[str] = "editor"
+
+    def __init__(self) -> None:
+        self.editor = Editor()
+        self._strip = MistakeStrip()
+        self._state: ProgramState | None = None
+        super().__init__(self.editor, self._strip, title="Program")
+
+    @property
+    def text(self) -> str:
+        """What stands in the editor."""
+        return self.editor.text
+
+    def show(self, state: ProgramState, name: str, *, saved: bool) -> None:
+        """Show what became of the text.
+
+        Args:
+            state: How far the program is.
+            name: The program's name.
+            saved: Whether the text is that of the program's file.
+        """
+        star = "" if saved else "*"
+        self.note(f"{clip(one_line(name), 24)}{star} · {self._verdict(state)}")
+        if state is not self._state:
+            self._state = state
+            self._strip.show(state.mistakes)
+            self.editor.mark(frozenset(mistake.line - 1 for mistake in state.mistakes))
+
+    def go_to_mistake(self) -> None:
+        """Put the cursor on the first mistake, if there is one."""
+        if self._state is not None and self._state.mistakes:
+            mistake = self._state.mistakes[0]
+            self.editor.move_cursor((mistake.line - 1, mistake.column - 1), center=True)
+        self.enter()
+
+    def enter(self) -> None:
+        """Put the focus into the text."""
+        self.editor.focus()
+
+    @on(MistakeStrip.Chosen)
+    def _mistake_chosen(self) -> None:
+        self.go_to_mistake()
+
+    def _verdict(self, state: ProgramState) -> str:
+        if state.phase == "compiling":
+            return "compiling…"
+        text = self.text
+        if state.phase == "mistake" and text == state.tried:
+            count = len(state.mistakes)
+            return "1 mistake" if count == 1 else f"{count} mistakes"
+        return "applied" if text == state.applied else "edited, not applied"

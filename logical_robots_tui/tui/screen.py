@@ -1,0 +1,285 @@
+"""The main screen: panes around a session."""
+
+from __future__ import annotations
+
+from time import perf_counter
+from typing import TYPE_CHECKING, ClassVar
+
+from textual import on
+from textual.containers import Container
+from textual.screen import Screen
+from textual.widgets import Input, Static, TextArea
+
+from logical_robots_tui.tui.actions import Actions
+from logical_robots_tui.tui.background import in_background
+from logical_robots_tui.tui.bar import CommandBar, CommandChosen, PaneTabs
+from logical_robots_tui.tui.commands import bindings
+from logical_robots_tui.tui.inspector.pane import ROBOTS, InspectorPane
+from logical_robots_tui.tui.inspector.robots import RobotsView
+from logical_robots_tui.tui.keeper import Keeper
+from logical_robots_tui.tui.labyrinth import LabyrinthView
+from logical_robots_tui.tui.labyrinth_pane import LabyrinthPane
+from logical_robots_tui.tui.layout import LEAST_HEIGHT, LEAST_WIDTH, Layout, layout_for
+from logical_robots_tui.tui.library import Library
+from logical_robots_tui.tui.pane import Pane
+from logical_robots_tui.tui.plain import one_line
+from logical_robots_tui.tui.program.editor import Editor
+from logical_robots_tui.tui.program.pane import ProgramPane
+from logical_robots_tui.tui.session import Session
+from logical_robots_tui.tui.status import StatusLine, status_of
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from textual import events
+    from textual.app import ComposeResult
+    from textual.binding import BindingType
+    from textual.widget import Widget
+
+    from logical_robots_tui.game import Frame, Source
+    from logical_robots_tui.tui.background import Work
+    from logical_robots_tui.world import Level
+
+__all__ = ["MainScreen"]
+
+_FRAME = 1 / 30  # seconds between two pictures, at least
+_HEARTBEAT = 0.25  # seconds between two looks at a clock that runs
+
+
+class MainScreen(Screen[None]):
+    """Everything that a player sees outside of dialogs.
+
+    Args:
+        level: Where to begin.
+        source: The program to begin with.
+        data_dir: Where drafts and the player's programs are.
+    """
+
+    BINDINGS: ClassVar[list[BindingType]] = list(bindings())
+
+    def __init__(self, level: Level, source: Source, data_dir: Path) -> None:
+        super().__init__(id="main")
+        self.session = Session(level, source, spawn=self.spawn, changed=self._changed)
+        self.keeper = Keeper(
+            data_dir / "drafts",
+            text=lambda: self.program.text,
+            source=lambda: self.session.source,
+            failed=self.warn,
+        )
+        self.library = Library(self, data_dir / "programs")
+        self._actions = Actions(self)
+        self._status = StatusLine()
+        self._tabs = PaneTabs()
+        self.labyrinth = LabyrinthPane()
+        self.program = ProgramPane()
+        self.inspector = InspectorPane(self.session)
+        self._bar = CommandBar()
+        self._panes: tuple[Pane, ...] = (self.labyrinth, self.program, self.inspector)
+        self._layout = Layout.WIDE
+        self._active: Pane = self.labyrinth
+        self._focus_before: Widget | None = None
+        self._drawn: tuple[Level, Frame] | None = None
+        self._drawn_at = 0.0
+        self._is_draw_due = False
+        self._is_celebrated = False
+
+    def compose(self) -> ComposeResult:
+        """Status line, tabs, panes, command bar."""
+        yield self._status
+        yield self._tabs
+        with Container(id="panes"):
+            yield from self._panes
+        yield Static(id="too-small", markup=False)
+        yield self._bar
+
+    def on_mount(self) -> None:
+        """Paint at once; compile and look for drafts after that."""
+        self.program.editor.load_text(self.session.source.text)
+        self.set_focus(self.labyrinth)
+        self.set_interval(_HEARTBEAT, self._beat)
+        self.begin_level()
+        self.call_after_refresh(self._start)
+
+    def _start(self) -> None:
+        self.session.apply(self.text)
+        self.spawn(self.library.offer_drafts, "drafts", exclusive=False)
+
+    async def on_unmount(self) -> None:
+        """Bring the text to safety and stop all work."""
+        self.keeper.close()
+        await self.session.close()
+
+    # -- for the parts -------------------------------------------------------------------------
+
+    @property
+    def active(self) -> Pane:
+        """The pane in which the player works."""
+        return self._active
+
+    @property
+    def text(self) -> str:
+        """What stands in the editor."""
+        return self.program.text
+
+    def put_text(self, text: str) -> None:
+        """Put another program's text into the editor."""
+        self.program.editor.load_text(text)
+
+    def replace_text(self, text: str) -> None:
+        """Put another text of the same program into the editor; undo brings the former back."""
+        self.program.editor.put(text)
+
+    def tell(self, message: str) -> None:
+        """Say something in passing."""
+        self.notify(message, markup=False, timeout=4)
+
+    def warn(self, message: str) -> None:
+        """Say what went wrong."""
+        self.notify(one_line(message), markup=False, severity="warning", timeout=8)
+
+    def begin_level(self) -> None:
+        """Show what the level asks for."""
+        self.labyrinth.view.selected = None
+        self.labyrinth.briefing.tell(self.session.level)
+        self.forget_victory()
+        self._changed()
+
+    def spawn(self, work: Work, group: str, *, exclusive: bool) -> None:
+        """Work in the background."""
+        in_background(self, work, group, exclusive=exclusive)
+
+    # -- drawing -------------------------------------------------------------------------------
+
+    def _changed(self) -> None:
+        """Draw soon, and at most so many times a second."""
+        if not self._is_draw_due and self.is_mounted:
+            self._is_draw_due = True
+            wait = self._drawn_at + _FRAME - perf_counter()
+            if wait > 0:
+                self.set_timer(wait, self._draw)
+            else:
+                self.call_later(self._draw)
+
+    def _draw(self) -> None:
+        self._is_draw_due = False
+        self._drawn_at = perf_counter()
+        session = self.session
+        if self._layout is not Layout.TINY and self._drawn != (session.level, session.frame):
+            self._drawn = (session.level, session.frame)
+            self.labyrinth.show(session.level, session.frame)
+        saved = self.text == session.source.text
+        self.program.show(session.state, session.source.name, saved=saved)
+        self.inspector.follow()
+        self._draw_lines()
+        self._celebrate()
+
+    def _draw_lines(self) -> None:
+        self._status.show(status_of(self.session))
+        typing = isinstance(self.focused, (TextArea, Input))
+        self._bar.show(typing=typing, running=self.session.busy)
+        tabs = tuple((pane.command_id, pane.label) for pane in self._panes)
+        self._tabs.show(tabs, self._active.command_id)
+
+    def _beat(self) -> None:
+        if self.session.busy:
+            self._draw_lines()
+
+    def _celebrate(self) -> None:
+        if self.session.won_at is None or self._is_celebrated:
+            return
+        self._is_celebrated = True
+        alone = len(self.session.level.robots) == 1
+        self.labyrinth.briefing.display = False
+        who = "You are there" if alone else "Everybody is there"
+        self.labyrinth.banner.celebrate(self.session.won_at, who)
+        if self._active is not self.labyrinth and self._layout is Layout.NARROW:
+            self.tell(f"★ {who}: {self.session.won_at} ticks ★")
+
+    def forget_victory(self) -> None:
+        """Take the banner away; the next victory is celebrated again."""
+        self._is_celebrated = False
+        self.labyrinth.banner.display = False
+
+    # -- layout --------------------------------------------------------------------------------
+
+    def on_resize(self, event: events.Resize) -> None:
+        """Arrange the panes for the new size."""
+        layout = layout_for(event.size.width, event.size.height)
+        size = f"{event.size.width}x{event.size.height}"
+        self.query_one("#too-small", Static).update(
+            f"{LEAST_WIDTH}x{LEAST_HEIGHT} needed,\nthis is {size}"
+        )
+        if layout is self._layout and self.has_class(layout.value):
+            return
+        if layout is Layout.TINY:
+            self._focus_before = self.focused
+        elif self._layout is Layout.TINY and self._focus_before is not None:
+            self.set_focus(self._focus_before)
+            self._focus_before = None
+        self._layout = layout
+        for each in Layout:
+            self.set_class(each is layout, each.value)
+        self._show_panes()
+        self._drawn = None
+        self._changed()
+
+    def _show_panes(self) -> None:
+        for pane in self._panes:
+            pane.display = self._layout is Layout.WIDE or (
+                self._layout is Layout.NARROW and pane is self._active
+            )
+
+    def go_to(self, pane: Pane) -> None:
+        """Go to a pane; in a narrow terminal it takes the place of the one there."""
+        self._active = pane
+        self._show_panes()
+        pane.enter()
+        self._changed()
+
+    def go_on(self, steps: int) -> None:
+        """Go to the pane some steps further."""
+        at = self._panes.index(self._active)
+        self.go_to(self._panes[(at + steps) % len(self._panes)])
+
+    def on_descendant_focus(self) -> None:
+        """Remember which pane is worked in, and offer the commands that fit."""
+        for pane in self._panes:
+            if pane.has_focus_within:
+                self._active = pane
+        self._draw_lines()
+
+    # -- messages ------------------------------------------------------------------------------
+
+    @on(TextArea.Changed)
+    def _text_changed(self) -> None:
+        self.keeper.edited()
+        self._changed()
+
+    @on(Editor.Leave)
+    def _editor_left(self) -> None:
+        self._actions.leave()
+
+    @on(Pane.Retitled)
+    def _pane_retitled(self) -> None:
+        self._draw_lines()
+
+    @on(CommandChosen)
+    def _command_chosen(self, event: CommandChosen) -> None:
+        self.action_command(event.command_id)
+
+    @on(LabyrinthView.RobotPicked)
+    def _robot_picked(self, event: LabyrinthView.RobotPicked) -> None:
+        self._select(event.name)
+        self.inspector.inspect(ROBOTS)
+
+    @on(RobotsView.Chosen)
+    def _robot_chosen(self, event: RobotsView.Chosen) -> None:
+        self._select(event.robot_name)
+
+    def _select(self, robot_name: str) -> None:
+        self.labyrinth.view.selected = robot_name
+        self.inspector.robots.choose(robot_name)
+
+    def action_command(self, command_id: str) -> None:
+        """Do what a command says."""
+        getattr(self._actions, command_id)()

@@ -1,0 +1,296 @@
+"""The session: level, program and game at hand, and the work under way for them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from functools import partial
+from time import perf_counter
+from typing import TYPE_CHECKING, Literal, Protocol, TypeAlias
+
+from logical_robots_tui.game import Frame, Game, Pace, Superseded, compile_program
+from logical_robots_tui.mind import ProgramError
+from logical_robots_tui.world import World
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from logical_robots_tui.game import Source
+    from logical_robots_tui.mind import Diagnostic, Predicate, Program
+    from logical_robots_tui.tui.background import Work
+    from logical_robots_tui.values import Value
+    from logical_robots_tui.world import Level
+
+__all__ = ["ProgramState", "Session", "Spawn", "start_frame"]
+
+Phase: TypeAlias = Literal["fresh", "compiling", "applied", "mistake"]
+
+_MOST_OWED = 5  # steps that a key held down may leave behind
+_NOTICEABLE = 0.5  # seconds of thinking from which on the screen says so
+
+
+class Spawn(Protocol):
+    """Starts work in the background of the screen."""
+
+    def __call__(self, work: Work, group: str, *, exclusive: bool) -> None:
+        """Run `work`; an exclusive one cancels what its group still does."""
+
+
+@dataclass(frozen=True, slots=True)
+class ProgramState:
+    """How far the program is.
+
+    Attributes:
+        phase: ``fresh`` before the first compilation, then what the last one came to.
+        tried: The text that was last compiled.
+        applied: The text that the robots think with, or None.
+        mistakes: What is wrong with `tried`.
+    """
+
+    phase: Phase = "fresh"
+    tried: str = ""
+    applied: str | None = None
+    mistakes: tuple[Diagnostic, ...] = ()
+
+
+class Session:
+    """One level under one program at a time; changes of either end in a new game.
+
+    Args:
+        level: Where to begin.
+        source: The program to begin with.
+        spawn: Starts work in the background.
+        changed: Called after everything that the screen may want to show.
+    """
+
+    def __init__(
+        self, level: Level, source: Source, *, spawn: Spawn, changed: Callable[[], None]
+    ) -> None:
+        self.level = level
+        self.source = source
+        self.state = ProgramState()
+        self.pace = Pace()
+        self.game: Game | None = None
+        self.frame = start_frame(level)
+        self._spawn = spawn
+        self._changed = changed
+        self._program: Program | None = None
+        self._run_when_ready = False
+        self._stepping: object = None
+        self._steps_owed = 0
+        self._waiting_since = 0.0
+
+    # -- looking -------------------------------------------------------------------------------
+
+    @property
+    def running(self) -> bool:
+        """Whether the robots go on by themselves, or will as soon as the program is compiled."""
+        return self._run_when_ready or (self.game is not None and self.game.running)
+
+    @property
+    def busy(self) -> bool:
+        """Whether something is under way that the player may want to stop."""
+        return self.running or self._stepping is not None
+
+    @property
+    def predicates(self) -> tuple[Predicate, ...]:
+        """The predicates of the program that the robots think with."""
+        return self._program.predicates if self._program else ()
+
+    @property
+    def won_at(self) -> int | None:
+        """The tick of victory as of the present frame, or None."""
+        return self.frame.after.won_at
+
+    @property
+    def thinking_for(self) -> float:
+        """Seconds that the thought under way has taken, 0.0 as long as that is not worth saying."""
+        if self.game is None or not (self.game.running or self._stepping is not None):
+            return 0.0
+        pause = 1 / self.pace.speed if self.game.running and self.pace.speed else 0.0
+        seconds = perf_counter() - self._waiting_since - pause
+        return seconds if seconds > _NOTICEABLE else 0.0
+
+    # -- level and program ---------------------------------------------------------------------
+
+    def open_level(self, level: Level, source: Source, text: str) -> None:
+        """Go to a level with a program; its robots stand at the start."""
+        self._end_game()
+        self.state = ProgramState()
+        self.level = level
+        self.frame = start_frame(level)
+        self.source = source
+        self.apply(text)
+
+    def open_program(self, source: Source, text: str) -> None:
+        """Think with another program from the next tick on."""
+        self.source = source
+        self.apply(text)
+
+    def saved_as(self, source: Source) -> None:
+        """The text in the editor is that of `source` from now on."""
+        self.source = source
+        self._changed()
+
+    def apply(self, text: str) -> None:
+        """Compile a text in the background and use it; an older compilation is given up."""
+        if self._program is not None and self._program.text == text:
+            self.state = ProgramState("applied", text, text)
+            self._use(self._program)
+            return
+        self.state = replace(self.state, phase="compiling", tried=text, mistakes=())
+        self._changed()
+        self._spawn(partial(self._compile, text), "compile", exclusive=True)
+
+    # -- moving --------------------------------------------------------------------------------
+
+    def toggle_run(self) -> None:
+        """Run, or stop whatever is under way."""
+        if self.busy:
+            self.pause()
+        else:
+            self.run()
+
+    def run(self) -> None:
+        """Let the robots go on, as soon as there is a program."""
+        if self.game is None:
+            self._run_when_ready = self.state.phase in ("fresh", "compiling")
+        elif not self.game.running:
+            self._waiting_since = perf_counter()
+            self._spawn(partial(self._run, self.game), "move", exclusive=True)
+        self._changed()
+
+    def pause(self) -> None:
+        """Stop running, and stop a thought under way."""
+        self._run_when_ready = False
+        if self.game is not None:
+            self.game.pause()
+        if self._stepping is not None:
+            self._stepping = None
+            self._spawn(_nothing, "move", exclusive=True)
+        self._changed()
+
+    def step(self) -> None:
+        """Compute one tick; while running, stop after it. Quick presses are worked off."""
+        if self.game is None:
+            return
+        if self._stepping is not None:
+            self._steps_owed = min(self._steps_owed + 1, _MOST_OWED)
+            return
+        self._steps_owed = 0
+        self.game.pause()
+        self._stepping = object()
+        self._waiting_since = perf_counter()
+        self._spawn(partial(self._step, self.game, self._stepping), "move", exclusive=True)
+
+    def back(self) -> None:
+        """Return to the tick before."""
+        self.pause()
+        if self.game is not None:
+            self.game.back()
+
+    def restart(self) -> None:
+        """Begin the level again, standing still."""
+        self.pause()
+        if self.game is not None:
+            self.game.restart()
+
+    def faster(self) -> None:
+        """Choose the next higher speed."""
+        self.pace.faster()
+        self._changed()
+
+    def slower(self) -> None:
+        """Choose the next lower speed."""
+        self.pace.slower()
+        self._changed()
+
+    async def query(self, predicate: str, frame: Frame) -> tuple[tuple[str, ...], Rows, bool]:
+        """Columns and rows of a predicate at a frame, and whether rows are missing at the end.
+
+        Raises:
+            Superseded: The program changed meanwhile, or there is none yet.
+            QueryError: The predicate has no rows of its own, or failed.
+        """
+        if self.game is None:
+            raise Superseded
+        table = (await self.game.query(predicate, frame)).table
+        return table.columns, table.rows, table.truncated
+
+    async def close(self) -> None:
+        """Stop all work."""
+        game, self.game = self.game, None
+        if game is not None:
+            await game.close()
+
+    # -- inside --------------------------------------------------------------------------------
+
+    async def _compile(self, text: str) -> None:
+        try:
+            program = await compile_program(text)
+        except ProgramError as error:
+            self._run_when_ready = False
+            self.state = replace(self.state, phase="mistake", mistakes=error.diagnostics)
+            self._changed()
+            return
+        self.state = ProgramState("applied", text, text)
+        self._use(program)
+
+    def _use(self, program: Program) -> None:
+        self._program = program
+        if self.game is None:
+            game = self.game = Game(self.level, program)
+            game.pace = self.pace
+            game.listen(lambda frame: self._show(game, frame))
+            self.frame = game.frame
+            if self._run_when_ready:
+                self._run_when_ready = False
+                self.run()
+        else:
+            self.game.use(program)
+        self._changed()
+
+    def _show(self, game: Game, frame: Frame) -> None:
+        if game is self.game:
+            self.frame = frame
+            self._waiting_since = perf_counter()
+            self._changed()
+
+    async def _run(self, game: Game) -> None:
+        try:
+            await game.run()
+        finally:
+            self._changed()
+
+    async def _step(self, game: Game, token: object) -> None:
+        try:
+            await game.step()
+            while self._steps_owed and self._stepping is token:
+                self._steps_owed -= 1
+                await game.step()
+        except Superseded:
+            pass
+        finally:
+            if self._stepping is token:
+                self._stepping = None
+            self._changed()
+
+    def _end_game(self) -> None:
+        self.pause()
+        game, self.game = self.game, None
+        if game is not None:
+            self._spawn(game.close, "close", exclusive=False)
+
+
+Rows: TypeAlias = "tuple[tuple[Value, ...], ...]"
+
+
+def start_frame(level: Level) -> Frame:
+    """The frame of a level in which nobody has thought yet, to show before there is a program."""
+    world = World(level)
+    state = world.save()
+    memories: dict[str, Value] = {robot.name: "" for robot in level.robots}
+    return Frame(0, state, state, tuple(world.look()), memories, (), memories, 0.0)
+
+
+async def _nothing() -> None:
+    """Take the place of work that is to end."""

@@ -1,0 +1,249 @@
+"""Drafts survive everything and belong to one session at a time."""
+
+from __future__ import annotations
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import threading
+from typing import TYPE_CHECKING
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from logical_robots_tui.game.drafts import OLD_DRAFTS_KEPT, Draft, Drafts, fingerprint
+from tests.waiting import until
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+HOLD = """
+import sys, time
+from pathlib import Path
+from logical_robots_tui.game.drafts import Draft, Drafts
+drafts = Drafts(Path(sys.argv[1]))
+drafts.keep(Draft("mine", "/p/mine.l", sys.argv[2], "0"))
+if "fork" in sys.argv:
+    import os
+    if os.fork() == 0:
+        print("kept", flush=True)
+        os.close(1)
+    time.sleep(60)
+print("kept", flush=True)
+time.sleep(60)
+"""
+
+
+def draft(text: str, path: str = "/p/mine.l") -> Draft:
+    return Draft("mine", path, text, fingerprint("file"))
+
+
+def held_by_another_process(folder: Path, text: str, *more: str) -> subprocess.Popen[str]:
+    process = subprocess.Popen(
+        [sys.executable, "-c", HOLD, str(folder), text, *more], stdout=subprocess.PIPE, text=True
+    )
+    assert process.stdout is not None
+    assert process.stdout.readline() == "kept\n"
+    return process
+
+
+def end(process: subprocess.Popen[str]) -> None:
+    process.kill()
+    process.wait()
+    assert process.stdout is not None
+    process.stdout.close()
+
+
+def test_what_a_session_kept_is_adopted_by_the_next(tmp_path: Path) -> None:
+    first = Drafts(tmp_path)
+    first.keep(draft("hello"))
+    first.close()
+    second = Drafts(tmp_path)
+    [found] = second.adopt()
+    assert found == Draft("mine", "/p/mine.l", "hello", fingerprint("file"), found.saved)
+    assert second.get("/p/mine.l") is None
+    assert second.take("/p/mine.l") == found
+    assert second.take("/p/mine.l") is None
+    assert second.get("/p/mine.l") == found
+    assert Drafts(tmp_path).adopt() == []
+    second.close()
+
+
+def test_what_was_adopted_and_not_taken_is_there_for_the_next(tmp_path: Path) -> None:
+    first = Drafts(tmp_path)
+    first.keep(draft("hello"))
+    first.close()
+    second = Drafts(tmp_path)
+    second.adopt()
+    second.drop("/p/mine.l")
+    second.close()
+    third = Drafts(tmp_path)
+    assert [found.text for found in third.adopt()] == ["hello"]
+    third.keep(draft("typed meanwhile"))
+    assert third.take("/p/mine.l") == third.get("/p/mine.l")
+    third.close()
+    assert "typed meanwhile" in "".join(p.read_text() for p in (tmp_path / "old").iterdir())
+
+
+@settings(max_examples=50, deadline=None)
+@given(st.text(), st.text(), st.text(st.characters(blacklist_characters="\0")))
+def test_any_text_comes_back_as_it_was(
+    tmp_path_factory: pytest.TempPathFactory, text: str, name: str, path: str
+) -> None:
+    folder = tmp_path_factory.mktemp("drafts")
+    session = Drafts(folder)
+    kept = Draft(name, path, text, "0")
+    session.keep(kept)
+    session.close()
+    other = Drafts(folder)
+    assert other.adopt() == [kept]
+    other.close()
+
+
+def test_a_session_alive_keeps_its_own_and_a_killed_one_leaves_it(tmp_path: Path) -> None:
+    process = held_by_another_process(tmp_path, "typed")
+    session = Drafts(tmp_path)
+    try:
+        assert session.adopt() == []
+    finally:
+        end(process)
+    assert [found.text for found in session.adopt()] == ["typed"]
+    session.close()
+
+
+def test_a_child_that_a_session_forked_does_not_hold_its_drafts(tmp_path: Path) -> None:
+    process = held_by_another_process(tmp_path, "typed", "fork")
+    end(process)
+    session = Drafts(tmp_path)
+    assert [found.text for found in session.adopt()] == ["typed"]
+    session.close()
+
+
+def test_two_sessions_at_once_do_not_take_from_each_other(tmp_path: Path) -> None:
+    first, second = Drafts(tmp_path), Drafts(tmp_path)
+    first.keep(draft("one"))
+    second.keep(draft("two"))
+    assert first.adopt() == []
+    assert second.adopt() == []
+    first.close()
+    second.close()
+    third = Drafts(tmp_path)
+    assert [found.text for found in third.adopt()] == ["two"]
+    third.close()
+    assert "one" in [json.loads(p.read_text())["text"] for p in (tmp_path / "old").iterdir()]
+
+
+def test_the_newest_comes_first(tmp_path: Path) -> None:
+    session = Drafts(tmp_path)
+    for number in range(3):
+        session.keep(draft(f"text {number}", f"/p/{number}.l"))
+    session.close()
+    other = Drafts(tmp_path)
+    assert [found.path for found in other.adopt()] == ["/p/2.l", "/p/1.l", "/p/0.l"]
+    other.close()
+
+
+def test_dropped_and_put_away_drafts_are_not_offered_again(tmp_path: Path) -> None:
+    session = Drafts(tmp_path)
+    late = draft("late")
+    session.keep(draft("a"))
+    session.drop("/p/mine.l")
+    session.keep(draft("b", "/p/other.l"))
+    session.keep(late)  # was made before the drop, written after it
+    session.close()
+    other = Drafts(tmp_path)
+    assert [found.text for found in other.adopt()] == ["b"]
+    other.put_away("/p/other.l")
+    other.close()
+    assert Drafts(tmp_path).adopt() == []
+    [old] = (tmp_path / "old").iterdir()
+    assert json.loads(old.read_text())["text"] == "b"
+
+
+def test_an_earlier_draft_does_not_replace_a_later_one(tmp_path: Path) -> None:
+    session = Drafts(tmp_path)
+    early, late = draft("early"), draft("late")
+    session.keep(late)
+    session.keep(early)
+    assert session.get("/p/mine.l") == late
+    session.close()
+    assert [found.text for found in Drafts(tmp_path).adopt()] == ["late"]
+
+
+def test_only_so_many_old_drafts_stay(tmp_path: Path) -> None:
+    for number in range(OLD_DRAFTS_KEPT + 5):
+        session = Drafts(tmp_path)
+        session.keep(draft(f"text {number}"))
+        session.close()
+        session = Drafts(tmp_path)
+        session.adopt()
+        session.put_away("/p/mine.l")
+        session.close()
+    texts = [json.loads(p.read_text())["text"] for p in (tmp_path / "old").iterdir()]
+    assert len(texts) == OLD_DRAFTS_KEPT
+    assert "text 0" not in texts
+    assert f"text {OLD_DRAFTS_KEPT + 4}" in texts
+
+
+@pytest.mark.parametrize("rubbish", [b"", b"{", b"[]", b'{"text": 1}', b"\xff\xfe\0", b"null"])
+def test_a_file_that_is_no_draft_is_put_away(tmp_path: Path, rubbish: bytes) -> None:
+    (tmp_path / "2020-x.json").write_bytes(rubbish)
+    session = Drafts(tmp_path)
+    assert session.adopt() == []
+    assert len(list((tmp_path / "old").iterdir())) == 1
+    session.close()
+
+
+def test_nothing_is_left_of_a_session_without_drafts(tmp_path: Path) -> None:
+    session = Drafts(tmp_path)
+    session.keep(draft("a"))
+    session.drop("/p/mine.l")
+    session.close()
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_folder_that_cannot_be_written_says_so(tmp_path: Path) -> None:
+    (tmp_path / "drafts").write_text("a file is in the way")
+    with pytest.raises(OSError, match="drafts"):
+        Drafts(tmp_path / "drafts").keep(draft("a"))
+
+
+def test_many_threads_leave_the_last_text_on_disk(tmp_path: Path) -> None:
+    session = Drafts(tmp_path)
+    drafts = [draft(f"text {number}") for number in range(40)]
+    threads = [threading.Thread(target=session.keep, args=(each,)) for each in drafts]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    session.close()
+    assert [found.text for found in Drafts(tmp_path).adopt()] == ["text 39"]
+
+
+@pytest.mark.parametrize("number", [signal.SIGKILL, signal.SIGTERM, signal.SIGHUP])
+def test_a_session_killed_while_it_writes_leaves_a_whole_draft(
+    tmp_path: Path, number: signal.Signals
+) -> None:
+    script = HOLD.split("if ")[0] + (
+        'print("kept", flush=True)\n'
+        "for n in range(10**9):\n"
+        '    drafts.keep(Draft("mine", "/p/mine.l", str(n) * 5000, "0"))\n'
+    )
+    process = subprocess.Popen(
+        [sys.executable, "-c", script, str(tmp_path), "x"], stdout=subprocess.PIPE, text=True
+    )
+    assert process.stdout is not None
+    process.stdout.readline()
+    until(lambda: any(p.stat().st_size > 5000 for p in tmp_path.glob("*.json")))
+    os.kill(process.pid, number)
+    process.wait()
+    process.stdout.close()
+    session = Drafts(tmp_path)
+    [found] = session.adopt()
+    count = found.text[: len(found.text) // 5000]
+    assert found.text == count * 5000
+    assert {p.suffix for p in tmp_path.iterdir()} == {".json", ".lock"}
+    session.close()

@@ -1,0 +1,176 @@
+"""Opening the real game on a screen in memory, and waiting for what it shows."""
+
+from __future__ import annotations
+
+import asyncio
+from contextlib import asynccontextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from time import monotonic
+from typing import TYPE_CHECKING
+
+import pytest
+from textual import events
+
+from logical_robots_tui.game import Source, load_program
+from logical_robots_tui.tui.app import LogicalRobotsApp
+from logical_robots_tui.tui.inspector.pane import InspectorPane
+from logical_robots_tui.tui.program.editor import Editor
+from logical_robots_tui.tui.status import StatusLine
+from logical_robots_tui.world import load_level
+
+if TYPE_CHECKING:
+    from collections.abc import AsyncIterator, Callable
+
+    from textual.pilot import Pilot
+
+    from logical_robots_tui.tui.screen import MainScreen
+    from logical_robots_tui.tui.session import Session
+
+CHARACTERS = {
+    "space": " ",
+    "full_stop": ".",
+    "comma": ",",
+    "plus": "+",
+    "minus": "-",
+    "greater_than_sign": ">",
+    "question_mark": "?",
+    "left_square_bracket": "[",
+    "right_square_bracket": "]",
+    "slash": "/",
+    "enter": "\r",
+    "tab": "\t",
+}
+PATIENCE = 30.0  # seconds; generous, for machines that are busy with other things
+LEVELS = Path(__file__).parents[1] / "conformance" / "levels"
+
+PAPER = """\
+FreedomMotion(radar) = WeightedAverage {
+  x.distance -> x.angle :- x in radar
+};
+Robot(robot_name:, desire:, memory: "I am a robot") :-
+  Sensor(robot_name:, sensor:),
+  freedom = FreedomMotion(sensor.radar),
+  speed = 0.5,
+  desire = {
+    left_engine:  speed - freedom + 0.1,
+    right_engine: speed + freedom
+  };
+"""
+
+STILL = """\
+Robot(robot_name:, desire: {left_engine: 0.0, right_engine: 0.0}, memory: 1) :-
+  Sensor(robot_name:, sensor:);
+"""
+
+SLOW = """\
+Many() += 1 :- Sensor(sensor:), a in sensor.radar, b in sensor.radar, c in sensor.radar,
+  d in sensor.radar, e in sensor.radar, a.distance + b.distance > c.distance + d.distance;
+Robot(robot_name:, desire: {left_engine: 0.0, right_engine: 0.0}, memory: Many()) :-
+  Sensor(robot_name:, sensor:);
+"""
+
+WRONG = """\
+Robot(robot_name:, desire:, memory: 1) :-
+  Sensor(robot_name:, sensor:),
+  desire = {left_engine: 1.0, right_engine: ;
+"""
+
+
+@dataclass(frozen=True)
+class Opened:
+    """The game on a screen in memory."""
+
+    app: LogicalRobotsApp
+    pilot: Pilot[None]
+    data_dir: Path
+
+    @property
+    def main(self) -> MainScreen:
+        return self.app.main
+
+    @property
+    def session(self) -> Session:
+        return self.app.main.session
+
+    @property
+    def editor(self) -> Editor:
+        return self.main.query_one(Editor)
+
+    @property
+    def inspector(self) -> InspectorPane:
+        return self.main.query_one(InspectorPane)
+
+    @property
+    def tick(self) -> int:
+        return self.session.frame.tick
+
+    @property
+    def status(self) -> str:
+        return self.main.query_one(StatusLine).render().plain
+
+    async def press(self, *keys: str) -> None:
+        """Press keys as a terminal reports them; the pilot would wait for an idle processor."""
+        for key in keys:
+            self.app.post_message(
+                events.Key(key, CHARACTERS.get(key, key if len(key) == 1 else None))
+            )
+            await self.pilot.pause(0)
+
+    async def until(self, condition: Callable[[], object]) -> None:
+        """Return as soon as a condition holds and the screen has caught up."""
+        deadline = monotonic() + PATIENCE
+        while not condition():
+            assert monotonic() < deadline, f"never came true; the screen shows\n{self.screen()}"
+            await self.pilot.pause(0.01)
+        await self.pilot.pause(0.05)
+
+    async def ready(self) -> None:
+        """Wait until the first program is compiled."""
+        await self.until(lambda: self.session.state.phase in ("applied", "mistake"))
+
+    async def write(self, text: str) -> None:
+        """Put a text into the editor as a paste and apply it."""
+        self.editor.put(text)
+        await self.press("f4")
+
+    def screen(self) -> str:
+        """The characters on the screen, line by line."""
+        height = self.app.size.height
+        lines = self.app.screen._compositor.render_strips()  # the only way to see all layers
+        return "\n".join("".join(segment.text for segment in line) for line in lines[:height])
+
+    def shows(self, text: str) -> bool:
+        return text in self.screen()
+
+
+@pytest.fixture
+def data_dir(tmp_path: Path) -> Path:
+    return tmp_path / "data"
+
+
+def source_of(text: str, folder: Path, name: str = "mine") -> Source:
+    """A program of that text in a file."""
+    folder.mkdir(parents=True, exist_ok=True)
+    path = folder / f"{name}.l"
+    path.write_text(text, "utf-8")
+    return load_program(path)
+
+
+@asynccontextmanager
+async def opened(
+    data_dir: Path,
+    *,
+    level: str = "open_room",
+    text: str = PAPER,
+    size: tuple[int, int] = (120, 40),
+    name: str = "mine",
+) -> AsyncIterator[Opened]:
+    """Open the game with a program in the player's folder."""
+    path = data_dir / "programs" / f"{name}.l"
+    source = load_program(path) if path.exists() else source_of(text, path.parent, name)
+    app = LogicalRobotsApp(
+        await asyncio.to_thread(load_level, LEVELS / f"{level}.json"), source, data_dir=data_dir
+    )
+    async with app.run_test(size=size, notifications=True) as pilot:
+        yield Opened(app, pilot, data_dir)

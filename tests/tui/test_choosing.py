@@ -1,0 +1,233 @@
+"""Choosing levels and programs, saving, and what happens to unsaved text meanwhile."""
+
+from __future__ import annotations
+
+from functools import partial
+from typing import TYPE_CHECKING
+
+import pytest
+from textual.widgets import Input, OptionList, Static
+
+from logical_robots_tui.game import list_programs, load_program
+from logical_robots_tui.tui.dialogs.chooser import Chooser
+from logical_robots_tui.tui.dialogs.save import SaveAs
+from logical_robots_tui.world import list_levels, load_level
+from tests.tui.conftest import LEVELS, PAPER, STILL, opened, source_of
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from tests.tui.conftest import Opened
+
+FIRST = list_levels()[0]
+
+
+async def dialog(game: Opened, key: str, kind: type) -> None:
+    await game.press(key)
+    await game.until(lambda: isinstance(game.app.screen, kind))
+
+
+async def fill(game: Opened, text: str) -> None:
+    game.app.screen.query_one(Input).value = text
+    await game.pilot.pause(0.05)
+
+
+def is_at(game: Opened, level: str) -> bool:
+    return game.session.level.name == level
+
+
+def complaint(game: Opened) -> str:
+    said = game.app.screen.query_one("#complaint", Static)
+    return str(said.visual) if said.display else ""
+
+
+async def test_a_level_is_picked_from_the_list_and_brings_its_starter(data_dir: Path) -> None:
+    async with opened(data_dir) as game:
+        await game.ready()
+        await game.press("n")
+        await game.until(lambda: game.tick == 1)
+        await dialog(game, "l", Chooser)
+        level = load_level(FIRST)
+        await game.until(lambda: game.shows(level.title))
+        await fill(game, FIRST)
+        await game.until(lambda: game.shows(level.briefing.splitlines()[0]))
+        await game.press("enter")
+        await game.until(lambda: game.session.level.name == FIRST)
+        assert game.app.screen is game.main
+        assert game.tick == 0
+        starter = load_program(level.starter)
+        assert game.editor.text == starter.text
+        await game.until(lambda: game.session.state.applied == starter.text)
+        await game.until(lambda: game.shows(level.briefing.splitlines()[0]))
+        await game.press("space")
+        await game.until(lambda: game.tick > 0)
+        assert not game.shows("hides this")
+
+
+async def test_the_list_is_filtered_by_what_is_typed_and_walked_by_arrows(data_dir: Path) -> None:
+    async with opened(data_dir) as game:
+        await dialog(game, "l", Chooser)
+        entries = game.app.screen.query_one(OptionList)
+        await game.until(lambda: entries.option_count == len(list_levels()))
+        await game.press("down", "down", "up")
+        await game.until(lambda: entries.highlighted == 1)
+        await game.press(*"everybody")
+        await game.until(lambda: entries.option_count == 1)
+        await game.press(*"xyz")
+        await game.until(lambda: game.shows("Nothing has this name."))
+        await game.press("enter", "escape")
+        await game.until(lambda: game.app.screen is game.main)
+        assert game.session.level.name == "open_room"
+
+
+async def test_a_level_file_is_opened_by_its_path_and_keeps_the_program(data_dir: Path) -> None:
+    async with opened(data_dir) as game:
+        await game.ready()
+        await dialog(game, "l", Chooser)
+        await fill(game, str(LEVELS / "team_goal.json"))
+        await game.until(lambda: game.shows("Open the file"))
+        await game.press("enter")
+        await game.until(lambda: game.session.level.name == "team_goal")
+        assert game.editor.text == PAPER
+        await game.press("n")
+        await game.until(lambda: game.tick == 1)
+
+
+@pytest.mark.parametrize("content", [None, b"", b"\xff\x00rubbish", b"{}", b"cell = 'x'"])
+async def test_a_level_that_cannot_be_used_says_why_and_the_game_goes_on(
+    data_dir: Path, tmp_path: Path, content: bytes | None
+) -> None:
+    bad = tmp_path / "bad.toml"
+    if content is not None:
+        bad.write_bytes(content)
+    async with opened(data_dir) as game:
+        await game.ready()
+        await dialog(game, "l", Chooser)
+        await fill(game, str(bad))
+        await game.press("enter")
+        await game.until(lambda: "bad.toml" in complaint(game))
+        await game.press("escape", "n")
+        await game.until(lambda: game.tick == 1)
+
+
+async def test_the_next_level_follows_and_the_last_one_says_so(data_dir: Path) -> None:
+    async with opened(data_dir) as game:
+        await game.ready()
+        for name in list_levels():
+            await game.press("greater_than_sign")
+            await game.until(partial(is_at, game, name))
+        await game.press("greater_than_sign")
+        await game.until(lambda: game.shows("the last level"))
+
+
+async def test_a_level_change_while_running_stands_still_at_its_start(data_dir: Path) -> None:
+    async with opened(data_dir) as game:
+        await game.ready()
+        await game.press("plus", "plus", "plus", "plus", "plus", "plus", "space")
+        await game.until(lambda: game.tick > 5)
+        await game.press("greater_than_sign")
+        await game.until(lambda: game.session.level.name == FIRST)
+        await game.until(lambda: game.session.state.phase == "applied")
+        assert game.tick == 0
+        assert not game.session.busy
+
+
+async def test_a_program_is_picked_with_its_first_comment_in_view(data_dir: Path) -> None:
+    async with opened(data_dir) as game:
+        await game.ready()
+        await game.press("space")
+        await game.until(lambda: game.tick > 2)
+        await dialog(game, "o", Chooser)
+        await fill(game, "obstacle")
+        source = load_program("obstacle-avoider")
+        await game.until(lambda: game.shows(source.text.splitlines()[0].lstrip("# ")[:20]))
+        await game.press("enter")
+        await game.until(lambda: game.session.state.applied == source.text)
+        assert game.editor.text == source.text
+        assert game.tick > 2  # the world stays, only the program is another one
+
+
+async def test_a_program_that_cannot_be_read_says_why(data_dir: Path, tmp_path: Path) -> None:
+    async with opened(data_dir) as game:
+        await dialog(game, "o", Chooser)
+        await fill(game, f"{tmp_path}/")
+        await game.press("enter")
+        await game.until(lambda: "folder" in complaint(game))
+
+
+async def test_saving_under_a_new_name_makes_it_the_program_at_hand(data_dir: Path) -> None:
+    async with opened(data_dir) as game:
+        await game.ready()
+        await game.press("2", "x", "f2")
+        await game.until(lambda: isinstance(game.app.screen, SaveAs))
+        assert game.app.screen.query_one(Input).value == "mine"
+        await fill(game, "other")
+        await game.press("enter")
+        await game.until(lambda: game.app.screen is game.main)
+        assert (data_dir / "programs" / "other.l").read_text() == "x" + PAPER
+        assert (data_dir / "programs" / "mine.l").read_text() == PAPER
+        assert game.session.source.name == "other"
+        assert "other" in list_programs(data_dir / "programs")
+        await game.until(lambda: not list((data_dir / "drafts").glob("*.json")))
+
+
+async def test_saving_over_the_program_at_hand_does_not_ask(data_dir: Path) -> None:
+    async with opened(data_dir) as game:
+        await game.press("2", "x", "f2")
+        await game.until(lambda: isinstance(game.app.screen, SaveAs))
+        await game.press("enter")
+        await game.until(lambda: game.app.screen is game.main)
+        assert (data_dir / "programs" / "mine.l").read_text() == "x" + PAPER
+
+
+async def test_saving_over_another_program_asks_first(data_dir: Path) -> None:
+    source_of(STILL, data_dir / "programs", "other")
+    async with opened(data_dir) as game:
+        await dialog(game, "s", SaveAs)
+        await fill(game, "other")
+        await game.press("enter")
+        await game.until(lambda: "enter again" in complaint(game))
+        assert (data_dir / "programs" / "other.l").read_text() == STILL
+        await game.press("enter")
+        await game.until(lambda: game.app.screen is game.main)
+        assert (data_dir / "programs" / "other.l").read_text() == PAPER
+
+
+@pytest.mark.parametrize(
+    ("name", "why"),
+    [
+        ("", "needs a name"),
+        ("obstacle-avoider", "stays as it is"),
+        ("a\tb", "letters"),
+        (".hidden", "letters"),
+        ("../up", "is a folder"),
+        ("/dev/null/x", "can't be written"),
+    ],
+)
+async def test_a_name_that_does_not_do_is_refused(
+    data_dir: Path, tmp_path: Path, name: str, why: str
+) -> None:
+    (tmp_path / "up.l").mkdir()
+    async with opened(data_dir) as game:
+        await dialog(game, "s", SaveAs)
+        await fill(game, name.replace("..", str(tmp_path)))
+        await game.press("enter")
+        await game.until(lambda: why in complaint(game))
+
+
+async def test_unsaved_text_comes_back_with_its_program(data_dir: Path) -> None:
+    async with opened(data_dir) as game:
+        await game.ready()
+        await game.press("2", *"hello", "escape")
+        await dialog(game, "o", Chooser)
+        await fill(game, "obstacle")
+        await game.press("enter")
+        await game.until(lambda: game.session.source.name == "obstacle-avoider")
+        assert "hello" not in game.editor.text
+        await dialog(game, "o", Chooser)
+        await game.until(lambda: game.app.screen.query_one(OptionList).option_count > 1)
+        await fill(game, "mine")
+        await game.press("enter")
+        await game.until(lambda: game.session.source.name == "mine")
+        assert game.editor.text == "hello" + PAPER
+        await game.until(lambda: game.shows("unsaved text of mine is back"))

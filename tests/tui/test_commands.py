@@ -1,0 +1,151 @@
+"""Commands: declared once, reachable by key, bar, palette and help."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import pytest
+from textual.widgets import Static
+
+from logical_robots_tui.tui.actions import Actions
+from logical_robots_tui.tui.bar import CommandBar
+from logical_robots_tui.tui.commands import COMMANDS, GROUPS, bindings, key_name
+from logical_robots_tui.tui.drawing.glyphs import Drawing
+from logical_robots_tui.tui.labyrinth import LabyrinthView
+from tests.tui.conftest import opened
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+TAKEN_BY_OTHERS = {"ctrl+a", "ctrl+b", "ctrl+s", "ctrl+q", "ctrl+z", "ctrl+c"}
+
+
+def test_each_command_has_its_own_keys() -> None:
+    keys = [key for entry in COMMANDS for key in entry.keys]
+    assert len(keys) == len(set(keys))
+    assert not set(keys) & TAKEN_BY_OTHERS
+    assert not any(key.startswith("shift+") for key in keys)
+
+
+def test_each_command_is_done_and_nothing_else() -> None:
+    done = {name for name in vars(Actions) if not name.startswith("_")}
+    assert done == {entry.id for entry in COMMANDS}
+
+
+def test_each_command_can_be_asked_for_without_function_keys() -> None:
+    for entry in COMMANDS:
+        plain = [key for key in entry.keys if not (key[0] == "f" and key[1:].isdigit())]
+        assert plain or entry.id == "revert", entry  # that one is in the palette
+
+
+def test_each_command_belongs_to_a_heading_and_ends_its_help_with_a_stop() -> None:
+    for entry in COMMANDS:
+        assert entry.group in GROUPS
+        assert entry.help.endswith(".")
+        assert entry.title[0].isupper()
+
+
+def test_bindings_name_every_key_once() -> None:
+    assert sorted(key for binding in bindings() for key in binding.key.split(",")) == sorted(
+        key for entry in COMMANDS for key in entry.keys
+    )
+
+
+@pytest.mark.parametrize(
+    ("key", "name"), [("ctrl+r", "^R"), ("f5", "F5"), ("space", "space"), ("comma", ",")]
+)
+def test_keys_are_named_as_on_a_keyboard(key: str, name: str) -> None:
+    assert key_name(key) == name
+
+
+async def test_a_click_on_the_bar_is_the_command(data_dir: Path) -> None:
+    async with opened(data_dir) as game:
+        await game.ready()
+        bar = game.main.query_one(CommandBar)
+        column = bar.render().plain.index("Step")
+        await game.pilot.click(CommandBar, offset=(column, 0))
+        await game.until(lambda: game.tick == 1)
+
+
+async def test_the_bar_fits_in_80_columns_and_offers_the_way_out(data_dir: Path) -> None:
+    async with opened(data_dir, size=(80, 24)) as game:
+        line = game.main.query_one(CommandBar).render()
+        assert line.cell_length <= 80
+        for words in ("space Run", "? Help", "q Quit"):
+            assert words in line.plain
+
+
+async def test_the_bar_in_the_editor_names_only_keys_that_work_there(data_dir: Path) -> None:
+    async with opened(data_dir, size=(80, 24)) as game:
+        await game.press("2")
+        await game.until(lambda: "Leave" in game.main.query_one(CommandBar).render().plain)
+        line = game.main.query_one(CommandBar).render().plain
+        assert "^R Apply" in line
+        assert "F5 Run" in line
+        assert "Quit" not in line
+
+
+async def test_the_palette_finds_a_command_and_does_it(data_dir: Path) -> None:
+    async with opened(data_dir) as game:
+        await game.ready()
+        await game.press("2", "ctrl+p")
+        await game.until(lambda: game.shows("Find a command"))
+        await game.press(*"half", "enter")
+        view = game.main.query_one(LabyrinthView)
+        await game.until(lambda: view.drawing is Drawing.HALVES)
+        assert game.app.screen is game.main
+
+
+async def test_the_help_lists_every_command_with_its_keys(data_dir: Path) -> None:
+    async with opened(data_dir) as game:
+        await game.press("question_mark")
+        await game.until(lambda: len(game.app.screen_stack) == 2)
+        shown = game.app.screen.query_one("#help", Static)
+        await game.until(lambda: "Restart" in str(shown.visual))
+        for entry in COMMANDS:
+            assert entry.title in str(shown.visual)
+            assert entry.key_names in str(shown.visual)
+        await game.press("escape")
+        await game.until(lambda: game.app.screen is game.main)
+
+
+async def test_rays_and_the_way_of_drawing_change_by_key(data_dir: Path) -> None:
+    async with opened(data_dir) as game:
+        view = game.main.query_one(LabyrinthView)
+        await game.press("y", "d")
+        await game.until(lambda: not view.rays and view.drawing is Drawing.HALVES)
+        await game.press("d")
+        await game.until(lambda: view.drawing is Drawing.ASCII)
+        await game.press("y", "d")
+        await game.until(lambda: view.rays and view.drawing is Drawing.QUADRANTS)
+
+
+async def test_q_leaves_and_so_does_a_second_ctrl_c_but_not_ctrl_q(data_dir: Path) -> None:
+    async with opened(data_dir) as game:
+        await game.press("ctrl+q", "ctrl+c")
+        await game.until(lambda: game.shows("again to leave"))
+        assert game.app.is_running
+        await game.press("ctrl+c")
+        await game.until(lambda: not game.app.is_running)
+    async with opened(data_dir) as game:
+        await game.press("q")
+        await game.until(lambda: not game.app.is_running)
+
+
+async def test_a_robot_is_chosen_by_click_in_the_labyrinth_and_in_the_inspector(
+    data_dir: Path,
+) -> None:
+    async with opened(data_dir, level="team_goal") as game:
+        view = game.main.query_one(LabyrinthView)
+        await game.until(lambda: game.shows("robot  "))
+        place = next(
+            (column, row)
+            for row in range(view.size.height)
+            for column in range(view.size.width)
+            if view.robot_at(column, row) == "R"
+        )
+        await game.pilot.click(LabyrinthView, offset=place)
+        await game.until(lambda: view.selected == "R")
+        assert game.shows('R remembers ""')
+        await game.pilot.click("#robots", offset=(3, 2))
+        await game.until(lambda: view.selected == "Q")

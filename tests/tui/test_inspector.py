@@ -1,0 +1,176 @@
+"""The inspector follows the tick on the screen."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import pytest
+from textual.widgets import OptionList
+
+from logical_robots_tui.tui.inspector.pane import ROBOTS
+from logical_robots_tui.tui.inspector.table import ValueTable
+from tests.tui.conftest import PAPER, SLOW, opened
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from tests.tui.conftest import Opened
+
+MORE = (
+    PAPER
+    + """
+Ray(i, d) :- Sensor(sensor:), x in sensor.radar, i = x.angle, d = x.distance;
+Names(robot_name) :- Sensor(robot_name:);
+Seen(robot_name:, memory:) :- Memory(robot_name:, memory:);
+Odd("[bold]x[/bold]\\x1b", {a: 1, b: [1, 2]}, 0.1 + 0.2);
+"""
+)
+
+
+def choice(game: Opened) -> OptionList:
+    return game.main.query_one("#choice", OptionList)
+
+
+def listed(game: Opened) -> list[str]:
+    options = choice(game)
+    return [str(options.get_option_at_index(i).prompt) for i in range(options.option_count)]
+
+
+async def inspect(game: Opened, name: str) -> None:
+    options = choice(game)
+    await game.until(lambda: any(name in entry for entry in listed(game)))
+    options.highlighted = options.get_option_index(name)
+
+
+async def test_the_robots_come_first(data_dir: Path) -> None:
+    async with opened(data_dir, level="team_goal") as game:
+        await game.ready()
+        assert game.inspector.inspected == ROBOTS
+        await game.until(lambda: game.shows("Robots · tick 0"))
+        for words in ("radar, left to right", "● P", "● Q", "● R"):
+            assert game.shows(words)
+        await game.press("n")
+        await game.until(lambda: game.shows("Robots · tick 1"))
+
+
+async def test_inputs_and_predicates_are_listed_with_their_kind(data_dir: Path) -> None:
+    async with opened(data_dir, text=MORE) as game:
+        await game.ready()
+        await game.until(lambda: "• Robot :4" in listed(game))
+        entries = listed(game)
+        assert entries[0] == "Robots"
+        assert "◂ Sensor" in entries
+        assert "◂ Memory" in entries
+        assert "• FreedomMotion ƒ :1" in entries
+        assert not [entry for entry in entries if "WeightedAverage" in entry]
+
+
+async def test_rows_follow_step_by_step(data_dir: Path) -> None:
+    async with opened(data_dir, text=MORE) as game:
+        await game.ready()
+        await inspect(game, "Seen")
+        await game.until(lambda: game.shows("Seen · tick 0 · 1 row"))
+        assert game.shows('""')
+        await game.press("n", "n")
+        await game.until(lambda: game.shows("Seen · tick 2 · 1 row"))
+        assert game.shows("I am a robot")
+        await game.press("p", "p")
+        await game.until(lambda: game.shows("Seen · tick 0 · 1 row"))
+
+
+async def test_a_function_says_that_it_has_no_rows(data_dir: Path) -> None:
+    async with opened(data_dir) as game:
+        await game.ready()
+        await inspect(game, "FreedomMotion")
+        await game.until(lambda: game.inspector.inspected == "FreedomMotion")
+        await game.until(lambda: not game.main.query_one(ValueTable).display)
+        await game.until(lambda: game.shows("function"))
+
+
+async def test_values_are_plain_text_in_short_form(data_dir: Path) -> None:
+    async with opened(data_dir, text=MORE) as game:
+        await game.ready()
+        await inspect(game, "Odd")
+        await game.until(lambda: game.shows("Odd · tick 0 · 1 row"))
+        assert game.shows("[bold]x[/bold]")
+        assert game.shows("{a: 1, b: [1, 2]}")
+        assert game.shows("0.3 ")
+        assert "\x1b" not in game.screen()
+
+
+async def test_the_value_under_the_cursor_is_shown_in_full(data_dir: Path) -> None:
+    async with opened(data_dir, size=(80, 24)) as game:
+        await game.ready()
+        await game.press("3")
+        await inspect(game, "Sensor")
+        await game.until(lambda: game.shows("robot_name"))
+        await game.press("enter", "right")
+        await game.until(lambda: game.shows("sensor = {"))
+        assert game.shows("forward_distance:")
+        assert game.shows('forward_object: "none"')
+
+
+async def test_the_table_is_walked_by_key_and_click(data_dir: Path) -> None:
+    async with opened(data_dir, text=MORE) as game:
+        await game.ready()
+        await game.press("3")
+        await inspect(game, "Ray")
+        await game.until(lambda: game.shows("31 rows"))
+        await game.press("enter", "down", "down", "right")
+        table = game.main.query_one(ValueTable)
+        third = table.pointed
+        await game.until(lambda: table.pointed and table.pointed[0] == "col1")
+        await game.press("end")
+        await game.until(lambda: table.scroll_offset.y > 0)
+        assert table.pointed != third
+        await game.press("home", "n")
+        await game.until(lambda: game.shows("Ray · tick 1 · 31 rows"))
+        assert table.scroll_offset.y == 0
+        await game.pilot.click(ValueTable, offset=(1, 3))
+        await game.until(lambda: table.pointed and table.pointed[0] == "col0")
+
+
+async def test_the_inspector_follows_a_run_without_holding_it_up(data_dir: Path) -> None:
+    async with opened(data_dir, text=MORE) as game:
+        await game.ready()
+        await inspect(game, "Ray")
+        await game.press("space")
+        await game.until(lambda: game.tick > 20)
+        assert game.shows("Ray · tick ")
+        await game.press("space")
+        await game.until(lambda: game.shows(f"Ray · tick {game.tick} · "))
+
+
+async def test_a_slow_predicate_does_not_hold_up_the_game(data_dir: Path) -> None:
+    text = PAPER + SLOW.split("Robot(")[0]
+    async with opened(data_dir, text=text) as game:
+        await game.ready()
+        await inspect(game, "Many")
+        await game.press("space")
+        await game.until(lambda: game.tick > 10)
+        await inspect(game, "Sensor")
+        await game.until(lambda: game.shows("Sensor · tick"))
+
+
+async def test_a_predicate_that_is_gone_says_so_and_shows_again_when_it_is_back(
+    data_dir: Path,
+) -> None:
+    async with opened(data_dir, text=MORE) as game:
+        await game.ready()
+        await inspect(game, "Ray")
+        await game.until(lambda: game.shows("31 rows"))
+        await game.write(PAPER)
+        await game.until(lambda: game.shows("no predicate Ray"))
+        await game.write(MORE)
+        await game.until(lambda: game.shows("31 rows"))
+
+
+@pytest.mark.parametrize("size", [(80, 24), (120, 40)])
+async def test_notices_are_shown_under_the_robots(data_dir: Path, size: tuple[int, int]) -> None:
+    nobody = 'Robot(robot_name: "Solo", desire: {left_engine: 0.1, right_engine: null});\n'
+    async with opened(data_dir, text=nobody, size=size) as game:
+        await game.ready()
+        await game.press("n", "3")
+        await game.until(lambda: game.tick == 1)
+        message = game.session.frame.decisions[0].notices[0].message
+        await game.until(lambda: game.shows(f"! Solo: {message[:20]}"))

@@ -1,0 +1,123 @@
+"""The panes in terminals of all sizes."""
+
+from __future__ import annotations
+
+from functools import partial
+from typing import TYPE_CHECKING
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from textual.widgets.text_area import Selection
+
+from logical_robots_tui.tui.bar import PaneTabs
+from logical_robots_tui.tui.layout import Layout, layout_for
+from logical_robots_tui.tui.pane import Pane
+from tests.tui.conftest import PAPER, opened
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from tests.tui.conftest import Opened
+
+
+def shows_just(game: Opened, panes: list[str]) -> bool:
+    return shown(game) == panes
+
+
+def shown(game: Opened) -> list[str]:
+    return [pane.command_id for pane in game.main.query(Pane) if pane.display]
+
+
+@given(st.integers(1, 400), st.integers(1, 200))
+def test_every_size_has_an_arrangement(width: int, height: int) -> None:
+    layout = layout_for(width, height)
+    assert (layout is Layout.TINY) == (width < 40 or height < 12)
+
+
+async def test_resizing_keeps_text_cursor_selection_and_focus(data_dir: Path) -> None:
+    async with opened(data_dir) as game:
+        await game.press("2", *"hello")
+        await game.until(lambda: game.editor.text.startswith("hello"))
+        game.editor.selection = Selection((1, 2), (2, 1))
+        text, editor = game.editor.text, game.editor
+        for size, panes in [
+            ((80, 24), ["editor"]),
+            ((20, 5), ["labyrinth", "editor", "inspector"][:0]),
+            ((120, 40), ["labyrinth", "editor", "inspector"]),
+            ((40, 12), ["editor"]),
+            ((300, 80), ["labyrinth", "editor", "inspector"]),
+        ]:
+            await game.pilot.resize_terminal(*size)
+            await game.until(partial(shows_just, game, panes))
+            assert game.editor is editor
+            assert game.editor.text == text
+            assert game.editor.selection == Selection((1, 2), (2, 1))
+        assert game.main.focused is game.editor
+        await game.press("x")
+        await game.until(lambda: game.editor.text != text)
+
+
+async def test_a_tiny_terminal_is_told_what_is_needed_and_the_game_goes_on(data_dir: Path) -> None:
+    async with opened(data_dir, size=(20, 5)) as game:
+        await game.until(lambda: game.shows("40x12 needed"))
+        await game.ready()
+        await game.press("space")
+        await game.until(lambda: game.tick > 2)
+        await game.pilot.resize_terminal(80, 24)
+        await game.until(lambda: game.shows("1 Labyrinth"))
+        assert not game.shows("needed")
+
+
+@pytest.mark.parametrize("size", [(1, 1), (40, 12), (41, 13), (79, 23), (110, 24), (500, 150)])
+async def test_no_size_breaks_the_screen(data_dir: Path, size: tuple[int, int]) -> None:
+    async with opened(data_dir, size=size) as game:
+        await game.ready()
+        await game.press("n", "2", "3", "1")
+        await game.until(lambda: game.tick == 1)
+
+
+async def test_panes_are_tabs_in_80_columns(data_dir: Path) -> None:
+    async with opened(data_dir, size=(80, 24)) as game:
+        await game.ready()
+        assert shown(game) == ["labyrinth"]
+        await game.press("2")
+        await game.until(lambda: shown(game) == ["editor"])
+        assert game.main.focused is game.editor
+        await game.press("ctrl+n")
+        await game.until(lambda: shown(game) == ["inspector"])
+        await game.press("right_square_bracket")
+        await game.until(lambda: shown(game) == ["labyrinth"])
+        await game.press("left_square_bracket")
+        await game.until(lambda: shown(game) == ["inspector"])
+        await game.press("1")
+        await game.until(lambda: shown(game) == ["labyrinth"])
+
+
+async def test_a_tab_is_chosen_by_click_and_tells_about_the_program(data_dir: Path) -> None:
+    async with opened(data_dir, size=(80, 24)) as game:
+        await game.ready()
+        tabs = game.main.query_one(PaneTabs)
+        await game.until(lambda: "Program · mine · applied" in tabs.render().plain)
+        await game.pilot.click(PaneTabs, offset=(tabs.render().plain.index("Program"), 0))
+        await game.until(lambda: shown(game) == ["editor"])
+        await game.press("x")
+        await game.until(lambda: "mine* · edited, not applied" in tabs.render().plain)
+
+
+async def test_what_is_typed_right_after_the_key_for_the_editor_goes_into_the_editor(
+    data_dir: Path,
+) -> None:
+    async with opened(data_dir, size=(80, 24)) as game:
+        await game.press("e", *"quit")
+        await game.until(lambda: game.editor.text == "quit" + PAPER)
+        assert game.app.is_running
+
+
+async def test_escape_leaves_the_editor_for_the_labyrinth(data_dir: Path) -> None:
+    async with opened(data_dir, size=(80, 24)) as game:
+        await game.press("2", "escape")
+        await game.until(lambda: shown(game) == ["labyrinth"])
+        await game.press("y")
+        await game.until(lambda: not game.main.query_one("#picture").rays)  # type: ignore
+        assert game.editor.text == PAPER

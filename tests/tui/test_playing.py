@@ -1,0 +1,223 @@
+"""Running, pausing, stepping, and what the status line says about it."""
+
+from __future__ import annotations
+
+import json
+from time import perf_counter
+from typing import TYPE_CHECKING
+
+from logical_robots_tui.tui.labyrinth_pane import VictoryBanner
+from tests.tui.conftest import PAPER, SLOW, STILL, WRONG, opened
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+
+async def test_space_runs_and_pauses(data_dir: Path) -> None:
+    async with opened(data_dir) as game:
+        await game.ready()
+        assert "PAUSED" in game.status
+        await game.press("space")
+        await game.until(lambda: game.tick > 3)
+        assert game.session.running
+        assert "RUNNING" in game.status
+        await game.press("space")
+        await game.until(lambda: not game.session.running)
+        assert "PAUSED" in game.status
+        assert f"tick {game.tick}" in game.status
+
+
+async def test_space_before_the_program_is_compiled_runs_as_soon_as_it_is(data_dir: Path) -> None:
+    async with opened(data_dir) as game:
+        await game.press("space")
+        await game.until(lambda: game.tick > 0)
+
+
+async def test_stepping_forward_and_back_shows_the_same_tick_again(data_dir: Path) -> None:
+    async with opened(data_dir) as game:
+        await game.ready()
+        await game.press("n")
+        await game.until(lambda: game.tick == 1)
+        await game.press("n", "n")
+        await game.until(lambda: game.tick == 3)
+        third = game.session.frame
+        await game.press("p")
+        await game.until(lambda: game.tick == 2)
+        await game.press("full_stop")
+        await game.until(lambda: game.tick == 3)
+        assert game.session.frame.after == third.after
+        await game.press("comma", "comma", "comma", "comma")
+        await game.until(lambda: game.tick == 0)
+
+
+async def test_a_step_while_running_stops_after_one_more_tick(data_dir: Path) -> None:
+    async with opened(data_dir) as game:
+        await game.ready()
+        await game.press("space")
+        await game.until(lambda: game.tick > 2)
+        await game.press("n")
+        await game.until(lambda: not game.session.busy)
+        stopped_at = game.tick
+        await game.press("n")
+        await game.until(lambda: game.tick == stopped_at + 1)
+
+
+async def test_restart_goes_to_the_start_and_stands_still(data_dir: Path) -> None:
+    async with opened(data_dir) as game:
+        await game.ready()
+        await game.press("space")
+        await game.until(lambda: game.tick > 2)
+        await game.press("r")
+        await game.until(lambda: game.tick == 0 and not game.session.running)
+        assert game.session.frame.decisions == ()
+
+
+async def test_plus_and_minus_change_the_speed_up_to_flat_out(data_dir: Path) -> None:
+    async with opened(data_dir) as game:
+        assert "40/s" in game.status
+        await game.press("minus")
+        await game.until(lambda: "20/s" in game.status)
+        await game.press(*["plus"] * 9)
+        await game.until(lambda: "flat out" in game.status)
+        await game.ready()
+        await game.press("space")
+        await game.until(lambda: "flat out " in game.status and "/s" in game.status)
+
+
+async def test_a_slow_thought_leaves_the_keys_alone_and_can_be_stopped(data_dir: Path) -> None:
+    async with opened(data_dir, text=SLOW) as game:
+        await game.ready()
+        await game.press("space")
+        await game.until(lambda: "thinking…" in game.status)
+        began = perf_counter()
+        await game.press("y")
+        await game.press("2", "x")
+        await game.until(lambda: game.editor.text.startswith("x"))
+        assert perf_counter() - began < 2
+        await game.press("f5")
+        await game.until(lambda: not game.session.busy)
+        assert game.tick == 0
+        assert "PAUSED" in game.status
+
+
+async def test_a_slow_step_can_be_stopped_too(data_dir: Path) -> None:
+    async with opened(data_dir, text=SLOW) as game:
+        await game.ready()
+        await game.press("n")
+        await game.until(lambda: game.session.thinking_for)
+        await game.press("space")
+        await game.until(lambda: not game.session.busy)
+        await game.write(STILL)
+        await game.until(lambda: game.session.state.applied == STILL)
+        await game.press("n")
+        await game.until(lambda: game.tick == 1)
+
+
+async def test_the_goal_shows_who_is_in_and_victory_is_celebrated_once(data_dir: Path) -> None:
+    async with opened(data_dir, level="team_goal") as game:
+        await game.ready()
+        assert "needs all: R · P · Q ·" in game.status
+        await game.press(*["plus"] * 6, "space")
+        await game.until(lambda: game.session.won_at is not None)
+        await game.until(lambda: not game.session.running)
+        assert "needs all: R ✓ P ✓ Q ✓" in game.status
+        assert "WON" in game.status
+        await game.until(lambda: game.shows("Everybody is there"))
+        assert game.shows(f"{game.session.won_at} ticks")
+        await game.press("escape")
+        await game.until(lambda: not game.shows("Everybody is there"))
+        await game.press("p", "n")
+        await game.until(lambda: game.session.won_at is not None)
+        assert not game.shows("Everybody is there")
+        await game.press("r")
+        await game.until(lambda: game.tick == 0)
+        await game.press("space")
+        await game.until(lambda: game.shows("Everybody is there"))
+
+
+async def test_the_banner_of_victory_can_be_clicked(data_dir: Path) -> None:
+    async with opened(data_dir, level="team_goal") as game:
+        await game.ready()
+        await game.press(*["plus"] * 6, "space")
+        await game.until(lambda: game.shows("Everybody is there"))
+        banner = game.main.query_one("#banner", VictoryBanner)
+        line = next(line for line in banner.render().plain.splitlines() if "again" in line)
+        await game.pilot.click("#banner", offset=(line.index("again") + 1, 3))
+        await game.until(lambda: game.tick == 0)
+        assert not game.shows("Everybody is there")
+
+
+async def test_a_run_never_lays_the_screen_out_anew(data_dir: Path) -> None:
+    async with opened(data_dir) as game:
+        await game.ready()
+        await game.press("space")
+        await game.until(lambda: game.tick > 3)
+        layouts: list[object] = []
+        game.main.screen_layout_refresh_signal.subscribe(game.main, layouts.append)
+        begun = game.tick
+        await game.until(lambda: game.tick > begun + 20)
+        assert not layouts
+
+
+async def test_names_of_a_level_are_text_and_nothing_else(data_dir: Path, tmp_path: Path) -> None:
+    wicked = {
+        "width": 100,
+        "height": 50,
+        "walls": "0" * 5000,
+        "robots": [{"name": "[b]A[/b]", "x": 30, "y": 20, "color": "[red]"}],
+        "beacons": [{"name": "[@click=app.quit]B", "x": 60, "y": 20}],
+        "areas": [
+            {
+                "name": "[/]C",
+                "x": 80,
+                "y": 30,
+                "radius": 10,
+                "color": "green",
+                "victory_robots": ["[b]A[/b]"],
+            }
+        ],
+    }
+    (tmp_path / "[link].json").write_text(json.dumps(wicked))
+    text = STILL.replace("memory: 1", 'memory: "\x1b[2J[red]"')
+    async with opened(data_dir, level=str(tmp_path / "[link]"), text=text) as game:
+        await game.ready()
+        await game.press("n")
+        await game.until(lambda: game.tick == 1)
+        assert "\x1b" not in game.screen()
+        assert game.shows("[link]")
+        assert "[/]C: [b]A[/b] ·" in game.status
+        await game.until(lambda: game.shows('[b]A[/b] remembers "␛[2J[red]"'))
+
+
+async def test_victory_takes_no_key_from_somebody_who_types(data_dir: Path) -> None:
+    async with opened(data_dir, level="team_goal") as game:
+        await game.ready()
+        await game.press(*["plus"] * 6, "space", "2")
+        await game.until(lambda: game.shows("Everybody is there"))
+        await game.press("r", "greater_than_sign", "space")
+        await game.until(lambda: game.editor.text.startswith("r> "))
+        assert game.session.won_at is not None
+
+
+async def test_a_program_that_is_wrong_from_the_start_says_so_when_run(data_dir: Path) -> None:
+    async with opened(data_dir, text=WRONG) as game:
+        await game.ready()
+        await game.press("space")
+        await game.until(lambda: game.shows("a mistake in line 3"))
+        assert not game.session.busy
+        await game.write(PAPER)
+        await game.until(lambda: game.session.game is not None)
+        await game.press("1", "n")
+        await game.until(lambda: game.tick == 1)
+
+
+async def test_nothing_is_drawn_when_nothing_changes(data_dir: Path) -> None:
+    async with opened(data_dir) as game:
+        await game.ready()
+        await game.pilot.pause()
+        drawn = []
+        display = game.app._display
+        game.app._display = lambda *some: (drawn.append(some), display(*some))  # type: ignore
+        for _ in range(60):
+            await game.pilot.pause(0.01)
+        assert not drawn

@@ -1,0 +1,184 @@
+"""Editing, applying, and mistakes shown in place."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from textual import events
+from textual.widgets.text_area import Selection
+
+from logical_robots_tui.tui.program.pane import ProgramPane
+from tests.tui.conftest import PAPER, STILL, WRONG, opened
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from logical_robots_tui.tui.program.editor import Editor
+    from tests.tui.conftest import Opened
+
+
+def title(game: Opened) -> str:
+    return game.main.query_one(ProgramPane).label
+
+
+async def test_the_listing_of_the_paper_is_pasted_as_printed_and_applied(data_dir: Path) -> None:
+    async with opened(data_dir, text=STILL) as game:
+        await game.ready()
+        await game.press("2", "f7")
+        game.app.post_message(events.Paste(PAPER.replace("\n", "\r\n")))
+        await game.until(lambda: game.editor.text == PAPER)
+        assert "edited, not applied" in title(game)
+        await game.press("ctrl+r")
+        await game.until(lambda: game.session.state.applied == PAPER)
+        assert "applied" in title(game)
+        await game.press("f8")
+        await game.until(lambda: game.session.frame.memories == {"Solo": "I am a robot"})
+
+
+async def test_a_paste_through_a_terminal_without_bracketed_paste_is_the_same(
+    data_dir: Path,
+) -> None:
+    async with opened(data_dir, text="") as game:
+        await game.press("2")
+        for character in PAPER:
+            key = {"\n": "ctrl+j"}.get(character, character)
+            game.app.post_message(events.Key(key, character))
+        await game.until(lambda: game.editor.text == PAPER)
+
+
+async def test_a_mistake_is_marked_in_its_line_with_message_and_hint(data_dir: Path) -> None:
+    async with opened(data_dir) as game:
+        await game.ready()
+        await game.press("2")
+        await game.write(WRONG)
+        await game.until(lambda: game.session.state.phase == "mistake")
+        mistake = game.session.state.mistakes[0]
+        assert mistake.line == 3
+        await game.until(lambda: game.shows("✗ line 3"))
+        assert game.shows("3✗")
+        assert game.shows("1 mistake")
+        assert mistake.hint
+        assert game.shows(mistake.hint.split(".")[0][:30])
+
+
+async def test_the_last_good_program_runs_on_after_a_mistake(data_dir: Path) -> None:
+    async with opened(data_dir) as game:
+        await game.ready()
+        await game.press("space")
+        await game.until(lambda: game.tick > 1)
+        await game.write(WRONG)
+        await game.until(lambda: game.session.state.phase == "mistake")
+        now = game.tick
+        await game.until(lambda: game.tick > now + 3)
+        assert game.session.state.applied == PAPER
+        assert game.session.frame.memories == {"Solo": "I am a robot"}
+
+
+async def test_a_mended_program_takes_the_mark_away(data_dir: Path) -> None:
+    async with opened(data_dir, text=WRONG) as game:
+        await game.until(lambda: game.shows("3✗"))
+        await game.write(STILL)
+        await game.until(lambda: game.session.state.applied == STILL)
+        await game.until(lambda: not game.shows("✗"))
+
+
+async def test_a_key_or_a_click_goes_to_the_mistake(data_dir: Path) -> None:
+    async with opened(data_dir, text=WRONG) as game:
+        await game.until(lambda: game.shows("✗ line 3"))
+        await game.press("ctrl+g")
+        await game.until(lambda: game.editor.cursor_location[0] == 2)
+        assert game.main.focused is game.editor
+        await game.press("escape", "2", "ctrl+home", "up", "up")
+        await game.until(lambda: game.editor.cursor_location[0] == 0)
+        await game.pilot.click("MistakeStrip")
+        await game.until(lambda: game.editor.cursor_location[0] == 2)
+
+
+async def test_an_undefined_predicate_and_a_missing_robot_are_named(data_dir: Path) -> None:
+    async with opened(data_dir) as game:
+        await game.ready()
+        await game.write(STILL + "A(x) :- Nowhere(x);\n")
+        await game.until(lambda: game.session.state.phase == "mistake" and game.shows("✗ line 3"))
+        assert "Nowhere" in game.session.state.mistakes[0].message
+        await game.write("A(1);\n")
+        await game.until(lambda: game.session.state.phase == "mistake" and game.shows("✗ line 1"))
+        assert "Robot" in game.session.state.mistakes[0].message
+
+
+async def test_a_program_of_a_megabyte_is_refused_and_the_game_goes_on(data_dir: Path) -> None:
+    async with opened(data_dir) as game:
+        await game.ready()
+        await game.press("2", "f7")
+        game.app.post_message(events.Paste("x = 1 + Foo(bar: 3), # note\n" * 36_000))
+        await game.until(lambda: len(game.editor.text) > 1_000_000)
+        await game.press("f4")
+        await game.until(lambda: game.session.state.phase == "mistake")
+        assert game.shows("✗ line 1")
+        await game.press("escape", "n")
+        await game.until(lambda: game.tick == 1)
+
+
+async def test_a_later_apply_overtakes_an_earlier_one(data_dir: Path) -> None:
+    async with opened(data_dir) as game:
+        await game.ready()
+        await game.write(STILL)
+        await game.write(PAPER + "# more\n")
+        await game.until(lambda: game.session.state.applied == PAPER + "# more\n")
+        await game.press("f8")
+        await game.until(lambda: game.session.frame.memories == {"Solo": "I am a robot"})
+
+
+async def test_tab_inserts_two_spaces_and_letters_are_letters(data_dir: Path) -> None:
+    async with opened(data_dir, text="") as game:
+        await game.press("2", "tab", *"qrnlo", "space", "plus", "question_mark")
+        await game.until(lambda: game.editor.text == "  qrnlo +?")
+        assert game.app.screen is game.main
+        assert game.tick == 0
+
+
+async def test_comments_are_toggled_as_one_edit(data_dir: Path) -> None:
+    async with opened(data_dir, text="a\n  b\n\nc\n") as game:
+        await game.press("2")
+        await game.until(lambda: game.main.focused is game.editor)
+        game.editor.selection = Selection((0, 0), (3, 0))
+        await game.press("ctrl+underscore")
+        await game.until(lambda: game.editor.text == "# a\n#   b\n\nc\n")
+        await game.press("ctrl+z")
+        await game.until(lambda: game.editor.text == "a\n  b\n\nc\n")
+        await game.press("ctrl+y")
+        await game.until(lambda: game.editor.text == "# a\n#   b\n\nc\n")
+        game.editor.selection = Selection((0, 0), (3, 0))
+        await game.press("ctrl+underscore")
+        await game.until(lambda: game.editor.text == "a\n  b\n\nc\n")
+
+
+async def test_control_characters_are_shown_and_not_sent_to_the_terminal(data_dir: Path) -> None:
+    async with opened(data_dir, text="a\x1b[2Jb\x07[bold]c\n") as game:
+        await game.until(lambda: game.shows("a␛[2Jb␇[bold]c"))
+        assert "\x1b" not in game.screen()
+
+
+async def test_a_comment_over_several_lines_is_coloured_as_it_grows(data_dir: Path) -> None:
+    async with opened(data_dir, text="A(1);\nB(2);\n") as game:
+        editor = game.editor
+        assert styles(editor, 1) != {"comment"}
+        await game.press("2", "slash", "*")
+        await game.until(lambda: editor.text.startswith("/*"))
+        assert len(editor.get_line(1).spans) == 1
+        await game.press("ctrl+z")
+        await game.until(lambda: editor.text.startswith("A"))
+        assert len(editor.get_line(1).spans) > 1
+
+
+def styles(editor: Editor, line: int) -> set[str]:
+    return {str(span.style) for span in editor.get_line(line).spans}
+
+
+async def test_the_text_of_the_file_comes_back_and_undo_brings_mine_back(data_dir: Path) -> None:
+    async with opened(data_dir) as game:
+        await game.press("2", "x")
+        await game.until(lambda: game.editor.text == "x" + PAPER)
+        game.main.action_command("revert")
+        await game.until(lambda: game.editor.text == PAPER)
+        await game.press("ctrl+z")
+        await game.until(lambda: game.editor.text == "x" + PAPER)

@@ -1,0 +1,196 @@
+"""What is written on the screen, letter by letter."""
+
+from __future__ import annotations
+
+import unicodedata
+from itertools import pairwise
+from typing import TYPE_CHECKING
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from logical_robots_tui.game import Goal
+from logical_robots_tui.tui.inspector.cells import cell, written
+from logical_robots_tui.tui.inspector.overview import radar_strip
+from logical_robots_tui.tui.plain import clip, one_line, visible
+from logical_robots_tui.tui.program.lexer import LineStates, pieces, state_after
+from logical_robots_tui.tui.status import Status, fit
+
+if TYPE_CHECKING:
+    from logical_robots_tui.values import Value
+
+
+VALUES = st.recursive(
+    st.none() | st.booleans() | st.integers() | st.floats() | st.text(),
+    lambda inner: st.lists(inner) | st.dictionaries(st.text(), inner),
+)
+
+
+@given(st.text())
+def test_visible_text_has_nothing_that_a_terminal_acts_on(text: str) -> None:
+    shown = visible(text)
+    assert len(shown) == len(text)
+    assert not {unicodedata.category(c) for c in shown} & {"Cc", "Cf", "Cs", "Zl", "Zp"}
+
+
+def test_control_characters_have_pictures() -> None:
+    assert visible("a\x1b[31m\x00\x7f\t\u202e") == "a␛[31m␀␡␉\ufffd"
+    assert visible("a\tb\n", tabs=True) == "a\tb␊"
+    assert one_line("  a\n\n b\t c ") == "a b c"
+
+
+@given(st.text(), st.integers(0, 30))
+def test_clipped_text_is_never_longer(text: str, width: int) -> None:
+    assert len(clip(text, width)) <= width
+
+
+@pytest.mark.parametrize(
+    ("value", "text"),
+    [
+        (None, "null"),
+        (True, "true"),
+        (3, "3"),
+        (3.0, "3.0"),
+        (0.1 + 0.2, "0.3"),
+        (1234567.891, "1.23457e+06"),
+        (float("nan"), "nan"),
+        (float("-inf"), "-inf"),
+        ("wall", '"wall"'),
+        ({"a": 1, "b": [1, None]}, "{a: 1, b: [1, null]}"),
+        ({}, "{}"),
+        ([], "[]"),
+        (10**400, f"{10**400:#x}"),
+    ],
+)
+def test_values_are_written_as_a_program_would(value: object, text: str) -> None:
+    assert written(value) == text  # type: ignore[arg-type] # any value will do
+
+
+@pytest.mark.parametrize(
+    ("value", "text"),
+    [("wall", "wall"), ("", '""'), ("1", '"1"'), ("null", '"null"'), (" a", '" a"'), ("{", '"{"')],
+)
+def test_text_in_a_table_has_quotes_only_where_it_could_be_something_else(
+    value: str, text: str
+) -> None:
+    assert cell(value)[0] == text
+
+
+@given(VALUES, st.integers(1, 50))
+def test_any_value_can_be_written_in_any_room(value: object, limit: int) -> None:
+    assert len(written(value, limit)) <= limit  # type: ignore[arg-type] # any value will do
+    assert len(cell(value, limit)[0]) <= limit  # type: ignore[arg-type] # any value will do
+
+
+def test_a_large_value_is_cut_without_being_written_out() -> None:
+    endless: Value = {"a": "x" * 10_000_000, "b": list(range(1_000_000))}
+    assert len(written(endless, 100)) == 100
+
+
+def test_the_radar_is_31_bars_of_the_objects_colours() -> None:
+    ray = {"angle": 0.0, "label": "x"}
+    strip = radar_strip(
+        [{**ray, "distance": 200, "object": "none"}] * 30
+        + [{**ray, "distance": 1, "object": "wall"}]
+    )
+    assert strip.plain == "█" * 30 + "▁"
+    assert len({str(span.style) for span in strip.spans}) == 2
+
+
+def kinds(line: str, state: str = "") -> list[tuple[str, str]]:
+    return [(line[start:end], kind) for start, end, kind in pieces(line, state)]
+
+
+def test_the_words_of_logica_are_told_apart() -> None:
+    assert kinds('@Visible(Memory, "all"); # so') == [
+        ("@Visible", "annotation"),
+        ("Memory", "predicate"),
+        ('"all"', "string"),
+        ("# so", "comment"),
+    ]
+    assert kinds("A(x: 1.5) :- y in b, x -> y;") == [
+        ("A", "predicate"),
+        ("x", "field"),
+        ("1.5", "number"),
+        (":-", "operator"),
+        ("in", "keyword"),
+        ("->", "operator"),
+    ]
+    assert kinds("Robot(robot_name:, desire:)")[1:] == [
+        ("robot_name", "field"),
+        ("desire", "field"),
+    ]
+
+
+@pytest.mark.parametrize(
+    ("line", "before", "after"),
+    [
+        ("a /* b", "", "/*"),
+        ("b */ c", "/*", ""),
+        ("b */ c /* d", "/*", "/*"),
+        ('x = """ a', "", '"""'),
+        ('a """;', '"""', ""),
+        ("# /* no", "", ""),
+        ('"/*" a', "", ""),
+        ('"a\\"/*" a', "", ""),
+        ("", "/*", "/*"),
+    ],
+)
+def test_comments_and_strings_go_on_over_lines(line: str, before: str, after: str) -> None:
+    assert state_after(line, before) == after
+    found = pieces(line, before)
+    assert all(one.end <= two.start for one, two in pairwise(found))
+
+
+@given(st.lists(st.text(st.sampled_from("ab\"'`/*#\\ (){}:-")), max_size=8), st.integers(0, 7))
+def test_states_found_late_are_those_found_in_order(lines: list[str], changed: int) -> None:
+    states = LineStates()
+    for number in range(len(lines)):
+        states.at(number, lines.__getitem__)
+    if changed < len(lines):
+        lines[changed] = "/*"
+        states.forget(changed)
+    fresh, expected = LineStates(), ""
+    for number, line in enumerate(lines):
+        assert states.at(number, lines.__getitem__) == expected
+        found = pieces(line, expected)
+        assert all(0 <= one.start < one.end <= len(line) for one in found)
+        expected = state_after(line, expected)
+    if lines:
+        last = len(lines) - 1
+        assert fresh.at(last, lines.__getitem__) == states.at(last, lines.__getitem__)
+
+
+STATUS = Status(
+    title="Everybody home",
+    activity="running",
+    tick=1204,
+    won_at=None,
+    speed=40.0,
+    achieved=17.2,
+    goals=(Goal("Home", True, ("Ada", "Bo", "Cy"), ("Ada",)),),
+    think_milliseconds=1.23,
+    thinking_for=0.0,
+)
+
+
+def test_the_status_line_tells_everything_where_there_is_room() -> None:
+    assert fit(STATUS, 120).plain.split("   ") == [
+        " LOGICAL ROBOTS",
+        "Everybody home",
+        "● RUNNING",
+        "tick 1204",
+        "17 of 40/s",
+        "Home: Ada ✓ Bo · Cy ·",
+        "1.2 ms",
+    ]
+
+
+@given(st.integers(0, 200))
+def test_the_status_line_fits_and_keeps_the_most_important(width: int) -> None:
+    line = fit(STATUS, width)
+    assert line.cell_length <= max(width, 1)
+    if width >= 40:
+        assert "● RUNNING   tick 1204" in line.plain
+        assert "Home" in line.plain

@@ -1,0 +1,216 @@
+"""Nothing typed is ever lost: drafts on the screen, and the end of the process."""
+
+from __future__ import annotations
+
+import os
+import signal
+import sys
+from time import monotonic
+from typing import TYPE_CHECKING
+
+import pytest
+
+from logical_robots_tui.game.drafts import Drafts
+from logical_robots_tui.tui.actions import Actions
+from logical_robots_tui.tui.crash import OwnMistake
+from logical_robots_tui.tui.dialogs.question import Question
+from tests.terminal import Terminal
+from tests.tui.conftest import LEVELS, PAPER, opened
+from tests.waiting import until
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from tests.tui.conftest import Opened
+
+PLAY = """
+import sys
+from pathlib import Path
+from logical_robots_tui.tui.play import play
+sys.exit(play(sys.argv[1], sys.argv[2], Path(sys.argv[3])))
+"""
+
+
+def texts(data_dir: Path) -> list[str]:
+    """What the next session would find."""
+    drafts = Drafts(data_dir / "drafts")
+    found = [draft.text for draft in drafts.adopt()]
+    drafts.close()
+    return found
+
+
+async def type_and_leave(data_dir: Path, words: str) -> None:
+    async with opened(data_dir) as game:
+        await game.press("2", *words)
+        await game.until(lambda: game.editor.text.startswith(words))
+
+
+async def asked(game: Opened) -> None:
+    await game.until(lambda: isinstance(game.app.screen, Question))
+    await game.until(lambda: game.shows("Continue with your unsaved text of “mine”"))
+
+
+async def test_unsaved_text_is_offered_at_the_next_start(data_dir: Path) -> None:
+    await type_and_leave(data_dir, "hello")
+    async with opened(data_dir) as game:
+        await asked(game)
+        await game.press("s")
+        await game.until(lambda: game.shows("helloFreedomMotion"))
+        await game.press("y")
+        await game.until(lambda: game.editor.text == "hello" + PAPER)
+        assert game.app.screen is game.main
+    assert texts(data_dir) == ["hello" + PAPER]
+
+
+async def test_unwanted_text_is_put_away_and_not_offered_again(data_dir: Path) -> None:
+    await type_and_leave(data_dir, "hello")
+    async with opened(data_dir) as game:
+        await asked(game)
+        await game.press("n")
+        await game.until(lambda: game.app.screen is game.main)
+        assert game.editor.text == PAPER
+        await game.until(lambda: list((data_dir / "drafts" / "old").glob("*")))
+    assert texts(data_dir) == []
+
+
+async def test_a_question_left_unanswered_is_asked_again(data_dir: Path) -> None:
+    await type_and_leave(data_dir, "hello")
+    for _ in range(2):
+        async with opened(data_dir) as game:
+            await asked(game)
+            await game.press("escape")
+            await game.until(lambda: game.app.screen is game.main)
+            await game.press("2", "x")
+            await game.until(lambda: game.editor.text == "x" + PAPER)
+            await game.press("backspace")
+            await game.until(lambda: game.editor.text == PAPER)
+
+
+async def test_text_that_was_saved_meanwhile_is_not_offered(data_dir: Path) -> None:
+    await type_and_leave(data_dir, "hello")
+    (data_dir / "programs" / "mine.l").write_text("hello" + PAPER)
+    async with opened(data_dir) as game:
+        await game.ready()
+        assert game.app.screen is game.main
+    assert texts(data_dir) == []
+
+
+async def test_text_of_another_program_is_offered_with_its_program(data_dir: Path) -> None:
+    await type_and_leave(data_dir, "hello")
+    async with opened(data_dir, name="other") as game:
+        await asked(game)
+        await game.press("y")
+        await game.until(lambda: game.editor.text == "hello" + PAPER)
+        assert game.session.source.name == "mine"
+
+
+async def test_an_edit_is_on_disk_soon_and_gone_when_it_is_taken_back(data_dir: Path) -> None:
+    async with opened(data_dir) as game:
+        await game.press("2", "x")
+        await game.until(lambda: list((data_dir / "drafts").glob("*.json")))
+        await game.press("backspace")
+        await game.until(lambda: not list((data_dir / "drafts").glob("*.json")))
+
+
+async def test_two_games_at_once_do_not_offer_each_other_their_texts(data_dir: Path) -> None:
+    async with opened(data_dir) as first:
+        await first.press("2", *"one")
+        await first.until(lambda: list((data_dir / "drafts").glob("*.json")))
+        async with opened(data_dir) as second:
+            await second.ready()
+            assert second.app.screen is second.main
+            assert second.editor.text == PAPER
+
+
+async def test_a_data_folder_that_cannot_be_written_is_said_once(
+    data_dir: Path, tmp_path: Path
+) -> None:
+    async with opened(data_dir) as game:
+        (data_dir / "drafts").parent.mkdir(exist_ok=True)
+        (data_dir / "drafts").write_text("in the way")
+        await game.press("2", "x")
+        await game.until(lambda: game.shows("can't be kept on disk"))
+        await game.press("y", "escape")
+        await game.ready()
+        await game.press("n")
+        await game.until(lambda: game.tick == 1)
+
+
+async def test_a_mistake_of_our_own_keeps_the_text_and_shows_no_traceback(
+    data_dir: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    with pytest.raises(OwnMistake) as caught:  # noqa: PT012 - it is raised at the end
+        async with opened(data_dir) as game:
+            await game.press("2", *"hello")
+            await game.until(lambda: game.editor.text.startswith("hello"))
+            monkeypatch.setattr(Actions, "rays", lambda self: 1 / 0)
+            game.main.action_command("labyrinth")
+            await game.press("y")
+            await game.until(lambda: not game.app.is_running)
+    assert isinstance(caught.value.__cause__, ZeroDivisionError)
+    assert isinstance(game.app.mistake, ZeroDivisionError)
+    assert "division" not in str(caught.value.__rich__())
+    assert texts(data_dir) == ["hello" + PAPER]
+
+
+class Played(Terminal):
+    """The game in a real terminal, with a program of the player's own."""
+
+    def __init__(self, data_dir: Path) -> None:
+        program = data_dir / "programs" / "mine.l"
+        program.parent.mkdir(parents=True)
+        program.write_text(PAPER)
+        level = LEVELS / "open_room.json"
+        super().__init__([sys.executable, "-c", PLAY, level, program, data_dir], size=(100, 30))
+
+
+def type_hello(terminal: Terminal) -> None:
+    terminal.wait_for("1 Labyrinth")
+    terminal.send("2")
+    terminal.wait_for("Leave")
+    terminal.send("hello")
+    terminal.wait_for("helloFreedomMotion")
+
+
+@pytest.mark.parametrize("number", [signal.SIGHUP, signal.SIGTERM])
+def test_a_signal_ends_the_game_within_two_seconds_with_the_text_kept(
+    data_dir: Path, number: signal.Signals
+) -> None:
+    with Played(data_dir) as terminal:
+        type_hello(terminal)
+        began = monotonic()
+        terminal.process.send_signal(number)
+        terminal.finish()
+        assert monotonic() - began < 2
+    assert texts(data_dir) == ["hello" + PAPER]
+
+
+def test_a_terminal_that_is_closed_ends_the_game_and_all_it_started(data_dir: Path) -> None:
+    with Played(data_dir) as terminal:
+        type_hello(terminal)
+        group = os.getpgid(terminal.process.pid)
+        os.close(terminal._ours)
+        terminal._ours = os.open(os.devnull, os.O_RDWR)
+        terminal.process.send_signal(signal.SIGHUP)  # as the kernel does for a session leader
+        began = monotonic()
+        terminal.process.wait(10)
+        until(lambda: not alive(group))
+        assert monotonic() - began < 2
+    assert texts(data_dir) == ["hello" + PAPER]
+
+
+def test_a_killed_game_leaves_its_text_for_the_next(data_dir: Path) -> None:
+    with Played(data_dir) as terminal:
+        type_hello(terminal)
+        until(lambda: list((data_dir / "drafts").glob("*.json")))
+        terminal.process.kill()
+        terminal.process.wait()
+    assert texts(data_dir) == ["hello" + PAPER]
+
+
+def alive(group: int) -> bool:
+    try:
+        os.killpg(group, 0)
+    except ProcessLookupError:
+        return False
+    return True
