@@ -9,6 +9,7 @@ import pytest
 from tests.installed import Installed, build_wheel, install
 
 if TYPE_CHECKING:
+    from collections.abc import Iterator
     from pathlib import Path
 
 
@@ -18,6 +19,14 @@ def pytest_addoption(parser: pytest.Parser) -> None:
         action="store_true",
         help="accept what is on the screen now as what is meant to be there",
     )
+
+
+@pytest.fixture(scope="session", autouse=True)
+def compiled_programs(tmp_path_factory: pytest.TempPathFactory) -> Iterator[None]:
+    """What tests compile is kept apart from what players have compiled."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv("LOGICAL_ROBOTS_CACHE_DIR", str(tmp_path_factory.mktemp("compiled")))
+        yield
 
 
 @pytest.fixture(scope="session")

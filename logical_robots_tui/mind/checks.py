@@ -3,26 +3,40 @@
 from __future__ import annotations
 
 import re
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
-from logica.compiler import dialects, expr_translate
+from logica.compiler import universe
 
-from logical_robots_tui.mind import complaints
-from logical_robots_tui.mind.diagnostics import ProgramError
+from logical_robots_tui.mind import builtins
+from logical_robots_tui.mind.close import closest
+from logical_robots_tui.mind.inference import Inference
 from logical_robots_tui.mind.program import INPUTS
-from logical_robots_tui.mind.rules import called, defined, head_name, prelude_rules
-from logical_robots_tui.mind.text import diagnostic_at
+from logical_robots_tui.mind.robot_rule import MAIN, engines, main_predicate
+from logical_robots_tui.mind.rules import (
+    called,
+    calls,
+    defined,
+    fields,
+    head_name,
+    heads,
+    nodes,
+    prelude_rules,
+    subject,
+    value_of,
+)
+from logical_robots_tui.mind.signatures import collisions, given_twice, signatures, wrong_calls
+from logical_robots_tui.mind.text import diagnostic_for
+from logical_robots_tui.mind.typos import typos
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Mapping
+    from collections.abc import Iterator
 
     from logical_robots_tui.mind.diagnostics import Diagnostic
+    from logical_robots_tui.mind.parsing import Parsed
     from logical_robots_tui.mind.rules import Rule
-    from logical_robots_tui.mind.text import Prepared
 
 __all__ = ["MAIN", "check"]
 
-MAIN = "Robot"
 _CHOSEN_BY_THE_GAME = ("@Engine", "@AttachDatabase", "@Dataset")
 _ANNOTATIONS = frozenset(
     {"@Ground", "@Limit", "@Make", "@NoInject", "@NoWith", "@OrderBy", "@Recursive", "@With"}
@@ -44,92 +58,147 @@ _OUTSIDE = frozenset(
 """What the package gives to programs that are trusted with the machine they run on."""
 
 
-def check(rules: list[Rule], text: str, source: Prepared) -> None:
-    """Refuse what would compile silently and fail later.
-
-    Raises:
-        ProgramError: Something is refused.
-    """
+def check(parsed: Parsed, text: str) -> list[Diagnostic]:
+    """What would compile silently and fail later, in the order of the text, warnings too."""
+    rules = parsed.rules
+    known = {n: s for n, s in signatures(rules).items() if n not in parsed.doubtful}
+    inference = Inference(rules, text, parsed.doubtful)
     problems = [
-        *_forbidden(rules, text, source),
-        *_undefined(rules, text, source),
-        *_main_predicate(rules, text, source),
+        *parsed.problems,
+        *_annotations(rules, text),
+        *_supplied(rules, text),
+        *_names(rules, text, parsed.doubtful),
+        *collisions(rules, text),
+        *wrong_calls(rules, known, text),
+        *given_twice(rules, text),
+        *inference.problems,
+        *engines(rules, inference, text),
+        *typos(rules, text),
     ]
-    if problems:
-        raise ProgramError(tuple(sorted(problems, key=lambda p: (p.line, p.column))))
+    if MAIN not in parsed.doubtful and (not parsed.problems or MAIN in heads(rules)):
+        problems += main_predicate(rules, text)
+    unique = {(p.line, p.column, p.message): p for p in problems}
+    return sorted(unique.values(), key=lambda p: (p.line, p.column, p.severity))
 
 
-def _forbidden(rules: list[Rule], text: str, source: Prepared) -> Iterator[Diagnostic]:
-    for name in dict.fromkeys(head_name(r) for r in rules):
+def _annotations(rules: list[Rule], text: str) -> Iterator[Diagnostic]:
+    ours = _ANNOTATIONS - {"@Make"} | {"@Visible"}
+    for rule in rules:
+        name = head_name(rule)
         if name in _CHOSEN_BY_THE_GAME:
-            yield complaints.at_word(
-                name, text, source, f"{name} is chosen by the game", "Remove this line."
-            )
-        elif name.startswith("@") and name not in _ANNOTATIONS:
-            yield complaints.at_word(
-                name,
-                text,
-                source,
-                f"there is no annotation {name} for robots",
-                f"There are {', '.join(sorted(_ANNOTATIONS - {'@Make'}))} and @Visible.",
-            )
-        elif name in INPUTS:
-            yield complaints.at_definition(
-                name,
-                text,
-                source,
-                f"{name} is supplied by the game and can't be defined",
-                "Give your predicate another name.",
-            )
-    for name in dict.fromkeys(called(rules)):
-        if name == "SqlExpr" or re.match(r"`\W*\w", name):
-            yield complaints.at_word(
-                name, text, source, "robots can't write SQL", "Say it in Logica."
-            )
-        elif name in _OUTSIDE:
-            yield complaints.at_word(
-                name, text, source, f"{name} is not there for robots", "Robots can only think."
-            )
+            yield diagnostic_for(text, name, f"{name} is chosen by the game", "Remove this line.")
+        elif name.startswith("@") and name not in _ANNOTATIONS and name != "@Visible":
+            close = closest(name[1:], {o[1:] for o in ours})
+            if name in universe.Annotations.ANNOTATING_PREDICATES:
+                message, hint = f"{name} is for other engines", "Remove this line."
+            elif close:
+                message, hint = f"there is no annotation {name}", f"Did you mean @{close}?"
+            else:
+                message = f"there is no annotation {name} for robots"
+                hint = f"There are {', '.join(sorted(ours))}."
+            yield diagnostic_for(text, name, message, hint)
+        elif name in _ARGUMENTS and not _fits(rule, _ARGUMENTS[name][0]):
+            _, message, hint = _ARGUMENTS[name]
+            yield diagnostic_for(text, name, message, hint)
 
 
-def _undefined(rules: list[Rule], text: str, source: Prepared) -> Iterator[Diagnostic]:
-    known = {
-        *(head_name(r) for r in rules),
-        *defined(rules),
-        *defined(list(prelude_rules())),
-        *INPUTS,
-        *_OUTSIDE,
-        *expr_translate.QL.BasisFunctions(),
-        *dialects.SqLiteDialect().BuiltInFunctions(),
+_ARGUMENTS = {
+    "@Limit": ("the_number", "@Limit needs a predicate and a number", "Such as @Limit(P, 3);"),
+    "@OrderBy": (
+        "the_string",
+        "@OrderBy needs a predicate and its columns in quotes",
+        'Such as @OrderBy(P, "col0 DESC");',
+    ),
+    "@Recursive": (
+        "the_number",
+        "@Recursive needs a predicate and a number of steps",
+        "Such as @Recursive(P, 50);",
+    ),
+}
+
+
+def _fits(rule: Rule, kind: str) -> bool:
+    """Whether an annotation has a predicate and then only literals of some kind."""
+    values = [value_of(fv) or {} for fv in rule["head"]["record"]["field_value"]]
+    named = [isinstance(field, str) for field in fields(rule["head"]["record"])]
+    if not values or "the_predicate" not in values[0].get("literal", {}):
+        return False
+    rest = [v for v, has_name in zip(values, named, strict=True) if not has_name][1:]
+    enough = bool(rest) or head_name(rule) == "@Recursive"
+    return enough and all(kind in value.get("literal", {}) for value in rest)
+
+
+def _supplied(rules: list[Rule], text: str) -> Iterator[Diagnostic]:
+    for name in defined(rules):
+        if name in INPUTS:
+            message = f"{name} is supplied by the game and can't be defined"
+            yield diagnostic_for(text, name, message, "Give your predicate another name.")
+
+
+def _names(rules: list[Rule], text: str, doubtful: frozenset[str]) -> Iterator[Diagnostic]:
+    """Names that mean nothing, or nothing that a robot may use."""
+    own = {*(head_name(r) for r in rules), *defined(rules), *doubtful, *_types(rules)}
+    known = {*own, *defined(list(prelude_rules())), *INPUTS}
+    seen = set()
+    values = {str(n["the_predicate"]["predicate_name"]) for n in nodes(rules) if _is_value(n)}
+    values -= {str(call["predicate_name"]) for call, _ in calls(rules)} | {
+        subject(rule) for rule in rules
     }
-    for name in dict.fromkeys(called(rules)):
-        if name not in known and re.fullmatch(r"[A-Za-z][\w.]*", name) and name != "nil":
-            yield complaints.undefined(name, known - _OUTSIDE, text, source)
+    for name in called(rules):
+        if name in seen or name in known:
+            continue
+        seen.add(name)
+        if name == "SqlExpr" or re.match(r"`\W*\w", name):
+            yield diagnostic_for(text, name, "robots can't write SQL", "Say it in Logica.")
+        elif name in _OUTSIDE:
+            message = f"{name} is not there for robots"
+            yield diagnostic_for(text, name, message, "Robots can only think.")
+        elif builtins.is_built_in(name):
+            if name.isidentifier() and not builtins.runs(name):
+                hint = _instead(name, known)
+                yield diagnostic_for(text, name, f"{name} is not available here", hint)
+        elif re.fullmatch(r"[A-Za-z][\w.]*", name) and name != "nil":
+            hint = _instead(name, known) or "Define it, or correct its name."
+            if name in values:
+                hint = "Names of variables have small letters only."
+            yield diagnostic_for(text, name, f"{name} is not defined", hint)
 
 
-def _main_predicate(rules: list[Rule], text: str, source: Prepared) -> Iterator[Diagnostic]:
-    heads = [r["head"] for r in rules if head_name(r) == MAIN]
-    if not heads:
-        if MAIN not in set(defined(rules)):
-            yield diagnostic_at(
-                text,
-                0,
-                0,
-                "there is no Robot predicate",
-                "Add a rule such as Robot(robot_name:, desire: {left_engine: 0.5, "
-                'right_engine: 0.5}, memory: "") :- Sensor(robot_name:);',
-            )
-        return
-    for field in ("robot_name", "desire"):
-        if not all(field in _fields(head) for head in heads):
-            yield complaints.at_definition(
-                MAIN,
-                text,
-                source,
-                f"Robot has no {field}",
-                "Its columns are robot_name:, desire: and memory:.",
-            )
+def _is_value(node: Rule) -> bool:
+    return isinstance(node.get("the_predicate"), dict)
 
 
-def _fields(head: Mapping[str, Any]) -> list[Any]:
-    return [fv["field"] for fv in head["record"]["field_value"]]
+def _types(rules: list[Rule]) -> Iterator[str]:
+    """Names that stand for types: in `TryCast` and after `~`."""
+    for call, _ in calls(rules):
+        if call["predicate_name"] in ("TryCast", "~"):
+            yield from called(call["record"]["field_value"][1:])
+
+
+_INSTEAD = {
+    "ApproxCountDistinct": "Count",
+    "ArrayAgg": "List",
+    "ArrayConcat": "Concat",
+    "ArrayLength": "Size",
+    "ArrayToString": "Join",
+    "CharLength": "Length",
+    "FarmFingerprint": "Fingerprint",
+    "LogicalAnd": "Min",
+    "LogicalOr": "Max",
+    "RegexpContains": "Like",
+    "SafeDivide": "/",
+    "SomeValue": "AnyValue",
+    "String": "ToString",
+    "ToJsonString": "RecordAsJson",
+}
+
+
+def _instead(name: str, known: set[str]) -> str:
+    """A hint at what a name may have meant, or ""."""
+    if name in _INSTEAD:
+        return f"Use {_INSTEAD[name]}."
+    working = {n for n in builtins.names() if n.isidentifier() and n[:1].isupper()}
+    close = closest(name, known | {n for n in working if len(n) > 1})
+    if close and (close in known or builtins.runs(close)):
+        return f"Did you mean {close}?"
+    return "`logical-robots help` lists what there is." if builtins.is_built_in(name) else ""

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import json
+import math
 import os
 import select
 import subprocess
@@ -14,38 +15,46 @@ from pathlib import Path
 from time import monotonic
 from typing import Any
 
+from logical_robots_tui.mind import cache
 from logical_robots_tui.mind.diagnostics import Diagnostic, ProgramError, Stopped
-from logical_robots_tui.mind.program import Predicate, Program
+from logical_robots_tui.mind.limits import Limits
+from logical_robots_tui.mind.program import Program
+from logical_robots_tui.mind.records import record
 
-__all__ = ["MAX_PROGRAM_CHARACTERS", "compile_program", "stop_compiling"]
+__all__ = ["compile_program", "stop_compiling"]
 
-MAX_PROGRAM_CHARACTERS = 200_000
-COMPILE_SECONDS = 30.0
 _KEPT = 64
-_LOOK_SECONDS = 0.05
+_LOOK_SECONDS = 0.02
+_LARGEST_ANSWER = 32_000_000  # bytes
+_PASSED_ON = ("DYLD_LIBRARY_PATH", "LD_LIBRARY_PATH", "PYTHONHOME")
+"""The parts of the environment without which Python itself may not start."""
 
 
-def compile_program(text: str, *, stop: threading.Event | None = None) -> Program:
+def compile_program(
+    text: str, *, stop: threading.Event | None = None, limits: Limits | None = None
+) -> Program:
     """Compile a program, or return the one compiled from the same text before.
 
     Args:
         text: Logica text.
         stop: Set it from another thread to give up.
+        limits: Bounds on the length of the text and on time and memory for compiling.
 
     Raises:
         ProgramError: The program is wrong, too large, or takes too long to compile.
         Stopped: `stop` was set.
     """
-    if len(text) > MAX_PROGRAM_CHARACTERS:
+    limits = limits or Limits()
+    if len(text) > limits.program_characters:
         raise _refusal(
             f"the program has {len(text):,} characters, more than the "
-            f"{MAX_PROGRAM_CHARACTERS:,} that a program may have",
+            f"{limits.program_characters:,} that a program may have",
             "A robot's program is a short text; is this the right file?",
         )
-    if "\0" in text:
-        line = text.count("\n", 0, text.index("\0")) + 1
+    if (at := _not_text(text)) is not None:
+        line = text.count("\n", 0, at) + 1
         raise _refusal("this is not text", "Is this the right file?", line)
-    return _compiler.compile(text, stop)
+    return _compiler.compile(text, limits, stop)
 
 
 def stop_compiling() -> None:
@@ -58,22 +67,30 @@ class _Compiler:
 
     def __init__(self) -> None:
         self._process: subprocess.Popen[bytes] | None = None
+        self._bounds = ("", "")
         self._turn = threading.Lock()
         self._kept: OrderedDict[bytes, Program] = OrderedDict()
 
-    def compile(self, text: str, stop: threading.Event | None) -> Program:
-        key = hashlib.sha256(text.encode("utf-8", "surrogatepass")).digest()
-        with self._turn:
+    def compile(self, text: str, limits: Limits, stop: threading.Event | None) -> Program:
+        key = hashlib.sha256(text.encode()).digest()
+        deadline = monotonic() + limits.compile_seconds
+        while not self._turn.acquire(timeout=_LOOK_SECONDS):
+            _check(stop)
+        try:
             if key in self._kept:
                 self._kept.move_to_end(key)
                 return self._kept[key]
-            if stop is not None and stop.is_set():
-                raise Stopped("The compilation was stopped.")
-            program = _program(self._ask(text, stop))
+            _check(stop)
+            program = cache.find(text)
+            if program is None:
+                program = self._ask(text, limits, deadline, stop)
+                cache.keep(program)
             self._kept[key] = program
             while len(self._kept) > _KEPT:
                 self._kept.popitem(last=False)
             return program
+        finally:
+            self._turn.release()
 
     def close(self) -> None:
         process, self._process = self._process, None
@@ -84,66 +101,98 @@ class _Compiler:
                 if pipe is not None:
                     pipe.close()
 
-    def _ask(self, text: str, stop: threading.Event | None) -> dict[str, Any]:
-        process = self._started()
-        assert process.stdin is not None
+    def _ask(
+        self, text: str, limits: Limits, deadline: float, stop: threading.Event | None
+    ) -> Program:
+        """Have it compiled. A process that was not heard to the end is ended."""
         try:
-            process.stdin.write(json.dumps(text).encode() + b"\n")
-            process.stdin.flush()
-            answer = self._read_line(process, stop)
-        except BrokenPipeError:
-            answer = b""
-        if not answer:
+            answer = self._exchange(json.dumps(text).encode() + b"\n", limits, deadline, stop)
+            found: dict[str, Any] = json.loads(answer)
+            if "diagnostics" in found:
+                raise ProgramError(tuple(record(Diagnostic, d) for d in found["diagnostics"]))
+            return record(Program, found["program"])
+        except ProgramError:
+            raise
+        except (OSError, ValueError):
             self.close()
-            raise _refusal("the compiler gave up on this program", "Try a simpler one.")
-        answered: dict[str, Any] = json.loads(answer)
-        return answered
+            raise _refusal("the compiler gave up on this program", "Try a simpler one.") from None
+        except BaseException:
+            self.close()
+            raise
 
-    def _read_line(self, process: subprocess.Popen[bytes], stop: threading.Event | None) -> bytes:
+    def _exchange(
+        self, request: bytes, limits: Limits, deadline: float, stop: threading.Event | None
+    ) -> bytes:
+        process = self._started(limits)
+        assert process.stdin is not None
         assert process.stdout is not None
-        deadline = monotonic() + COMPILE_SECONDS
-        pieces: list[bytes] = []
-        while not (pieces and pieces[-1].endswith(b"\n")):
-            if stop is not None and stop.is_set():
-                self.close()
-                raise Stopped("The compilation was stopped.")
+        into, out_of = process.stdin.fileno(), process.stdout.fileno()
+        answer = bytearray()
+        while not answer.endswith(b"\n"):
+            _check(stop)
             if monotonic() > deadline:
                 self.close()
                 raise _refusal(
-                    f"compiling took longer than {COMPILE_SECONDS:g} seconds",
+                    f"compiling took longer than {limits.compile_seconds:g} seconds",
                     "Simplify the program; deep recursion and many mentions of a long "
                     "expression are what takes time.",
                 )
-            if select.select([process.stdout], [], [], _LOOK_SECONDS)[0]:
-                piece = os.read(process.stdout.fileno(), 1 << 20)
-                if not piece:
-                    return b""
-                pieces.append(piece)
-        return b"".join(pieces)
+            readable, writable, _ = select.select(
+                [out_of], [into] if request else [], [], _LOOK_SECONDS
+            )
+            if writable:
+                request = request[os.write(into, request[: select.PIPE_BUF]) :]
+            if readable:
+                piece = os.read(out_of, 1 << 20)
+                if not piece or len(answer) > _LARGEST_ANSWER:
+                    raise OSError("the compile process ended or would not stop talking")
+                answer += piece
+        return bytes(answer)
 
-    def _started(self) -> subprocess.Popen[bytes]:
-        if self._process is not None and self._process.poll() is None:
+    def _started(self, limits: Limits) -> subprocess.Popen[bytes]:
+        bounds = (str(limits.compile_bytes), str(math.ceil(limits.compile_seconds) + 1))
+        running = self._process is not None and self._process.poll() is None
+        if self._process is not None and running and bounds == self._bounds:
             return self._process
         self.close()
-        home = Path(__file__).resolve().parents[2]
-        path = os.pathsep.join(filter(None, [str(home), os.environ.get("PYTHONPATH")]))
-        self._process = subprocess.Popen(
-            [sys.executable, "-m", "logical_robots_tui.mind.worker"],
+        self._bounds = bounds
+        self._process = subprocess.Popen(  # noqa: S603 - our own interpreter, and two numbers
+            [sys.executable, "-P", "-S", "-m", "logical_robots_tui.mind.worker", *bounds],
             stdin=subprocess.PIPE,
             stdout=subprocess.PIPE,
             stderr=subprocess.DEVNULL,
-            env={**os.environ, "PYTHONPATH": path},
+            bufsize=0,
+            cwd="/",
+            env=_environment(),
             start_new_session=True,  # an interrupt from the keyboard is for the game alone
         )
         return self._process
 
 
-def _program(answer: dict[str, Any]) -> Program:
-    if "diagnostics" in answer:
-        raise ProgramError(tuple(Diagnostic(**d) for d in answer["diagnostics"]))
-    fields = answer["program"]
-    fields["predicates"] = tuple(Predicate(**p) for p in fields["predicates"])
-    return Program(**fields)
+def _environment() -> dict[str, str]:
+    """Where Python finds what it needs, and nothing else of this process's environment."""
+    home = str(Path(__file__).resolve().parents[2])
+    paths = [home, *(str(Path(p).resolve()) for p in sys.path if p)]
+    return {
+        "PYTHONPATH": os.pathsep.join(dict.fromkeys(paths)),
+        "PYTHONDONTWRITEBYTECODE": "1",
+        "PYTHONUTF8": "1",
+        **{name: os.environ[name] for name in _PASSED_ON if name in os.environ},
+    }
+
+
+def _check(stop: threading.Event | None) -> None:
+    if stop is not None and stop.is_set():
+        raise Stopped("The compilation was stopped.")
+
+
+def _not_text(text: str) -> int | None:
+    """Offset of a character that no text has, or None."""
+    try:
+        text.encode()
+    except UnicodeEncodeError as error:
+        return error.start
+    return text.index("\0") if "\0" in text else None
 
 
 def _refusal(message: str, hint: str, line: int = 1) -> ProgramError:

@@ -6,82 +6,102 @@ The package keeps global state, so one process compiles one program at a time.
 from __future__ import annotations
 
 import copy
-from typing import TYPE_CHECKING, Any, Literal, cast
+from typing import TYPE_CHECKING, Any, cast
 
-from logica.compiler import dialects, functors, rule_translate, universe
-from logica.parser_py import parse
+from logica.compiler import dialects, functors, universe
 
 from logical_robots_tui.mind import complaints
 from logical_robots_tui.mind.checks import MAIN, check
-from logical_robots_tui.mind.diagnostics import ProgramError
+from logical_robots_tui.mind.diagnostics import Diagnostic, ProgramError
 from logical_robots_tui.mind.dialect import RobotDialect
+from logical_robots_tui.mind.parsing import parse_statements, rewritten
 from logical_robots_tui.mind.program import INPUTS, Predicate, Program
-from logical_robots_tui.mind.rules import Rule, defined, head_name, prelude_rules, subject
-from logical_robots_tui.mind.text import Prepared, diagnostic_at, prepare
+from logical_robots_tui.mind.recursion import growth_check
+from logical_robots_tui.mind.rules import (
+    Rule,
+    called,
+    defined,
+    head_name,
+    heads,
+    nodes,
+    prelude_rules,
+    subject,
+)
+from logical_robots_tui.mind.spelling import spell_out
+from logical_robots_tui.mind.text import Prepared, diagnostic_for, prepare
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Mapping
 
 __all__ = ["compile_text"]
 
 _RECURSION_DEPTH = 32  # as on DuckDB; the package's SQLite default is 8
 _DEEPEST_RECURSION = 200
 _VISIBILITY = {"Memory": ("own", "seen", "all"), "Sensor": ("own", "all")}
+_MOST_DIAGNOSTICS = 25
 
 
 def compile_text(text: str) -> Program:
     """Compile a program and every predicate of it.
 
     Raises:
-        ProgramError: The program is wrong.
+        ProgramError: The program is wrong; tells everything that can be told at once.
     """
     source = prepare(text)
-    if source.problems:
-        raise ProgramError(source.problems)
-    rules = _parse(text, source)
-    rules, visibility = _take_visibility(rules, text, source)
-    check(rules, text, source)
+    parsed = parse_statements(text, source)
+    found = check(parsed, text)
+    raw, visibility, invalid = _take_visibility(parsed.rules, text)
+    _refuse([*found, *invalid])
     try:
+        rules = rewritten(raw)
+        spell_out(rules, text, source)
         compiled = _RobotProgram(
             _with_prelude(rules), user_flags={"logica_default_engine": "sqlite"}
         )
-        main = compiled.FormattedPredicateSql(MAIN)
-    except _COMPLAINTS as error:
-        raise ProgramError((complaints.explain(error, text, source),)) from None
-    statements = {MAIN: main}
-    predicates = []
-    for name, kind in _names(rules):
-        line = complaints.line_of_definition(name, text, source) if kind == "program" else None
-        reason = ""
-        if kind == "prelude":
-            reason = complaints.FUNCTION.format(name)
-        elif name not in statements:
-            sql, reason = _sql(compiled, name)
-            if sql:
-                statements[name] = sql
-        predicates.append(Predicate(name, kind, line, has_rows=not reason, reason=reason))
+    except complaints.COMPLAINTS as error:
+        raise ProgramError(
+            (_endless(error, raw, text) or complaints.explain(error, text, source),)
+        ) from None
+    statements, predicates, problems = _compile_predicates(compiled, raw, text, source)
+    _refuse([*found, *problems])
+    needed = _needed(raw, statements)
     inputs = tuple(Predicate(name, "input", None, has_rows=True) for name in INPUTS)
-    predicates.sort(key=lambda p: p.line or len(text))
-    return Program(text, (*inputs, *predicates), statements, **visibility)
+    return Program(
+        text,
+        (*inputs, *sorted(predicates, key=lambda p: p.line or len(text))),
+        statements,
+        **visibility,
+        warnings=tuple(found),
+        needed=needed,
+        recursions=compiled.growth_checks({name: statements[name] for name in needed}),
+    )
 
 
-_COMPLAINTS = (
-    parse.ParsingException,
-    rule_translate.RuleCompileException,
-    functors.FunctorError,
-    AssertionError,
-    KeyError,
-    TypeError,
-    IndexError,
-    AttributeError,
-    ValueError,
-    RuntimeError,
-)
-"""What the package raises about a program that it can't compile; it does not keep to its own."""
+def _refuse(found: list[Diagnostic]) -> None:
+    """Stop if there is an error among what was found."""
+    if any(problem.severity == "error" for problem in found):
+        wrong = {(p.line, p.column) for p in found if p.severity == "error"}
+        found = [p for p in found if p.severity == "error" or (p.line, p.column) not in wrong]
+        unique = {(p.line, p.column, p.message): p for p in found}.values()
+        found = sorted(unique, key=lambda p: (p.severity, p.line, p.column))[:_MOST_DIAGNOSTICS]
+        raise ProgramError(tuple(sorted(found, key=lambda p: (p.line, p.column))))
 
 
 class _RobotProgram(universe.LogicaProgram):  # type: ignore[misc]  # the package has no types
     """The package's program, computed in one query that makes no tables."""
+
+    def __init__(self, rules: list[Rule], **options: Any) -> None:
+        self.steps: dict[str, int] = {}
+        super().__init__(rules, **options)
+
+    def growth_checks(self, statements: Mapping[str, str]) -> dict[str, tuple[int, str]]:
+        """For each recursive predicate its steps, and a query for whether more would matter."""
+        checks = {
+            name: (steps, growth_check(statements[name], name, steps))
+            for name, steps in self.steps.items()
+            if name in statements
+        }
+        return {name: check for name, check in checks.items() if check[1]}
 
     def UnfoldRecursion(self, rules: list[Rule]) -> list[Rule]:
         """Unroll every recursion in place, where the package would repeat statements."""
@@ -97,15 +117,48 @@ class _RobotProgram(universe.LogicaProgram):  # type: ignore[misc]  # the packag
             options = depths.setdefault(name, {})
             options["iterative"] = False
             options["1"] = min(options.get("1", _RECURSION_DEPTH), _DEEPEST_RECURSION)
+            self.steps[name] = options["1"]
         return cast("list[Rule]", unfolding.UnfoldRecursions(depths, False, _RECURSION_DEPTH))
 
 
-def _parse(text: str, source: Prepared) -> list[Rule]:
-    parse.TOO_MUCH = "too much"  # a program can switch the package to other syntax for good
-    try:
-        return cast("list[Rule]", parse.ParseFile(source.text)["rule"])
-    except _COMPLAINTS as error:
-        raise ProgramError((complaints.explain(error, text, source),)) from None
+def _endless(error: BaseException, raw: list[Rule], text: str) -> Diagnostic | None:
+    """The diagnostic for a recursion that never begins, at the predicate that mentions itself."""
+    message = complaints.plain_message(error)
+    own = heads(raw)
+    reach = {name: {str(c) for c in called(rules) if c in own} for name, rules in own.items()}
+    for _ in own:
+        reach = {n: seen.union(*(reach[s] for s in seen)) for n, seen in reach.items()}
+    culprit = next((name for name in own if name in reach[name]), None)
+    if culprit is None or "nothing to start from" not in message:
+        return None
+    message = f"the recursion of {culprit} has nothing to start from"
+    return diagnostic_for(text, culprit, message, "Add a rule of it that does not mention itself.")
+
+
+def _compile_predicates(
+    compiled: _RobotProgram, raw: list[Rule], text: str, source: Prepared
+) -> tuple[dict[str, str], list[Predicate], list[Diagnostic]]:
+    """SQL by predicate, all predicates, and what is wrong if `Robot` can't be compiled."""
+    statements: dict[str, str] = {}
+    predicates = []
+    problems: list[Diagnostic] = []
+    own = heads(raw)
+    names = {name: name for name in own}
+    for name in (MAIN, *(n for n in own if n != MAIN)):
+        try:
+            statements[name], reason = compiled.FormattedPredicateSql(name), ""
+        except complaints.COMPLAINTS as error:
+            reason = complaints.FUNCTION.format(name)
+            if name == MAIN or not _lacks_arguments(error, own[name]):
+                reason = f"{name} can't be computed: {complaints.plain_message(error)}"
+                problems.append(complaints.explain(error, text, source))
+        line = text.count("\n", 0, getattr(names[name], "start", 0)) + 1
+        predicates.append(Predicate(name, "program", line, has_rows=not reason, reason=reason))
+    for name in dict.fromkeys(head_name(r) for r in prelude_rules()):
+        if name not in own and name.isidentifier():
+            reason = complaints.FUNCTION.format(name)
+            predicates.append(Predicate(name, "prelude", None, has_rows=False, reason=reason))
+    return statements, predicates, problems if MAIN not in statements else []
 
 
 def _with_prelude(rules: list[Rule]) -> list[Rule]:
@@ -125,53 +178,28 @@ def _ground_in_query(rule: Rule) -> Rule:
     return rule
 
 
-def _names(rules: list[Rule]) -> Iterator[tuple[str, Literal["program", "prelude"]]]:
-    own = list(defined(rules))
-    for name in own:
-        yield name, "program"
-    for name in dict.fromkeys(head_name(r) for r in prelude_rules()):
-        if name not in own and name.isidentifier():
-            yield name, "prelude"
-
-
-def _sql(compiled: _RobotProgram, name: str) -> tuple[str, str]:
-    """SQL of one predicate, or why it has no rows."""
-    try:
-        return compiled.FormattedPredicateSql(name), ""
-    except _COMPLAINTS as error:
-        if complaints.is_function(error):
-            return "", complaints.FUNCTION.format(name)
-        return "", f"{name} can't be computed: {complaints.plain_message(error)}"
-
-
 def _take_visibility(
-    rules: list[Rule], text: str, source: Prepared
-) -> tuple[list[Rule], dict[str, Any]]:
+    rules: list[Rule], text: str
+) -> tuple[list[Rule], dict[str, Any], list[Diagnostic]]:
     """Separate ``@Visible`` from the rules, which the package does not know."""
     visibility: dict[str, Any] = {}
     rest = []
+    problems = []
     for rule in rules:
         if head_name(rule) != "@Visible":
             rest.append(rule)
             continue
-        of = subject(rule)
-        wanted = _second_text(rule)
-        place = source.skeleton.find("@Visible")
-        if of not in _VISIBILITY or wanted not in _VISIBILITY[of]:
-            raise ProgramError(
-                (
-                    diagnostic_at(
-                        text,
-                        place,
-                        8,
-                        "this is not a visibility that robots can have",
-                        'Write @Visible(Memory, "own"), "seen" or "all", or '
-                        '@Visible(Sensor, "own") or "all".',
-                    ),
-                )
+        of, wanted = subject(rule), _second_text(rule)
+        if wanted in _VISIBILITY.get(of, ()):
+            visibility[of.lower()] = wanted
+        else:
+            message = "this is not a visibility that robots can have"
+            hint = (
+                'Write @Visible(Memory, "own"), "seen" or "all", or '
+                '@Visible(Sensor, "own") or "all".'
             )
-        visibility[of.lower()] = wanted
-    return rest, visibility
+            problems.append(diagnostic_for(text, head_name(rule), message, hint))
+    return rest, visibility, problems
 
 
 def _second_text(rule: Rule) -> str:
@@ -180,6 +208,36 @@ def _second_text(rule: Rule) -> str:
         return str(value["the_string"]["the_string"])
     except (KeyError, IndexError):
         return ""
+
+
+def _lacks_arguments(error: BaseException, rules: list[Rule]) -> bool:
+    """Whether a predicate can't be computed only because it is a function of its arguments."""
+    arguments = {
+        node["variable"]["var_name"]
+        for rule in rules
+        for node in nodes(rule["head"]["record"])
+        if "variable" in node
+    }
+    names = complaints.unassigned(error)
+    return complaints.is_function(error) and arguments.issuperset(names)
+
+
+def _needed(rules: list[Rule], statements: Mapping[str, str]) -> tuple[str, ...]:
+    """The predicates with rows that `Robot` leans on, itself last, each after what it leans on."""
+    own = heads(rules)
+    ordered: list[str] = []
+    seen = set()
+
+    def visit(name: str) -> None:
+        if name in own and name not in seen:
+            seen.add(name)
+            for other in dict.fromkeys(map(str, called(own[name]))):
+                visit(other)
+            if name in statements:
+                ordered.append(str(name))
+
+    visit(MAIN)
+    return tuple(ordered)
 
 
 dialects.DIALECTS["sqlite"] = RobotDialect

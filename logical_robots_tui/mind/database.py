@@ -8,121 +8,43 @@ from time import monotonic
 from typing import TYPE_CHECKING, Any
 
 from logical_robots_tui.mind import functions
+from logical_robots_tui.mind.allowed import BUILT_IN, NAMED_QUERY, TABLES
+from logical_robots_tui.mind.bounds import MAX_ITEMS
 from logical_robots_tui.mind.diagnostics import Stopped
+from logical_robots_tui.mind.limits import Limits
+from logical_robots_tui.mind.watch import Work
 
 if TYPE_CHECKING:
     import threading
-    from collections.abc import Iterable, Sequence
+    from collections.abc import Sequence
 
-__all__ = ["Database", "TooSlowError"]
+__all__ = ["BUILT_IN", "Database", "TooMuchError", "TooSlowError"]
 
-_STEPS_BETWEEN_LOOKS = 2_000  # virtual machine steps of SQLite, about 50 microseconds
+_ALLOWED_ACTIONS = frozenset({sqlite3.SQLITE_SELECT, sqlite3.SQLITE_RECURSIVE})
 
-_ALLOWED_ACTIONS = frozenset({sqlite3.SQLITE_SELECT, sqlite3.SQLITE_READ, sqlite3.SQLITE_RECURSIVE})
+_SQLITE_LIMITS = {
+    sqlite3.SQLITE_LIMIT_ATTACHED: 0,
+    sqlite3.SQLITE_LIMIT_COLUMN: 100,
+    sqlite3.SQLITE_LIMIT_COMPOUND_SELECT: 500,
+    sqlite3.SQLITE_LIMIT_EXPR_DEPTH: 1_000,
+    sqlite3.SQLITE_LIMIT_FUNCTION_ARG: 127,
+    sqlite3.SQLITE_LIMIT_LIKE_PATTERN_LENGTH: 1_000,
+    sqlite3.SQLITE_LIMIT_SQL_LENGTH: 2_000_000,
+    sqlite3.SQLITE_LIMIT_TRIGGER_DEPTH: 1,
+    sqlite3.SQLITE_LIMIT_VARIABLE_NUMBER: 1_000,
+    sqlite3.SQLITE_LIMIT_VDBE_OP: 1_000_000,
+    sqlite3.SQLITE_LIMIT_WORKER_THREADS: 0,
+}
 
-BUILT_IN = frozenset(
-    [
-        "abs",
-        "acos",
-        "acosh",
-        "asin",
-        "asinh",
-        "atan",
-        "atan2",
-        "atanh",
-        "avg",
-        "ceil",
-        "ceiling",
-        "char",
-        "coalesce",
-        "concat",
-        "concat_ws",
-        "cos",
-        "cosh",
-        "count",
-        "cume_dist",
-        "degrees",
-        "dense_rank",
-        "exp",
-        "first_value",
-        "floor",
-        "format",
-        "glob",
-        "group_concat",
-        "hex",
-        "if",
-        "ifnull",
-        "iif",
-        "instr",
-        "json",
-        "json_array",
-        "json_array_length",
-        "json_each",
-        "json_extract",
-        "json_group_array",
-        "json_group_object",
-        "json_object",
-        "json_quote",
-        "json_type",
-        "json_valid",
-        "lag",
-        "last_value",
-        "lead",
-        "length",
-        "like",
-        "likelihood",
-        "likely",
-        "ln",
-        "log",
-        "log10",
-        "log2",
-        "lower",
-        "ltrim",
-        "max",
-        "median",
-        "min",
-        "mod",
-        "nth_value",
-        "ntile",
-        "nullif",
-        "percent_rank",
-        "percentile",
-        "pi",
-        "pow",
-        "power",
-        "printf",
-        "quote",
-        "radians",
-        "rank",
-        "replace",
-        "round",
-        "row_number",
-        "rtrim",
-        "sign",
-        "sin",
-        "sinh",
-        "sqrt",
-        "string_agg",
-        "strftime",
-        "substr",
-        "substring",
-        "sum",
-        "tan",
-        "tanh",
-        "total",
-        "trim",
-        "trunc",
-        "typeof",
-        "unhex",
-        "unicode",
-        "unlikely",
-        "upper",
-    ]
-)
+_HALTED_LENGTH = 30  # no text longer than this can be made by a query that is to end
 
 
 class TooSlowError(Exception):
     """A query took longer than it may."""
+
+
+class TooMuchError(Exception):
+    """A query needs more memory, or gives more, than it may; the message says which."""
 
 
 class Database:
@@ -131,22 +53,23 @@ class Database:
     Use it in one thread at a time.
 
     Args:
-        seconds: How long one query may take.
+        limits: Bounds on memory, on values and on results.
     """
 
-    def __init__(self, seconds: float) -> None:
-        self._seconds = seconds
+    def __init__(self, limits: Limits | None = None) -> None:
+        self._limits = limits or Limits()
         self._mark = secrets.token_hex(8)
-        self._deadline = 0.0
-        self._stop: threading.Event | None = None
+        self._bytes = 0
         self._connection = sqlite3.connect(
             ":memory:", isolation_level=None, check_same_thread=False, cached_statements=512
         )
-        functions.install(self._connection)
+        self._work = Work(self._halt)
+        functions.install(self._connection, self._work)
         self._connection.executescript(
-            """
+            f"""
             PRAGMA trusted_schema = OFF;
             PRAGMA temp_store = MEMORY;
+            PRAGMA hard_heap_limit = {self._limits.mind_bytes};
             CREATE TABLE Sensor(robot_name, sensor);
             CREATE TABLE Memory(robot_name, memory);
             """
@@ -155,69 +78,150 @@ class Database:
         self._connection.execute("SELECT 1 FROM json_each('[]'), json_tree('[]')").fetchall()
         self._trusted = True
         self._connection.set_authorizer(self._authorize)
-        self._connection.setlimit(sqlite3.SQLITE_LIMIT_LENGTH, 50_000_000)
-        self._connection.setlimit(sqlite3.SQLITE_LIMIT_ATTACHED, 0)
-        self._connection.set_progress_handler(self._must_stop, _STEPS_BETWEEN_LOOKS)
+        for category, limit in _SQLITE_LIMITS.items():
+            self._connection.setlimit(category, limit)
+        self._connection.setlimit(sqlite3.SQLITE_LIMIT_LENGTH, self._limits.value_bytes)
+        self._connection.text_factory = self._text
 
     def load(
         self,
-        sensors: Iterable[tuple[str, Any]],
-        memories: Iterable[tuple[str, Any]],
+        sensors: Sequence[tuple[str, Any]],
+        memories: Sequence[tuple[str, Any]],
     ) -> None:
-        """Replace the rows of ``Sensor`` and ``Memory``, both as SQLite values."""
+        """Replace the rows of ``Sensor`` and ``Memory``, both as SQLite values.
+
+        Raises:
+            TooMuchError: A value is larger than a value may be.
+        """
         connection = self._connection
         self._trusted = True
         connection.execute(self._own("DELETE FROM Sensor"))
         connection.execute(self._own("DELETE FROM Memory"))
-        connection.executemany(self._own("INSERT INTO Sensor VALUES (?, ?)"), sensors)
-        connection.executemany(self._own("INSERT INTO Memory VALUES (?, ?)"), memories)
+        try:
+            connection.executemany(self._own("INSERT INTO Sensor VALUES (?, ?)"), sensors)
+            connection.executemany(self._own("INSERT INTO Memory VALUES (?, ?)"), memories)
+        except UnicodeEncodeError:
+            self.load(_whole(sensors), _whole(memories))
+        except (sqlite3.DataError, MemoryError) as error:
+            raise self._too_much(error) from None
 
     def ask(
-        self, sql: str, *, most: int, stop: threading.Event | None = None
+        self,
+        sql: str,
+        *,
+        most: int,
+        deadline: float | None = None,
+        stop: threading.Event | None = None,
     ) -> tuple[tuple[str, ...], Sequence[tuple[Any, ...]]]:
         """Column names and at most `most` rows of one query that may only read.
+
+        Args:
+            sql: One SELECT.
+            most: Most rows to fetch.
+            deadline: When to give up, on the clock of `time.monotonic`; by default after
+                `think_seconds` of the limits.
+            stop: Set it from another thread to give up.
 
         Raises:
             Stopped: `stop` was set meanwhile.
             TooSlowError: It took too long.
+            TooMuchError: It needs too much memory, or its result is too large.
             sqlite3.Error: It failed, or asked for what is not allowed.
         """
-        self._deadline = monotonic() + self._seconds
-        self._stop = stop
+        if deadline is None:
+            deadline = monotonic() + self._limits.think_seconds
+        work = self._work
         self._trusted = False
+        self._bytes = 0
+        work.begin(deadline, stop)
         try:
-            cursor = self._connection.execute(sql)
-            rows = cursor.fetchmany(most)
-            columns = tuple(d[0] for d in cursor.description)
-            cursor.close()
-        except sqlite3.OperationalError as error:
-            if "interrupted" not in str(error):
-                raise
-            if stop is not None and stop.is_set():
+            if work.stopped:
+                raise Stopped("The program was stopped before it began to think.")
+            if monotonic() > deadline:
+                raise TooSlowError
+            return self._fetch(sql, most)
+        except (sqlite3.Error, MemoryError) as error:
+            if work.halted and work.stopped:
                 raise Stopped("The program was stopped while it was thinking.") from None
-            raise TooSlowError from None
+            if work.halted:
+                raise TooSlowError from None
+            if isinstance(error, MemoryError | sqlite3.DataError):
+                raise self._too_much(error) from None
+            raise
         finally:
-            self._deadline = 0.0
-            self._stop = None
-        return columns, rows
+            work.end()
+            if work.halted:
+                self._connection.setlimit(sqlite3.SQLITE_LIMIT_LENGTH, self._limits.value_bytes)
+
+    def prepare(self, sql: str) -> None:
+        """Have SQLite translate a query, without running it.
+
+        Raises:
+            sqlite3.Error: It can't be, or asks for what is not allowed.
+            MemoryError: It needs more memory than there is.
+        """
+        self._trusted = False
+        self._connection.execute(f"EXPLAIN {sql}").close()
 
     def close(self) -> None:
         """Free everything."""
         self._connection.close()
 
+    # -- inside --------------------------------------------------------------------------------
+
+    def _fetch(self, sql: str, most: int) -> tuple[tuple[str, ...], Sequence[tuple[Any, ...]]]:
+        try:
+            cursor = self._connection.execute(sql)
+        except UnicodeEncodeError:
+            raise sqlite3.ProgrammingError("this is not a query") from None
+        if cursor.description is None:
+            raise sqlite3.ProgrammingError("this is not a query")
+        columns = tuple(d[0] for d in cursor.description)
+        rows: list[tuple[Any, ...]] = []
+        for row in cursor:
+            self._bytes += sum(len(value) for value in row if value.__class__ is bytes)
+            self._check_bytes()
+            rows.append(row)
+            if len(rows) == most:
+                break
+        cursor.close()
+        return columns, rows
+
+    def _text(self, raw: bytes) -> str:
+        """A text of the result, counted while it is fetched."""
+        self._bytes += len(raw)
+        self._check_bytes()
+        return raw.decode("utf-8", "replace")
+
+    def _check_bytes(self) -> None:
+        if self._bytes > self._limits.result_bytes:
+            raise TooMuchError(f"the result has more than {self._limits.result_bytes:,} bytes")
+
+    def _too_much(self, error: Exception) -> TooMuchError:
+        if isinstance(error, MemoryError):
+            return TooMuchError(f"it needs more than {self._limits.mind_bytes:,} bytes of memory")
+        return TooMuchError(
+            f"a value became too large; a text, list or record may have "
+            f"{self._limits.value_bytes:,} bytes, a list in a function {MAX_ITEMS:,} items"
+        )
+
+    def _halt(self) -> None:
+        """End the query under way, from another thread.
+
+        SQLite looks for an interrupt once per row. So that a row of many slow steps ends as well,
+        no step can make a text any more.
+        """
+        self._connection.interrupt()
+        self._connection.setlimit(sqlite3.SQLITE_LIMIT_LENGTH, _HALTED_LENGTH)
+
     def _own(self, sql: str) -> str:
         """A statement of ours, marked so that no program can name it in the statement cache."""
         return f"/* {self._mark} */ {sql}"
 
-    def _must_stop(self) -> bool:
-        if self._stop is not None and self._stop.is_set():
-            return True
-        return 0.0 < self._deadline < monotonic()
-
     def _authorize(
         self,
         action: int,
-        _first: str | None,
+        first: str | None,
         second: str | None,
         _database: str | None,
         _trigger: str | None,
@@ -225,8 +229,21 @@ class Database:
         """Say what a statement may do; SQLite asks while it prepares it."""
         if self._trusted or action in _ALLOWED_ACTIONS:
             return sqlite3.SQLITE_OK
+        if action == sqlite3.SQLITE_READ and first is not None:
+            # A named query of the statement is only mentioned here when its rows are counted.
+            counted = second == "" and NAMED_QUERY.fullmatch(first) is not None
+            if counted or first.lower() in TABLES:
+                return sqlite3.SQLITE_OK
         if action == sqlite3.SQLITE_FUNCTION and second is not None:
             name = second.lower()
             if name in BUILT_IN or name in functions.NAMES:
                 return sqlite3.SQLITE_OK
         return sqlite3.SQLITE_DENY
+
+
+def _whole(rows: Sequence[tuple[str, Any]]) -> list[tuple[str, Any]]:
+    """Rows in which half characters, which SQLite can't store, are replaced."""
+    return [
+        (name, value.encode("utf-8", "replace").decode() if isinstance(value, str) else value)
+        for name, value in rows
+    ]

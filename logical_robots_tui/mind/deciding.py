@@ -52,13 +52,13 @@ def decide(
 
 
 def _remember(new: Value, old: Value, notices: list[Notice], limits: Limits) -> Value:
-    size = len(to_json(new)) if isinstance(new, str | list | dict) else 0
+    size = len(to_json(new).encode()) if isinstance(new, str | list | dict) else 0
     if size <= limits.memory_bytes:
         return new
     notices.append(
         Notice(
             "no memory",
-            f"The new memory has {size:,} characters, more than {limits.memory_bytes:,}: "
+            f"The new memory has {size:,} bytes, more than {limits.memory_bytes:,}: "
             "memory stays as it was.",
         )
     )

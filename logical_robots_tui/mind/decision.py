@@ -11,7 +11,14 @@ if TYPE_CHECKING:
 __all__ = ["Decision", "Notice", "NoticeKind"]
 
 NoticeKind: TypeAlias = Literal[
-    "no row", "several rows", "bad engine", "no memory", "null name", "unknown robot", "failed"
+    "no row",
+    "several rows",
+    "bad engine",
+    "no memory",
+    "null name",
+    "unknown robot",
+    "failed",
+    "recursion",
 ]
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Literal
 
 from logical_robots_tui.errors import LogicalRobotsError
 
@@ -19,6 +20,7 @@ class Diagnostic:
         message: What is wrong, one plain sentence.
         hint: What to do about it, or "".
         excerpt: The offending text, one line, or "".
+        severity: Whether the program can't run, or may not do what was meant.
     """
 
     line: int
@@ -26,6 +28,7 @@ class Diagnostic:
     message: str
     hint: str = ""
     excerpt: str = ""
+    severity: Literal["error", "warning"] = "error"
 
     def __str__(self) -> str:
         head = f"line {self.line}, column {self.column}: {self.message}"

@@ -42,6 +42,9 @@ class RobotDialect(dialects.SqLiteDialect):  # type: ignore[misc]  # the package
                 "Least": "least(%s)",
                 "Greatest": "greatest(%s)",
                 "Mod": "modulo(%s)",
+                "Upper": "upper_text(%s)",
+                "Lower": "lower_text(%s)",
+                "ToString": "to_text(%s)",
             }
         )
         return functions

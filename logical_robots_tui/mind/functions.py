@@ -11,20 +11,39 @@ import math
 import sqlite3
 from typing import TYPE_CHECKING, Any, TypeAlias
 
+from logical_robots_tui.mind.bounds import (
+    MAX_ITEMS,
+    MAX_RANGE,
+    Room,
+    check_items,
+    check_long,
+    check_text,
+    guarded,
+)
+from logical_robots_tui.mind.casting import to_text, try_cast
+from logical_robots_tui.mind.replaced import REPLACED
 from logical_robots_tui.mind.stored import to_json
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Iterable
+
+    from logical_robots_tui.mind.watch import Work
 
 __all__ = ["NAMES", "install"]
 
 Scalar: TypeAlias = "int | float | str | None"
 
-MAX_LIST = 100_000
+_MOST_COMPARED = 16  # arguments of Least and Greatest
+
+
+def _bounded(text: str) -> str:
+    if len(text) > MAX_ITEMS:
+        check_long(text)
+    return text
 
 
 def _list(text: Scalar) -> list[Any]:
-    value = json.loads(text) if isinstance(text, str) else None
+    value = json.loads(_bounded(text)) if isinstance(text, str) else None
     if not isinstance(value, list):
         raise TypeError(f"not a list: {text!r}"[:200])
     return value
@@ -34,7 +53,7 @@ def _element(value: Scalar) -> Any:
     """A value to put in a list: what is JSON text goes in as the list or record that it is."""
     if isinstance(value, str) and value[:1] in ("{", "["):
         try:
-            return json.loads(value)
+            return json.loads(_bounded(value))
         except ValueError:
             return value
     return value
@@ -51,13 +70,13 @@ def _order(value: Any) -> tuple[int, Any]:
     return (3, to_json(value))
 
 
-def _null_safe(function: Callable[..., Any]) -> Callable[..., Any]:
-    def safe(*arguments: Scalar) -> Any:
-        if any(a is None for a in arguments):
-            return None
-        return function(*arguments)
-
-    return safe
+def _sorted(values: Iterable[Any]) -> list[Any]:
+    """Values in ascending order; of one type, which is usual, without the detour of a key."""
+    values = list(values)
+    types = {type(value) for value in values}
+    if types <= {int, float} or types == {str}:
+        return sorted(values)
+    return sorted(values, key=_order)
 
 
 def _present(values: tuple[Scalar, ...]) -> list[Scalar]:
@@ -91,11 +110,13 @@ def _is_list(value: Scalar) -> bool:
 
 
 def _unique(items: Scalar) -> str:
-    return to_json(sorted({to_json(i): i for i in _list(items)}.values(), key=_order))
+    return to_json(_sorted({to_json(i): i for i in _list(items)}.values()))
 
 
 def _join(items: Scalar, separator: str) -> str:
-    return separator.join(_text(i) for i in _list(items) if i is not None)
+    texts = [_text(i) for i in _list(items) if i is not None]
+    check_text(len(separator) * len(texts))
+    return separator.join(texts)
 
 
 def _text(value: Any) -> str:
@@ -105,11 +126,12 @@ def _text(value: Any) -> str:
 
 
 def _split(text: str, separator: str) -> str:
+    check_items(text.count(separator))
     return to_json(text.split(separator) if separator else list(text))
 
 
 def _sort(items: Scalar) -> str:
-    return to_json(sorted(_list(items), key=_order))
+    return to_json(_sorted(_list(items)))
 
 
 def _concat(left: Scalar, right: Scalar) -> str:
@@ -117,8 +139,7 @@ def _concat(left: Scalar, right: Scalar) -> str:
 
 
 def _range(count: float) -> str:
-    if count > MAX_LIST:
-        raise ValueError(f"Range({count}) is longer than {MAX_LIST}")
+    check_items(count, MAX_RANGE)
     return to_json(list(range(int(count))))
 
 
@@ -171,9 +192,14 @@ _FUNCTIONS: dict[str, tuple[int, Callable[..., Any]]] = {
     "ends_with": (2, lambda text, end: int(text.endswith(end))),
     "modulo": (2, _modulo),
     "reverse": (1, lambda text: text[::-1]),
+    "lower_text": (1, str.lower),
     "starts_with": (2, lambda text, start: int(text.startswith(start))),
+    "to_text": (1, to_text),
+    "truth_to_text": (1, lambda truth: "true" if truth else "false"),
+    "try_cast": (2, try_cast),
     "unicode_of": (1, lambda text: ord(text[0]) if text else 0),
     "unique_list": (1, _unique),
+    "upper_text": (1, str.upper),
 }
 
 _NULL_MEANS_ABSENT: dict[str, tuple[int, Callable[..., Any]]] = {
@@ -213,20 +239,32 @@ class _Collect:
 
     def __init__(self) -> None:
         self.items: list[Any] = []
+        self.room = Room()
 
     def step(self, value: Scalar) -> None:
+        self.room.take(value)
         self.items.append(_element(value))
 
     def finalize(self) -> str | None:
         return to_json(self.items) if self.items else None
 
 
-class _Distinct(_Collect):
+class _Distinct:
     """`Set`: each value once, in ascending order, without null."""
 
+    def __init__(self) -> None:
+        self.unique: dict[str, Any] = {}
+        self.room = Room()
+
+    def step(self, value: Scalar) -> None:
+        item = _element(value)
+        key = to_json(item)
+        if item is not None and key not in self.unique:
+            self.room.take(key)
+            self.unique[key] = item
+
     def finalize(self) -> str | None:
-        unique = {to_json(i): i for i in self.items if i is not None}
-        return to_json(sorted(unique.values(), key=_order)) if unique else None
+        return to_json(_sorted(self.unique.values())) if self.unique else None
 
 
 class _ConcatLists(_Collect):
@@ -234,7 +272,9 @@ class _ConcatLists(_Collect):
 
     def step(self, value: Scalar) -> None:
         if value is not None:
-            self.items.extend(_list(value))
+            items = _list(value)
+            self.room.take(value, len(items))
+            self.items.extend(items)
 
 
 class _Pairs:
@@ -245,10 +285,13 @@ class _Pairs:
     def __init__(self) -> None:
         self.pairs: list[tuple[Any, Scalar]] = []
         self.count: float | None = None
+        self.room = Room()
 
     def step(self, argument: Scalar, value: Scalar, count: float | None = None) -> None:
         self.count = count
         if value is not None:
+            self.room.take(value)
+            self.room.take(argument, 0)
             self.pairs.append((_order(value), argument))
 
     def ordered(self) -> list[Scalar]:
@@ -256,10 +299,25 @@ class _Pairs:
         return [argument for _, argument in self.pairs]
 
 
-class _ArgMin(_Pairs):
+class _ArgMin:
+    """The argument of the best value; of equal ones the first seen, null never."""
+
+    descending = False
+
+    def __init__(self) -> None:
+        self.best: tuple[int, Any] | None = None
+        self.argument: Scalar = None
+
+    def step(self, argument: Scalar, value: Scalar) -> None:
+        if value is None:
+            return
+        order = _order(value)
+        if self.best is None or (order > self.best if self.descending else order < self.best):
+            self.best = order
+            self.argument = argument
+
     def finalize(self) -> Scalar:
-        pick = max if self.descending else min
-        return pick(self.pairs, key=lambda pair: pair[0])[1] if self.pairs else None
+        return self.argument
 
 
 class _ArgMax(_ArgMin):
@@ -280,6 +338,8 @@ class _Array(_Pairs):
     """`Array{position -> value}`: the values in the order of their positions."""
 
     def step(self, argument: Scalar, value: Scalar, count: float | None = None) -> None:
+        self.room.take(argument)
+        self.room.take(value, 0)
         self.pairs.append((_order(argument), value))
 
     def finalize(self) -> str | None:
@@ -297,12 +357,17 @@ _AGGREGATES: dict[str, tuple[int, type[Any]]] = {
 }
 
 
-NAMES = frozenset({*_FUNCTIONS, *_NULL_MEANS_ABSENT, *_MATHS, *_AGGREGATES})
+NAMES = frozenset({*_FUNCTIONS, *_NULL_MEANS_ABSENT, *_MATHS, *_AGGREGATES, *REPLACED})
 """Names of all functions of this module, in lower case as SQLite's authorizer tells them."""
 
 
-def install(connection: sqlite3.Connection) -> None:
-    """Give a connection all functions of this module, and mathematics if it has none."""
+def install(connection: sqlite3.Connection, work: Work | None = None) -> None:
+    """Give a connection all functions of this module, and mathematics if it has none.
+
+    Args:
+        connection: An open connection.
+        work: What the functions will be called for; when it is halted, they fail.
+    """
     functions = dict(_FUNCTIONS)
     for name, (arity, function) in _MATHS.items():
         try:
@@ -310,9 +375,18 @@ def install(connection: sqlite3.Connection) -> None:
             connection.execute(f"SELECT {name}({arguments})").fetchone()
         except sqlite3.OperationalError:
             functions[name] = (arity, function)
+
+    def create(name: str, arity: int, function: Callable[..., Any], *, null_safe: bool) -> None:
+        safe = guarded(function, work, null_safe=null_safe)
+        connection.create_function(name, arity, safe, deterministic=True)
+
     for name, (arity, function) in functions.items():
-        connection.create_function(name, arity, _null_safe(function), deterministic=True)
-    for name, (arity, function) in _NULL_MEANS_ABSENT.items():
-        connection.create_function(name, arity, function, deterministic=True)
+        create(name, arity, function, null_safe=True)
+    for name, (arities, function) in REPLACED.items():
+        for arity in arities:
+            create(name, arity, function, null_safe=True)
+    for name, (_, function) in _NULL_MEANS_ABSENT.items():
+        for arity in range(1, _MOST_COMPARED + 1):
+            create(name, arity, function, null_safe=False)
     for name, (arity, aggregate) in _AGGREGATES.items():
         connection.create_aggregate(name, arity, aggregate)

@@ -2,21 +2,45 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 
 __all__ = ["Limits"]
 
 
 @dataclass(frozen=True, slots=True)
 class Limits:
-    """Bounds on what a program may use.
+    """Bounds on what a program may use; every one can be set.
 
     Attributes:
-        think_seconds: Longest thought of one tick, per evaluation.
-        rows: Most rows that a query of the inspector shows.
-        memory_bytes: Largest memory of one robot, as JSON.
+        compile_seconds: Longest compilation.
+        compile_bytes: Address space of the process that compiles.
+        program_characters: Longest program.
+        think_seconds: Longest thought of all robots together in one tick.
+        query_seconds: Longest query of the inspector.
+        mind_bytes: Memory of SQLite in this process, for all minds together. The smallest value
+            that a process has seen is the one that holds, because SQLite never raises it again.
+        value_bytes: Largest single text, list or record while thinking, as SQLite stores it.
+        think_rows: Most rows of `Robot` for one evaluation.
+        rows: Most rows that a query of the inspector shows; the rest is left out.
+        result_bytes: Most text in the result of one evaluation or one query.
+        memory_bytes: Largest memory of one robot, as JSON in UTF-8.
+        depth: How deep records and lists in a result may be nested.
     """
 
-    think_seconds: float = 30.0
+    compile_seconds: float = 30.0
+    compile_bytes: int = 1024**3
+    program_characters: int = 200_000
+    think_seconds: float = 2.0
+    query_seconds: float = 5.0
+    mind_bytes: int = 512 * 1024**2
+    value_bytes: int = 2_000_000
+    think_rows: int = 10_000
     rows: int = 1_000
+    result_bytes: int = 8_000_000
     memory_bytes: int = 1_000_000
+    depth: int = 100
+
+    def __post_init__(self) -> None:
+        for field in fields(self):
+            if getattr(self, field.name) < 0:
+                raise ValueError(f"{field.name} can't be negative")

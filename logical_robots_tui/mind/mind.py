@@ -3,16 +3,19 @@
 from __future__ import annotations
 
 import sqlite3
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Literal
 
-from logical_robots_tui.mind.database import Database, TooSlowError
+from logical_robots_tui.mind.database import Database, TooMuchError, TooSlowError
 from logical_robots_tui.mind.deciding import decide, note_stranger
 from logical_robots_tui.mind.decision import Decision, Notice
 from logical_robots_tui.mind.diagnostics import QueryError
+from logical_robots_tui.mind.evaluation import Evaluation, Within
+from logical_robots_tui.mind.failures import FailureError, in_plain_words
 from logical_robots_tui.mind.limits import Limits
-from logical_robots_tui.mind.stored import from_sql, to_json, to_sql
+from logical_robots_tui.mind.plain import printable
+from logical_robots_tui.mind.stored import TooDeepError, from_sql, to_json, to_sql
 from logical_robots_tui.values import SensorRow, Value
 
 if TYPE_CHECKING:
@@ -63,7 +66,8 @@ class Mind:
         self.memory = program.memory or memory
         self.sensor = program.sensor or sensor
         self.limits = limits or Limits()
-        self._database = Database(self.limits.think_seconds)
+        self._database = Database(self.limits)
+        self._loaded: Evaluation | None = None
 
     def think(
         self,
@@ -86,12 +90,18 @@ class Mind:
         answers: dict[str, list[Mapping[str, Value]]] = {name: [] for name in names}
         strangers: dict[str, list[Notice]] = {name: [] for name in names}
         failures: dict[str, Notice] = {}
+        cut_off: dict[str, list[Notice]] = {name: [] for name in names}
+        within = Within(self.limits.think_seconds, self.limits.think_rows, stop)
         for evaluation in self._evaluations(rows, memories):
             try:
-                columns, found = self._ask("Robot", evaluation, most=10_000, stop=stop)
-            except _FailureError as failure:
-                failures |= dict.fromkeys(evaluation.viewers, Notice("failed", str(failure)))
+                columns, found = self._ask("Robot", evaluation, within)
+            except FailureError as failure:
+                notice = self._blame(failure, evaluation, within)
+                failures |= dict.fromkeys(evaluation.viewers, notice)
                 continue
+            for notice in self._cut_off(evaluation, within):
+                for viewer in evaluation.viewers:
+                    cut_off[viewer].append(notice)
             for values in found:
                 row = dict(zip(columns, values, strict=True))
                 name = row.get("robot_name")
@@ -104,7 +114,7 @@ class Mind:
                 name,
                 answers[name],
                 memories.get(name),
-                [failures[name]] if name in failures else strangers[name],
+                [failures[name]] if name in failures else strangers[name] + cut_off[name],
                 self.limits,
             )
             for name in names
@@ -158,10 +168,11 @@ class Mind:
         viewers: list[str] = []
         evaluations = self._evaluations(rows, memories)
         most = self.limits.rows
+        within = Within(self.limits.query_seconds, most, stop, cut=True)
         for evaluation in evaluations:
             try:
-                columns, found = self._ask(predicate, evaluation, most=most + 1, stop=stop)
-            except _FailureError as failure:
+                columns, found = self._ask(predicate, evaluation, within)
+            except FailureError as failure:
                 raise QueryError(f"{predicate} failed: {failure}") from None
             collected += found
             viewers += [evaluation.viewers[0]] * len(found)
@@ -178,14 +189,14 @@ class Mind:
     def _separate(self) -> bool:
         return not (self.memory == "all" and self.sensor == "all")
 
-    def _evaluations(self, rows: Sequence[SensorRow], memories: Memories) -> list[_Evaluation]:
+    def _evaluations(self, rows: Sequence[SensorRow], memories: Memories) -> list[Evaluation]:
         """What is to be evaluated so that each robot reasons over exactly what it may see."""
         sensors = [(r["robot_name"], to_json(r["sensor"])) for r in rows]
         remembered = [(name, to_sql(memories.get(name))) for name, _ in sensors]
         if not self._separate:
-            return [_Evaluation(tuple(n for n, _ in sensors), sensors, remembered)] if rows else []
+            return [Evaluation(tuple(n for n, _ in sensors), sensors, remembered)] if rows else []
         return [
-            _Evaluation(
+            Evaluation(
                 (name,),
                 sensors if self.sensor == "all" else [own],
                 [m for m in remembered if self._sees_memory(name, row, m[0])],
@@ -200,53 +211,81 @@ class Mind:
             ray["object"] == "robot" and ray["label"] == other for ray in row["sensor"]["radar"]
         )
 
+    def _blame(self, failure: FailureError, evaluation: Evaluation, within: Within) -> Notice:
+        """Say which predicate failed first, and on whose rows."""
+        whose = " and ".join(evaluation.viewers[:3])
+        if len(evaluation.viewers) > 3:
+            whose += " and others"
+        if failure.slow:
+            return Notice("failed", f"The thought about {whose} failed: {failure}.")
+        culprit, reason = "Robot", str(failure)
+        for predicate in self.program.needed:
+            try:
+                self._ask(predicate, evaluation, within)
+            except FailureError as found:
+                if not found.slow:
+                    culprit, reason = predicate, str(found)
+                break
+        alone = [e.viewers[0] for e in evaluation.one_by_one() if self._fails(culprit, e, within)]
+        if 0 < len(alone) <= 3:
+            whose = " and ".join(alone)
+        return Notice("failed", f"{culprit} failed on the rows of {whose}: {reason}.")
+
+    def _fails(self, predicate: str, evaluation: Evaluation, within: Within) -> bool:
+        try:
+            self._ask(predicate, evaluation, within)
+        except FailureError:
+            return True
+        return False
+
+    def _cut_off(self, evaluation: Evaluation, within: Within) -> Iterator[Notice]:
+        """A notice for each recursion that was still changing when it reached its last step."""
+        for predicate, (steps, sql) in self.program.recursions.items():
+            try:
+                _, rows = self._fetch(sql, evaluation, within)
+            except FailureError:
+                continue
+            if rows[0][0]:
+                yield Notice(
+                    "recursion",
+                    f"The recursion of {predicate} was still growing after {steps} steps, what "
+                    f"lies further is missing: @Recursive({predicate}, N) says how far it goes.",
+                )
+
     def _ask(
         self,
         predicate: str,
-        evaluation: _Evaluation,
-        *,
-        most: int,
-        stop: threading.Event | None,
+        evaluation: Evaluation,
+        within: Within,
     ) -> tuple[tuple[str, ...], list[tuple[Value, ...]]]:
-        self._database.load(evaluation.sensors, evaluation.memories)
+        """Rows of a predicate.
+
+        Raises:
+            FailureError: It failed, took too long, or has too many rows.
+        """
+        columns, rows = self._fetch(self.program.statements[predicate], evaluation, within)
+        if len(rows) > within.rows and not within.cut:
+            raise FailureError(f"{predicate} has more than {within.rows:,} rows")
+        return columns, rows
+
+    def _fetch(
+        self, sql: str, evaluation: Evaluation, within: Within
+    ) -> tuple[tuple[str, ...], list[tuple[Value, ...]]]:
         try:
+            if self._loaded is not evaluation:
+                self._loaded = None
+                self._database.load(evaluation.sensors, evaluation.memories)
+                self._loaded = evaluation
             columns, rows = self._database.ask(
-                self.program.statements[predicate], most=most, stop=stop
+                sql, most=within.rows + 1, deadline=within.deadline, stop=within.stop
             )
+            return columns, [
+                tuple(from_sql(v, self.limits.depth) for v in within.each(row)) for row in rows
+            ]
         except TooSlowError:
-            raise _FailureError(
-                f"thinking took longer than {self.limits.think_seconds:g} seconds"
-            ) from None
+            message = f"thinking took longer than {within.seconds:g} seconds"
+            raise FailureError(message, slow=True) from None
+        except (TooMuchError, TooDeepError) as error:
+            raise FailureError(str(error)) from None
         except (sqlite3.Error, sqlite3.Warning) as error:
-            raise _FailureError(_in_plain_words(error)) from None
-        return columns, [tuple(from_sql(v) for v in row) for row in rows]
-
-
-@dataclass(frozen=True, slots=True)
-class _Evaluation:
-    """Rows to reason over, and the robots whose decisions follow from them."""
-
-    viewers: tuple[str, ...]
-    sensors: Iterable[tuple[str, Any]]
-    memories: Iterable[tuple[str, Any]]
-
-
-class _FailureError(Exception):
-    """A query failed; the message is for the player."""
-
-
-def _in_plain_words(error: Exception) -> str:
-    text = str(error)
-    if "malformed JSON" in text:
-        return "a field was asked of something that is neither a record nor a list"
-    if "user-defined" in text:
-        return "a function was given a value that it can't use, such as text instead of a list"
-    if "parser stack overflow" in text or "too many levels" in text or "too large" in text:
-        return "an expression is nested too deeply; give parts of it names of their own"
-    if "not authorized" in text or "prohibited" in text:
-        return "it uses something that robots may not use"
-    if "too big" in text:
-        return "a value became too large"
-    if found := text.removeprefix("no such function: "):
-        return f"there is no function {found}" if found != text else f"SQLite says: {text}"
-    return text
+            raise FailureError(printable(in_plain_words(error))) from None

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Literal
 
 if TYPE_CHECKING:
     import threading
     from collections.abc import Mapping
+
+    from logical_robots_tui.mind.diagnostics import Diagnostic
+    from logical_robots_tui.mind.limits import Limits
 
 __all__ = ["INPUTS", "Predicate", "Program"]
 
@@ -47,6 +50,11 @@ class Program:
         statements: One SQL query by predicate name, for those that have rows.
         memory: Visibility of memories that the program asks for with ``@Visible``, or None.
         sensor: Visibility of sensors that the program asks for with ``@Visible``, or None.
+        warnings: What may not do what was meant, in the order of the text.
+        needed: The predicates with rows that `Robot` leans on, each after what it leans on itself;
+            `Robot` is the last.
+        recursions: For each recursive predicate how many steps it takes, and an SQL query for
+            whether one more would change anything.
     """
 
     text: str
@@ -54,14 +62,20 @@ class Program:
     statements: Mapping[str, str]
     memory: Literal["own", "seen", "all"] | None = None
     sensor: Literal["own", "all"] | None = None
+    warnings: tuple[Diagnostic, ...] = ()
+    needed: tuple[str, ...] = ()
+    recursions: Mapping[str, tuple[int, str]] = field(default_factory=dict)
 
     @classmethod
-    def compile(cls, text: str, *, stop: threading.Event | None = None) -> Program:
+    def compile(
+        cls, text: str, *, stop: threading.Event | None = None, limits: Limits | None = None
+    ) -> Program:
         """Compile Logica text. Blocks; the work is done in a process of its own.
 
         Args:
             text: The program.
             stop: Set it from another thread to give up; takes effect within 0.1 s.
+            limits: Bounds on the text and on compiling it.
 
         Raises:
             ProgramError: The program is wrong; holds diagnostics with line, column and hint.
@@ -69,7 +83,7 @@ class Program:
         """
         from logical_robots_tui.mind.compilation import compile_program
 
-        return compile_program(text, stop=stop)
+        return compile_program(text, stop=stop, limits=limits)
 
     def predicate(self, name: str) -> Predicate | None:
         """The predicate of that name, or None."""

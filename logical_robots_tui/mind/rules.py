@@ -12,14 +12,32 @@ from logical_robots_tui.mind.prelude import PRELUDE
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-__all__ = ["Rule", "called", "defined", "head_name", "prelude_rules", "subject"]
+__all__ = [
+    "VALUE",
+    "Rule",
+    "called",
+    "calls",
+    "defined",
+    "fields",
+    "head_name",
+    "heads",
+    "nodes",
+    "prelude_rules",
+    "subject",
+    "value_of",
+]
 
 Rule: TypeAlias = dict[str, Any]
+"""A node of a syntax tree."""
+
+VALUE = "logica_value"
+"""The column in which a function keeps its value."""
 
 
 def head_name(rule: Rule) -> str:
     """Name of the predicate or annotation that a rule is for."""
-    return str(rule["head"]["predicate_name"])
+    name: str = rule["head"]["predicate_name"]
+    return name
 
 
 @functools.cache
@@ -30,34 +48,68 @@ def prelude_rules() -> tuple[Rule, ...]:
 
 def defined(rules: list[Rule]) -> Iterator[str]:
     """Names of the program's own predicates in the order of the text, once each."""
-    seen = set()
+    return iter(heads(rules))
+
+
+def heads(rules: list[Rule]) -> dict[str, list[Rule]]:
+    """The rules of each predicate of the program's own, in the order of the text."""
+    found: dict[str, list[Rule]] = {}
     for rule in rules:
         name = head_name(rule)
         if name == "@Make":
             name = subject(rule)
-        hidden = name.startswith("@") or name.endswith(parse.MultiBodyAggregation.SUFFIX)
-        if name not in seen and not hidden:
-            seen.add(name)
-            yield name
+        if not name.startswith("@") and not name.endswith(parse.MultiBodyAggregation.SUFFIX):
+            found.setdefault(name, []).append(rule)
+    return found
 
 
 def subject(rule: Rule) -> str:
     """Name of the predicate that an annotation speaks of, or ""."""
     try:
         literal = rule["head"]["record"]["field_value"][0]["value"]["expression"]["literal"]
-        return str(literal["the_predicate"]["predicate_name"])
+        name: str = literal["the_predicate"]["predicate_name"]
     except (KeyError, IndexError):
         return ""
+    return name
+
+
+def fields(record: Rule) -> list[Any]:
+    """Names of a record's fields or a call's arguments: numbers for those by position."""
+    return [fv["field"] for fv in record["field_value"]]
+
+
+def value_of(field_value: Rule) -> Rule | None:
+    """The expression of a field, or None if it is aggregated."""
+    expression: Rule | None = field_value["value"].get("expression")
+    return expression
+
+
+def nodes(tree: Any) -> Iterator[Rule]:
+    """All nodes of a syntax tree, the outer before the inner."""
+    waiting = [tree]
+    while waiting:
+        branch = waiting.pop()
+        if isinstance(branch, dict):
+            yield branch
+            waiting.extend(reversed(branch.values()))
+        elif isinstance(branch, list):
+            waiting.extend(reversed(branch))
+
+
+def calls(tree: Any) -> Iterator[tuple[Rule, bool]]:
+    """All calls in a syntax tree, and whether each is of a function, for its value."""
+    for node in nodes(tree):
+        if isinstance(node.get("call"), dict):
+            yield node["call"], True
+        if isinstance(node.get("predicate"), dict):
+            yield node["predicate"], False
 
 
 def called(tree: Any) -> Iterator[str]:
-    """Names of all predicates and functions that a syntax tree calls."""
-    if isinstance(tree, list):
-        for branch in tree:
-            yield from called(branch)
-    elif isinstance(tree, dict):
-        for key, branch in tree.items():
-            if key == "call" or key == "predicate" or key == "the_predicate":
-                yield branch["predicate_name"]
-            if isinstance(branch, dict | list):
-                yield from called(branch)
+    """Names of all predicates, functions and aggregates that a syntax tree mentions."""
+    for node in nodes(tree):
+        for key in ("call", "predicate", "the_predicate"):
+            if isinstance(node.get(key), dict):
+                yield node[key]["predicate_name"]
+        if "operator" in node and "argument" in node:
+            yield parse.AggergationsAsExpressions.AggregationOperator(node["operator"])

@@ -10,9 +10,16 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from logical_robots_tui.values import Value
 
-__all__ = ["from_sql", "to_json", "to_sql"]
+__all__ = ["TooDeepError", "from_sql", "to_json", "to_sql"]
+
+_DEEPEST = 100
+_LARGEST = 2**63
 
 _INFINITE = re.compile(r"(?<=[:\[,-])Inf(?=[,\]}])")
+
+
+class TooDeepError(ValueError):
+    """Records and lists are nested more deeply than they may be."""
 
 
 def to_json(value: Any) -> str:
@@ -22,23 +29,40 @@ def to_json(value: Any) -> str:
 
 def to_sql(value: Value) -> int | float | str | None:
     """A value as it stands in a table: records and lists as JSON text."""
+    if isinstance(value, int) and not -_LARGEST <= value < _LARGEST:
+        return float(value) if abs(value) < _LARGEST**16 else None
     if value is None or isinstance(value, int | float | str):
         return value
     return to_json(value)
 
 
-def from_sql(value: Any) -> Value:
-    """A value out of a table: JSON text is the record or list that it stands for."""
+def from_sql(value: Any, deepest: int = _DEEPEST) -> Value:
+    """A value out of a table: JSON text is the record or list that it stands for.
+
+    Args:
+        value: As SQLite gave it.
+        deepest: How deep records and lists may be nested.
+
+    Raises:
+        TooDeepError: They are nested more deeply.
+    """
     if isinstance(value, bytes):
         return value.decode("utf-8", "replace")
     if isinstance(value, str) and value[:1] in ("{", "["):
-        try:
-            return _unescaped(_parsed(value))
-        except (ValueError, RecursionError):
-            return value
+        return _from_json(value, deepest)
     if isinstance(value, int | float | str) or value is None:
         return value
     return str(value)
+
+
+def _from_json(text: str, deepest: int) -> Value:
+    try:
+        parsed = _parsed(text)
+    except RecursionError:
+        raise _too_deep() from None
+    except ValueError:
+        return text
+    return _unescaped(parsed, deepest)
 
 
 def _parsed(text: str) -> Any:
@@ -49,19 +73,32 @@ def _parsed(text: str) -> Any:
         return json.loads(_INFINITE.sub("Infinity", text))
 
 
-def _unescaped(value: Any) -> Value:
+def _unescaped(value: Any, deepest: int) -> Value:
     """JSON in which no record or list hides in a text: SQLite forgets that a text is JSON.
 
     Numbers that JSON can't hold become null, and half characters a replacement character.
     """
     if isinstance(value, dict):
-        return {k: _unescaped(v) for k, v in value.items()}
+        if deepest <= 0:
+            raise _too_deep()
+        return {_whole(k): _unescaped(v, deepest - 1) for k, v in value.items()}
     if isinstance(value, list):
-        return [_unescaped(v) for v in value]
+        if deepest <= 0:
+            raise _too_deep()
+        return [_unescaped(v, deepest - 1) for v in value]
     if isinstance(value, str):
         if value[:1] in ("{", "["):
-            return from_sql(value)
-        return value if value.isascii() else value.encode("utf-8", "replace").decode()
+            return _from_json(value, deepest)
+        return _whole(value)
     if isinstance(value, float) and not math.isfinite(value):
         return None
     return value  # type: ignore[no-any-return]  # the rest of JSON is a Value
+
+
+def _whole(text: str) -> str:
+    """A text in which half characters are replaced."""
+    return text if text.isascii() else text.encode("utf-8", "replace").decode()
+
+
+def _too_deep() -> TooDeepError:
+    return TooDeepError("records and lists are nested too deeply in its result")

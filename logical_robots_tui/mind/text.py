@@ -8,10 +8,14 @@ from __future__ import annotations
 
 import re
 from dataclasses import dataclass
+from typing import TYPE_CHECKING, Literal
 
 from logical_robots_tui.mind.diagnostics import Diagnostic
 
-__all__ = ["Prepared", "diagnostic_at", "prepare"]
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+__all__ = ["Prepared", "diagnostic_at", "diagnostic_for", "prepare", "statements"]
 
 _DEEPEST = 60  # brackets in brackets; SQLite's parser gives up at about 100
 _CLOSES = {")": "(", "}": "{", "]": "["}
@@ -27,68 +31,139 @@ class Prepared:
         text: The same text, of the same length, without comments and with ``Name {`` as ``Name{ ``.
         skeleton: The same again with what stands in quotes blanked, to search for names in.
         problems: Mistakes seen on the way that the parser would explain worse.
+        broken: Offsets of those mistakes; the statements around them need not be parsed.
+        ends: Offsets of the ``;`` that end statements.
     """
 
     text: str
     skeleton: str
     problems: tuple[Diagnostic, ...]
+    broken: tuple[int, ...] = ()
+    ends: tuple[int, ...] = ()
 
 
 def prepare(source: str) -> Prepared:
     """Blank comments, check brackets and quotes, allow a space between an aggregate and ``{``."""
     kept: list[str] = []
     skeleton: list[str] = []
-    problems: list[Diagnostic] = []
-    opened: list[tuple[str, int]] = []
+    brackets = _Brackets(source)
     at = 0
     while at < len(source):
         end, kind = _token(source, at)
         token = source[at:end]
         blank = "".join("\n" if c == "\n" else " " for c in token)
-        if kind == "comment":
-            kept.append(blank)
-            skeleton.append(blank)
-        elif kind == "string":
-            if problem := _string_problem(source, at, token):
-                problems.append(problem)
-            kept.append(token)
-            skeleton.append(blank if token[0] == '"' else token)
-        else:
-            kept.append(token)
-            skeleton.append(token)
-            if token in _CLOSES.values():
-                opened.append((token, at))
-                if len(opened) > _DEEPEST and not problems:
-                    problems.append(_too_deep(source, at))
-            elif token in _CLOSES:
-                if opened and opened[-1][0] == _CLOSES[token]:
-                    opened.pop()
-                elif not problems:
-                    problems.append(_unmatched(source, at, token, opened))
+        kept.append(blank if kind == "comment" else token)
+        if kind == "comment" and token.startswith("/*") and not _is_closed(token, "/*", "*/"):
+            brackets.complain(at, 2, "this comment is never closed", "Add */ at its end.")
+        if kind == "string":
+            brackets.string(at, token)
+        elif kind == "other":
+            brackets.see(at, token)
+        skeleton.append(blank if kind == "comment" or token[0] == '"' else token)
         at = end
-    if opened and not problems:
-        bracket, place = opened[0]
-        problems.append(
-            diagnostic_at(
-                source, place, 1, f"this '{bracket}' is never closed", "Add the closing bracket."
-            )
-        )
+    brackets.end_statement()
     bare = "".join(skeleton)
-    text = _join_braces("".join(kept), bare)
-    if found := _IMPORT.search(bare):
-        problems.append(
-            diagnostic_at(
-                source,
-                found.start(1),
-                6,
-                "robots can't import other files",
-                "Copy the predicates that you need into this program.",
-            )
+    for found in _IMPORT.finditer(bare):
+        brackets.complain(
+            found.start(1),
+            6,
+            "robots can't import other files",
+            "Copy the predicates that you need into this program.",
         )
-    return Prepared(text, bare, tuple(problems))
+    text = _join_braces("".join(kept), bare)
+    return Prepared(
+        text, bare, tuple(brackets.problems), tuple(brackets.places), tuple(brackets.ends)
+    )
 
 
-def diagnostic_at(source: str, start: int, length: int, message: str, hint: str = "") -> Diagnostic:
+def statements(source: Prepared) -> Iterator[tuple[int, int]]:
+    """Start and end of each statement, without the space around it and its ``;``."""
+    start = 0
+    for end in (*source.ends, len(source.text)):
+        piece = source.text[start:end]
+        if bare := piece.strip():
+            first = start + piece.index(bare)
+            yield first, first + len(bare)
+        start = end + 1
+
+
+class _Brackets:
+    """Watches brackets and quotes; no more than one complaint about the brackets of a statement."""
+
+    def __init__(self, source: str) -> None:
+        self.problems: list[Diagnostic] = []
+        self.places: list[int] = []
+        self.ends: list[int] = []
+        self._source = source
+        self._opened: list[tuple[str, int]] = []
+        self._complained = False
+
+    def complain(self, at: int, length: int, message: str, hint: str) -> None:
+        self.problems.append(diagnostic_at(self._source, at, length, message, hint))
+        self.places.append(at)
+
+    def string(self, at: int, token: str) -> None:
+        """See a quoted text."""
+        quote = '"""' if token.startswith('"""') else token[0]
+        if not _is_closed(token, quote, quote):
+            self._complained = True
+            message = f"this text is never closed with {quote}"
+            self.complain(at, len(token), message, f"Add {quote} at its end.")
+
+    def see(self, at: int, character: str) -> None:
+        """See a character outside of texts and comments."""
+        if character == ";":
+            self.ends.append(at)
+            self.end_statement()
+        elif character in _CLOSES.values():
+            self._opened.append((character, at))
+            if len(self._opened) > _DEEPEST and not self._complained:
+                self._complained = True
+                hint = "Give parts of it names of their own."
+                self.complain(at, 1, "brackets are nested too deeply here", hint)
+        elif character in _CLOSES:
+            self._close(at, character)
+
+    def end_statement(self) -> None:
+        """A statement ends; what is open now is never closed."""
+        if self._opened and not self._complained:
+            bracket, place = self._opened[0]
+            self.complain(place, 1, f"this '{bracket}' is never closed", "Add the closing bracket.")
+        self._opened.clear()
+        self._complained = False
+
+    def _close(self, at: int, character: str) -> None:
+        if self._opened and self._opened[-1][0] == _CLOSES[character]:
+            self._opened.pop()
+        elif self._complained:
+            return
+        elif not self._opened:
+            self._complained = True
+            self.complain(at, 1, f"this '{character}' closes nothing", "Remove it.")
+        else:
+            self._complained = True
+            bracket, place = self._opened[-1]
+            line = self._source.count("\n", 0, place) + 1
+            self.complain(
+                at,
+                1,
+                f"this '{character}' does not match the '{bracket}' of line {line}",
+                "Brackets close in the order in which they were opened.",
+            )
+
+
+def _is_closed(token: str, opening: str, closing: str) -> bool:
+    return len(token) >= len(opening) + len(closing) and token.endswith(closing)
+
+
+def diagnostic_at(
+    source: str,
+    start: int,
+    length: int,
+    message: str,
+    hint: str = "",
+    severity: Literal["error", "warning"] = "error",
+) -> Diagnostic:
     """A diagnostic for a place in the text given as an offset."""
     start = max(0, min(start, len(source)))
     before = source[:start]
@@ -100,7 +175,20 @@ def diagnostic_at(source: str, start: int, length: int, message: str, hint: str 
         message=message,
         hint=hint,
         excerpt=excerpt[:80],
+        severity=severity,
     )
+
+
+def diagnostic_for(
+    source: str,
+    piece: str,
+    message: str,
+    hint: str = "",
+    severity: Literal["error", "warning"] = "error",
+) -> Diagnostic:
+    """A diagnostic for a piece of the text out of a syntax tree, which knows its place."""
+    start: int = getattr(piece, "start", 0)
+    return diagnostic_at(source, start, len(piece), message, hint, severity)
 
 
 def _token(source: str, at: int) -> tuple[int, str]:
@@ -120,39 +208,6 @@ def _token(source: str, at: int) -> tuple[int, str]:
             end += 1
         return min(end + 1, len(source)), "string"
     return at + 1, "other"
-
-
-def _string_problem(source: str, at: int, token: str) -> Diagnostic | None:
-    quote = '"""' if token.startswith('"""') else token[0]
-    if len(token) >= 2 * len(quote) and token.endswith(quote):
-        return None
-    return diagnostic_at(
-        source,
-        at,
-        len(token),
-        f"this text is never closed with {quote}",
-        f"Add {quote} at its end.",
-    )
-
-
-def _too_deep(source: str, at: int) -> Diagnostic:
-    return diagnostic_at(
-        source, at, 1, "brackets are nested too deeply here", "Give parts of it names of their own."
-    )
-
-
-def _unmatched(source: str, at: int, token: str, opened: list[tuple[str, int]]) -> Diagnostic:
-    if not opened:
-        return diagnostic_at(source, at, 1, f"this '{token}' closes nothing", "Remove it.")
-    bracket, place = opened[-1]
-    line = source.count("\n", 0, place) + 1
-    return diagnostic_at(
-        source,
-        at,
-        1,
-        f"this '{token}' does not match the '{bracket}' of line {line}",
-        "Brackets close in the order in which they were opened.",
-    )
 
 
 def _join_braces(text: str, bare: str) -> str:

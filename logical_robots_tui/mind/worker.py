@@ -1,38 +1,101 @@
 """The compile process: a program per line in, its compiled form per line out.
 
-It ends when its standard input is closed, even in the middle of a program.
+It ends when its standard input is closed, even in the middle of a program. Before it sees the
+first program it gives up everything that compiling does not need: it can open no file, write
+none, and start no process.
 """
 
 from __future__ import annotations
 
+import contextlib
+import gc
 import json
 import os
 import queue
 import resource
+import signal
+import sqlite3
 import sys
 import threading
-from dataclasses import asdict
-from typing import IO
+from dataclasses import asdict, replace
+from time import monotonic
+from typing import IO, TYPE_CHECKING
+
+from logical_robots_tui.mind import compiler
+from logical_robots_tui.mind.database import Database
+from logical_robots_tui.mind.diagnostics import Diagnostic, ProgramError
+from logical_robots_tui.mind.failures import in_plain_words
+from logical_robots_tui.mind.plain import printable
+
+if TYPE_CHECKING:
+    from logical_robots_tui.mind.program import Program
 
 __all__ = ["main"]
 
-_ADDRESS_SPACE = 2 * 1024**3  # bytes; a program that needs more to compile is refused
+_MOST_DIAGNOSTICS = 100
+_LONGEST_MESSAGE = 1_000
+_MOST_SQL = 4_000_000  # characters of all statements of a program
+_PREPARE_SECONDS = 1.0
+
+_SAMPLES = (
+    "Robot(robot_name:, desire: {left_engine: Sum{1 -> x :- x in [1]}, right_engine: 0}, "
+    'memory: "") :- Sensor(robot_name:);',
+    "Robot(robot_name: x, desire: Snesor(x));",
+    "Robot(",
+)
 
 
 def main() -> None:
-    """Serve compile requests until standard input ends."""
+    """Serve compile requests until standard input ends.
+
+    The arguments of the process are the bytes of address space that it may use, and the seconds
+    of computing that one program may take.
+    """
+    address_space, seconds = int(sys.argv[1]), int(sys.argv[2])
     answers = os.fdopen(os.dup(1), "w", encoding="utf-8")
     # The package prints; nothing of that may reach the player's screen or the answers.
     silence = os.open(os.devnull, os.O_WRONLY)
     os.dup2(silence, 1)
     os.dup2(silence, 2)
-    resource.setrlimit(resource.RLIMIT_AS, (_ADDRESS_SPACE, _ADDRESS_SPACE))
     requests: queue.Queue[str] = queue.Queue()
     threading.Thread(target=_read, args=(sys.stdin, requests), daemon=True).start()
+    _warm_up()
+    _give_up_what_is_not_needed(address_space)
     while True:
-        answer = _answer(json.loads(requests.get()))
-        answers.write(json.dumps(answer) + "\n")
+        text = json.loads(requests.get())
+        _limit(resource.RLIMIT_CPU, int(_computed()) + seconds)
+        answers.write(json.dumps(_answer(text)) + "\n")
         answers.flush()
+
+
+def _warm_up() -> None:
+    """Load everything that compiling may need while files can still be opened."""
+    sys.modules["numpy"] = None  # type: ignore[assignment]  # the package would load it for speed
+    for sample in _SAMPLES:
+        _answer(sample)
+    gc.freeze()
+
+
+def _give_up_what_is_not_needed(address_space: int) -> None:
+    signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
+    _limit(resource.RLIMIT_AS, address_space, final=True)
+    _limit(resource.RLIMIT_CORE, 0, final=True)
+    _limit(resource.RLIMIT_FSIZE, 0, final=True)
+    _limit(resource.RLIMIT_NOFILE, 0, final=True)
+    if hasattr(resource, "RLIMIT_NPROC"):
+        _limit(resource.RLIMIT_NPROC, 0, final=True)
+
+
+def _limit(kind: int, amount: int, *, final: bool = False) -> None:
+    """Set a limit of this process, for good if `final`; not every system has every one."""
+    hard = resource.getrlimit(kind)[1]
+    with contextlib.suppress(OSError, ValueError):
+        resource.setrlimit(kind, (amount, amount if final else hard))
+
+
+def _computed() -> float:
+    used = resource.getrusage(resource.RUSAGE_SELF)
+    return used.ru_utime + used.ru_stime
 
 
 def _read(lines: IO[str], requests: queue.Queue[str]) -> None:
@@ -42,22 +105,75 @@ def _read(lines: IO[str], requests: queue.Queue[str]) -> None:
 
 
 def _answer(text: str) -> dict[str, object]:
-    from logical_robots_tui.mind.compiler import compile_text
-    from logical_robots_tui.mind.diagnostics import Diagnostic, ProgramError
-
     try:
-        program = compile_text(text)
+        program = compiler.compile_text(text)
+        _try_out(program)
     except ProgramError as error:
-        return {"diagnostics": [asdict(d) for d in error.diagnostics]}
+        shown = error.diagnostics[:_MOST_DIAGNOSTICS]
+        return {"diagnostics": [asdict(_plain(d)) for d in shown]}
     except MemoryError:
-        too_large = Diagnostic(1, 1, "the program needs too much memory to compile", "Shorten it.")
-        return {"diagnostics": [asdict(too_large)]}
+        return _refusal("the program needs too much memory to compile", "Shorten it.")
     except RecursionError:
-        too_deep = Diagnostic(
-            1, 1, "the program is nested too deeply", "Give parts of it names of their own."
-        )
-        return {"diagnostics": [asdict(too_deep)]}
+        return _refusal("the program is nested too deeply", "Give parts of it names of their own.")
+    except Exception:  # the package may raise anything; the next program is to find us alive
+        return _refusal("the compiler gave up on this program", "Try a simpler one.")
     return {"program": asdict(program)}
+
+
+def _try_out(program: Program) -> None:
+    """Refuse a program whose statements SQLite itself can't prepare in reasonable time.
+
+    SQLite puts named subqueries into each other before it looks whether it was interrupted, so
+    this is done here, where it can be killed, and not first while the robots wait.
+    """
+    if sum(map(len, program.statements.values())) > _MOST_SQL:
+        raise _tangled()
+    database = Database()
+    failed: dict[str, str] = {}
+    try:
+        checks = [("", sql) for _, sql in program.recursions.values()]
+        for name, sql in (*program.statements.items(), *checks):
+            began = monotonic()
+            try:
+                database.prepare(sql)
+            except (sqlite3.Error, sqlite3.Warning) as error:
+                failed[name] = in_plain_words(error)
+            if monotonic() - began > _PREPARE_SECONDS:
+                raise _tangled()
+    finally:
+        database.close()
+    # What is wrong with a predicate that Robot does not need is told to those who ask for it.
+    for predicate in program.predicates:
+        if predicate.name == next((name for name in program.needed if name in failed), None):
+            message = f"{predicate.name} can't be computed: {failed[predicate.name]}"
+            hint = "Look at its rules and at the annotations that name it."
+            raise ProgramError((Diagnostic(predicate.line or 1, 1, message, hint),))
+
+
+def _tangled() -> ProgramError:
+    return ProgramError(
+        (
+            Diagnostic(
+                1,
+                1,
+                "the program becomes too large when its predicates are put into each other",
+                "Mention long predicates less often.",
+            ),
+        )
+    )
+
+
+def _plain(diagnostic: Diagnostic) -> Diagnostic:
+    return replace(
+        diagnostic,
+        message=printable(diagnostic.message[:_LONGEST_MESSAGE]),
+        hint=printable(diagnostic.hint[:_LONGEST_MESSAGE]),
+        excerpt=printable(diagnostic.excerpt[:_LONGEST_MESSAGE]),
+    )
+
+
+def _refusal(message: str, hint: str) -> dict[str, object]:
+    return {"diagnostics": [asdict(Diagnostic(1, 1, message, hint))]}
 
 
 if __name__ == "__main__":

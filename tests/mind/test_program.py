@@ -2,16 +2,15 @@
 
 from __future__ import annotations
 
-import threading
 from time import monotonic
 
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from logical_robots_tui.mind import Program, ProgramError, Stopped, compilation
+from logical_robots_tui.mind import Program, ProgramError
 from logical_robots_tui.mind.text import prepare
-from tests.mind.rows import PAPER, ROBOT, remembered
+from tests.mind.rows import PAPER, ROBOT, remembered, row, think
 
 GOOD = ROBOT + "m = 1;"
 M = len(ROBOT) + 1  # column of what follows
@@ -36,7 +35,7 @@ def complaint(text: str) -> tuple[int, int, str, str]:
         ('A(1);\nB("open);\n' + GOOD, 2, 3, 'never closed with "'),
         ("A(1);\nB(2);\nC(x) :- x == ;\n" + GOOD, 3, 13, "this is not"),
         ("A(1)\nB(2);\n" + GOOD, 2, 1, "does not belong in the head"),
-        (GOOD + "\nA(x) :- B(x) :- C(x);", 2, 1, "two ':-' in one rule"),
+        (GOOD + "\nA(x) :- B(x) :- C(x);", 2, 14, "two ':-' in one rule"),
         ("A(1);\n" + ROBOT + "m = Wings(1);", 2, M + 4, "Wings is not defined"),
         ("A(1);\n" + ROBOT + "m = y + 1;", 2, M + 4, "nothing says what y is"),
         ("A(1);\nRobot(desire: 1, memory: 1);", 2, 1, "Robot has no robot_name"),
@@ -113,42 +112,40 @@ def test_recursion_reaches_as_deep_as_on_duckdb() -> None:
         "Step(0); Step(n + 1) :- Step(n), n < 60;\nFar(m? Max= n) distinct :- Step(n);\n"
         "TheFar() = m :- Far(m:);"
     )
-    assert remembered("TheFar()", rules=rules) == 32
-    assert remembered("TheFar()", rules="@Recursive(Step, 50);" + rules) == 50
+    for text, depth in ((rules, 32), ("@Recursive(Step, 50);" + rules, 50)):
+        (decision,) = think(f"{text}\n{ROBOT}m = TheFar();", [row("Ada")], {})
+        assert decision.memory == depth
+        (notice,) = decision.notices
+        assert notice.kind == "recursion"
+        assert f"recursion of Step was still growing after {depth} steps" in notice.message
+
+
+def test_a_recursion_that_comes_to_its_end_is_met_with_silence() -> None:
+    rules = (
+        "E(1, 2); E(2, 3); E(3, 1); D(x) Min= 0 :- x == 1; D(y) Min= D(x) + 1 :- E(x, y);"
+        "Reach(x, y) distinct :- E(x, y); Reach(x, z) distinct :- Reach(x, y), E(y, z);"
+    )
+    assert remembered("D(3) + Sum{1 :- Reach(x, y)}", rules=rules) == 11
+
+
+def test_a_recursion_that_the_robot_does_not_need_is_not_looked_at() -> None:
+    assert remembered("1", rules="Step(0); Step(n + 1) :- Step(n);") == 1
+
+
+def test_warnings_come_with_the_program() -> None:
+    text = "Next(neighbor) :- Edge(neighbor), Edge(neighbour);\nEdge(1);\n" + GOOD
+    (warning,) = Program.compile(text).warnings
+    assert (warning.severity, warning.line, warning.column) == ("warning", 1, 40)
+    assert Program.compile(GOOD).warnings == ()
+
+
+def test_what_robot_leans_on_comes_before_what_leans_on_it() -> None:
+    program = Program.compile("B(1); A(x) :- B(x); C(2); F(x) = x;\n" + ROBOT + "A(m), F(m) > 0;")
+    assert program.needed == ("B", "A", "Robot")
 
 
 def test_applying_the_same_text_again_gives_the_same_program() -> None:
     assert Program.compile(PAPER) is Program.compile(PAPER)
-
-
-def test_compiling_can_be_stopped_and_the_next_program_compiles() -> None:
-    heavy = "A0(x) :- x in [1];" + "".join(
-        f"A{i}(x) :- (A{i - 1}(x) | A{i - 1}(x)), (A{i - 1}(x) | A{i - 1}(x));"
-        for i in range(1, 12)
-    )
-    stop = threading.Event()
-    timer = threading.Timer(0.3, stop.set)
-    timer.start()
-    began = monotonic()
-    with pytest.raises(Stopped):
-        Program.compile(heavy + ROBOT + "A11(m);", stop=stop)
-    timer.join()
-    assert monotonic() - began < 3
-    assert Program.compile(ROBOT + "m = 12345;").statements
-
-
-def test_a_program_that_compiles_too_long_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(compilation, "COMPILE_SECONDS", 0.0)
-    assert "longer than 0 seconds" in complaint(ROBOT + "m = 54321;")[2]
-
-
-def test_a_compile_process_that_dies_is_replaced() -> None:
-    Program.compile(ROBOT + "m = 777;")
-    process = compilation._compiler._process
-    assert process is not None
-    process.kill()
-    process.wait()
-    assert Program.compile(ROBOT + "m = 778;").statements
 
 
 def test_comments_and_quotes_do_not_disturb_places() -> None:

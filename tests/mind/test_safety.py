@@ -2,55 +2,22 @@
 
 from __future__ import annotations
 
-import sqlite3
+import subprocess
+import sys
+import threading
 from dataclasses import replace
-from typing import TYPE_CHECKING
+from time import monotonic
+from typing import Any
 
 import pytest
 
-from logical_robots_tui.mind import Limits, Mind, Program
-from logical_robots_tui.mind.database import Database
+from logical_robots_tui.mind import Limits, Mind, Program, QueryError, Stopped
 from tests.mind.rows import ROBOT, row
-
-if TYPE_CHECKING:
-    from pathlib import Path
 
 
 @pytest.fixture(scope="module")
 def program() -> Program:
     return Program.compile(ROBOT + "m = 1;")
-
-
-@pytest.mark.parametrize(
-    "sql",
-    [
-        "ATTACH DATABASE '{file}' AS other",
-        "CREATE TABLE x(y)",
-        "DROP TABLE Sensor",
-        "INSERT INTO Memory VALUES ('Ada', 1)",
-        "DELETE FROM Memory",
-        "UPDATE Sensor SET sensor = 1",
-        "PRAGMA writable_schema = 1",
-        "VACUUM INTO '{file}'",
-        "SELECT load_extension('{file}')",
-        "SELECT readfile('/etc/passwd')",
-        "SELECT writefile('{file}', 'x')",
-        "SELECT randomblob(1000000000)",
-        "SELECT zeroblob(2000000000)",
-        "SELECT fts3_tokenizer('x')",
-        "SELECT sqlite_compileoption_get(1)",
-        "BEGIN",
-    ],
-)
-def test_sql_that_does_more_than_read_is_refused(sql: str, tmp_path: Path) -> None:
-    file = tmp_path / "touched"
-    database = Database(seconds=5)
-    database.load([("Ada", "{}")], [("Ada", "kept")])
-    with pytest.raises(sqlite3.DatabaseError):
-        database.ask(sql.format(file=file), most=10)
-    assert not file.exists()
-    assert database.ask("SELECT memory FROM Memory", most=10)[1] == [("kept",)]
-    database.close()
 
 
 def test_a_refusal_reaches_the_player_as_a_notice_without_sql(program: Program) -> None:
@@ -64,29 +31,154 @@ def test_a_refusal_reaches_the_player_as_a_notice_without_sql(program: Program) 
     )
 
 
-@pytest.mark.parametrize(
-    "rules",
-    [
-        "m = Sum{a * b * c * d :- a in Range(9000), b in Range(9000), c in Range(9000), "
-        "d in Range(9000)};",
-        "m = Size(Range(1000000000000));",
-        'm = Join(List{"xxxxxxxxxx" :- a in Range(99999), b in Range(999)}, "");',
-    ],
-)
-def test_a_bomb_is_bounded_and_the_next_program_thinks(rules: str, program: Program) -> None:
-    mind = Mind(Program.compile(ROBOT + rules), limits=Limits(think_seconds=0.3))
-    (decision,) = mind.think([row("Ada")], {"Ada": "kept"})
-    mind.close()
-    assert decision.memory == "kept"
-    assert decision.notices[0].kind == "failed"
-    after = Mind(program)
-    assert after.think([row("Ada")], {})[0].memory == 1
-    after.close()
-
-
 def test_terminal_codes_in_a_memory_stay_data() -> None:
     mind = Mind(Program.compile(ROBOT + "Memory(robot_name:, memory:), m = memory;"))
     nasty = "\x1b]0;owned\x07[red]"
     (decision,) = mind.think([row("Ada")], {"Ada": nasty})
     mind.close()
     assert decision.memory == nasty
+
+
+NUMBERS = "WITH RECURSIVE t_0_N(n) AS (SELECT 1 UNION ALL SELECT n + 1 FROM t_0_N) "
+BIG = "printf('%1900000s', 'x')"
+SLOW = {
+    "SQL": NUMBERS + "SELECT count(*) FROM t_0_N",
+    "a function of SQLite": NUMBERS + f"SELECT sum(length(upper({BIG} || n))) FROM t_0_N",
+    "a function of ours": NUMBERS
+    + "SELECT sum(length(sort_list(number_range(19000 + n % 9)))) FROM t_0_N",
+    "one row of many functions": "SELECT "
+    + " + ".join(f"length(upper(s || {i}))" for i in range(900))
+    + f" FROM (SELECT {BIG} AS s)",
+}
+
+
+def forced(program: Program, sql: str, **limits: Any) -> Mind:
+    """A mind that thinks a statement of SQL."""
+    return Mind(replace(program, statements={"Robot": sql}), limits=Limits(**limits))
+
+
+@pytest.mark.parametrize("what", SLOW)
+def test_a_stop_takes_effect_at_once_in_the_middle_of(what: str, program: Program) -> None:
+    mind = forced(program, SLOW[what], think_seconds=60)
+    stop = threading.Event()
+    stopped_at: list[float] = []
+
+    def set_it() -> None:
+        stopped_at.append(monotonic())
+        stop.set()
+
+    timer = threading.Timer(0.2, set_it)
+    timer.start()
+    with pytest.raises(Stopped):
+        mind.think([row("Ada")], {}, stop=stop)
+    assert monotonic() - stopped_at[0] < 2  # a tenth of it on a machine that is not busy
+    timer.join()
+    assert mind.query("Sensor", [row("Ada")], {}).rows
+    mind.close()
+
+
+def test_a_stop_that_came_before_the_thought_prevents_it(program: Program) -> None:
+    mind = Mind(program)
+    stop = threading.Event()
+    stop.set()
+    with pytest.raises(Stopped):
+        mind.think([row("Ada")], {}, stop=stop)
+    stop.clear()
+    assert mind.think([row("Ada")], {}, stop=stop)[0].memory == 1
+    mind.close()
+
+
+def test_the_time_to_think_is_that_of_all_robots_together(program: Program) -> None:
+    mind = forced(program, SLOW["SQL"], think_seconds=0.3)
+    robots = [row(f"Robot {number}") for number in range(20)]
+    began = monotonic()
+    decisions = mind.think(robots, {})
+    assert monotonic() - began < 3
+    assert all("longer than 0.3 seconds" in d.notices[0].message for d in decisions)
+    mind.close()
+
+
+@pytest.mark.parametrize(
+    ("sql", "limits", "said"),
+    [
+        (NUMBERS + "SELECT n FROM t_0_N", {"think_rows": 50}, "more than 50 rows"),
+        (f"SELECT {BIG}, {BIG}", {"result_bytes": 3_000_000}, "more than 3,000,000 bytes"),
+        (
+            "SELECT printf('%4000d', 1) || printf('%4000d', 1)",
+            {"value_bytes": 5_000},
+            "may have 5,000 bytes",
+        ),
+        (SLOW["SQL"], {"think_seconds": 0.1}, "longer than 0.1 seconds"),
+        ("SELECT '[[[[1]]]]' AS memory", {"depth": 3}, "nested too deeply"),
+        (
+            f"SELECT 'Ada' AS robot_name, substr({BIG}, 1, 200) AS memory",
+            {"memory_bytes": 100},
+            "more than 100",
+        ),
+    ],
+)
+def test_each_limit_of_a_thought_has_its_message(
+    sql: str, limits: dict[str, Any], said: str, program: Program
+) -> None:
+    mind = forced(program, sql, **limits)
+    (decision,) = mind.think([row("Ada")], {"Ada": "kept"})
+    mind.close()
+    assert decision.memory == "kept"
+    assert any(said in notice.message for notice in decision.notices), decision.notices
+
+
+def test_a_query_has_its_own_time_and_shows_its_first_rows(program: Program) -> None:
+    mind = forced(program, SLOW["SQL"], query_seconds=0.1)
+    with pytest.raises(QueryError, match=r"longer than 0\.1 seconds"):
+        mind.query("Robot", [row("Ada")], {})
+    mind.close()
+    mind = forced(program, NUMBERS + "SELECT n FROM t_0_N", rows=10)
+    table = mind.query("Robot", [row("Ada")], {})
+    mind.close()
+    assert (len(table.rows), table.truncated) == (10, True)
+
+
+def test_a_limit_can_not_be_negative() -> None:
+    with pytest.raises(ValueError, match="depth can't be negative"):
+        Limits(depth=-1)
+
+
+def test_the_memory_of_a_mind_is_bounded_and_the_next_program_thinks() -> None:
+    script = """if True:
+        import resource
+        from dataclasses import replace
+        from logical_robots_tui.mind import Limits, Mind, Predicate, Program
+        from tests.mind.rows import row
+        small = Limits(mind_bytes=40_000_000, think_seconds=30)
+        grows = (
+            "WITH RECURSIVE t_0_N(n, s) AS (SELECT 1, '' UNION SELECT n + 1, printf('%9000d', n) "
+            "FROM t_0_N) SELECT count(*) FROM t_0_N"
+        )
+        program = Program("", (), {"Robot": grows})
+        before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+        mind = Mind(program, limits=small)
+        (decision,) = mind.think([row("Ada")], {"Ada": "kept"})
+        assert "needs more than 40,000,000 bytes of memory" in decision.notices[0].message
+        assert resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before < 100_000
+        mind.close()
+        good = {"Robot": "SELECT 'Ada' AS robot_name, 1 AS memory"}
+        after = Mind(replace(program, statements=good))
+        assert after.think([row("Ada")], {})[0].memory == 1
+    """
+    done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True)
+    assert (done.returncode, done.stderr) == (0, "")
+
+
+def test_names_that_are_half_characters_do_no_harm(program: Program) -> None:
+    mind = Mind(program)
+    nasty: Any = row("Ada", sees={1: (5, "area", "\ud800")})
+    (decision,) = mind.think([nasty], {"Ada": "\udfff"})
+    mind.close()
+    assert decision.memory == 1
+
+
+def test_numbers_beyond_64_bits_are_numbers_still(program: Program) -> None:
+    mind = Mind(Program.compile(ROBOT + "Memory(robot_name:, memory:), m = memory;"))
+    (decision,) = mind.think([row("Ada")], {"Ada": 2**70})
+    assert decision.memory == float(2**70)
+    mind.close()

@@ -1,0 +1,42 @@
+"""Write ``docs/reference.md`` from the help data: ``python -m docs.reference``."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from logical_robots_tui.mind.reference import REFERENCE
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+TARGET = Path(__file__).with_name("reference.md")
+HEAD = """\
+# What a program can use
+
+The same help is told by `logical-robots help NAME`. An aggregate is used with braces, as in
+`Sum{x :- P(x)}`, or in the head of a rule, as in `P(name, total? Sum= x) distinct :- Q(name, x);`.
+Null stands for "no value"; almost everything of null is null. Truth is shown as 1 and 0.
+"""
+
+
+def page() -> str:
+    """The whole page."""
+    return "\n".join([HEAD, *_tables()])
+
+
+def _tables() -> Iterator[str]:
+    for kind in ("operator", "aggregate", "function"):
+        yield f"## {kind.capitalize()}s\n"
+        yield "| how to write it | what it gives | example | result |"
+        yield "|---|---|---|---|"
+        for entry in REFERENCE:
+            if entry.kind == kind:
+                cells = (entry.signature, entry.summary, entry.example, entry.result)
+                signature, summary, example, result = (c.replace("|", "\\|") for c in cells)
+                yield f"| `{signature}` | {summary} | `{example}` | `{result}` |"
+        yield ""
+
+
+if __name__ == "__main__":
+    TARGET.write_text(page(), encoding="utf-8")

@@ -1,0 +1,111 @@
+"""What keeps each single call of a function short, whatever it is given."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from logical_robots_tui.mind.watch import Work
+
+__all__ = [
+    "MAX_ITEMS",
+    "MAX_RANGE",
+    "MAX_TEXT",
+    "Room",
+    "TooLargeError",
+    "check_items",
+    "check_long",
+    "check_text",
+    "guarded",
+]
+
+MAX_ITEMS = 20_000
+"""Items and fields of all lists and records in a value that a function takes apart."""
+
+MAX_RANGE = 100_000
+"""Numbers of a range."""
+
+_MAX_COLLECTED = 100_000  # items and fields of all that an aggregate collects
+
+MAX_TEXT = 2_000_000
+"""Characters of a text that a function builds; SQLite bounds the bytes of it once more."""
+
+_SHORT = 2 * MAX_ITEMS  # a shorter text can't hold more than MAX_ITEMS items
+
+
+class TooLargeError(OverflowError):
+    """A value is larger than a function may take or make; SQLite reports it as too big."""
+
+
+def check_items(count: float, most: int = MAX_ITEMS) -> None:
+    """Raise TooLargeError if a list would have too many items."""
+    if count > most:
+        raise TooLargeError(f"a list of {count:,} items")
+
+
+def check_text(length: int) -> None:
+    """Raise TooLargeError if a text would be too long."""
+    if length > MAX_TEXT:
+        raise TooLargeError(f"a text of {length:,} characters")
+
+
+def guarded(
+    function: Callable[..., Any], work: Work | None, *, null_safe: bool
+) -> Callable[..., Any]:
+    """A function that ends when the work does and refuses lists that would take it long.
+
+    Args:
+        function: Python function of SQLite values.
+        work: What it is part of, if that can be halted.
+        null_safe: Whether null arguments give null without a call.
+    """
+
+    def guarded_function(*arguments: Any) -> Any:
+        for argument in arguments:
+            if argument is None:
+                if null_safe:
+                    return None
+            elif argument.__class__ is str and len(argument) > _SHORT:
+                check_long(argument)
+        if work is not None and work.halted:
+            raise TooLargeError("the time for thinking is over")
+        return function(*arguments)
+
+    return guarded_function
+
+
+def check_long(text: str) -> None:
+    """Raise TooLargeError if a text, or the list or record that it spells, is too large."""
+    check_text(len(text))
+    check_items(_size(text))
+
+
+class Room:
+    """How much an aggregate may still collect."""
+
+    __slots__ = ("_characters", "_items", "_size")
+
+    def __init__(self) -> None:
+        self._items = 0
+        self._size = 0
+        self._characters = 0
+
+    def take(self, value: Any, items: int = 1) -> None:
+        """Count a value, raising TooLargeError if it is too much."""
+        self._items += items
+        self._size += items
+        check_items(self._items)
+        if value.__class__ is str:
+            self._characters += len(value)
+            check_text(self._characters)
+            self._size += _size(value)
+        check_items(self._size, _MAX_COLLECTED)
+
+
+def _size(text: str) -> int:
+    """At least as many as the items and fields of all lists and records that a text spells."""
+    if text.lstrip()[:1] not in ("[", "{"):
+        return 0
+    return text.count(",") + text.count("[") + text.count("{")

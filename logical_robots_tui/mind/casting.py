@@ -1,0 +1,111 @@
+"""Values as text and as a wanted type, with the meaning that DuckDB gives to its casts.
+
+A type is JSON: ``"Num"``, ``"Int"``, ``"Str"``, ``"Bool"``, ``{"field": type}`` or ``[type]``.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+from typing import TYPE_CHECKING, Any
+
+from logical_robots_tui.mind.stored import to_json
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+__all__ = ["to_text", "try_cast"]
+
+
+def to_text(value: Any) -> str:
+    """A value as `ToString` writes it: ``1.0``, ``{'a': 1}``, ``[a, b]``."""
+    parsed = _parsed(value)
+    return _written(value if parsed is None else parsed, inside=False)
+
+
+def try_cast(value: Any, type_json: str) -> Any:
+    """A value as one of a type, or null where it is none.
+
+    Fields that a record lacks are null, those that the type lacks are left out.
+    """
+    cast = _cast(value, json.loads(type_json))
+    return to_json(cast) if isinstance(cast, dict | list) else cast
+
+
+def _cast(value: Any, wanted: Any) -> Any:
+    if value is None:
+        return None
+    if isinstance(wanted, dict):
+        record = _parsed(value)
+        if not isinstance(record, dict):
+            return None
+        return {field: _cast(record.get(field), wanted[field]) for field in wanted}
+    if isinstance(wanted, list):
+        items = _parsed(value)
+        return [_cast(i, wanted[0]) for i in items] if isinstance(items, list) else None
+    return _CASTS[wanted](value)
+
+
+def _parsed(value: Any) -> Any:
+    """The record or list that a value is or spells, or None."""
+    if isinstance(value, dict | list):
+        return value
+    if isinstance(value, str) and value.lstrip()[:1] in ("{", "["):
+        try:
+            return json.loads(value)
+        except (ValueError, RecursionError):
+            return None
+    return None
+
+
+def _number(value: Any) -> float | None:
+    try:
+        return float(value)
+    except (TypeError, ValueError, OverflowError):
+        return None
+
+
+def _whole(value: Any) -> int | None:
+    if isinstance(value, int):
+        return int(value)
+    number = _number(value)
+    if number is None or not math.isfinite(number):
+        return None
+    return math.floor(abs(number) + 0.5) * (1 if number >= 0 else -1)
+
+
+def _truth(value: Any) -> bool | None:
+    if isinstance(value, int | float):
+        return bool(value)
+    spelled = value.lower() if isinstance(value, str) else ""
+    return {"true": True, "t": True, "1": True, "false": False, "f": False, "0": False}.get(spelled)
+
+
+_CASTS: dict[str, Callable[[Any], Any]] = {
+    "Num": _number,
+    "Int": _whole,
+    "Str": to_text,
+    "Bool": _truth,
+}
+
+
+def _written(value: Any, *, inside: bool) -> str:
+    if value is None:
+        return "NULL"
+    if isinstance(value, bool):
+        return "true" if value else "false"
+    if isinstance(value, dict):
+        fields = (f"'{k}': {_written(v, inside=True)}" for k, v in value.items())
+        return "{" + ", ".join(fields) + "}"
+    if isinstance(value, list):
+        return "[" + ", ".join(_written(v, inside=True) for v in value) + "]"
+    if isinstance(value, float):
+        return _float(value)
+    text = str(value)
+    return f"'{text}'" if inside and (not text or text != text.strip()) else text
+
+
+def _float(value: float) -> str:
+    if math.isfinite(value):
+        return repr(value)
+    return "inf" if value > 0 else "-inf"

@@ -1,0 +1,53 @@
+"""What SQLite complains about while a program thinks, in plain words."""
+
+from __future__ import annotations
+
+import re
+
+__all__ = ["FailureError", "in_plain_words"]
+
+
+class FailureError(Exception):
+    """A query failed; the message is for the player.
+
+    Attributes:
+        slow: Whether it took too long, so that trying again would as well.
+    """
+
+    def __init__(self, message: str, *, slow: bool = False) -> None:
+        self.slow = slow
+        super().__init__(message)
+
+
+def in_plain_words(error: Exception) -> str:
+    """What an error of SQLite means to a player; never SQL."""
+    text = str(error)
+    for pattern, words in _WORDS:
+        if found := re.search(pattern, text):
+            return found.expand(words)
+    return "it can't be computed"
+
+
+_WORDS = (
+    (r"malformed JSON", "a field was asked of something that is neither a record nor a list"),
+    (
+        r"user-defined",
+        "a function was given a value that it can't use, such as text instead of a list",
+    ),
+    (
+        r"parser stack overflow|too many levels|too large|tree is too|too many terms",
+        "an expression is nested too deeply; give parts of it names of their own",
+    ),
+    (r"not authorized|prohibited|not a query", "it uses something that robots may not use"),
+    (r"too big|out of memory", "a value became too large"),
+    (r"integer overflow", "a whole number became too large"),
+    (r"no such function: (\w+)", r"there is no function \1"),
+    (r"wrong number of arguments to function (\w+)", r"\1 has the wrong number of arguments"),
+    (r"misuse of aggregate", "an aggregate stands where a plain value is needed"),
+    (r"misuse of window", "a function is used that needs an order of rows"),
+    (r"no such column: (?:\w+\.)?(col\d+)", "a column without a name is used that is not there"),
+    (r"no such column: (?:\w+\.)?(\w+)", r"a column \1 is used that is not there"),
+    (r"no such table: (?:\w+\.)?(\w+)", r"there is no predicate \1"),
+    (r"same number of result columns", "its rules have different columns"),
+    (r"circular reference", "it depends on itself in a way that can't be computed"),
+)

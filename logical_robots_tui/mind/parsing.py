@@ -1,0 +1,83 @@
+"""Parsing statement by statement, so that every mistake is found and every node knows its place.
+
+The package's parser gives each piece of a syntax tree the text that it came from, with its place
+there. Here that place is an offset in the program's text.
+"""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+from logica.parser_py import parse
+
+from logical_robots_tui.mind import complaints
+from logical_robots_tui.mind.text import statements
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from logical_robots_tui.mind.diagnostics import Diagnostic
+    from logical_robots_tui.mind.rules import Rule
+    from logical_robots_tui.mind.text import Prepared
+
+__all__ = ["Parsed", "parse_statements", "rewritten"]
+
+_NAME = re.compile(r"[A-Z]\w*")
+
+
+@dataclass(frozen=True, slots=True)
+class Parsed:
+    """What could be read of a program.
+
+    Attributes:
+        rules: Syntax trees as written, in the order of the text.
+        problems: Mistakes in the statements that could not be read.
+        doubtful: Names in those statements, about which nothing can be said.
+    """
+
+    rules: list[Rule]
+    problems: list[Diagnostic]
+    doubtful: frozenset[str]
+
+
+def parse_statements(text: str, source: Prepared) -> Parsed:
+    """Parse every statement that can be parsed."""
+    parse.TOO_MUCH = "too much"  # a program can switch the package to other syntax for good
+    parse.EnactIncantations(source.text)
+    rules: list[Rule] = []
+    problems = list(source.problems)
+    doubtful: set[str] = set()
+    for start, end in statements(source):
+        skip = any(start <= place < end for place in source.broken)
+        if not skip:
+            try:
+                rules += _parse_statement(source.text, start, end)
+                continue
+            except complaints.COMPLAINTS as error:
+                problems.append(complaints.explain(error, text, source, (start, end)))
+        doubtful.update(_NAME.findall(source.skeleton[start:end]))
+    return Parsed(rules, problems, frozenset(doubtful))
+
+
+def rewritten(rules: list[Rule]) -> list[Rule]:
+    """The rules in the form that the package compiles: without disjunctions and the like."""
+    for rewriting in (
+        parse.DisjunctiveNormalForm,
+        parse.MultiBodyAggregation,
+        parse.AggergationsAsExpressions,
+    ):
+        rules = rewriting.Rewrite(rules)
+    return rules
+
+
+def _parse_statement(text: str, start: int, end: int) -> Iterator[Rule]:
+    statement = parse.HeritageAwareString(text[start:end])
+    statement.start, statement.stop, statement.heritage = start, end, text
+    function: list[Rule] | None = parse.ParseFunctionRule(statement)
+    if function:
+        yield from function
+        return
+    rule: dict[str, Any] = parse.ParseFunctorRule(statement) or parse.ParseRule(statement)
+    yield rule

@@ -1,0 +1,106 @@
+"""SQLite's own text functions that can take minutes in one call, with a bound on that.
+
+Comparing every position of a text with every position of another is what takes long; here it is
+done by algorithms that go through a text once, or it is refused.
+"""
+
+from __future__ import annotations
+
+import re
+from typing import TYPE_CHECKING, Any
+
+from logical_robots_tui.mind.bounds import TooLargeError, check_text
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+__all__ = ["REPLACED"]
+
+_LONGEST_PATTERN = 1_000
+_MOST_TRIMMED = 30
+_MOST_COMPARISONS = 5_000_000
+
+_SPACES = " "
+
+
+def _text(value: Any) -> str:
+    return value.decode("utf-8", "replace") if isinstance(value, bytes) else str(value)
+
+
+def _like(pattern: Any, text: Any, escape: str = "") -> int:
+    """`text LIKE pattern`, in which case matters."""
+    pattern, text = _text(pattern), _text(text)
+    if len(pattern) > _LONGEST_PATTERN:
+        raise TooLargeError(f"a pattern of {len(pattern):,} characters")
+    first, *rest = _pieces(pattern, escape)
+    if not rest:
+        return int(len(text) == len(first) and _found(first, text, 0, len(text)) == 0)
+    last = rest.pop()
+    start, end = len(first), len(text) - len(last)
+    if start > end or _found(first, text, 0, start) != 0 or _found(last, text, end, len(text)) < 0:
+        return 0
+    for piece in rest:
+        at = _found(piece, text, start, end)
+        if at < 0:
+            return 0
+        start = at + len(piece)
+    return 1
+
+
+def _pieces(pattern: str, escape: str) -> list[list[str]]:
+    """The stretches between `%`: of single characters, "" where any character may stand."""
+    pieces: list[list[str]] = [[]]
+    characters = iter(pattern)
+    for character in characters:
+        if escape and character == escape:
+            pieces[-1].append(next(characters, ""))
+        elif character == "%":
+            pieces.append([])
+        else:
+            pieces[-1].append("" if character == "_" else character)
+    return pieces
+
+
+def _found(piece: list[str], text: str, start: int, end: int) -> int:
+    """Where a stretch occurs first, or -1."""
+    if "" not in piece:
+        return text.find("".join(piece), start, end)
+    if (end - start) * len(piece) > _MOST_COMPARISONS and end - start > len(piece):
+        raise TooLargeError("a pattern with many _ on a long text")
+    pattern = re.compile("".join(re.escape(c) if c else "." for c in piece), re.DOTALL)
+    found = pattern.search(text, start, end)
+    return found.start() if found else -1
+
+
+def _instr(text: Any, part: Any) -> int:
+    return _text(text).find(_text(part)) + 1
+
+
+def _replace(text: Any, old: Any, new: Any) -> Any:
+    text, old, new = _text(text), _text(old), _text(new)
+    if not old:
+        return text
+    if len(new) > len(old):
+        check_text(len(text) + text.count(old) * (len(new) - len(old)))
+    return text.replace(old, new)
+
+
+def _trimmer(strip: Callable[[str, str], str]) -> Callable[..., str]:
+    def trim(text: Any, characters: Any = _SPACES) -> str:
+        unwanted = "".join(set(_text(characters)))
+        if len(unwanted) > _MOST_TRIMMED:
+            raise TooLargeError(f"{len(unwanted):,} different characters to trim")
+        return strip(_text(text), unwanted)
+
+    return trim
+
+
+REPLACED: dict[str, tuple[tuple[int, ...], Callable[..., Any]]] = {
+    "instr": ((2,), _instr),
+    "like": ((2, 3), _like),
+    "ltrim": ((1, 2), _trimmer(str.lstrip)),
+    "replace": ((3,), _replace),
+    "rtrim": ((1, 2), _trimmer(str.rstrip)),
+    "trim": ((1, 2), _trimmer(str.strip)),
+}
+"""Numbers of arguments and function by SQL name. Null in, null out."""

@@ -1,0 +1,43 @@
+"""Small programs, one construct or idiom each, whose answers DuckDB decides.
+
+A line of ``corpus.txt`` is an expression over `sensor` and `memory`, with the rules that it
+needs before ``@@``; lines that begin with ``##`` name the topic.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+__all__ = ["CASES", "DIFFERENCES"]
+
+_TEXT = Path(__file__).with_name("corpus.txt").read_text(encoding="utf-8")
+
+
+def _cases() -> list[tuple[str, str, str]]:
+    """Topic, rules and expression of every case."""
+    topic = ""
+    cases = []
+    for line in _TEXT.strip().splitlines():
+        if line.startswith("## "):
+            topic = line[3:]
+        else:
+            rules, _, expression = line.rpartition(" @@ ")
+            cases.append((topic, rules, expression))
+    return cases
+
+
+CASES = _cases()
+
+DIFFERENCES: list[tuple[str, object, object]] = [
+    # expression, its value here, its value on DuckDB; each is explained in docs/dialect.md
+    ("0 / 0", None, float("nan")),
+    ("Sqrt(-1)", None, float("nan")),
+    ("ToString([1, 2])", [1, 2], "[1.000, 2.000]"),
+    ("Element([0.12345], 0)", 0.12345, 0.123),
+    ('RecordAsJson({a: 1, b: "x"})', {"a": 1, "b": "x"}, '{"a":1,"b":"x"}'),
+    ('memory.plan == {spot: "A", done: true}', 0, True),
+    ("Sort([3, 1, 2])", [1, 2, 3], "CatalogException"),
+    ("Size([])", 0, "RuleCompileException"),
+    ("100000000000 * 100000000000", 1e22, "OutOfRangeException"),
+    ('ToInt64("x")', 0, "ConversionException"),
+]

@@ -1,0 +1,94 @@
+"""What a program means on the web platform: the package's own DuckDB dialect, on DuckDB."""
+
+from __future__ import annotations
+
+import copy
+import functools
+import json
+from decimal import Decimal
+from typing import TYPE_CHECKING, Any
+
+import duckdb
+from logica.common import concertina_lib
+from logica.compiler import universe
+from logica.parser_py import parse
+
+from logical_robots_tui.mind.text import prepare
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+__all__ = ["answer"]
+
+WEIGHTED_AVERAGE = "WeightedAverage(pair) = Sum(pair.arg * pair.value) / Sum(pair.arg);"
+"""The one predicate of our prelude that the package's DuckDB library lacks."""
+
+
+def answer(
+    text: str, predicate: str, rows: list[Any], memories: dict[str, Any], folder: Path
+) -> list[tuple[Any, ...]]:
+    """Rows of a predicate as DuckDB computes them, in plain Python values.
+
+    Args:
+        text: The program.
+        predicate: Which one to ask for.
+        rows: Sensor rows; written as JSON and read with its schema detected, as the platform does.
+        memories: Memories by robot name, likewise.
+        folder: Where to put these files.
+    """
+    rules = _parsed(text)
+    if "WeightedAverage" not in {r["head"]["predicate_name"] for r in rules}:
+        rules += _parsed(WEIGHTED_AVERAGE)
+    program = universe.LogicaProgram(rules, user_flags={"logica_default_engine": "duckdb"})
+    program.FormattedPredicateSql(predicate)
+    with duckdb.connect() as connection:
+        connection.execute("SET threads = 1")
+        remembered = [{"robot_name": n, "memory": m} for n, m in memories.items()]
+        for table, data in (("Sensor", rows), ("Memory", remembered)):
+            file = folder / f"{table}.json"
+            file.write_text(json.dumps(data), encoding="utf-8")
+            connection.execute(f"CREATE TABLE {table} AS SELECT * FROM read_json_auto('{file}')")
+        result: list[tuple[Any, ...]] = []
+
+        def run(sql: str, _engine: str, is_final: bool) -> None:
+            found = connection.execute(sql)
+            if is_final:
+                result.extend(found.fetchall())
+
+        concertina_lib.ExecuteLogicaProgram(
+            [program.execution], run, "duckdb", display_mode="silent"
+        )
+    return [tuple(_plain(value) for value in row) for row in result]
+
+
+def _parsed(text: str) -> list[Any]:
+    return list(_parse(prepare(text).text)["rule"])
+
+
+_parse = parse.ParseFile
+
+
+@functools.cache
+def _parsed_library(text: str) -> Any:
+    return _parse(text)
+
+
+class _Parser:
+    """The package's parser, which the package calls for its library again and again."""
+
+    @staticmethod
+    def ParseFile(text: str) -> Any:  # noqa: N802 - the package's name
+        return copy.deepcopy(_parsed_library(text))
+
+
+universe.parse = _Parser
+
+
+def _plain(value: Any) -> Any:
+    if isinstance(value, Decimal):
+        return int(value) if value == value.to_integral_value() else float(value)
+    if isinstance(value, dict):
+        return {k: _plain(v) for k, v in value.items()}
+    if isinstance(value, list):
+        return [_plain(v) for v in value]
+    return value

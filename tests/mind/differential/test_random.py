@@ -1,0 +1,129 @@
+"""Random expressions mean the same on both engines."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+
+from tests.mind.differential.comparing import here, program, same, there
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+Text = st.SearchStrategy[str]
+
+RADAR_NUMBERS = ("ray.distance", "ray.angle")
+
+
+def numbers(depth: int) -> Text:
+    """Expressions that are numbers or null; never so large that DuckDB's whole numbers end."""
+    leaves = st.one_of(
+        st.integers(0, 20).map(str),
+        st.sampled_from(["0.5", "2.25", "sensor.clock", "memory.count", "sensor.forward_distance"]),
+    )
+    if not depth:
+        return leaves
+    inner = numbers(depth - 1)
+    return st.one_of(
+        leaves,
+        st.tuples(inner, st.sampled_from("+-*"), inner).map(lambda t: f"({t[0]} {t[1]} {t[2]})"),
+        st.tuples(inner, st.integers(1, 9)).map(lambda t: f"({t[0]} / {t[1]})"),
+        st.tuples(st.sampled_from(["Abs", "Floor", "Sin", "Cos", "Atan"]), inner).map(
+            lambda t: f"{t[0]}({t[1]})"
+        ),
+        st.tuples(st.sampled_from(["Least", "Greatest", "Coalesce"]), inner, inner).map(
+            lambda t: f"{t[0]}({t[1]}, {t[2]})"
+        ),
+        st.tuples(truths(depth - 1), inner, inner).map(
+            lambda t: f"(if {t[0]} then {t[1]} else {t[2]})"
+        ),
+        st.tuples(
+            st.sampled_from(["Sum", "Min", "Max", "Avg"]),
+            st.sampled_from(RADAR_NUMBERS),
+            st.sampled_from(["wall", "beacon", "none", "cat"]),
+        ).map(lambda t: f'{t[0]}{{{t[1]} :- ray in sensor.radar, ray.object == "{t[2]}"}}'),
+        inner.map(lambda n: f"{{a: {n}, b: 1}}.a"),
+        st.tuples(st.integers(0, 9), st.integers(0, 9)).map(
+            lambda t: f"Element([{t[0]}, {t[1]}], 1)"
+        ),
+        texts(depth - 1).map(lambda t: f"Length({t})"),
+    )
+
+
+def truths(depth: int) -> Text:
+    """Expressions that are true, false or null."""
+    leaves = st.sampled_from(["true", "false", "memory.plan.done", "sensor.self.has_battery"])
+    if not depth:
+        return leaves
+    inner = truths(depth - 1)
+    return st.one_of(
+        leaves,
+        st.tuples(
+            numbers(depth - 1), st.sampled_from(["<", "<=", "==", "!=", ">"]), numbers(depth - 1)
+        ).map(lambda t: f"({t[0]} {t[1]} {t[2]})"),
+        st.tuples(inner, st.sampled_from(["&&", "||"]), inner).map(
+            lambda t: f"({t[0]} {t[1]} {t[2]})"
+        ),
+        inner.map(lambda t: f"(!{t})"),
+        st.tuples(st.sampled_from(["StartsWith", "EndsWith"]), texts(depth - 1), texts(0)).map(
+            lambda t: f"{t[0]}({t[1]}, {t[2]})"
+        ),
+    )
+
+
+def texts(depth: int) -> Text:
+    """Expressions that are texts or null."""
+    leaves = st.sampled_from(['"a"', '""', '"Zoë b"', "memory.name", "sensor.forward_label"])
+    if not depth:
+        return leaves
+    inner = texts(depth - 1)
+    return st.one_of(
+        leaves,
+        st.tuples(inner, inner).map(lambda t: f"({t[0]} ++ {t[1]})"),
+        st.tuples(st.sampled_from(["Upper", "Lower", "Reverse"]), inner).map(
+            lambda t: f"{t[0]}({t[1]})"
+        ),
+        st.tuples(inner, st.integers(1, 4), st.integers(0, 4)).map(
+            lambda t: f"Substr({t[0]}, {t[1]}, {t[2]})"
+        ),
+        st.integers(-99, 99).map(lambda n: f"ToString({n})"),
+        st.tuples(truths(depth - 1), inner, inner).map(
+            lambda t: f"(if {t[0]} then {t[1]} else {t[2]})"
+        ),
+    )
+
+
+def check(expressions: dict[str, str], folder: Path) -> None:
+    text = program(**expressions)
+    ours: Any = dict(zip(expressions, here(text)[0], strict=True))
+    theirs: Any = dict(zip(expressions, there(text, folder)[0], strict=True))
+    different = {
+        text: (ours[name], theirs[name])
+        for name, text in expressions.items()
+        if not same(ours[name], theirs[name])
+    }
+    assert not different
+
+
+columns = st.fixed_dictionaries(
+    {"a": numbers(3), "b": numbers(2), "c": truths(2), "d": texts(2), "e": numbers(2)}
+)
+relaxed = [HealthCheck.function_scoped_fixture, HealthCheck.too_slow]
+
+
+@settings(max_examples=25, deadline=None, suppress_health_check=relaxed)
+@given(columns)
+def test_random_expressions_mean_the_same(tmp_path: Path, expressions: dict[str, str]) -> None:
+    check(expressions, tmp_path)
+
+
+@pytest.mark.proof
+@settings(max_examples=1_000, deadline=None, suppress_health_check=relaxed)
+@given(columns)
+def test_a_thousand_random_programs_mean_the_same(
+    tmp_path: Path, expressions: dict[str, str]
+) -> None:
+    check(expressions, tmp_path)

@@ -1,0 +1,251 @@
+"""Programs that want more than to think.
+
+Each has a name, what must become of it, and a text, in which `ROBOT` stands for a rule that
+remembers `m`.
+
+| outcome | what must happen |
+|---|---|
+| refused | it is not compiled, and a diagnostic says why |
+| failed | it is compiled, the thought fails with a notice and the memory stays |
+| bounded | either of these, or it ends in time by itself |
+| harmless | it thinks, and what it names stays mere data |
+"""
+
+from __future__ import annotations
+
+from tests.mind.rows import ROBOT
+
+__all__ = ["PROGRAMS"]
+
+_LONG_NAME = "A" + "a" * 60_000
+
+_TEXTS: list[tuple[str, str, str]] = [
+    # files
+    ("reads a file", "refused", 'ROBOT m = ReadFile("/etc/passwd");'),
+    ("reads a file as JSON", "refused", 'ROBOT m = ReadJson("/etc/passwd");'),
+    ("writes a file", "refused", 'ROBOT m = WriteFile("touched", content: "x");'),
+    ("reads a file in a helper", "refused", 'F(x) = ReadFile(x); ROBOT m = F("/etc/passwd");'),
+    ("reads a file by a functor", "refused", "G := F(H: ReadFile); F(x) = H(x); ROBOT m = G(1);"),
+    ("prints to the console", "refused", 'ROBOT PrintToConsole("x"), m = 1;'),
+    ("imports a module", "refused", "import os.path.Join; ROBOT m = 1;"),
+    ("imports at the end", "refused", "ROBOT m = 1;\nimport a.b.C;"),
+    ("imports upwards", "refused", "import ..secret.P as Q; ROBOT m = Q();"),
+    # other programs and machines
+    ("asks a language model", "refused", 'ROBOT m = Intelligence("hello");'),
+    ("runs clingo", "refused", 'ROBOT m = RunClingo("a.");'),
+    ("runs a clingo file", "refused", 'ROBOT m = RunClingoFile("/etc/passwd");'),
+    ("chooses DuckDB", "refused", '@Engine("duckdb"); ROBOT m = 1;'),
+    ("chooses BigQuery", "refused", '@Engine("bigquery"); ROBOT m = 1;'),
+    ("chooses an engine that is SQL", "refused", "@Engine(\"x'; ATTACH 'y' AS z\"); ROBOT m = 1;"),
+    ("attaches a database", "refused", '@AttachDatabase("a", "touched.db"); ROBOT m = 1;'),
+    ("attaches itself", "refused", '@AttachDatabase("logica_test", ":memory:"); ROBOT m = 1;'),
+    ("chooses a data set", "refused", '@Dataset("touched"); ROBOT m = 1;'),
+    ("defines a flag", "refused", '@DefineFlag("f", "touched"); ROBOT m = FlagValue("f");'),
+    ("compiles as a function", "refused", "@CompileAsUdf(F); F(x) = x; ROBOT m = F(1);"),
+    ("compiles as a table function", "refused", "@CompileAsTvf(F); F(x) :- x in [1]; ROBOT m = 1;"),
+    ("resets the flags", "refused", '@ResetFlagValue("logica_default_engine", "x"); ROBOT m = 1;'),
+    ("invents an annotation", "refused", '@Shell("touch touched"); ROBOT m = 1;'),
+    # SQL
+    ("writes SQL", "refused", 'ROBOT m = SqlExpr("1", {});'),
+    (
+        "writes SQL by a functor",
+        "refused",
+        'F(x) = H("1", {}); G := F(H: SqlExpr); ROBOT m = G(1);',
+    ),
+    ("quotes SQL", "refused", "ROBOT m = `(select sqlite_version())`;"),
+    ("quotes a table", "refused", "ROBOT `(sqlite_master)`(name:), m = name;"),
+    ("reads the schema", "bounded", "ROBOT sqlite_master(name:), m = name;"),
+    ("reads the statements", "bounded", "ROBOT m = 1, Sqlite_stmt(sql:);"),
+    (
+        "is named like a table",
+        "bounded",
+        "Sqlite_master(name: 1); ROBOT Sqlite_master(name:), m = 1;",
+    ),
+    ("closes a string", "harmless", 'ROBOT m = "\'; DROP TABLE Sensor; --";'),
+    ("closes a field", "bounded", "ROBOT m = {`a' || (select 1) || '`: 1};"),
+    ("comments in SQL", "harmless", 'ROBOT m = "-- /* */ --";'),
+    ("formats into SQL", "bounded", 'ROBOT m = "%s {m} ${m} %%";'),
+    ("grounds outside", "bounded", '@Ground(P, "other.table"); P(x) :- x in [1]; ROBOT P(m);'),
+    ("grounds a file", "bounded", '@Ground(P, "touched.csv"); P(x) :- x in [1]; ROBOT P(m);'),
+    ("orders by SQL", "bounded", '@OrderBy(P, "(select 1 from sqlite_master)"); P(1); ROBOT P(m);'),
+    ("orders by a write", "bounded", '@OrderBy(P, "1; DROP TABLE Sensor"); P(1); ROBOT P(m);'),
+    ("limits by SQL", "bounded", '@Limit(P, "1; DROP TABLE Sensor"); P(1); ROBOT P(m);'),
+    ("casts to SQL", "bounded", 'ROBOT m = Cast("1", "INT); DROP TABLE Sensor; --");'),
+    ("redefines its sensors", "refused", "Sensor(robot_name: 1, sensor: 2); ROBOT m = 1;"),
+    ("redefines its memory", "refused", "Memory(robot_name: 1, memory: 2); ROBOT m = 1;"),
+    # functions that are not there
+    ("loads an extension", "refused", 'ROBOT m = Load_extension("x");'),
+    ("makes a blob", "refused", "ROBOT m = Zeroblob(2000000000);"),
+    ("makes a random blob", "refused", "ROBOT m = Randomblob(2000000000);"),
+    ("asks the version", "refused", "ROBOT m = Sqlite_version();"),
+    # bombs of time
+    (
+        "joins and joins",
+        "failed",
+        "ROBOT m = Sum{a * b * c * d :- a in Range(9000), b in Range(9000), c in Range(9000), "
+        "d in Range(9000)};",
+    ),
+    (
+        "joins robots",
+        "failed",
+        "S(x) :- x in Range(5000); C() += 1 :- S(a), S(b), S(c), S(d); ROBOT m = C();",
+    ),
+    (
+        "recurses in width",
+        "bounded",
+        "@Recursive(N, 200); N(0); N(x) :- N(y), N(z), x = y + z + 1; ROBOT m = Sum{x :- N(x)};",
+    ),
+    (
+        "recurses for ever",
+        "bounded",
+        "@Recursive(N, 1000000000); N(0); N(x + 1) :- N(x); ROBOT m = Sum{x :- N(x)};",
+    ),
+    ("recurses without end", "bounded", "@Recursive(N, -1); N(0); N(x + 1) :- N(x); ROBOT m = 1;"),
+    ("recurses in itself", "bounded", "F(x) = F(F(F(x))); ROBOT m = F(1);"),
+    ("depends on itself", "bounded", "P(x) :- Q(x); Q(x) :- P(x); ROBOT P(m);"),
+    ("negates itself", "bounded", "P(x) :- x in [1], ~P(x); ROBOT P(m);"),
+    (
+        "doubles by calls",
+        "bounded",
+        "F0(x) = x + x; "
+        + "".join(f"F{i}(x) = F{i - 1}(x) + F{i - 1}(x); " for i in range(1, 40))
+        + "ROBOT m = F39(1);",
+    ),
+    (
+        "doubles by names",
+        "bounded",
+        "".join(
+            ["P0(x) :- x in [1]; "]
+            + [f"@With(P{i}); P{i}(x) :- P{i - 1}(x), P{i - 1}(x); " for i in range(1, 30)]
+        )
+        + "ROBOT P29(m);",
+    ),
+    (
+        "doubles by functors",
+        "bounded",
+        "F(x) :- G(x); G(x) :- x in [1]; "
+        + "".join(f"F{i + 1} := F{i or ''}(G: F{i or ''}); " for i in range(20))
+        + "ROBOT F20(m);",
+    ),
+    (
+        "alternates",
+        "bounded",
+        "A0(x) :- x in [1];"
+        + "".join(
+            f"A{i}(x) :- (A{i - 1}(x) | A{i - 1}(x)), (A{i - 1}(x) | A{i - 1}(x));"
+            for i in range(1, 12)
+        )
+        + "ROBOT A11(m);",
+    ),
+    (
+        "asks for a hard pattern",
+        "bounded",
+        'ROBOT m = Like(Join(List{"a" :- a in Range(9000)}, ""), "%a%a%a%a%a%a%a%a%a%b");',
+    ),
+    (
+        "asks for a hard expression",
+        "bounded",
+        'ROBOT m = RegexpExtract(Join(List{"a" :- a in Range(9000)}, ""), "(a+)+$");',
+    ),
+    # bombs of memory
+    ("counts to a million millions", "failed", "ROBOT m = Size(Range(1000000000000));"),
+    ("counts below zero", "bounded", "ROBOT m = Range(-1000000000000);"),
+    (
+        "joins a huge text",
+        "failed",
+        'ROBOT m = Join(List{"xxxxxxxxxx" :- a in Range(99999), b in Range(999)}, "");',
+    ),
+    (
+        "joins with a huge separator",
+        "failed",
+        'T() = Join(List{"0123456789" :- a in Range(9999)}, "");'
+        ' ROBOT m = Join(List{"" :- a in Range(9999)}, T());',
+    ),
+    (
+        "doubles a text",
+        "failed",
+        "".join(
+            ['T0() = "0123456789"; ']
+            + [f"T{i}() = T{i - 1}() ++ T{i - 1}(); " for i in range(1, 4)]
+        )
+        + 'S(x) = Join(List{x :- a in Range(1000)}, ""); ROBOT m = S(S(S(T3())));',
+    ),
+    ("collects huge lists", "failed", "ROBOT m = List{Range(99999) :- a in Range(99999)};"),
+    ("keeps all lists", "failed", "ROBOT m = Set{[a, b] :- a in Range(9999), b in Range(9999)};"),
+    ("fills with zeros", "bounded", 'ROBOT m = Format("%2000000000d", 1);'),
+    ("fills with digits", "bounded", 'ROBOT m = Format("%.2000000000f", 1.5);'),
+    (
+        "has a huge memory",
+        "failed",
+        'ROBOT m = List{"0123456789" :- a in Range(99999), b in [1, 2]};',
+    ),
+    (
+        "makes too many rows",
+        "failed",
+        "Robot(robot_name:, desire: {left_engine: 0, right_engine: 0},"
+        " memory: x) :- Sensor(robot_name:), x in Range(99999);",
+    ),
+    (
+        "nests values",
+        "bounded",
+        "".join(["T0() = [1]; "] + [f"T{i}() = [[[[[[[T{i - 1}()]]]]]]]; " for i in range(1, 30)])
+        + "ROBOT m = T29();",
+    ),
+    ("counts past 64 bits", "bounded", "ROBOT m = 9223372036854775807 + 9223372036854775807;"),
+    ("writes a long number", "bounded", f"ROBOT m = {'9' * 5000};"),
+    # the parser
+    ("opens brackets", "refused", "ROBOT m = " + "(" * 20_000 + "1" + ")" * 20_000 + ";"),
+    ("opens lists", "refused", "ROBOT m = " + "[" * 20_000 + "]" * 20_000 + ";"),
+    ("opens and never closes", "refused", "ROBOT m = " + "{" * 50_000),
+    ("adds and adds", "bounded", "ROBOT m = " + "+".join(["1"] * 20_000) + ";"),
+    ("negates and negates", "bounded", "ROBOT m = 1, " + "~" * 20_000 + "(1 == 2);"),
+    ("says minus", "bounded", "ROBOT m = " + "-" * 20_000 + "1;"),
+    ("chooses and chooses", "bounded", "ROBOT m = " + "if true then 1 else " * 5_000 + "2;"),
+    ("separates nothing", "refused", ";" * 100_000),
+    ("lists commas", "refused", "ROBOT " + "," * 100_000),
+    (
+        "has many rules",
+        "bounded",
+        "".join(f"P{i}(x) :- x in [{i}];" for i in range(4_000)) + "ROBOT P0(m);",
+    ),
+    ("has many conditions", "bounded", "ROBOT m = 1" + ", 1 == 1" * 5_000 + ";"),
+    (
+        "has many columns",
+        "bounded",
+        "P(" + ", ".join(f"c{i}: 1" for i in range(3_000)) + "); ROBOT P(c0: m);",
+    ),
+    ("has long names", "bounded", f"{_LONG_NAME}(1); ROBOT {_LONG_NAME}(m);"),
+    ("has a long text", "bounded", 'ROBOT m = "' + "x" * 190_000 + '";'),
+    ("has a long comment", "bounded", "# " + "x" * 190_000 + "\nROBOT m = 1;"),
+    ("never ends its texts", "refused", '"\n' * 50_000),
+    ("never ends its comments", "refused", "/* " * 50_000),
+    ("is too long", "refused", " " * 200_001),
+    # not text
+    ("has a zero byte", "refused", 'ROBOT m = "\0";'),
+    ("has half a character", "refused", 'ROBOT m = "\ud800";'),
+    ("has a byte order mark", "bounded", "\ufeffROBOT m = 1;"),
+    ("has wide spaces", "bounded", "ROBOT\u3000m\u2003=\u00a01;"),
+    ("turns direction", "harmless", 'ROBOT m = "\u202e;1 = m";'),
+    ("looks like another", "bounded", "R\u043ebot(x: 1); ROBOT m = 1;"),
+    ("controls the terminal", "harmless", 'ROBOT m = "\x1b]0;owned\x07\x1b[2J\x9b31m[red]";'),
+    ("controls it in a mistake", "refused", "ROBOT m = \x1b[2J\x1b]0;owned\x07;"),
+    ("controls it in a name", "refused", "ROBOT m = `\x1b[2J`;"),
+    ("marks up", "harmless", 'ROBOT m = "[bold][link=file:///etc/passwd]x[/link]";'),
+    ("names a prototype", "harmless", "ROBOT m = {__proto__: {constructor: 1}, __class__: 2};"),
+    ("names Python", "refused", "ROBOT m = __import__(1);"),
+    (
+        "says the incantation",
+        "bounded",
+        "Signa inter verba conjugo, symbolum infixus evoco!\nROBOT m = 1;",
+    ),
+    ("is Python", "refused", "import os\nos.system('touch touched')\n"),
+    ("is empty", "refused", ""),
+]
+
+
+def _complete(text: str) -> str:
+    return text.replace("ROBOT", ROBOT.rstrip())
+
+
+PROGRAMS = {name: (outcome, _complete(text)) for name, outcome, text in _TEXTS}
+assert len(PROGRAMS) == len(_TEXTS)

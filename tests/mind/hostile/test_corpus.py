@@ -1,0 +1,164 @@
+"""Each program of the corpus is refused or bounded, and the game goes on."""
+
+from __future__ import annotations
+
+import os
+import sqlite3
+from contextlib import contextmanager, suppress
+from dataclasses import replace
+from pathlib import Path
+from time import monotonic
+from typing import TYPE_CHECKING
+
+import pytest
+
+from logical_robots_tui.mind import Decision, Limits, Mind, Program, ProgramError, QueryError
+from logical_robots_tui.mind.database import Database, TooMuchError, TooSlowError
+from tests.mind.hostile.programs import PROGRAMS
+from tests.mind.hostile.statements import REFUSED, RUNAWAY
+from tests.mind.rows import ROBOT, row
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+LIMITS = Limits(compile_seconds=0.6, think_seconds=0.4, query_seconds=0.4)
+COMPILES = replace(LIMITS, compile_seconds=30.0)
+LATE = 4.0  # seconds that nothing may take longer than its limit, on a machine with much to do
+GROWTH = 700 * 1024**2  # bytes: the memory of SQLite, and as much again as one value can be
+
+SEEN = [row("Ada", sees={3: (50, "area", "\x1b[31m[red]")})]
+PASSWORDS = Path("/etc/passwd").read_text(encoding="utf-8").split("\n", 1)[0]
+
+
+@pytest.fixture(scope="module")
+def next_program() -> Program:
+    return Program.compile(ROBOT + "m = 1;")
+
+
+@contextmanager
+def nothing_touched(folder: Path, seconds: float) -> Iterator[None]:
+    """Assert that a block ends in time, without a file and with little memory."""
+    began = monotonic()
+    with in_folder(folder), bounded_memory():
+        yield
+    assert list(folder.iterdir()) == []
+    assert monotonic() - began < seconds + LATE
+
+
+@contextmanager
+def in_folder(folder: Path) -> Iterator[None]:
+    before = Path.cwd()
+    os.chdir(folder)
+    try:
+        yield
+    finally:
+        os.chdir(before)
+
+
+@contextmanager
+def bounded_memory() -> Iterator[None]:
+    before = _forget_peak()
+    yield
+    assert _peak() - before < GROWTH
+
+
+def _forget_peak() -> int:
+    try:
+        Path("/proc/self/clear_refs").write_text("5", encoding="ascii")
+    except OSError:
+        pytest.skip("this system does not tell how much memory is used")
+    return _peak()
+
+
+def _peak() -> int:
+    status = Path("/proc/self/status").read_text(encoding="ascii", errors="replace")
+    return int(status.split("VmHWM:")[1].split()[0]) * 1024
+
+
+def goes_on(program: Program) -> bool:
+    """Whether another program thinks now."""
+    mind = Mind(program)
+    decisions = mind.think(SEEN, {})
+    mind.close()
+    return [d.memory for d in decisions] == [1]
+
+
+def outcome(text: str, limits: Limits) -> tuple[str, list[Decision]]:
+    """What becomes of a program: refused, failed or harmless, and its decisions."""
+    program: Program | None
+    try:
+        program = Program.compile(text, limits=limits)
+    except ProgramError as error:
+        said = str(error)
+        program = None
+    if program is None:
+        assert said.replace("\n", "").isprintable()
+        return "refused", []
+    mind = Mind(program, limits=LIMITS)
+    decisions = mind.think(SEEN, {"Ada": "kept"})
+    mind.close()
+    assert all(n.message.isprintable() for d in decisions for n in d.notices)
+    failed = any(n.kind in ("failed", "no memory") for n in decisions[0].notices)
+    assert not failed or decisions[0].memory == "kept"
+    return "failed" if failed else "harmless", decisions
+
+
+@pytest.mark.parametrize("name", PROGRAMS)
+def test_a_hostile_program_is_refused_or_bounded(
+    name: str, tmp_path: Path, next_program: Program
+) -> None:
+    wanted, text = PROGRAMS[name]
+    limits = COMPILES if wanted in ("failed", "harmless") else LIMITS
+    with nothing_touched(tmp_path, limits.compile_seconds + limits.think_seconds):
+        became, decisions = outcome(text, limits)
+    assert wanted in (became, "bounded")
+    assert PASSWORDS not in repr(decisions)
+    assert goes_on(next_program)
+
+
+@pytest.mark.parametrize("sql", REFUSED)
+def test_sql_that_does_more_than_read_is_refused(sql: str, tmp_path: Path) -> None:
+    database = Database(LIMITS)
+    database.load([("Ada", "{}")], [("Ada", "kept")])
+    with (
+        nothing_touched(tmp_path, LIMITS.think_seconds),
+        pytest.raises((sqlite3.Error, sqlite3.Warning)),
+    ):
+        database.ask(sql, most=10)
+    assert database.ask("SELECT memory FROM Memory", most=10)[1] == [("kept",)]
+    database.close()
+
+
+@pytest.mark.parametrize("name", RUNAWAY)
+def test_runaway_sql_ends(name: str, tmp_path: Path) -> None:
+    database = Database(LIMITS)
+    database.load([("Ada", "{}")], [("Ada", "kept")])
+    with (
+        nothing_touched(tmp_path, LIMITS.think_seconds),
+        suppress(sqlite3.Error, sqlite3.Warning, TooSlowError, TooMuchError),
+    ):
+        database.ask(RUNAWAY[name], most=10_000)
+    assert database.ask("SELECT memory, upper('abc') FROM Memory", most=10)[1] == [("kept", "ABC")]
+    database.close()
+
+
+@pytest.mark.parametrize(
+    "sql",
+    [
+        *REFUSED,
+        *(pytest.param(sql, marks=pytest.mark.proof, id=name) for name, sql in RUNAWAY.items()),
+    ],
+)
+def test_sql_forced_into_a_program_is_a_notice_or_an_answer(
+    sql: str, tmp_path: Path, next_program: Program
+) -> None:
+    mind = Mind(replace(next_program, statements={"Robot": sql}), limits=LIMITS)
+    with nothing_touched(tmp_path, LIMITS.think_seconds):
+        (decision,) = mind.think(SEEN, {"Ada": "kept"})
+    assert decision.memory == "kept"
+    assert decision.notices
+    assert all(n.message.isprintable() and "SELECT" not in n.message for n in decision.notices)
+    with in_folder(tmp_path), suppress(QueryError):
+        mind.query("Robot", SEEN, {"Ada": "kept"})
+    mind.close()
+    assert goes_on(next_program)

@@ -1,0 +1,137 @@
+"""No function that a program may call takes long in a single call, whatever it is given."""
+
+from __future__ import annotations
+
+import itertools
+import json
+import sqlite3
+from time import thread_time
+from typing import TYPE_CHECKING
+
+import pytest
+
+from logical_robots_tui.mind import Limits, functions
+from logical_robots_tui.mind.allowed import BUILT_IN
+from logical_robots_tui.mind.bounds import MAX_ITEMS, MAX_TEXT
+from logical_robots_tui.mind.database import Database, TooMuchError
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+SECONDS = 0.5  # of computing; a twentieth of that and less is usual
+
+HALF = "a" * (MAX_TEXT // 2 - 100)
+ITEMS = MAX_ITEMS - 10
+VALUES = {
+    "text": "a" * (MAX_TEXT - 100),
+    "nearly": HALF + "b",
+    "wide": "\N{GRINNING FACE}" * (MAX_TEXT // 4 - 100),
+    "odd": "".join(map(chr, range(0x100, 0x2000))),
+    "ones": "[" + ",".join("1" * (MAX_TEXT // 2 - 100)) + "]",
+    "items": json.dumps(list(range(ITEMS))),
+    "texts": json.dumps([str(number) * 9 for number in range(ITEMS)]),
+    "lists": json.dumps([[]] * (ITEMS // 2)),
+    "pairs": json.dumps([{"arg": str(n), "value": n} for n in range(ITEMS // 3)]),
+    "record": json.dumps({str(number): number for number in range(ITEMS)}),
+    "deep": "[" * 900 + "]" * 900,
+    "quotes": '"' * (MAX_TEXT // 2 - 100),
+    "digits": "1" * (MAX_TEXT - 100),
+    "wild": "%_a" * 300,
+    "letter": "a",
+    "path": "$[90000]",
+    "format": f"%{MAX_TEXT - 10}s",
+    "type": '{"a": "Str"}',
+    "number": MAX_TEXT - 10,
+    "large": 1e300,
+}
+PAIRED = ("text", "nearly", "wide", "odd", "items", "texts", "record", "wild", "letter", "number")
+THREE = itertools.product(
+    ("text", "nearly", "items"), ("nearly", "letter", "number"), ("text", "letter", "number")
+)
+ARGUMENTS = [(), *((v,) for v in VALUES), *itertools.product(PAIRED, repeat=2), *THREE]
+
+
+@pytest.fixture(scope="module")
+def database() -> Iterator[Database]:
+    database = Database(Limits(think_seconds=60))
+    database.load(list(VALUES.items()), [])
+    yield database
+    database.close()
+
+
+@pytest.mark.parametrize("name", sorted(BUILT_IN | functions.NAMES))
+def test_no_call_takes_long(name: str, database: Database) -> None:
+    impossible = set()
+    for arguments in ARGUMENTS:
+        if len(arguments) in impossible:
+            continue
+        given = ", ".join(
+            f"(SELECT sensor FROM Sensor WHERE robot_name = '{a}')" for a in arguments
+        )
+        began = thread_time()
+        try:
+            database.ask(f"SELECT length({name}({given}))", most=1)
+        except sqlite3.Error as error:
+            if "wrong number" in str(error) or "no such function" in str(error):
+                impossible.add(len(arguments))
+        except TooMuchError:
+            pass
+        assert thread_time() - began < SECONDS, arguments
+
+
+def like(text: str, pattern: str, database: Database) -> bool:
+    (row,) = database.ask(f"SELECT '{text}' LIKE '{pattern}'", most=1)[1]
+    return bool(row[0])
+
+
+@pytest.mark.parametrize(
+    ("text", "pattern", "wanted"),
+    [
+        ("", "", True),
+        ("", "%", True),
+        ("a", "", False),
+        ("abc", "abc", True),
+        ("abc", "ABC", False),
+        ("abc", "a%", True),
+        ("abc", "%c", True),
+        ("abc", "%b%", True),
+        ("abc", "a_c", True),
+        ("abc", "a__c", False),
+        ("aba", "ab%ba", False),
+        ("abba", "ab%ba", True),
+        ("a.c", "a.c", True),
+        ("abc", "a.c", False),
+        ("aXbXc", "a%X_", True),
+        ("line\nline", "l_ne%l%e", True),
+        ("aaab", "%a%a%a%a%b", False),
+    ],
+)
+def test_like_is_like(text: str, pattern: str, wanted: bool, database: Database) -> None:
+    assert like(text, pattern, database) is wanted
+
+
+@pytest.mark.parametrize(
+    "expression",
+    [
+        "instr('abc', 'c')",
+        "instr('abc', '')",
+        "instr('abc', 'x')",
+        "instr(12345, 34)",
+        "replace('abcabc', 'b', 'xy')",
+        "replace('abc', '', 'x')",
+        "replace(121, 1, 3)",
+        "trim('  a ')",
+        "ltrim('xxa', 'x')",
+        "rtrim('axyx', 'xy')",
+        "trim(NULL)",
+        "replace('a', NULL, 'b')",
+        "'50%' LIKE '50!%' ESCAPE '!'",
+    ],
+)
+def test_a_replaced_function_gives_what_that_of_sqlite_gives(
+    expression: str, database: Database
+) -> None:
+    plain = sqlite3.connect(":memory:")
+    wanted = plain.execute(f"SELECT {expression}").fetchone()
+    plain.close()
+    assert database.ask(f"SELECT {expression}", most=1)[1] == [wanted]

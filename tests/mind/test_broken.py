@@ -1,0 +1,95 @@
+"""Broken programs, and all that a player is told about each.
+
+In the data, ``ROBOT`` stands for the head of a rule whose memory is ``m``, and ``FINE`` for a rule
+without a mistake. What is told follows each program: line, column, severity, offending text,
+message and, below, the hint.
+"""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from logical_robots_tui.mind import Diagnostic, Program, ProgramError
+
+ENGINES = "desire: {left_engine: 0, right_engine: 0}"
+ROBOT = f"Robot(robot_name:, {ENGINES}, memory: m) :- Sensor(robot_name:, sensor:),"
+FINE = f'Robot(robot_name:, {ENGINES}, memory: "") :- Sensor(robot_name:);'
+DATA = (Path(__file__).parent / "broken" / "programs.txt").read_text(encoding="utf-8")
+
+
+def expand(text: str) -> str:
+    """A program of the data with its short forms written out."""
+    return re.sub(r"^FINE$", FINE, re.sub(r"^ROBOT$", ROBOT, text, flags=re.M), flags=re.M)
+
+
+def programs() -> dict[str, tuple[str, str]]:
+    """By title: the program, and what is told about it."""
+    found = {}
+    for entry in re.split(r"^== ", DATA, flags=re.M)[1:]:
+        title, _, rest = entry.partition("\n")
+        text, told = re.split(r"^(?=-- )", rest.rstrip(), maxsplit=1, flags=re.M)
+        found[title] = (expand(text.removesuffix("\n")), told)
+    return found
+
+
+PROGRAMS = programs()
+
+
+def diagnostics(text: str) -> tuple[Diagnostic, ...]:
+    """Errors of a program that can't run, or the warnings of one that can."""
+    try:
+        return Program.compile(text).warnings
+    except ProgramError as error:
+        return error.diagnostics
+
+
+def told(found: tuple[Diagnostic, ...]) -> str:
+    """Diagnostics as the data spells them."""
+    return "\n".join(
+        f"-- {d.line}:{d.column} {d.severity} [{d.excerpt}] {d.message}\n   {d.hint}" for d in found
+    )
+
+
+@pytest.mark.parametrize("title", PROGRAMS)
+def test_a_broken_program_is_explained(title: str) -> None:
+    text, expected = PROGRAMS[title]
+    found = diagnostics(text)
+    assert told(found) == expected
+    lines = text.split("\n")
+    for diagnostic in found:
+        place = lines[diagnostic.line - 1][diagnostic.column - 1 :]
+        assert place.startswith(diagnostic.excerpt)
+
+
+def test_the_corpus_is_large_enough() -> None:
+    assert len(PROGRAMS) >= 60
+
+
+def test_no_message_holds_codes_sql_or_a_traceback_and_every_hint_is_short() -> None:
+    for title, (_, expected) in PROGRAMS.items():
+        assert expected.isascii(), title
+        assert expected.replace("\n", "").isprintable(), title
+        for word in ("Traceback", "SELECT", "json_extract", "sqlite", "logica_value", "Error("):
+            assert word not in expected, title
+        hints = [line for line in expected.split("\n") if line.startswith("   ")]
+        assert all(3 < len(hint) <= 123 for hint in hints), title
+
+
+@settings(max_examples=60, deadline=None)
+@given(st.data())
+def test_a_program_with_a_piece_cut_out_never_gives_a_traceback(data: st.DataObject) -> None:
+    text, _ = data.draw(st.sampled_from(sorted(PROGRAMS.values())))
+    start = data.draw(st.integers(0, len(text)))
+    end = data.draw(st.integers(start, min(len(text), start + 12)))
+    damaged = text[:start] + text[end:]
+    lines = damaged.split("\n")
+    for diagnostic in diagnostics(damaged):
+        assert 1 <= diagnostic.line <= len(lines)
+        assert 1 <= diagnostic.column <= len(lines[diagnostic.line - 1]) + 1
+        assert "\x1b" not in str(diagnostic)
+        assert len(diagnostic.hint) <= 120

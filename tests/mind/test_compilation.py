@@ -1,0 +1,187 @@
+"""The compile process: alone, bounded, stopped at once, gone with its parent."""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import sys
+import threading
+from contextlib import suppress
+from pathlib import Path
+from time import monotonic
+
+import pytest
+
+from logical_robots_tui.mind import Limits, Program, ProgramError, Stopped, compilation
+from tests.mind.rows import ROBOT
+from tests.waiting import until
+
+HEAVY = (
+    "A0(x) :- x in [1];"
+    + "".join(
+        f"A{i}(x) :- (A{i - 1}(x) | A{i - 1}(x)), (A{i - 1}(x) | A{i - 1}(x));"
+        for i in range(1, 12)
+    )
+    + ROBOT
+    + "A11(m);"
+)
+
+ONLY_LINUX = pytest.mark.skipif(not Path("/proc/self").exists(), reason="needs /proc")
+
+
+def process() -> subprocess.Popen[bytes]:
+    """The compile process, warm."""
+    with suppress(ProgramError):
+        Program.compile("Robot(")
+    running = compilation._compiler._process
+    assert running is not None
+    return running
+
+
+def refusal(text: str, limits: Limits) -> str:
+    with pytest.raises(ProgramError) as caught:
+        Program.compile(text, limits=limits)
+    return caught.value.diagnostics[0].message
+
+
+def test_compiling_can_be_stopped_and_the_next_program_compiles() -> None:
+    process()
+    stop = threading.Event()
+    stopped_at: list[float] = []
+
+    def set_it() -> None:
+        stopped_at.append(monotonic())
+        stop.set()
+
+    timer = threading.Timer(0.3, set_it)
+    timer.start()
+    with pytest.raises(Stopped):
+        Program.compile(HEAVY, stop=stop)
+    assert monotonic() - stopped_at[0] < 1
+    timer.join()
+    assert Program.compile(ROBOT + "m = 12345;").statements
+
+
+def test_waiting_for_another_compilation_can_be_stopped() -> None:
+    first, second = threading.Event(), threading.Event()
+
+    def compile_heavy() -> None:
+        with pytest.raises(Stopped):
+            Program.compile(HEAVY + " # first", stop=first)
+
+    thread = threading.Thread(target=compile_heavy)
+    thread.start()
+    until(compilation._compiler._turn.locked)
+    second.set()
+    with pytest.raises(Stopped):
+        Program.compile(HEAVY + " # second", stop=second)
+    first.set()
+    thread.join()
+
+
+def test_a_program_that_compiles_too_long_is_refused() -> None:
+    assert "longer than 0 seconds" in refusal(ROBOT + "m = 54321;", Limits(compile_seconds=0.0))
+
+
+def test_a_program_that_is_too_long_is_refused() -> None:
+    assert "more than the 10 " in refusal(ROBOT + "m = 1;", Limits(program_characters=10))
+
+
+def test_a_program_that_needs_too_much_memory_to_compile_is_refused() -> None:
+    limits = Limits(compile_bytes=150 * 1024**2, compile_seconds=60)
+    assert "memory" in refusal(HEAVY + " # memory", limits)
+    assert Program.compile(ROBOT + "m = 12346;").statements
+
+
+def test_a_compile_process_that_dies_is_replaced() -> None:
+    running = process()
+    running.kill()
+    running.wait()
+    assert Program.compile(ROBOT + "m = 778;").statements
+
+
+def test_there_is_one_compile_process_however_many_compile() -> None:
+    threads = [
+        threading.Thread(target=Program.compile, args=(f"{ROBOT} m = {number};",))
+        for number in range(5_000, 5_005)
+    ]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    assert len(children(os.getpid())) <= 1
+
+
+def children(parent: int) -> list[int]:
+    listed = subprocess.run(
+        ["ps", "-o", "pid=,args=", "--ppid", str(parent)], capture_output=True, text=True
+    )
+    return [int(line.split()[0]) for line in listed.stdout.splitlines() if "mind.worker" in line]
+
+
+@ONLY_LINUX
+def test_the_compile_process_can_open_no_file_and_start_no_process() -> None:
+    limits = Path(f"/proc/{process().pid}/limits").read_text(encoding="ascii")
+    found = {line[:26].strip(): line[26:].split()[:2] for line in limits.splitlines()[1:]}
+    assert found["Max open files"] == ["0", "0"]
+    assert found["Max file size"] == ["0", "0"]
+    assert found["Max processes"] == ["0", "0"]
+    assert found["Max core file size"] == ["0", "0"]
+    assert found["Max address space"] == [str(Limits().compile_bytes)] * 2
+    assert int(found["Max cpu time"][0]) <= 60
+
+
+@ONLY_LINUX
+def test_the_compile_process_knows_no_secrets(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("SOME_SECRET", "swordfish")
+    compilation.stop_compiling()
+    pid = process().pid
+    names = {
+        pair.split("=", 1)[0]
+        for pair in Path(f"/proc/{pid}/environ").read_text(encoding="utf-8").split("\0")
+        if pair
+    }
+    assert names <= {
+        "PYTHONPATH", "PYTHONDONTWRITEBYTECODE", "PYTHONUTF8", *compilation._PASSED_ON
+    }  # fmt: skip
+    assert os.getsid(pid) == pid
+    assert str(Path(f"/proc/{pid}/cwd").readlink()) == "/"
+
+
+@ONLY_LINUX
+def test_the_compile_process_ends_with_a_parent_that_is_killed_while_it_compiles(
+    tmp_path: Path,
+) -> None:
+    text = tmp_path / "heavy.l"
+    text.write_text(HEAVY + " # orphan", encoding="utf-8")
+    parent = subprocess.Popen(
+        [
+            sys.executable,
+            "-c",
+            "import sys, pathlib; from logical_robots_tui.mind import Program;"
+            "Program.compile(pathlib.Path(sys.argv[1]).read_text())",
+            str(text),
+        ],
+    )
+    until(lambda: any(busy(pid) for pid in children(parent.pid)))
+    (child,) = children(parent.pid)
+    os.kill(parent.pid, signal.SIGKILL)
+    parent.wait()
+    until(lambda: not Path(f"/proc/{child}").exists() or "Z (" in state(child))
+
+
+def busy(pid: int) -> bool:
+    """Whether a compile process has its limits, which it sets before its first program."""
+    try:
+        limits = Path(f"/proc/{pid}/limits").read_text(encoding="ascii")
+    except OSError:
+        return False
+    return any(line.split()[:4] == ["Max", "open", "files", "0"] for line in limits.splitlines())
+
+
+def state(pid: int) -> str:
+    try:
+        return Path(f"/proc/{pid}/status").read_text(encoding="ascii", errors="replace")
+    except OSError:
+        return "Z ("

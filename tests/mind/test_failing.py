@@ -1,0 +1,64 @@
+"""When thinking fails: which predicate it was, on whose rows, in plain words."""
+
+from __future__ import annotations
+
+import sqlite3
+from typing import TYPE_CHECKING, Any
+
+import pytest
+
+from logical_robots_tui.mind.failures import in_plain_words
+from tests.mind.rows import ROBOT, row, think
+
+if TYPE_CHECKING:
+    from logical_robots_tui.mind import Decision
+
+RULES = (
+    "Heard(text) :- Memory(robot_name:, memory:), text = Join(memory, memory);"
+    "Known(text) :- Heard(text);\n"
+)
+MEMORIES: dict[str, Any] = {"Ada": "no list", "Bo": None}
+
+
+def decisions(**visible: Any) -> list[Decision]:
+    return think(RULES + ROBOT + "Known(m);", [row("Ada"), row("Bo")], MEMORIES, **visible)
+
+
+def test_a_notice_names_the_predicate_that_failed_first() -> None:
+    ada, _ = decisions()
+    (notice,) = ada.notices
+    assert notice.kind == "failed"
+    assert notice.message == (
+        "Heard failed on the rows of Ada: a function was given a value that it can't use, "
+        "such as text instead of a list."
+    )
+
+
+def test_the_robot_next_to_it_is_not_blamed() -> None:
+    _, bo = decisions()
+    assert [notice.kind for notice in bo.notices] in ([], ["no row"])
+
+
+def test_where_all_reason_together_the_robot_is_found_whose_rows_fail() -> None:
+    for decision in decisions(memory="all", sensor="all"):
+        (notice,) = decision.notices
+        assert notice.message.startswith("Heard failed on the rows of Ada: ")
+
+
+@pytest.mark.parametrize(
+    ("said", "told"),
+    [
+        ("malformed JSON", "neither a record nor a list"),
+        ("user-defined function raised exception", "a value that it can't use"),
+        ("parser stack overflow", "nested too deeply"),
+        ("no such column: t_1_P.size", "a column size is used that is not there"),
+        ("no such column: P.col3", "a column without a name is used"),
+        ("no such function: FARM_FINGERPRINT", "there is no function FARM_FINGERPRINT"),
+        ("misuse of aggregate: SUM()", "an aggregate stands where"),
+        ('near "SELECT": syntax error', "it can't be computed"),
+    ],
+)
+def test_what_sqlite_says_is_told_in_plain_words(said: str, told: str) -> None:
+    words = in_plain_words(sqlite3.OperationalError(said))
+    assert told in words
+    assert "SELECT" not in words

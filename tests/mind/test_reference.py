@@ -1,0 +1,70 @@
+"""The help on functions: complete, true, and readable without the compiler."""
+
+from __future__ import annotations
+
+import json
+import math
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from logical_robots_tui.mind import builtins
+from logical_robots_tui.mind.reference import REFERENCE, FunctionHelp, find_help, similar
+from logical_robots_tui.mind.rules import defined, prelude_rules
+from tests.mind.rows import remembered
+
+SPELT = {"Agg+": "+=", "Agg++": "++=", "1": "1="}
+SYNTAX = {"->", "~", "if"}
+
+
+def same(value: Any, expected: Any) -> bool:
+    if isinstance(expected, int | float) and isinstance(value, int | float):
+        return math.isclose(value, expected, abs_tol=1e-9)
+    return bool(value == expected)
+
+
+@pytest.mark.parametrize("entry", REFERENCE, ids=lambda entry: entry.name)
+def test_each_example_gives_the_result_that_is_told(entry: FunctionHelp) -> None:
+    assert same(remembered(entry.example), json.loads(entry.result))
+
+
+def test_everything_that_compiles_is_explained_and_nothing_else() -> None:
+    runs = {SPELT.get(name, name) for name in builtins.names() if builtins.runs(name)}
+    prelude = {name for name in defined(list(prelude_rules())) if name.isidentifier()}
+    assert {entry.name for entry in REFERENCE} == runs | prelude | SYNTAX
+
+
+def test_each_entry_is_one_short_line_and_mentions_its_name() -> None:
+    assert len({entry.name for entry in REFERENCE}) == len(REFERENCE)
+    for entry in REFERENCE:
+        assert entry.name in entry.signature
+        assert entry.summary
+        assert max(map(len, (entry.signature, entry.summary, entry.example))) <= 100
+
+
+def test_help_is_found_whatever_the_case_of_the_letters() -> None:
+    assert find_help("argmin") == find_help("ArgMin")
+    assert find_help("Wings") is None
+    assert similar("Squrt") == "Sqrt"
+    assert similar("Xyzzyx") == ""
+
+
+def test_the_page_of_the_docs_is_made_from_the_data() -> None:
+    from docs.reference import page
+
+    written = Path(__file__).resolve().parents[2] / "docs" / "reference.md"
+    assert written.read_text(encoding="utf-8") == page(), "run `make reference`"
+
+
+def test_reading_the_help_needs_no_compiler() -> None:
+    script = (
+        "import sys, logical_robots_tui.mind.reference as r; "
+        "print(len(r.REFERENCE), 'logica' in sys.modules)"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", script], capture_output=True, text=True, check=True
+    )
+    assert done.stdout.split() == [str(len(REFERENCE)), "False"]
