@@ -5,7 +5,7 @@ which needs only the world never loads the mind, and none of them loads a screen
 
 Example:
     >>> from logical_robots_tui import World, load_level
-    >>> world = World(load_level("open-room"))
+    >>> world = World(load_level("01-first-steps"))
     >>> rows = world.sense()
 """
 

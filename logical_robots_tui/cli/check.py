@@ -1,0 +1,94 @@
+"""``logical-robots check``: what is wrong with programs, told like a compiler does."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import asdict
+from typing import TYPE_CHECKING
+
+from logical_robots_tui.cli.command import add_data_dir, new_command
+from logical_robots_tui.cli.text import harmless
+
+if TYPE_CHECKING:
+    import argparse
+    from collections.abc import Iterator
+
+    from logical_robots_tui.cli.command import Commands
+    from logical_robots_tui.mind import Diagnostic
+
+__all__ = ["declare"]
+
+FINE, WRONG = 0, 2
+WIDEST = 100  # columns of an excerpt
+
+EPILOG = """\
+examples:
+  logical-robots check my-program.l          say what is wrong and where
+  logical-robots check *.l                   look at several
+  logical-robots check my-program.l --json   the same for scripts and editors
+
+exit status: 0 all can run (there may be warnings), 2 something is wrong
+"""
+
+
+def declare(commands: Commands) -> None:
+    """Add the command to the list."""
+    command = new_command(
+        commands,
+        "check",
+        start=start,
+        wants_json=lambda options: bool(options.json),
+        summary="say what is wrong with a program, without running it",
+        description="Say what is wrong with programs, without running them.",
+        epilog=EPILOG,
+    )
+    command.add_argument("programs", metavar="PROGRAM", nargs="+", help="a program's name or file")
+    command.add_argument("--json", action="store_true", help="print JSON")
+    add_data_dir(command)
+
+
+def start(options: argparse.Namespace) -> int:
+    """Compile each program and print its diagnostics."""
+    from logical_robots_tui.cli.folders import own_programs
+    from logical_robots_tui.game import load_program
+
+    told = []
+    status = FINE
+    for name in options.programs:
+        text = load_program(name, own_programs(options.data_dir)).text
+        found = diagnostics(text)
+        if any(diagnostic.severity == "error" for diagnostic in found):
+            status = WRONG
+        told.append({"file": name, "diagnostics": [asdict(diagnostic) for diagnostic in found]})
+        if not options.json:
+            for diagnostic in found:
+                print(*map(harmless, _lines(name, text, diagnostic)), sep="\n")
+    if options.json:
+        print(json.dumps({"ok": status == FINE, "programs": told}, indent=2))
+    return status
+
+
+def diagnostics(text: str) -> tuple[Diagnostic, ...]:
+    """Errors of a program that can't run, or the warnings of one that can."""
+    from logical_robots_tui.mind import Program, ProgramError
+
+    try:
+        return Program.compile(text).warnings
+    except ProgramError as error:
+        return error.diagnostics
+
+
+def _lines(file: str, text: str, diagnostic: Diagnostic) -> Iterator[str]:
+    place = f"{file}:{diagnostic.line}:{diagnostic.column}"
+    yield f"{place}: {diagnostic.severity}: {diagnostic.message}"
+    lines = text.split("\n")
+    line = lines[diagnostic.line - 1] if diagnostic.line <= len(lines) else ""
+    if line.strip():
+        first = max(0, diagnostic.column - WIDEST // 2) if len(line) > WIDEST else 0
+        shown = line[first : first + WIDEST].replace("\t", " ").rstrip()
+        before = harmless(shown[: diagnostic.column - 1 - first])
+        marked = max(1, min(len(diagnostic.excerpt), len(shown) - diagnostic.column + 1 + first))
+        yield f"  {shown}"
+        yield f"  {' ' * len(before)}{'^' * marked}"
+    if diagnostic.hint:
+        yield f"  {diagnostic.hint}"

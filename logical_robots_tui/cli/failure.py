@@ -1,0 +1,101 @@
+"""Telling what went wrong: the player's mistakes in place, our own in a log file."""
+
+from __future__ import annotations
+
+import json
+import sys
+from typing import TYPE_CHECKING, Any
+
+from logical_robots_tui.cli.text import harmless
+from logical_robots_tui.errors import InputError, LogicalRobotsError
+
+if TYPE_CHECKING:
+    from logical_robots_tui.mind import Diagnostic, ProgramError
+
+__all__ = ["BAD_INPUT", "OWN_MISTAKE", "ProgramFileError", "report", "report_own_mistake"]
+
+BAD_INPUT = 2
+OWN_MISTAKE = 70  # EX_SOFTWARE of sysexits.h
+
+
+class ProgramFileError(LogicalRobotsError):
+    """A program that was read from a file can't be compiled.
+
+    Attributes:
+        place: The file.
+        diagnostics: What is wrong with it, in the order of the text.
+    """
+
+    title = "This program can't run yet"
+
+    def __init__(self, place: str, error: ProgramError) -> None:
+        self.place = place
+        self.diagnostics: tuple[Diagnostic, ...] = error.diagnostics
+        super().__init__(str(error))
+
+
+def report(error: LogicalRobotsError, *, as_json: bool) -> int:
+    """Tell a mistake of the player on standard error and return the exit status.
+
+    Args:
+        error: The mistake.
+        as_json: Also print it as a JSON object on standard output.
+    """
+    if as_json:
+        print(json.dumps({"error": _as_data(error)}, indent=2))
+    _say(*_lines(error))
+    return BAD_INPUT
+
+
+def report_own_mistake(error: Exception, *, as_json: bool) -> int:
+    """Keep the traceback of a mistake of ours in a log file, name it, return the exit status."""
+    from logical_robots_tui.cli.crash import keep
+
+    kept = keep(error)
+    name = type(error).__name__
+    where = f"The details are in {kept}" if kept else "The details could not be kept in a file"
+    if as_json:
+        told = {"kind": "own mistake", "message": name, "log": str(kept or "")}
+        print(json.dumps({"error": told}, indent=2))
+    _say(f"this is a mistake in the game itself, not yours ({name}). {where}.")
+    return OWN_MISTAKE
+
+
+def _as_data(error: LogicalRobotsError) -> dict[str, Any]:
+    if isinstance(error, ProgramFileError):
+        return {
+            "kind": "program",
+            "place": error.place,
+            "diagnostics": [
+                {
+                    "line": found.line,
+                    "column": found.column,
+                    "message": found.message,
+                    "hint": found.hint,
+                    "excerpt": found.excerpt,
+                }
+                for found in error.diagnostics
+            ],
+        }
+    if isinstance(error, InputError):
+        return {
+            "kind": "input",
+            "place": error.place,
+            "message": error.message,
+            "hint": error.hint,
+        }
+    return {"kind": "other", "message": str(error)}
+
+
+def _lines(error: LogicalRobotsError) -> list[str]:
+    if not isinstance(error, ProgramFileError):
+        return [str(error)]
+    lines = []
+    for found in error.diagnostics:
+        lines.append(f"{error.place}:{found.line}:{found.column}: {found.message}")
+        lines += [f"    {more}" for more in (found.excerpt.strip(), found.hint) if more]
+    return lines
+
+
+def _say(head: str, *more: str) -> None:
+    print(f"logical-robots: {harmless(head)}", *map(harmless, more), sep="\n", file=sys.stderr)

@@ -1,0 +1,90 @@
+"""The command ``logical-robots``: reads the arguments, starts a command, reports what fails."""
+
+from __future__ import annotations
+
+import argparse
+import os
+import sys
+from typing import TYPE_CHECKING
+
+from logical_robots_tui import __version__
+from logical_robots_tui.cli import check, failure, listing, play, run
+from logical_robots_tui.cli import help as reference
+from logical_robots_tui.errors import LogicalRobotsError
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+__all__ = ["PROGRAM", "main"]
+
+PROGRAM = "logical-robots"
+
+INTERRUPTED = 130  # 128 + SIGINT, as a shell reports it
+PIPE_CLOSED = 141  # 128 + SIGPIPE
+
+EXAMPLES = """\
+examples:
+  logical-robots                       play the first level
+  logical-robots levels                list the levels
+  logical-robots play LEVEL            play one of them
+  logical-robots run LEVEL PROGRAM     run without a screen
+  logical-robots check PROGRAM         say what is wrong with a program
+  logical-robots help FUNCTION         explain a function of the language
+
+A LEVEL or PROGRAM is a name from these lists or the path of a file.
+"""
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run a command and return its exit status.
+
+    Args:
+        arguments: What was typed after the command's name; by default ``sys.argv``.
+
+    Raises:
+        SystemExit: By argparse, for ``--help``, ``--version`` and mistyped arguments.
+    """
+    for stream in (sys.stdout, sys.stderr):
+        stream.reconfigure(errors="backslashreplace")  # type: ignore[union-attr] # typed as TextIO
+    options = parser().parse_args(_with_command(sys.argv[1:] if arguments is None else arguments))
+    try:
+        status: int = options.start(options)
+        sys.stdout.flush()
+    except LogicalRobotsError as error:
+        return failure.report(error, as_json=options.wants_json(options))
+    except KeyboardInterrupt:
+        return INTERRUPTED
+    except BrokenPipeError:
+        # What is still buffered would fail again when Python flushes it at exit.
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return PIPE_CLOSED
+    except Exception as error:
+        return failure.report_own_mistake(error, as_json=options.wants_json(options))
+    return status
+
+
+def parser() -> argparse.ArgumentParser:
+    """The parser of all commands; each command's options carry its ``start`` function."""
+    top = argparse.ArgumentParser(
+        prog=PROGRAM,
+        description="Robots in a labyrinth, programmed in logic. Without a command: play.",
+        epilog=EXAMPLES,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    top.add_argument("--version", action="version", version=f"{PROGRAM} {__version__}")
+    commands = top.add_subparsers(title="commands", metavar="COMMAND", required=True)
+    play.declare(commands)
+    run.declare(commands)
+    check.declare(commands)
+    reference.declare(commands)
+    listing.declare(commands)
+    return top
+
+
+def _with_command(arguments: Sequence[str]) -> list[str]:
+    """Put in the command ``play`` where none was typed."""
+    first = arguments[0] if arguments else ""
+    asks_about_all = first in {"-h", "--help", "--version"}
+    if not first or (first.startswith("-") and not asks_about_all):
+        return ["play", *arguments]
+    return list(arguments)

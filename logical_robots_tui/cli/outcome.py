@@ -1,0 +1,161 @@
+"""How a run went, in words and as JSON."""
+
+from __future__ import annotations
+
+import json
+import math
+from collections import Counter
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any
+
+from logical_robots_tui.cli.text import columns, harmless
+from logical_robots_tui.game import goals
+
+if TYPE_CHECKING:
+    from logical_robots_tui.game import Frame
+    from logical_robots_tui.world import Level
+
+__all__ = ["Outcome", "Tally"]
+
+SAMPLE = 10  # notices told in full
+
+
+@dataclass
+class Tally:
+    """What is counted while a run goes on.
+
+    Attributes:
+        notices: How often each kind of notice was given.
+        first: The first few notices, as (tick, robot name, kind, message).
+        think_milliseconds: Time spent thinking.
+    """
+
+    notices: Counter[str] = field(default_factory=Counter)
+    first: list[tuple[int, str, str, str]] = field(default_factory=list)
+    think_milliseconds: float = 0.0
+
+    def count(self, frame: Frame) -> None:
+        """Take in a finished tick."""
+        self.think_milliseconds += frame.think_milliseconds
+        for decision in frame.decisions:
+            for notice in decision.notices:
+                self.notices[notice.kind] += 1
+                if len(self.first) < SAMPLE:
+                    told = (frame.tick, decision.robot_name, notice.kind, notice.message)
+                    self.first.append(told)
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """How a run went.
+
+    Attributes:
+        level: Where it happened.
+        program_name: The program, as it was named.
+        frame: The last frame.
+        tally: What was counted.
+        seconds: How long it took.
+    """
+
+    level: Level
+    program_name: str
+    frame: Frame
+    tally: Tally
+    seconds: float
+
+    @property
+    def won_at(self) -> int | None:
+        """The tick of victory, or None."""
+        return self.frame.after.won_at
+
+    def as_json(self) -> str:
+        """One JSON object with everything a script may want."""
+        ticks = self.frame.tick
+        found = {
+            "level": self.level.name,
+            "program": self.program_name,
+            "won": self.won_at is not None,
+            "ticks": ticks,
+            "robots": self._robots(),
+            "goals": [
+                {"area": goal.area_name, "wanted": goal.wanted, "inside": goal.inside}
+                for goal in goals(self.level, self.frame.after)
+            ],
+            "notices": {
+                "count": self.tally.notices.total(),
+                "kinds": dict(self.tally.notices),
+                "first": [
+                    {"tick": tick, "robot": robot, "kind": kind, "message": message}
+                    for tick, robot, kind, message in self.tally.first
+                ],
+            },
+            "milliseconds_per_tick": round(self.seconds * 1000 / ticks, 4),
+            "think_milliseconds_per_tick": round(self.tally.think_milliseconds / ticks, 4),
+        }
+        return json.dumps(_finite(found), indent=2, allow_nan=False)
+
+    def in_words(self) -> str:
+        """A few lines for a person."""
+        lines = [self._verdict(), "", *self._table()]
+        if self.tally.first:
+            total = self.tally.notices.total()
+            noun = "notice" if total == 1 else "notices"
+            lines += ["", f"{total} {noun} from the program:"]
+            lines += [
+                f"  tick {tick}, {harmless(robot)}: {harmless(message)}"
+                for tick, robot, _kind, message in self.tally.first
+            ]
+            if total > len(self.tally.first):
+                lines.append(f"  ... and {total - len(self.tally.first)} more")
+        pace = self.frame.tick / self.seconds
+        lines += ["", f"{self.frame.tick} ticks in {self.seconds:.1f} s ({pace:.0f} ticks/s)"]
+        return "\n".join(lines)
+
+    def _verdict(self) -> str:
+        title = harmless(self.level.title)
+        if self.won_at is not None:
+            return f"{title}: won at tick {self.won_at}."
+        if not any(area.victory_robots for area in self.level.areas):
+            return f"{title}: {self.frame.tick} ticks done. This level has no goal to win."
+        missing = [
+            f"{harmless(goal.area_name)} still waits for "
+            + ", ".join(harmless(name) for name in goal.wanted if name not in goal.inside)
+            for goal in goals(self.level, self.frame.after)
+            if not goal.reached and len(goal.inside) < len(goal.wanted)
+        ]
+        return ". ".join([f"{title}: not won within {self.frame.tick} ticks", *missing]) + "."
+
+    def _table(self) -> list[str]:
+        rows = [("ROBOT", "X", "Y", "HEADING", "BATTERY")]
+        for given, now in zip(self.level.robots, self.frame.after.robots, strict=True):
+            heading = f"{math.degrees(now.angle) % 360:.0f} deg"
+            battery = "none"
+            if given.has_battery:
+                battery = f"{now.battery_level:.1f} of {given.battery_capacity:g}"
+            rows.append((now.name, f"{now.x:.1f}", f"{now.y:.1f}", heading, battery))
+        return columns([tuple(row) for row in rows])
+
+    def _robots(self) -> list[dict[str, Any]]:
+        return [
+            {
+                "name": now.name,
+                "x": now.x,
+                "y": now.y,
+                "angle": now.angle,
+                "battery_level": now.battery_level if given.has_battery else None,
+                "blocked": now.blocked,
+                "memory": self.frame.memories.get(now.name),
+            }
+            for given, now in zip(self.level.robots, self.frame.after.robots, strict=True)
+        ]
+
+
+def _finite(value: Any) -> Any:
+    """Replace what JSON has no word for (infinities, not-a-number) by null."""
+    if isinstance(value, float):
+        return value if math.isfinite(value) else None
+    if isinstance(value, dict):
+        return {str(key): _finite(inner) for key, inner in value.items()}
+    if isinstance(value, list | tuple):
+        return [_finite(inner) for inner in value]
+    return value

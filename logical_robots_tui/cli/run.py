@@ -1,0 +1,137 @@
+"""``logical-robots run``: a level under a program, without a screen."""
+
+from __future__ import annotations
+
+import argparse
+import asyncio
+import sys
+from contextlib import nullcontext
+from time import perf_counter
+from typing import TYPE_CHECKING
+
+from logical_robots_tui.cli.command import add_data_dir, new_command, prefers_json
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+    from contextlib import AbstractContextManager
+
+    from logical_robots_tui.cli.command import Commands
+    from logical_robots_tui.cli.outcome import Outcome
+    from logical_robots_tui.game import Frame
+    from logical_robots_tui.mind import Program
+    from logical_robots_tui.world import Level
+
+__all__ = ["declare", "play_out"]
+
+WON, NOT_WON = 0, 1
+DEFAULT_TICKS = 5000
+
+EPILOG = """\
+examples:
+  logical-robots run LEVEL PROGRAM             say how it went, in words
+  logical-robots run LEVEL PROGRAM --json      say it as one JSON object
+  logical-robots run LEVEL PROGRAM | jq .won   piped, it is always JSON
+  logical-robots run my-level.toml my-program.l --ticks 900
+
+exit status: 0 won, 1 not won within the ticks, 2 bad level or program
+"""
+
+
+def declare(commands: Commands) -> None:
+    """Add the command to the list."""
+    command = new_command(
+        commands,
+        "run",
+        start=start,
+        wants_json=prefers_json,
+        summary="run a program in a level without a screen",
+        description="Run a program in a level without a screen, as fast as the machine can.",
+        epilog=EPILOG,
+    )
+    command.add_argument("level", metavar="LEVEL", help="a level's name or file")
+    command.add_argument("program", metavar="PROGRAM", help="a program's name or file")
+    command.add_argument(
+        "--ticks",
+        type=_positive,
+        default=DEFAULT_TICKS,
+        metavar="N",
+        help="give up after this many ticks (default: %(default)s)",
+    )
+    command.add_argument(
+        "--json", action="store_true", help="print JSON even when a terminal is looking"
+    )
+    add_data_dir(command)
+
+
+def start(options: argparse.Namespace) -> int:
+    """Run the program in the level and say how it went."""
+    from logical_robots_tui.cli.failure import ProgramFileError
+    from logical_robots_tui.cli.folders import own_programs
+    from logical_robots_tui.game import load_program
+    from logical_robots_tui.mind import Program, ProgramError
+    from logical_robots_tui.world import load_level
+
+    level = load_level(options.level)
+    source = load_program(options.program, own_programs(options.data_dir))
+    try:
+        program = Program.compile(source.text)
+    except ProgramError as error:
+        place = str(source.path if options.program == str(source.path) else options.program)
+        raise ProgramFileError(place, error) from error
+    with _progress(level.title, options.ticks) as show:
+        outcome = asyncio.run(play_out(level, program, options.program, options.ticks, show))
+    print(outcome.as_json() if prefers_json(options) else outcome.in_words())
+    return WON if outcome.won_at is not None else NOT_WON
+
+
+async def play_out(
+    level: Level,
+    program: Program,
+    program_name: str,
+    ticks: int,
+    show: Callable[[int], object] = lambda _tick: None,
+) -> Outcome:
+    """Run until the level is won or the ticks are over.
+
+    Args:
+        level: Where it happens.
+        program: What the robots think.
+        program_name: What to call it in the outcome.
+        ticks: How many ticks to try.
+        show: Told each finished tick.
+    """
+    from logical_robots_tui.cli.outcome import Outcome, Tally
+    from logical_robots_tui.game import Game
+
+    game = Game(level, program, history=1)
+    tally = Tally()
+
+    def look(frame: Frame) -> None:
+        tally.count(frame)
+        show(frame.tick)
+
+    game.listen(look)
+    began = perf_counter()
+    try:
+        frame = await game.run_until(tick=ticks)
+    finally:
+        await game.close()
+    return Outcome(level, program_name, frame, tally, perf_counter() - began)
+
+
+def _progress(title: str, ticks: int) -> AbstractContextManager[Callable[[int], object]]:
+    if sys.stderr.isatty():
+        from logical_robots_tui.cli.progress import progress_bar
+
+        return progress_bar(title, ticks)
+    return nullcontext(lambda _tick: None)
+
+
+def _positive(text: str) -> int:
+    try:
+        number = int(text)
+    except ValueError:
+        number = 0
+    if number < 1:
+        raise argparse.ArgumentTypeError(f"{text!r} is not a whole number from 1 up")
+    return number

@@ -1,0 +1,82 @@
+"""Small levels and programs to run, and the command in and without a terminal."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import pytest
+
+from tests.cli.running import Command
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+LEVEL = """\
+title = "A short way"
+cell = 5
+walls = '''
+############
+#..........#
+#..........#
+#..........#
+############
+'''
+
+[[robots]]
+name = "Pip"
+x = 12
+y = 12.5
+
+[[areas]]
+name = "Door"
+x = 42
+y = 12.5
+radius = 6
+goal_for = ["Pip"]
+"""
+
+AHEAD = """\
+Robot(robot_name:, desire: {left_engine: 0.5, right_engine: 0.5}, memory: "on my way") :-
+  Sensor(robot_name:);
+"""
+
+
+@pytest.fixture(autouse=True)
+def home(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """A home of one's own, so that no test reads or writes the real one."""
+    home = tmp_path / "home"
+    home.mkdir()
+    monkeypatch.setenv("HOME", str(home))
+    for name in ("XDG_DATA_HOME", "XDG_STATE_HOME", "XDG_CACHE_HOME", "XDG_CONFIG_HOME"):
+        monkeypatch.delenv(name, raising=False)
+    return home
+
+
+@pytest.fixture
+def level(tmp_path: Path) -> Path:
+    """A level that is won by going straight ahead."""
+    path = tmp_path / "short.toml"
+    path.write_text(LEVEL, encoding="utf-8")
+    return path
+
+
+@pytest.fixture
+def ahead(tmp_path: Path) -> Path:
+    """A program that goes straight ahead."""
+    path = tmp_path / "ahead.l"
+    path.write_text(AHEAD, encoding="utf-8")
+    return path
+
+
+@pytest.fixture
+def still(tmp_path: Path) -> Path:
+    """A program that never moves."""
+    path = tmp_path / "still.l"
+    path.write_text(AHEAD.replace("0.5", "0"), encoding="utf-8")
+    return path
+
+
+@pytest.fixture
+def command(capsys: pytest.CaptureFixture[str]) -> Command:
+    """Runs ``logical-robots`` in this process, without a terminal."""
+    return Command(capsys)

@@ -1,0 +1,133 @@
+"""The command as a whole: help, lists, refusals, and what happens when we are wrong."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from typing import TYPE_CHECKING
+
+import pytest
+
+import logical_robots_tui
+from logical_robots_tui.cli import listing
+from tests.cli.running import Command, in_terminal
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+COMMANDS = ("play", "run", "levels", "programs")
+
+
+def test_the_help_names_every_command(command: Command) -> None:
+    told = command("--help")
+    assert told.status == 0
+    assert all(f"\n    {name} " in told.out for name in COMMANDS)
+
+
+@pytest.mark.parametrize("arguments", [(), *((name,) for name in COMMANDS)])
+def test_each_help_fits_a_terminal_of_80_columns(
+    arguments: tuple[str, ...], command: Command, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("COLUMNS", "80")
+    lines = command(*arguments, "--help").out.splitlines()
+    assert lines[0].startswith("usage: logical-robots")
+    assert max(map(len, lines)) <= 80
+
+
+@pytest.mark.parametrize("name", ["play", "run"])
+def test_the_help_of_a_game_has_examples_and_exit_statuses(name: str, command: Command) -> None:
+    told = command(name, "--help").out
+    assert "examples:" in told
+    assert "exit status:" in told
+
+
+def test_the_version_is_told(command: Command) -> None:
+    assert command("--version").out == f"logical-robots {logical_robots_tui.__version__}\n"
+
+
+@pytest.mark.parametrize("arguments", [(), ("play",), ("play", "x", "y"), ("--data-dir", "x")])
+def test_without_a_terminal_the_game_says_so_in_one_line_and_points_to_run(
+    arguments: tuple[str, ...], command: Command
+) -> None:
+    told = command(*arguments)
+    assert told.status == 2
+    assert told.out == ""
+    assert told.err.count("\n") == 1
+    assert "needs a terminal" in told.err
+    assert "logical-robots run LEVEL PROGRAM" in told.err
+
+
+def test_a_dumb_terminal_is_no_terminal(monkeypatch: pytest.MonkeyPatch) -> None:
+    script = "import os; os.environ['TERM'] = 'dumb'; import logical_robots_tui.cli.main as m; "
+    with in_terminal("levels") as terminal:  # a terminal as such is fine with the lists
+        assert terminal.finish() == 0
+    done = subprocess.run(
+        [sys.executable, "-c", script + "raise SystemExit(m.main([]))"],
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert (done.returncode, "needs a terminal" in done.stderr) == (2, True)
+
+
+def test_an_unknown_command_is_refused(command: Command) -> None:
+    told = command("fly")
+    assert told.status == 2
+    assert "'fly'" in told.err
+
+
+def test_the_levels_are_listed_with_title_and_robots(command: Command) -> None:
+    levels = command("levels", "--json").data
+    assert levels
+    words = command("levels").out
+    for level in levels:
+        assert level["title"]
+        assert level["name"] in words
+        assert ", ".join(level["robots"]) in words
+
+
+def test_shipped_and_own_programs_are_listed(command: Command, tmp_path: Path) -> None:
+    own = tmp_path / "programs"
+    own.mkdir()
+    (own / "mine.l").write_text("# nothing yet\n")
+    programs = command("programs", "--data-dir", tmp_path, "--json").data
+    by_name = {program["name"]: program for program in programs}
+    assert by_name["mine"] == {"name": "mine", "file": str(own / "mine.l"), "shipped": False}
+    assert any(program["shipped"] for program in programs)
+    assert str(own / "mine.l") in command("programs", "--data-dir", tmp_path).out
+
+
+def test_a_mistake_of_ours_is_kept_in_a_log_file_and_not_shown(
+    command: Command, home: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(listing, "columns", None)
+    told = command("levels")
+    assert told.status == 70
+    assert "a mistake in the game itself" in told.err
+    assert "Traceback" not in told.err
+    (log,) = home.rglob("crash-*.log")
+    assert str(log) in told.err
+    assert "TypeError: 'NoneType' object is not callable" in log.read_text()
+
+
+def test_a_mistake_of_ours_is_told_even_when_no_log_can_be_written(
+    command: Command, home: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (home / ".local").write_text("a file where a folder should be")
+    monkeypatch.setattr(listing, "columns", None)
+    told = command("levels")
+    assert told.status == 70
+    assert "could not be kept" in told.err
+
+
+def test_a_reader_that_has_enough_is_no_error() -> None:
+    with subprocess.Popen(
+        [sys.executable, "-m", "logical_robots_tui", "levels"],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+    ) as process:
+        assert process.stdout is not None
+        process.stdout.close()
+        assert process.stderr is not None
+        assert process.stderr.read() == b""
+    assert process.returncode == 141

@@ -1,0 +1,43 @@
+"""``logical-robots help``: what a program can use."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import pytest
+
+from logical_robots_tui.mind.reference import REFERENCE
+
+if TYPE_CHECKING:
+    from tests.cli.running import Command
+
+
+def test_without_a_name_everything_is_listed(command: Command) -> None:
+    told = command("help")
+    assert told.status == 0
+    listed = {line.split("  ")[1] for line in told.out.splitlines() if line.startswith("  ")}
+    assert listed == {entry.name for entry in REFERENCE}
+
+
+@pytest.mark.parametrize("name", ["ArgMin", "argmin"])
+def test_a_function_is_explained_with_an_example(name: str, command: Command) -> None:
+    told = command("help", name)
+    assert told.status == 0
+    assert told.out == (
+        "ArgMin{x -> y :- P(x, y)}\n"
+        "  the x of the smallest y (an aggregate)\n"
+        "\n"
+        "  ArgMin{x -> -x :- x in [1, 2]}\n"
+        "  gives 2\n"
+    )
+
+
+def test_a_misspelt_name_gets_a_suggestion(command: Command) -> None:
+    told = command("help", "Squrt")
+    assert told.status == 2
+    assert told.err == "logical-robots: there is no function Squrt. Did you mean Sqrt?\n"
+    assert "`logical-robots help` lists" in command("help", "Xyzzyx").err
+
+
+def test_the_lines_fit_a_terminal(command: Command) -> None:
+    assert max(map(len, command("help").out.splitlines())) <= 90

@@ -1,0 +1,27 @@
+"""Text for a terminal can hold anything and do nothing."""
+
+from __future__ import annotations
+
+from hypothesis import given
+from hypothesis import strategies as st
+
+from logical_robots_tui.cli.text import columns, harmless
+
+
+@given(st.text())
+def test_made_harmless_a_text_is_printable(text: str) -> None:
+    assert all(c.isprintable() or c in " \u00a0\u3000" or c.isspace() for c in harmless(text))
+    assert not set(harmless(text)) & {"\x1b", "\x9b", "\r", "\n", "\t", "\x7f", "\u202e"}
+
+
+@given(st.text(st.characters(categories=["L", "N", "P", "S"])))
+def test_what_is_harmless_stays_as_it_is(text: str) -> None:
+    assert harmless(text) == text
+
+
+def test_control_characters_are_shown_by_their_code() -> None:
+    assert harmless("a\x1b[2J\nb\u202ec\ud800") == r"a\x1b[2J\nb\u202ec\ud800"
+
+
+def test_columns_line_up_and_end_without_blanks() -> None:
+    assert columns([("A", "B"), ("long", "x"), ("y", "")]) == ["A     B", "long  x", "y"]
