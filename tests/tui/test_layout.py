@@ -11,6 +11,7 @@ from hypothesis import strategies as st
 from textual.widgets.text_area import Selection
 
 from logical_robots_tui.tui.bar import PaneTabs
+from logical_robots_tui.tui.labyrinth import LabyrinthView
 from logical_robots_tui.tui.layout import Layout, layout_for
 from logical_robots_tui.tui.pane import Pane
 from tests.tui.conftest import PAPER, opened
@@ -119,5 +120,5 @@ async def test_escape_leaves_the_editor_for_the_labyrinth(data_dir: Path) -> Non
         await game.press("2", "escape")
         await game.until(lambda: shown(game) == ["labyrinth"])
         await game.press("y")
-        await game.until(lambda: not game.main.query_one("#picture").rays)  # type: ignore
+        await game.until(lambda: not game.main.query_one(LabyrinthView).rays)
         assert game.editor.text == PAPER

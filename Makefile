@@ -1,0 +1,78 @@
+# Play, test and check Logical Robots. `make help` lists the targets.
+# Needs only Python 3.11 or newer with its venv module; everything else goes into $(VENV).
+
+PYTHON ?= python3
+VENV ?= .venv
+BIN := $(VENV)/bin
+PIP := $(BIN)/python -m pip --disable-pip-version-check --require-virtualenv
+
+.DEFAULT_GOAL := help
+.DELETE_ON_ERROR:
+.SUFFIXES:
+
+.PHONY: help play test check format proof bench lock screenshot reference wheel clean
+
+help: ## Show this list
+	@grep -E '^[a-z]+:.*##' $(MAKEFILE_LIST) | sed -E 's/^([a-z]+):.*## (.*)/  make \1\t\2/' | expand -t 20
+
+play: $(VENV)/.play ## Play; ARGS="play labyrinth" passes arguments on
+	@$(BIN)/python -m logical_robots_tui $(ARGS)
+
+test: $(VENV)/.dev ## Run the tests; ARGS="-k wall" passes arguments on
+	$(BIN)/python -m pytest $(ARGS)
+
+check: $(VENV)/.dev ## Everything that must be true before a commit
+	$(BIN)/python -m ruff format --check .
+	$(BIN)/python -m ruff check .
+	$(BIN)/python -m mypy
+	$(BIN)/lint-imports
+	$(BIN)/python -m pytest
+
+format: $(VENV)/.dev ## Lay out the code and mend what can be mended
+	$(BIN)/python -m ruff format .
+	$(BIN)/python -m ruff check --fix .
+
+proof: $(VENV)/.dev ## The long proofs: many starts, load, fuzzing
+	$(BIN)/python -m pytest -m proof $(ARGS)
+
+bench: $(VENV)/.dev ## Measure; ARGS="--json numbers.json" keeps the numbers
+	$(BIN)/python -m benchmarks $(ARGS)
+
+screenshot: $(VENV)/.dev ## Draw docs/screenshot.svg anew
+	$(BIN)/python -m docs.screenshot 03-everybody-home everybody-home 330
+
+reference: $(VENV)/.dev ## Write docs/reference.md anew
+	$(BIN)/python -m docs.reference
+
+wheel: $(VENV)/.dev ## Build the wheel into dist/
+	$(BIN)/python -m build --wheel --no-isolation
+
+# uv is needed by authors only: it writes one lock for all systems and Python versions.
+LOCK = $(BIN)/uv pip compile --quiet --universal --python-version 3.11 --generate-hashes \
+	--no-annotate --no-header --no-emit-index-url --no-emit-find-links \
+	--upgrade pyproject.toml requirements/build.in
+
+lock: $(VENV)/.dev ## Choose newer versions of the dependencies
+	@test -x $(BIN)/uv || $(PIP) install --quiet uv
+	$(LOCK) --output-file requirements/play.lock
+	$(LOCK) --group dev --constraint requirements/play.lock --output-file requirements/dev.lock
+
+clean: ## Remove what was built; the next start installs again
+	rm -rf $(VENV) build dist .mypy_cache .ruff_cache .pytest_cache .hypothesis .import_linter_cache
+
+# A stamp is newer than everything it was installed from, so the next start begins at once.
+$(VENV)/.%: requirements/%.lock pyproject.toml | $(VENV)/.python
+	@echo "Installing what '$*' needs into $(VENV) ..."
+	@$(PIP) install --quiet --require-hashes --requirement $<
+	@$(PIP) install --quiet --no-build-isolation --no-deps --no-index --editable .
+	@touch $@
+
+$(VENV)/.python:
+	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11))' || { \
+	  echo "Logical Robots needs Python 3.11 or newer; '$(PYTHON)' is missing or older." >&2; \
+	  echo "Name another one like this: make play PYTHON=python3.12" >&2; exit 1; }
+	@$(PYTHON) -c 'import ensurepip, venv' 2>/dev/null || { \
+	  echo "'$(PYTHON)' can't make virtual environments." >&2; \
+	  echo "On Debian and Ubuntu: sudo apt install python3-venv" >&2; exit 1; }
+	@$(BIN)/python -c '' 2>/dev/null || $(PYTHON) -m venv --clear $(VENV)
+	@touch $@

@@ -1,0 +1,1 @@
+"""What draws and writes the pages of this folder."""

@@ -1,0 +1,104 @@
+"""The installed game in a real tmux."""
+
+from __future__ import annotations
+
+import re
+from contextlib import contextmanager
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import pytest
+
+from tests.e2e.tmux import Tmux
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator
+    from contextlib import AbstractContextManager
+    from pathlib import Path
+
+    from tests.installed import Installed
+
+LEVEL = """\
+title = "A short way"
+cell = 5
+walls = '''
+############
+#..........#
+#..........#
+#..........#
+############
+'''
+
+[[robots]]
+name = "Pip"
+x = 12
+y = 12.5
+
+[[areas]]
+name = "Door"
+x = 42
+y = 12.5
+radius = 6
+goal_for = ["Pip"]
+"""
+
+AHEAD = """\
+Robot(robot_name:, desire: {left_engine: 0.5, right_engine: 0.5}, memory: "on my way") :-
+  Sensor(robot_name:);
+"""
+
+
+@dataclass(frozen=True)
+class Player:
+    """Somebody at a terminal with the game installed.
+
+    Attributes:
+        tmux: The terminal.
+        command: The installed command.
+        folder: Where the player keeps a level ``short.toml`` and a program ``ahead.l``.
+    """
+
+    tmux: Tmux
+    command: Path
+    folder: Path
+
+    def play(self, *arguments: object) -> None:
+        """Start the game."""
+        self.tmux.start(self.command, *arguments, "--data-dir", self.folder / "data")
+
+    def play_short_way(self) -> None:
+        """Start the game on a level that is won by going straight ahead."""
+        self.play("play", "short.toml", "ahead.l")
+        self.tmux.wait_for("tick 0")
+        self.tmux.wait_for("· applied")
+
+    @property
+    def tick(self) -> int:
+        """The tick that the status line tells, -1 if none."""
+        found = re.search(r"\btick (\d+)", self.tmux.screen)
+        return int(found[1]) if found else -1
+
+    def wait_for_tick(self, tick: int) -> None:
+        """Wait until the status line tells a tick."""
+        self.tmux.wait_until(lambda _: self.tick == tick, f"tick {tick}")
+
+
+@pytest.fixture
+def seat(installed: Installed, tmp_path: Path) -> Callable[..., AbstractContextManager[Player]]:
+    """Gives a player a terminal of some size; the same player may sit down again."""
+    (tmp_path / "short.toml").write_text(LEVEL)
+    (tmp_path / "ahead.l").write_text(AHEAD)
+
+    @contextmanager
+    def sit_down(columns: int = 80, lines: int = 24) -> Iterator[Player]:
+        with Tmux(tmp_path, columns, lines) as tmux:
+            yield Player(tmux, installed.command, tmp_path)
+
+    return sit_down
+
+
+@pytest.fixture
+def player(seat: Callable[..., AbstractContextManager[Player]]) -> Iterator[Player]:
+    """A player at a terminal of 80 columns and 24 lines."""
+    with seat() as player:
+        yield player

@@ -1,0 +1,159 @@
+"""A private tmux with a shell in it, driven as a player would."""
+
+from __future__ import annotations
+
+import os
+import shlex
+import shutil
+import signal
+import subprocess
+from pathlib import Path
+from typing import TYPE_CHECKING, Self
+
+from tests.installed import clean_environment
+from tests.waiting import PATIENCE, until
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+__all__ = ["PROMPT", "Tmux"]
+
+PROMPT = "at-the-shell$ "
+
+_SETTINGS = """\
+set -g default-terminal "tmux-256color"
+set -ga terminal-features ",*:RGB"
+set -g status off
+set -g escape-time 10
+set -g mouse on
+"""
+
+
+class Tmux:
+    """A tmux server of its own with one window, in which a shell waits.
+
+    Args:
+        folder: Where to keep its socket; the shell starts there.
+        columns: Width of the window.
+        lines: Height of the window.
+    """
+
+    def __init__(self, folder: Path, columns: int = 80, lines: int = 24) -> None:
+        self.folder = folder
+        self._size = (columns, lines)
+        self._pid_file = folder / "pid"
+
+    def __enter__(self) -> Self:
+        assert shutil.which("tmux"), "these tests drive a real tmux: please install it"
+        settings = self.folder / "tmux.conf"
+        settings.write_text(_SETTINGS)
+        columns, lines = self._size
+        greeting = self.folder / "shrc"
+        greeting.write_text(f"PS1='{PROMPT}'\n")
+        environment = {**clean_environment(), "ENV": str(greeting), "HOME": str(self.folder)}
+        environment.pop("TMUX", None)
+        subprocess.run(
+            [
+                *("tmux", "-S", str(self.folder / "socket"), "-f", str(settings)),
+                *("new-session", "-d", "-x", str(columns), "-y", str(lines), "sh"),
+            ],
+            cwd=self.folder,
+            env=environment,
+            check=True,
+            timeout=PATIENCE,
+        )
+        self.wait_for(PROMPT.strip())
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
+
+    def close(self) -> None:
+        """End the server, as when the connection breaks; what runs in it is hung up on."""
+        self._tmux("kill-server", check=False)
+
+    def start(self, *command: object) -> None:
+        """Type a command at the prompt; `pid` is known when it runs."""
+        self._pid_file.unlink(missing_ok=True)
+        typed = shlex.join(str(word) for word in command)
+        script = f"echo $$ > {shlex.quote(str(self._pid_file))}; exec {typed}"
+        self.type(f"sh -c {shlex.quote(script)}")
+        self.press("Enter")
+        until(lambda: self._pid_file.exists() and self._pid_file.read_text().strip())
+
+    @property
+    def pid(self) -> int:
+        """The process that `start` started."""
+        return int(self._pid_file.read_text())
+
+    @property
+    def is_running(self) -> bool:
+        """Whether what was started still runs."""
+        try:
+            state = Path(f"/proc/{self.pid}/stat").read_text().rpartition(")")[2].split()[0]
+        except (FileNotFoundError, ProcessLookupError):
+            return False
+        return state != "Z"  # Z: it is over, only nobody has asked yet how it ended
+
+    def hang_up(self) -> None:
+        """Tell the process what the system tells it when its terminal is gone."""
+        os.kill(self.pid, signal.SIGHUP)
+
+    def press(self, *keys: str) -> None:
+        """Press keys by tmux's names for them."""
+        self._tmux("send-keys", *keys)
+
+    def type(self, text: str) -> None:
+        """Type a text letter by letter."""
+        self._tmux("send-keys", "-l", text)
+
+    def mend(self) -> None:
+        """Make a terminal usable that a process left in disorder, as a player would."""
+        self.press("C-j")
+        self.type("stty sane; tput rmcup; clear")
+        self.press("C-j")
+        self.wait_until(lambda screen: screen.strip() == PROMPT.strip(), "an empty screen")
+
+    def paste(self, text: str) -> None:
+        """Paste a text as a terminal does, in brackets."""
+        self._tmux("load-buffer", "-", text=text)
+        self._tmux("paste-buffer", "-p")
+
+    def click(self, text: str) -> None:
+        """Click with the left button on the first place where a text stands."""
+        for y, line in enumerate(self.screen.splitlines(), 1):
+            if text in line:
+                x = line.index(text) + 1
+                self.type(f"\x1b[<0;{x};{y}M\x1b[<0;{x};{y}m")
+                return
+        raise AssertionError(f"{text!r} is not on the screen:\n{self.screen}")
+
+    def resize(self, columns: int, lines: int) -> None:
+        """Make the window another size."""
+        self._tmux("resize-window", "-x", str(columns), "-y", str(lines))
+
+    @property
+    def screen(self) -> str:
+        """What stands on the screen."""
+        return self._tmux("capture-pane", "-p")
+
+    def wait_for(self, text: str) -> None:
+        """Wait until a text stands on the screen."""
+        self.wait_until(lambda screen: text in screen, f"{text!r} on the screen")
+
+    def wait_until(self, condition: Callable[[str], object], what: str = "that") -> None:
+        """Wait until something is true of the text on the screen."""
+        until(lambda: condition(self.screen), lambda: f"{what}; instead:\n{self.screen}")
+
+    def _tmux(self, *arguments: str, text: str | None = None, check: bool = True) -> str:
+        done = subprocess.run(
+            ["tmux", "-S", str(self.folder / "socket"), *arguments],
+            input=text,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.STDOUT,
+            text=True,
+            check=False,
+            timeout=PATIENCE,
+        )
+        assert not check or done.returncode == 0, f"tmux {arguments[0]}: {done.stdout}"
+        return done.stdout

@@ -1,0 +1,51 @@
+"""Habits of the house that no linter knows."""
+
+from __future__ import annotations
+
+import ast
+import re
+from typing import TYPE_CHECKING
+
+from tests.installed import CHECKOUT
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+    from pathlib import Path
+
+SOURCES = sorted(
+    path
+    for folder in ("logical_robots_tui", "tests", "benchmarks", "docs")
+    for path in (CHECKOUT / folder).rglob("*.py")
+)
+MODULES = [path for path in SOURCES if path.is_relative_to(CHECKOUT / "logical_robots_tui")]
+TESTS = [path for path in SOURCES if path.is_relative_to(CHECKOUT / "tests")]
+
+SILENCED_WITHOUT_REASON = re.compile(r"# (?:noqa|type: ignore)(?!.*(?: # | - )\S+)[^()]*$")
+
+
+def sleeps(path: Path) -> Iterator[str]:
+    """Where a module sleeps for some time, as file and line number; sleeping 0 only makes room."""
+    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+        if isinstance(node, ast.Call) and re.match(r"(\w+\.)?sleep\((?!0\))", ast.unparse(node)):
+            yield f"{path.relative_to(CHECKOUT)}:{node.lineno}: {ast.unparse(node)}"
+
+
+def test_no_test_waits_for_a_time_to_pass() -> None:
+    assert [place for path in TESTS for place in sleeps(path)] == []
+
+
+def test_a_checker_is_silenced_only_with_a_reason_beside_it() -> None:
+    unreasoned = [
+        f"{path.relative_to(CHECKOUT)}:{number}: {line.strip()}"
+        for path in SOURCES
+        for number, line in enumerate(path.read_text(encoding="utf-8").splitlines(), 1)
+        if SILENCED_WITHOUT_REASON.search(line)
+    ]
+    assert unreasoned == []
+
+
+def test_a_module_is_one_idea_and_says_which() -> None:
+    for path in MODULES:
+        text = path.read_text(encoding="utf-8")
+        assert text.startswith('"""'), path
+        assert text.count("\n") <= 400, path

@@ -1,0 +1,72 @@
+"""Each part loads only what it may know, seen from a fresh interpreter."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+
+import pytest
+
+import logical_robots_tui
+
+SCREEN = {"textual", "rich"}
+WORLD, MIND, GAME, TUI, CLI = (
+    f"logical_robots_tui.{part}" for part in ("world", "mind", "game", "tui", "cli")
+)
+
+MUST_NOT_LOAD = {
+    "logical_robots_tui": {WORLD, MIND, GAME, TUI, CLI, "numpy", "logica", "sqlite3"} | SCREEN,
+    WORLD: {MIND, GAME, TUI, CLI, "logica", "sqlite3"} | SCREEN,
+    MIND: {WORLD, GAME, TUI, CLI, "numpy"} | SCREEN,
+    GAME: {TUI, CLI} | SCREEN,
+    "logical_robots_tui.tui.play": {CLI},
+    "logical_robots_tui.cli.main": {WORLD, MIND, GAME, TUI, "numpy", "logica", "sqlite3"} | SCREEN,
+}
+
+PUBLIC_NAMES = [name for name in logical_robots_tui.__all__ if name != "__version__"]
+
+
+def modules_after(statement: str) -> set[str]:
+    """Names of all modules that a fresh interpreter has loaded after a statement."""
+    script = f"{statement}\nimport json, sys\nprint(json.dumps(sorted(sys.modules)))"
+    done = subprocess.run(
+        [sys.executable, "-c", script], check=True, capture_output=True, text=True, timeout=60
+    )
+    return set(json.loads(done.stdout))
+
+
+@pytest.mark.parametrize("part", MUST_NOT_LOAD)
+def test_a_part_loads_nothing_it_must_not_know(part: str) -> None:
+    loaded = modules_after(f"import {part}")
+    assert part in loaded
+    assert loaded & MUST_NOT_LOAD[part] == set()
+
+
+def test_the_world_can_be_used_through_the_public_names_without_loading_the_mind() -> None:
+    loaded = modules_after("from logical_robots_tui import World, load_level, list_levels, Desire")
+    assert WORLD in loaded
+    assert loaded & {MIND, GAME, TUI, CLI, "logica", "sqlite3", *SCREEN} == set()
+
+
+def test_a_run_without_a_screen_never_loads_textual() -> None:
+    loaded = modules_after(
+        "from logical_robots_tui.cli.main import main\n"
+        "import contextlib, io\n"
+        "with contextlib.redirect_stdout(io.TextIOWrapper(io.BytesIO())):\n"
+        "    main(['levels'])"
+    )
+    assert WORLD in loaded
+    assert loaded & {"textual", TUI} == set()
+
+
+@pytest.mark.parametrize("name", PUBLIC_NAMES)
+def test_every_public_name_can_be_imported_and_documents_itself(name: str) -> None:
+    thing = getattr(logical_robots_tui, name)
+    assert thing.__doc__
+
+
+def test_public_names_are_listed_and_unknown_ones_refused() -> None:
+    assert set(logical_robots_tui.__all__) <= set(dir(logical_robots_tui))
+    with pytest.raises(AttributeError, match="no attribute 'Wrld'"):
+        logical_robots_tui.Wrld  # noqa: B018 - reading the name is what is tested

@@ -1,0 +1,80 @@
+"""One command plays, and says clearly what is missing if it can't."""
+
+from __future__ import annotations
+
+import re
+import shutil
+import subprocess
+from typing import TYPE_CHECKING
+
+import pytest
+
+from tests.installed import CHECKOUT, clean_environment
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+
+def make(
+    *arguments: str, folder: Path = CHECKOUT, timeout: float = 60
+) -> subprocess.CompletedProcess[str]:
+    return subprocess.run(
+        ["make", *arguments],
+        cwd=folder,
+        env={k: v for k, v in clean_environment().items() if not k.startswith("MAKE")},
+        capture_output=True,
+        text=True,
+        timeout=timeout,
+        check=False,
+    )
+
+
+def pretend(folder: Path, *, answers: str) -> str:
+    """An executable that pretends to be Python."""
+    fake = folder / "fake-python"
+    fake.write_text(f"#!/bin/sh\n{answers}\n")
+    fake.chmod(0o755)
+    return str(fake)
+
+
+def test_help_lists_every_target() -> None:
+    makefile = (CHECKOUT / "Makefile").read_text()
+    (phony,) = re.findall(r"^\.PHONY: (.*)$", makefile, re.MULTILINE)
+    listed = re.findall(r"^  make (\w+)", make("help").stdout, re.MULTILINE)
+    assert sorted(listed) == sorted(phony.split())
+
+
+def test_a_python_that_is_missing_is_named(tmp_path: Path) -> None:
+    done = make("play", f"VENV={tmp_path}/venv", "PYTHON=python-of-nowhere")
+    assert done.returncode != 0
+    assert "needs Python 3.11 or newer; 'python-of-nowhere' is missing or older" in done.stderr
+    assert "PYTHON=" in done.stderr
+
+
+def test_a_python_that_is_too_old_is_named(tmp_path: Path) -> None:
+    old = pretend(tmp_path, answers="exit 1")
+    done = make("play", f"VENV={tmp_path}/venv", f"PYTHON={old}")
+    assert f"needs Python 3.11 or newer; '{old}' is missing or older" in done.stderr
+
+
+def test_a_python_without_venv_is_told_with_what_to_install(tmp_path: Path) -> None:
+    poor = pretend(tmp_path, answers='case "$2" in *ensurepip*) exit 1;; esac')
+    done = make("play", f"VENV={tmp_path}/venv", f"PYTHON={poor}")
+    assert done.returncode != 0
+    assert "apt install python3-venv" in done.stderr
+    assert not (tmp_path / "venv").exists()
+
+
+@pytest.mark.proof
+def test_a_fresh_checkout_plays_with_one_command_and_then_at_once(tmp_path: Path) -> None:
+    checkout = tmp_path / "checkout"
+    ignored = shutil.ignore_patterns(".venv", ".git", "__pycache__", ".*_cache", ".hypothesis")
+    shutil.copytree(CHECKOUT, checkout, ignore=ignored)
+
+    first = make("play", "ARGS=run 01-first-steps first-steps", folder=checkout, timeout=600)
+    assert "Installing what 'play' needs" in first.stdout
+    assert first.returncode == 0, first.stderr
+    assert (checkout / ".venv" / "bin" / "logical-robots").exists()
+
+    second = make("play", "ARGS=--version", folder=checkout)
+    assert (second.returncode, second.stdout.count("\n")) == (0, 1)

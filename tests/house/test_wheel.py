@@ -1,0 +1,62 @@
+"""The wheel is whole: installed where there is no checkout, it plays."""
+
+from __future__ import annotations
+
+import json
+import zipfile
+from pathlib import Path
+
+import pytest
+
+import logical_robots_tui
+from tests.installed import CHECKOUT, Installed, install
+
+WON_BY = ("01-first-steps", "first-steps")
+
+
+def test_the_wheel_carries_every_level_and_program_and_the_licence(wheel: Path) -> None:
+    carried = set(zipfile.ZipFile(wheel).namelist())
+    shipped = {
+        f"logical_robots_tui/{path.relative_to(CHECKOUT)}"
+        for folder in ("levels", "programs")
+        for path in (CHECKOUT / folder).iterdir()
+    }
+    assert shipped
+    assert shipped <= carried
+    assert "logical_robots_tui/py.typed" in carried
+    assert any(name.endswith("licenses/LICENSE") for name in carried)
+
+
+def test_the_wheel_carries_nothing_but_the_package(wheel: Path) -> None:
+    tops = {name.partition("/")[0] for name in zipfile.ZipFile(wheel).namelist()}
+    version = logical_robots_tui.__version__
+    assert tops == {"logical_robots_tui", f"logical_robots_tui-{version}.dist-info"}
+
+
+def test_an_installed_copy_uses_its_own_code_and_levels(installed: Installed) -> None:
+    done = installed.run(
+        "python",
+        "-c",
+        "import logical_robots_tui as package; from logical_robots_tui import shipped;"
+        "print(package.__file__, shipped.shipped_folder('levels'))",
+    )
+    code, levels = done.stdout.split()
+    assert Path(code).is_relative_to(installed.root)
+    assert Path(levels).is_relative_to(installed.root)
+
+
+def test_an_installed_copy_knows_its_version(installed: Installed) -> None:
+    done = installed.run("python", "-m", "logical_robots_tui", "--version")
+    assert done.stdout == f"logical-robots {logical_robots_tui.__version__}\n"
+
+
+def test_an_installed_copy_wins_a_level(installed: Installed) -> None:
+    done = installed.run("logical-robots", "run", *WON_BY, "--json")
+    assert (done.returncode, done.stderr) == (0, "")
+    assert json.loads(done.stdout)["won"] is True
+
+
+@pytest.mark.proof
+def test_a_copy_installed_from_the_registry_wins_a_level(wheel: Path, tmp_path: Path) -> None:
+    alone = install(wheel, tmp_path, lend_dependencies=False)
+    assert alone.run("logical-robots", "run", *WON_BY).returncode == 0

@@ -1,0 +1,1 @@
+"""What the main screen looks like, cell by cell."""

@@ -1,0 +1,102 @@
+"""A screen as text that a person can read and compare: the characters, then their looks."""
+
+from __future__ import annotations
+
+import re
+from itertools import groupby
+from string import ascii_letters
+from typing import TYPE_CHECKING, NamedTuple
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    import pyte
+
+__all__ = ["Cell", "cells_of", "differences", "picture", "read_picture"]
+
+MARKS = ascii_letters + "".join(map(chr, range(0xC0, 0x800)))
+
+
+class Cell(NamedTuple):
+    """One cell of a screen.
+
+    Attributes:
+        text: Its character.
+        look: Foreground, background and attributes, in words.
+    """
+
+    text: str
+    look: str
+
+
+def cells_of(screen: pyte.Screen) -> list[list[Cell]]:
+    """The cells of a screen, line by line.
+
+    How long a thought took is written as ``0.0 ms``, because it is never the same.
+    """
+    lines = []
+    for y in range(screen.lines):
+        row = _timeless([screen.buffer[y][x] for x in range(screen.columns)])
+        lines.append([Cell(cell.data, _look(cell)) for cell in row])
+    return lines
+
+
+def picture(lines: list[list[Cell]]) -> str:
+    """Write down the cells of a screen.
+
+    First the text, line by line between bars. Then, for each line, runs of cells of one look, as
+    a count and a mark; last what each mark stands for.
+    """
+    looks: dict[str, str] = {}
+    text, runs = [], []
+    for line in lines:
+        text.append("|" + "".join(cell.text for cell in line) + "|")
+        marks = [looks.setdefault(cell.look, MARKS[len(looks)]) for cell in line]
+        runs.append(" ".join(f"{len(list(run))}{mark}" for mark, run in groupby(marks)))
+    legend = [f"{mark} = {look}" for look, mark in looks.items()]
+    return "\n".join([*text, "", *runs, "", *legend, ""])
+
+
+def read_picture(written: str) -> list[list[Cell]]:
+    """The cells that `picture` has written down."""
+    text, runs, legend = (part.splitlines() for part in written.strip("\n").split("\n\n"))
+    looks = {line[0]: line[4:] for line in legend}
+    lines = []
+    for characters, line in zip(text, runs, strict=True):
+        counted = (re.fullmatch(r"(\d+)(.)", run) for run in line.split(" "))
+        marks = "".join(found[2] * int(found[1]) for found in counted if found)
+        pairs = zip(characters[1:-1], marks, strict=True)
+        lines.append([Cell(character, looks[mark]) for character, mark in pairs])
+    return lines
+
+
+def differences(wanted: list[list[Cell]], found: list[list[Cell]]) -> Iterator[str]:
+    """Tell where two screens differ, one line of the screen at a time."""
+    for y, (should, does) in enumerate(zip(wanted, found, strict=True), 1):
+        columns = [x for x, pair in enumerate(zip(should, does, strict=True)) if pair[0] != pair[1]]
+        if columns:
+            first, last = columns[0], columns[-1]
+            yield f"line {y}, columns {first + 1} to {last + 1}, {len(columns)} cells:"
+            for name, line in (("wanted", should), ("found ", does)):
+                text = "".join(cell.text for cell in line[first : last + 1])
+                yield f"  {name} |{text}| starting with {line[first].look}"
+
+
+def _timeless(cells: list[pyte.screens.Char]) -> list[pyte.screens.Char]:
+    """Replace a number of milliseconds that ends a line by another of always the same length."""
+    line = "".join(cell.data for cell in cells)
+    found = re.search(r"\d+\.\d ms +$", line)
+    if not found:
+        return cells
+    first, blank = cells[found.start()], cells[-1]
+    same = [first._replace(data=c) for c in "0.0 ms"]
+    left = cells[: found.start()]
+    return left + same + [blank] * (len(cells) - len(left) - len(same))
+
+
+def _look(cell: pyte.screens.Char) -> str:
+    styles = ("underscore", "strikethrough", "reverse", "bold", "italics", "blink")
+    on = [style for style in styles if getattr(cell, style)]
+    if cell.data == " " and not set(on) & set(styles[:3]):
+        return f"blank on {cell.bg}"  # in whatever ink
+    return " ".join([f"{cell.fg} on {cell.bg}", *on])

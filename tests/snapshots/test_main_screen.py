@@ -1,0 +1,59 @@
+"""The main screen at the start and after some ticks, compared with what it is meant to be.
+
+``pytest --update-snapshots tests/snapshots`` accepts what is on the screen now.
+"""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import pytest
+
+from tests.snapshots.picture import cells_of, differences, picture, read_picture
+from tests.terminal import Terminal
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+HERE = Path(__file__).parent
+STEPS = 20
+
+
+@pytest.fixture(params=[(80, 24), (120, 40)], ids=["80x24", "120x40"])
+def game(request: pytest.FixtureRequest, tmp_path: Path) -> Iterator[Terminal]:
+    """The game at tick 0 in a terminal with all colours."""
+    level, program = HERE / "snapshot.toml", HERE / "snapshot.l"
+    command = [sys.executable, "-m", "logical_robots_tui", "play", level, program]
+    with Terminal([*command, "--data-dir", tmp_path], size=request.param) as terminal:
+        terminal.wait_for("tick 0")
+        terminal.wait_for("· applied")
+        yield terminal
+
+
+def test_at_the_start(game: Terminal, pytestconfig: pytest.Config) -> None:
+    assert_looks_like("start", game, pytestconfig)
+
+
+def test_after_some_steps(game: Terminal, pytestconfig: pytest.Config) -> None:
+    for tick in range(1, STEPS + 1):
+        game.send("n")
+        game.wait_for(f"tick {tick} ")
+    assert_looks_like(f"tick-{STEPS}", game, pytestconfig)
+
+
+def assert_looks_like(name: str, game: Terminal, config: pytest.Config) -> None:
+    """Wait until the screen is the stored picture of that name, or store it."""
+    screen = game.screen
+    path = HERE / f"{name}.{screen.columns}x{screen.lines}.txt"
+    if config.getoption("--update-snapshots"):
+        game.wait_for_quiet()
+        path.write_text(picture(cells_of(screen)), encoding="utf-8")
+        return
+    wanted = read_picture(path.read_text(encoding="utf-8"))
+    try:
+        game.wait_for(lambda: cells_of(screen) == wanted)
+    except AssertionError:
+        told = [f"the screen differs from {path.name}:", *differences(wanted, cells_of(screen))]
+        pytest.fail("\n".join(told), pytrace=False)

@@ -1,0 +1,42 @@
+"""What a snapshot keeps of a screen, and what it tells when another differs."""
+
+from __future__ import annotations
+
+import pyte
+
+from tests.snapshots.picture import cells_of, differences, picture, read_picture
+
+
+def screen(*chunks: str) -> pyte.Screen:
+    made = pyte.Screen(20, 3)
+    stream = pyte.Stream(made)
+    for chunk in chunks:
+        stream.feed(chunk)
+    return made
+
+
+def test_a_picture_can_be_read_back() -> None:
+    cells = cells_of(screen("\x1b[31mhé\x1b[1;48;2;1;2;3mx=|\x1b[0m y"))
+    assert read_picture(picture(cells)) == cells
+
+
+def test_equal_screens_have_no_differences() -> None:
+    assert list(differences(cells_of(screen("a")), cells_of(screen("a")))) == []
+
+
+def test_another_character_is_told_with_its_place() -> None:
+    told = list(differences(cells_of(screen("one\r\ntwo")), cells_of(screen("one\r\ntoo"))))
+    assert told[0] == "line 2, columns 2 to 2, 1 cells:"
+    assert [line.split("|")[1] for line in told[1:]] == ["w", "o"]
+
+
+def test_another_colour_is_a_difference() -> None:
+    assert list(differences(cells_of(screen("\x1b[31mx")), cells_of(screen("\x1b[32mx"))))
+
+
+def test_the_ink_of_a_blank_is_no_difference() -> None:
+    assert cells_of(screen("\x1b[31m ")) == cells_of(screen("\x1b[32m "))
+
+
+def test_how_long_a_thought_took_is_no_difference() -> None:
+    assert cells_of(screen("tick 3   0.4 ms")) == cells_of(screen("tick 3   12.7 ms"))

@@ -1,0 +1,128 @@
+"""A process in a pseudo-terminal of its own, and what it has drawn there."""
+
+from __future__ import annotations
+
+import os
+import select
+import struct
+import subprocess
+import termios
+from fcntl import ioctl
+from time import monotonic
+from typing import TYPE_CHECKING, Self
+
+import pyte
+
+from tests.waiting import PATIENCE
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Mapping, Sequence
+
+__all__ = ["Terminal"]
+
+CHUNK = 65536
+
+
+class Terminal:
+    """Runs a command in a terminal that only the test sees.
+
+    Args:
+        command: What to run.
+        size: Columns and lines.
+        env: Added to the environment of the tests.
+    """
+
+    def __init__(
+        self,
+        command: Sequence[object],
+        *,
+        size: tuple[int, int] = (100, 40),
+        env: Mapping[str, str] | None = None,
+    ) -> None:
+        self.screen = _AnsweringScreen(*size)
+        self._stream = pyte.ByteStream(self.screen)
+        self._raw = bytearray()
+        self._command = [str(word) for word in command]
+        self._env = {
+            **os.environ,
+            "TERM": "xterm-256color",
+            "COLORTERM": "truecolor",
+            **(env or {}),
+        }
+
+    def __enter__(self) -> Self:
+        self._ours, theirs = os.openpty()
+        self.screen.answer = self.send
+        self._tell_size(theirs)
+        self.process = subprocess.Popen(
+            self._command,
+            stdin=theirs,
+            stdout=theirs,
+            stderr=theirs,
+            env=self._env,
+            start_new_session=True,
+        )
+        os.close(theirs)
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.process.kill()
+        self.process.wait()
+        os.close(self._ours)
+
+    @property
+    def text(self) -> str:
+        """What stands on the screen."""
+        return "\n".join(line.rstrip() for line in self.screen.display).rstrip()
+
+    @property
+    def everything(self) -> str:
+        """All that was ever written to the screen."""
+        return self._raw.decode("utf-8", "replace")
+
+    def send(self, keys: str) -> None:
+        """Type."""
+        os.write(self._ours, keys.encode())
+
+    def wait_for(self, condition: str | Callable[[], object]) -> None:
+        """Read on until a text stands on the screen, or a condition holds."""
+        deadline = monotonic() + PATIENCE
+        while not (condition in self.text if isinstance(condition, str) else condition()):
+            assert monotonic() < deadline, f"not within {PATIENCE} s; instead:\n{self.text}"
+            assert self._read(deadline), f"it ended before that; its screen:\n{self.text}"
+
+    def wait_for_quiet(self, seconds: float = 1.0) -> None:
+        """Read on until nothing has been written for some time."""
+        while select.select([self._ours], [], [], seconds)[0] and self._read(monotonic() + 1):
+            pass
+
+    def finish(self) -> int:
+        """Read to the end and return the exit status."""
+        while self._read(monotonic() + PATIENCE):
+            pass
+        return self.process.wait(PATIENCE)
+
+    def _read(self, deadline: float) -> bool:
+        readable, _, _ = select.select([self._ours], [], [], max(0.0, deadline - monotonic()))
+        if not readable:
+            return True
+        try:
+            chunk = os.read(self._ours, CHUNK)
+        except OSError:  # how Linux says that the last process has closed the terminal
+            return False
+        self._raw += chunk
+        self._stream.feed(chunk)
+        return bool(chunk)
+
+    def _tell_size(self, terminal: int) -> None:
+        size = struct.pack("HHHH", self.screen.lines, self.screen.columns, 0, 0)
+        ioctl(terminal, termios.TIOCSWINSZ, size)
+
+
+class _AnsweringScreen(pyte.Screen):
+    """A screen that answers what a program asks its terminal, such as where the cursor is."""
+
+    answer: Callable[[str], None]
+
+    def write_process_input(self, data: str) -> None:
+        self.answer(data)

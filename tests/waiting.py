@@ -1,0 +1,36 @@
+"""Waiting for something to become true, never for a time to pass."""
+
+from __future__ import annotations
+
+import threading
+from time import monotonic
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+__all__ = ["PATIENCE", "until"]
+
+PATIENCE = 30.0  # seconds; generous, for machines that are busy with other things
+
+_LOOK_AGAIN_AFTER = 0.02
+_never = threading.Event()
+
+
+def until(
+    condition: Callable[[], object],
+    otherwise: Callable[[], str] = str,
+    *,
+    patience: float = PATIENCE,
+) -> None:
+    """Return as soon as a condition holds.
+
+    Args:
+        condition: Looked at again and again.
+        otherwise: What to say when patience runs out.
+        patience: Seconds.
+    """
+    deadline = monotonic() + patience
+    while not condition():
+        assert monotonic() < deadline, f"not within {patience} s: {otherwise()}"
+        _never.wait(_LOOK_AGAIN_AFTER)
