@@ -1,0 +1,1 @@
+"""Numbers that matter, measured on this machine: ``python -m benchmarks``."""

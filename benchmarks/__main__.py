@@ -1,0 +1,85 @@
+"""``python -m benchmarks``: the numbers that matter, as a table and as JSON."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import os
+import sys
+from dataclasses import asdict
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from rich.console import Console
+from rich.table import Table
+
+from benchmarks.first_frame import first_frame
+from benchmarks.machine import machine
+from benchmarks.measure import Effort, Measurement
+from benchmarks.mind import compiling, thinking
+from benchmarks.whole_game import whole_game
+from benchmarks.world import world_alone
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+BENCHMARKS = {
+    "world": world_alone,
+    "compile": compiling,
+    "think": thinking,
+    "game": whole_game,
+    "first-frame": first_frame,
+}
+THOROUGH = Effort(repeats=7, ticks=400)
+QUICK = Effort(repeats=3, ticks=60)
+
+
+def main(arguments: Sequence[str] | None = None) -> None:
+    """Measure, show a table, and write JSON if asked."""
+    options = _parser().parse_args(arguments)
+    os.environ["LOGICAL_ROBOTS_CACHE_DIR"] = ""  # what was compiled before would flatter us
+    effort = QUICK if options.quick else THOROUGH
+    console = Console(stderr=True)
+    found: list[Measurement] = []
+    for name in options.only or BENCHMARKS:
+        with console.status(f"measuring {name}"):
+            found += BENCHMARKS[name](effort)
+    Console().print(_table(found))
+    if options.json:
+        numbers = {"machine": machine(), "measurements": [asdict(one) for one in found]}
+        text = json.dumps(numbers, indent=2) + "\n"
+        if options.json == Path("-"):
+            sys.stdout.write(text)
+        else:
+            options.json.write_text(text, encoding="utf-8")
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = argparse.ArgumentParser(prog="python -m benchmarks", description=__doc__)
+    parser.add_argument("only", nargs="*", metavar="BENCHMARK", help=", ".join(BENCHMARKS))
+    parser.add_argument("--json", type=Path, metavar="FILE", help="also write JSON to a file")
+    parser.add_argument("--quick", action="store_true", help="fewer repeats, less exact")
+    return parser
+
+
+def _table(found: list[Measurement]) -> Table:
+    facts = "\n".join(f"{name}: {fact}" for name, fact in machine().items())
+    table = Table(title="Numbers that matter (medians)", caption=facts, caption_justify="left")
+    table.add_column("what")
+    table.add_column("on")
+    table.add_column("median", justify="right")
+    table.add_column("lowest", justify="right")
+    table.add_column("highest", justify="right")
+    table.add_column("unit")
+    last = ""
+    for one in found:
+        if last and one.group != last:
+            table.add_section()
+        numbers = (f"{number:,.2f}" for number in (one.value, one.lowest, one.highest))
+        table.add_row("" if one.group == last else one.group, one.subject, *numbers, one.unit)
+        last = one.group
+    return table
+
+
+if __name__ == "__main__":
+    main()
