@@ -5,6 +5,7 @@ from __future__ import annotations
 import copy
 import functools
 import json
+import re
 from decimal import Decimal
 from typing import TYPE_CHECKING, Any
 
@@ -51,7 +52,7 @@ def answer(
         result: list[tuple[Any, ...]] = []
 
         def run(sql: str, _engine: str, is_final: bool) -> None:
-            found = connection.execute(sql)
+            found = connection.execute(_types_in_order(sql))
             if is_final:
                 result.extend(found.fetchall())
 
@@ -59,6 +60,28 @@ def answer(
             [program.execution], run, "duckdb", display_mode="silent"
         )
     return [tuple(_plain(value) for value in row) for row in result]
+
+
+_MAKE_TYPE = re.compile(r"drop type if exists \w+ cascade; (create type (\w+) as [^;]*;)")
+
+
+def _types_in_order(sql: str) -> str:
+    """The statements with each type after those that it is made of.
+
+    The package gives them in the order in which it met them, which DuckDB may refuse.
+    """
+    made = {name: statement for statement, name in _MAKE_TYPE.findall(sql)}
+    ordered: dict[str, str] = {}
+
+    def place(name: str) -> None:
+        for part in re.findall(r"logicarecord\w+", made[name].split(" as ", 1)[1]):
+            if part in made and part not in ordered:
+                place(part)
+        ordered[name] = made[name]
+
+    for name in made:
+        place(name)
+    return "\n".join([*ordered.values(), _MAKE_TYPE.sub("", sql)])
 
 
 def _parsed(text: str) -> list[Any]:

@@ -1,0 +1,56 @@
+"""Our own programs decide the same on both engines, on what robots really met."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import pytest
+
+from logical_robots_tui.game import Game, list_programs, load_program
+from logical_robots_tui.mind import Program
+from logical_robots_tui.world import list_levels, load_level
+from tests.mind.differential.comparing import same
+from tests.mind.differential.duckdb_reference import answer
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from logical_robots_tui.game import Frame
+
+TICKS = (1, 40, 300)
+
+
+def robot_rows(text: str, frame: Frame, name: str, folder: Path) -> dict[str, Any]:
+    """The row of `Robot` that DuckDB computes from one robot's own sensor and memory."""
+    rows = [row for row in frame.sensors if row["robot_name"] == name]
+    program = (
+        f"{text}\nAnswer(robot_name:, desire:, memory:) :- Robot(robot_name:, desire:, memory:);"
+    )
+    ((_, desire, memory),) = answer(
+        program, "Answer", rows, {name: frame.memories_before[name]}, folder
+    )
+    return {"desire": desire, "memory": memory}
+
+
+@pytest.mark.parametrize("program_name", list_programs())
+@pytest.mark.parametrize("level_name", list_levels())
+async def test_a_program_decides_as_on_duckdb(
+    level_name: str, program_name: str, tmp_path: Path
+) -> None:
+    text = load_program(program_name).text
+    game = Game(load_level(level_name), Program.compile(text))
+    await game.run_until(tick=max(TICKS), condition=lambda _: False)
+    for tick in TICKS:
+        frame = game.frame_at(tick)
+        for decision in frame.decisions:
+            theirs = robot_rows(text, frame, decision.robot_name, tmp_path)
+            assert decision.desire is not None
+            ours = {
+                "desire": {
+                    "left_engine": decision.desire.left_engine,
+                    "right_engine": decision.desire.right_engine,
+                },
+                "memory": decision.memory,
+            }
+            assert same(ours, theirs), f"tick {tick}, {decision.robot_name}"
+    await game.close()
