@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 from typing import TYPE_CHECKING
 
 import pytest
@@ -39,3 +40,12 @@ def wheel(tmp_path_factory: pytest.TempPathFactory) -> Path:
 def installed(wheel: Path, tmp_path_factory: pytest.TempPathFactory) -> Installed:
     """The wheel in an environment outside of the checkout."""
     return install(wheel, tmp_path_factory.mktemp("installed"))
+
+
+@pytest.fixture(autouse=True)
+def _log_handlers_as_before() -> Iterator[None]:
+    """The command sets up logging for the whole process; the next test is not to log there."""
+    log = logging.getLogger("logical_robots_tui")
+    before = list(log.handlers)
+    yield
+    log.handlers = before

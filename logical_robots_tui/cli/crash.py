@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 import platform
 import sys
 import traceback
@@ -13,7 +14,7 @@ from logical_robots_tui import __version__
 if TYPE_CHECKING:
     from pathlib import Path
 
-__all__ = ["keep"]
+__all__ = ["LogKeeper", "keep"]
 
 
 def keep(error: BaseException, folder: Path | None = None) -> Path | None:
@@ -26,13 +27,25 @@ def keep(error: BaseException, folder: Path | None = None) -> Path | None:
     Returns:
         The file, or None if it can't be written.
     """
+    return _write("".join(traceback.format_exception(error)), folder)
+
+
+class LogKeeper(logging.Handler):
+    """Keeps what the parts log about mistakes of our own, each in a file, and prints nothing."""
+
+    def emit(self, record: logging.LogRecord) -> None:
+        """Write one record to a new file in the system's place for logs."""
+        _write(self.format(record), None)
+
+
+def _write(what: str, folder: Path | None) -> Path | None:
     moment = datetime.now(UTC)
     text = "\n".join(
         [
             f"logical-robots {__version__}, Python {platform.python_version()}, {sys.platform}",
             moment.isoformat(timespec="seconds"),
             "",
-            "".join(traceback.format_exception(error)),
+            what,
         ]
     )
     try:

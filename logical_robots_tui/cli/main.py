@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import argparse
+import logging
 import os
 import sys
 from typing import TYPE_CHECKING
 
 from logical_robots_tui import __version__
-from logical_robots_tui.cli import check, failure, listing, play, run
+from logical_robots_tui.cli import check, crash, failure, listing, play, run
 from logical_robots_tui.cli import help as reference
 from logical_robots_tui.errors import LogicalRobotsError
 
@@ -46,6 +47,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """
     for stream in (sys.stdout, sys.stderr):
         stream.reconfigure(errors="backslashreplace")  # type: ignore[union-attr] # typed as TextIO
+    logging.getLogger("logical_robots_tui").handlers = [crash.LogKeeper(logging.ERROR)]
     options = parser().parse_args(_with_command(sys.argv[1:] if arguments is None else arguments))
     try:
         status: int = options.start(options)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import json
+import logging
 import math
 import os
 import select
@@ -22,6 +23,8 @@ from logical_robots_tui.mind.program import Program
 from logical_robots_tui.mind.records import record
 
 __all__ = ["compile_program", "stop_compiling"]
+
+_log = logging.getLogger(__name__)
 
 _KEPT = 64
 _LOOK_SECONDS = 0.02
@@ -108,6 +111,8 @@ class _Compiler:
         try:
             answer = self._exchange(json.dumps(text).encode() + b"\n", limits, deadline, stop)
             found: dict[str, Any] = json.loads(answer)
+            if "trace" in found:
+                _log.error("The compiler stumbled over a program.\n%s", found["trace"])
             if "diagnostics" in found:
                 raise ProgramError(tuple(record(Diagnostic, d) for d in found["diagnostics"]))
             return record(Program, found["program"])

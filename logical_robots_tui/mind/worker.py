@@ -17,6 +17,7 @@ import signal
 import sqlite3
 import sys
 import threading
+import traceback
 from dataclasses import asdict, replace
 from time import monotonic
 from typing import IO, TYPE_CHECKING
@@ -116,7 +117,8 @@ def _answer(text: str) -> dict[str, object]:
     except RecursionError:
         return _refusal("the program is nested too deeply", "Give parts of it names of their own.")
     except Exception:  # the package may raise anything; the next program is to find us alive
-        return _refusal("the compiler gave up on this program", "Try a simpler one.")
+        refusal = _refusal("the compiler gave up on this program", "Try a simpler one.")
+        return {**refusal, "trace": traceback.format_exc()}
     return {"program": asdict(program)}
 
 

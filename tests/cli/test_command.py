@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 import subprocess
 import sys
 from typing import TYPE_CHECKING
@@ -9,7 +10,7 @@ from typing import TYPE_CHECKING
 import pytest
 
 import logical_robots_tui
-from logical_robots_tui.cli import listing
+from logical_robots_tui.cli import crash, listing
 from tests.cli.running import Command, in_terminal
 
 if TYPE_CHECKING:
@@ -131,3 +132,17 @@ def test_a_reader_that_has_enough_is_no_error() -> None:
         assert process.stderr is not None
         assert process.stderr.read() == b""
     assert process.returncode == 141
+
+
+def test_what_the_parts_log_is_kept_in_a_file_and_not_printed(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr(crash, "_log_folder", lambda: tmp_path)
+    log = logging.getLogger("elsewhere")
+    keeper = crash.LogKeeper(logging.ERROR)
+    log.addHandler(keeper)
+    log.error("it stumbled")
+    log.removeHandler(keeper)
+    (kept,) = tmp_path.iterdir()
+    assert "it stumbled" in kept.read_text()
+    assert capsys.readouterr().err == ""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import os
 import signal
 import subprocess
@@ -13,7 +14,15 @@ from time import monotonic
 
 import pytest
 
-from logical_robots_tui.mind import Limits, Program, ProgramError, Stopped, compilation
+from logical_robots_tui.mind import (
+    Limits,
+    Program,
+    ProgramError,
+    Stopped,
+    compilation,
+    compiler,
+    worker,
+)
 from tests.mind.rows import ROBOT
 from tests.waiting import until
 
@@ -185,3 +194,17 @@ def state(pid: int) -> str:
         return Path(f"/proc/{pid}/status").read_text(encoding="ascii", errors="replace")
     except OSError:
         return "Z ("
+
+
+def test_a_mistake_of_ours_while_compiling_is_told_plainly_and_logged(
+    monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
+) -> None:
+    def stumble(_text: str) -> Program:
+        raise ZeroDivisionError("ours")
+
+    monkeypatch.setattr(compiler, "compile_text", stumble)
+    answer = json.dumps(worker._answer("A(1);")).encode()
+    monkeypatch.setattr(compilation._Compiler, "_exchange", lambda *_: answer)
+    with pytest.raises(ProgramError, match="gave up on this program"):
+        Program.compile(ROBOT + "m = 4242;")
+    assert "ZeroDivisionError: ours" in caplog.text

@@ -12,6 +12,10 @@ from tests.tui.conftest import PAPER, SLOW, STILL, WRONG, opened
 if TYPE_CHECKING:
     from pathlib import Path
 
+    import pytest
+    from rich.console import RenderableType
+    from textual.screen import Screen
+
 
 async def test_space_runs_and_pauses(data_dir: Path) -> None:
     async with opened(data_dir) as game:
@@ -211,13 +215,21 @@ async def test_a_program_that_is_wrong_from_the_start_says_so_when_run(data_dir:
         await game.until(lambda: game.tick == 1)
 
 
-async def test_nothing_is_drawn_when_nothing_changes(data_dir: Path) -> None:
+async def test_nothing_is_drawn_when_nothing_changes(
+    data_dir: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     async with opened(data_dir) as game:
         await game.ready()
         await game.pilot.pause()
-        drawn = []
+        drawn: list[object] = []
+        turns: list[object] = []
         display = game.app._display
-        game.app._display = lambda *some: (drawn.append(some), display(*some))  # type: ignore
-        for _ in range(60):
-            await game.pilot.pause(0.01)
+
+        def note(screen: Screen[object], renderable: RenderableType | None) -> None:
+            drawn.append(renderable)
+            display(screen, renderable)
+
+        monkeypatch.setattr(game.app, "_display", note)
+        game.app.set_interval(0.01, lambda: turns.append(None))
+        await game.until(lambda: len(turns) > 60)
         assert not drawn
