@@ -137,12 +137,12 @@ def test_a_reader_that_has_enough_is_no_error() -> None:
 def test_what_the_parts_log_is_kept_in_a_file_and_not_printed(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    monkeypatch.setattr(crash, "_log_folder", lambda: tmp_path)
+    monkeypatch.setattr(crash, "_log_folder", lambda: tmp_path / "log")
     log = logging.getLogger("elsewhere")
     keeper = crash.LogKeeper(logging.ERROR)
     log.addHandler(keeper)
     log.error("it stumbled")
     log.removeHandler(keeper)
-    (kept,) = tmp_path.iterdir()
+    (kept,) = (tmp_path / "log").iterdir()
     assert "it stumbled" in kept.read_text()
     assert capsys.readouterr().err == ""
