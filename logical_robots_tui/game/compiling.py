@@ -4,23 +4,37 @@ from __future__ import annotations
 
 import asyncio
 import threading
+from typing import TYPE_CHECKING
 
 from logical_robots_tui.mind import Program
+
+if TYPE_CHECKING:
+    from logical_robots_tui.mind import Report
 
 __all__ = ["compile_program"]
 
 
-async def compile_program(text: str) -> Program:
+async def compile_program(text: str, report: Report | None = None) -> Program:
     """Compile Logica text without holding up the event loop.
 
     Cancelling the call ends the compilation.
+
+    Args:
+        text: The program.
+        report: Called on the event loop with the number of predicates compiled and of all.
 
     Raises:
         ProgramError: The program is wrong; holds diagnostics with line, column and hint.
     """
     stop = threading.Event()
+    loop = asyncio.get_running_loop()
+
+    def pass_on(done: int, of_all: int) -> None:
+        if report is not None and not stop.is_set():
+            loop.call_soon_threadsafe(report, done, of_all)
+
     try:
-        return await asyncio.to_thread(Program.compile, text, stop=stop)
+        return await asyncio.to_thread(Program.compile, text, stop=stop, report=pass_on)
     except asyncio.CancelledError:
         stop.set()
         raise

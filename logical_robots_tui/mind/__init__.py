@@ -4,7 +4,7 @@ from logical_robots_tui.mind.decision import Decision, Notice, NoticeKind
 from logical_robots_tui.mind.diagnostics import Diagnostic, ProgramError, QueryError, Stopped
 from logical_robots_tui.mind.limits import Limits
 from logical_robots_tui.mind.mind import Mind, Table
-from logical_robots_tui.mind.program import Predicate, Program
+from logical_robots_tui.mind.program import Predicate, Program, Report
 
 __all__ = [
     "Decision",
@@ -17,6 +17,7 @@ __all__ = [
     "Program",
     "ProgramError",
     "QueryError",
+    "Report",
     "Stopped",
     "Table",
 ]

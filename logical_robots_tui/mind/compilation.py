@@ -14,13 +14,18 @@ import threading
 from collections import OrderedDict
 from pathlib import Path
 from time import monotonic
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from logical_robots_tui.mind import cache
 from logical_robots_tui.mind.diagnostics import Diagnostic, ProgramError, Stopped
 from logical_robots_tui.mind.limits import Limits
 from logical_robots_tui.mind.program import Program
 from logical_robots_tui.mind.records import record
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from logical_robots_tui.mind.program import Report
 
 __all__ = ["compile_program", "stop_compiling"]
 
@@ -34,7 +39,11 @@ _PASSED_ON = ("DYLD_LIBRARY_PATH", "LD_LIBRARY_PATH", "PYTHONHOME")
 
 
 def compile_program(
-    text: str, *, stop: threading.Event | None = None, limits: Limits | None = None
+    text: str,
+    *,
+    stop: threading.Event | None = None,
+    limits: Limits | None = None,
+    report: Report | None = None,
 ) -> Program:
     """Compile a program, or return the one compiled from the same text before.
 
@@ -42,6 +51,7 @@ def compile_program(
         text: Logica text.
         stop: Set it from another thread to give up.
         limits: Bounds on the length of the text and on time and memory for compiling.
+        report: Called meanwhile with the number of predicates compiled and of all.
 
     Raises:
         ProgramError: The program is wrong, too large, or takes too long to compile.
@@ -57,7 +67,7 @@ def compile_program(
     if (at := _not_text(text)) is not None:
         line = text.count("\n", 0, at) + 1
         raise _refusal("this is not text", "Is this the right file?", line)
-    return _compiler.compile(text, limits, stop)
+    return _compiler.compile(text, limits, stop, report)
 
 
 def stop_compiling() -> None:
@@ -74,7 +84,9 @@ class _Compiler:
         self._turn = threading.Lock()
         self._kept: OrderedDict[bytes, Program] = OrderedDict()
 
-    def compile(self, text: str, limits: Limits, stop: threading.Event | None) -> Program:
+    def compile(
+        self, text: str, limits: Limits, stop: threading.Event | None, report: Report | None
+    ) -> Program:
         key = hashlib.sha256(text.encode()).digest()
         deadline = monotonic() + limits.compile_seconds
         while not self._turn.acquire(timeout=_LOOK_SECONDS):
@@ -86,7 +98,7 @@ class _Compiler:
             _check(stop)
             program = cache.find(text)
             if program is None:
-                program = self._ask(text, limits, deadline, stop)
+                program = self._ask(text, limits, deadline, stop, report)
                 cache.keep(program)
             self._kept[key] = program
             while len(self._kept) > _KEPT:
@@ -105,12 +117,23 @@ class _Compiler:
                     pipe.close()
 
     def _ask(
-        self, text: str, limits: Limits, deadline: float, stop: threading.Event | None
+        self,
+        text: str,
+        limits: Limits,
+        deadline: float,
+        stop: threading.Event | None,
+        report: Report | None,
     ) -> Program:
         """Have it compiled. A process that was not heard to the end is ended."""
         try:
-            answer = self._exchange(json.dumps(text).encode() + b"\n", limits, deadline, stop)
-            found: dict[str, Any] = json.loads(answer)
+            request = json.dumps(text).encode() + b"\n"
+            found: dict[str, Any] = {}
+            for line in self._exchange(request, limits, deadline, stop):
+                found = json.loads(line)
+                if "done" not in found:
+                    break
+                if report is not None:
+                    report(found["done"], found["all"])
             if "trace" in found:
                 _log.error("The compiler stumbled over a program.\n%s", found["trace"])
             if "diagnostics" in found:
@@ -127,13 +150,16 @@ class _Compiler:
 
     def _exchange(
         self, request: bytes, limits: Limits, deadline: float, stop: threading.Event | None
-    ) -> bytes:
+    ) -> Iterator[bytes]:
+        """The lines that the process says about a request."""
         process = self._started(limits)
         assert process.stdin is not None
         assert process.stdout is not None
         into, out_of = process.stdin.fileno(), process.stdout.fileno()
         answer = bytearray()
-        while not answer.endswith(b"\n"):
+        while True:
+            *lines, answer = answer.split(b"\n")
+            yield from map(bytes, lines)
             _check(stop)
             if monotonic() > deadline:
                 self.close()
@@ -152,7 +178,6 @@ class _Compiler:
                 if not piece or len(answer) > _LARGEST_ANSWER:
                     raise OSError("the compile process ended or would not stop talking")
                 answer += piece
-        return bytes(answer)
 
     def _started(self, limits: Limits) -> subprocess.Popen[bytes]:
         bounds = (str(limits.compile_bytes), str(math.ceil(limits.compile_seconds) + 1))

@@ -33,6 +33,8 @@ from logical_robots_tui.mind.text import Prepared, diagnostic_for, prepare
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
+    from logical_robots_tui.mind.program import Report
+
 __all__ = ["compile_text"]
 
 _RECURSION_DEPTH = 32  # as on DuckDB; the package's SQLite default is 8
@@ -41,8 +43,12 @@ _VISIBILITY = {"Memory": ("own", "seen", "all"), "Sensor": ("own", "all")}
 _MOST_DIAGNOSTICS = 25
 
 
-def compile_text(text: str) -> Program:
+def compile_text(text: str, report: Report | None = None) -> Program:
     """Compile a program and every predicate of it.
+
+    Args:
+        text: Logica text.
+        report: Called with the number of predicates that are compiled and of all.
 
     Raises:
         ProgramError: The program is wrong; tells everything that can be told at once.
@@ -62,7 +68,9 @@ def compile_text(text: str) -> Program:
         raise ProgramError(
             (_endless(error, raw, text) or complaints.explain(error, text, source),)
         ) from None
-    statements, predicates, problems = _compile_predicates(compiled, raw, text, source)
+    statements, predicates, problems = _compile_predicates(
+        compiled, raw, text, source, report or (lambda _done, _all: None)
+    )
     _refuse([*found, *problems])
     needed = _needed(raw, statements)
     inputs = tuple(Predicate(name, "input", None, has_rows=True) for name in INPUTS)
@@ -136,7 +144,7 @@ def _endless(error: BaseException, raw: list[Rule], text: str) -> Diagnostic | N
 
 
 def _compile_predicates(
-    compiled: _RobotProgram, raw: list[Rule], text: str, source: Prepared
+    compiled: _RobotProgram, raw: list[Rule], text: str, source: Prepared, report: Report
 ) -> tuple[dict[str, str], list[Predicate], list[Diagnostic]]:
     """SQL by predicate, all predicates, and what is wrong if `Robot` can't be compiled."""
     statements: dict[str, str] = {}
@@ -144,7 +152,8 @@ def _compile_predicates(
     problems: list[Diagnostic] = []
     own = heads(raw)
     names = {name: name for name in own}
-    for name in (MAIN, *(n for n in own if n != MAIN)):
+    for done, name in enumerate((MAIN, *(n for n in own if n != MAIN))):
+        report(done, len(own))
         try:
             statements[name], reason = compiled.FormattedPredicateSql(name), ""
         except complaints.COMPLAINTS as error:

@@ -3,16 +3,19 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING, Literal, TypeAlias
 
 if TYPE_CHECKING:
     import threading
-    from collections.abc import Mapping
+    from collections.abc import Callable, Mapping
 
     from logical_robots_tui.mind.diagnostics import Diagnostic
     from logical_robots_tui.mind.limits import Limits
 
-__all__ = ["INPUTS", "Predicate", "Program"]
+__all__ = ["INPUTS", "Predicate", "Program", "Report"]
+
+Report: TypeAlias = "Callable[[int, int], None]"
+"""Told how many predicates of how many are compiled."""
 
 INPUTS: Mapping[str, tuple[str, ...]] = {
     "Sensor": ("robot_name", "sensor"),
@@ -68,7 +71,12 @@ class Program:
 
     @classmethod
     def compile(
-        cls, text: str, *, stop: threading.Event | None = None, limits: Limits | None = None
+        cls,
+        text: str,
+        *,
+        stop: threading.Event | None = None,
+        limits: Limits | None = None,
+        report: Report | None = None,
     ) -> Program:
         """Compile Logica text. Blocks; the work is done in a process of its own.
 
@@ -76,6 +84,7 @@ class Program:
             text: The program.
             stop: Set it from another thread to give up; takes effect within 0.1 s.
             limits: Bounds on the text and on compiling it.
+            report: Called meanwhile with the number of predicates compiled and of all.
 
         Raises:
             ProgramError: The program is wrong; holds diagnostics with line, column and hint.
@@ -83,7 +92,7 @@ class Program:
         """
         from logical_robots_tui.mind.compilation import compile_program
 
-        return compile_program(text, stop=stop, limits=limits)
+        return compile_program(text, stop=stop, limits=limits, report=report)
 
     def predicate(self, name: str) -> Predicate | None:
         """The predicate of that name, or None."""

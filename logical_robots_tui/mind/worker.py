@@ -19,6 +19,7 @@ import sys
 import threading
 import traceback
 from dataclasses import asdict, replace
+from functools import partial
 from time import monotonic
 from typing import IO, TYPE_CHECKING
 
@@ -29,7 +30,7 @@ from logical_robots_tui.mind.failures import in_plain_words
 from logical_robots_tui.mind.plain import printable
 
 if TYPE_CHECKING:
-    from logical_robots_tui.mind.program import Program
+    from logical_robots_tui.mind.program import Program, Report
 
 __all__ = ["main"]
 
@@ -65,8 +66,16 @@ def main() -> None:
     while True:
         text = json.loads(requests.get())
         _limit(resource.RLIMIT_CPU, int(_computed()) + seconds)
-        answers.write(json.dumps(_answer(text)) + "\n")
-        answers.flush()
+        _say(answers, _answer(text, partial(_report, answers)))
+
+
+def _say(answers: IO[str], what: dict[str, object]) -> None:
+    answers.write(json.dumps(what) + "\n")
+    answers.flush()
+
+
+def _report(answers: IO[str], done: int, of_all: int) -> None:
+    _say(answers, {"done": done, "all": of_all})
 
 
 def _warm_up() -> None:
@@ -105,9 +114,9 @@ def _read(lines: IO[str], requests: queue.Queue[str]) -> None:
     os._exit(0)
 
 
-def _answer(text: str) -> dict[str, object]:
+def _answer(text: str, report: Report | None = None) -> dict[str, object]:
     try:
-        program = compiler.compile_text(text)
+        program = compiler.compile_text(text, report)
         _try_out(program)
     except ProgramError as error:
         shown = error.diagnostics[:_MOST_DIAGNOSTICS]

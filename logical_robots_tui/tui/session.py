@@ -43,13 +43,15 @@ class ProgramState:
         phase: ``fresh`` before the first compilation, then what the last one came to.
         tried: The text that was last compiled.
         applied: The text that the robots think with, or None.
-        mistakes: What is wrong with `tried`.
+        mistakes: What is wrong with `tried`, or odd about it though it runs.
+        compiled: How many predicates of how many are compiled, while compiling.
     """
 
     phase: Phase = "fresh"
     tried: str = ""
     applied: str | None = None
     mistakes: tuple[Diagnostic, ...] = ()
+    compiled: tuple[int, int] = (0, 0)
 
 
 class Session:
@@ -134,10 +136,10 @@ class Session:
     def apply(self, text: str) -> None:
         """Compile a text in the background and use it; an older compilation is given up."""
         if self._program is not None and self._program.text == text:
-            self.state = ProgramState("applied", text, text)
+            self.state = ProgramState("applied", text, text, self._program.warnings)
             self._use(self._program)
             return
-        self.state = replace(self.state, phase="compiling", tried=text, mistakes=())
+        self.state = ProgramState("compiling", text, self.state.applied)
         self._changed()
         self._spawn(partial(self._compile, text), "compile", exclusive=True)
 
@@ -214,7 +216,10 @@ class Session:
         if self.game is None:
             raise Superseded
         table = (await self.game.query(predicate, frame)).table
-        return table.columns, table.rows, table.truncated
+        if len(set(table.viewers)) < 2 or "robot_name" in table.columns:
+            return table.columns, table.rows, table.truncated
+        rows = tuple((who, *row) for who, row in zip(table.viewers, table.rows, strict=True))
+        return ("in the mind of", *table.columns), rows, table.truncated
 
     async def close(self) -> None:
         """Stop all work."""
@@ -226,14 +231,19 @@ class Session:
 
     async def _compile(self, text: str) -> None:
         try:
-            program = await compile_program(text)
+            program = await compile_program(text, partial(self._compiled, text))
         except ProgramError as error:
             self._run_when_ready = False
             self.state = replace(self.state, phase="mistake", mistakes=error.diagnostics)
             self._changed()
             return
-        self.state = ProgramState("applied", text, text)
+        self.state = ProgramState("applied", text, text, program.warnings)
         self._use(program)
+
+    def _compiled(self, text: str, done: int, of_all: int) -> None:
+        if self.state.phase == "compiling" and self.state.tried == text:
+            self.state = replace(self.state, compiled=(done, of_all))
+            self._changed()
 
     def _use(self, program: Program) -> None:
         self._program = program

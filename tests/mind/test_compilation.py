@@ -199,12 +199,19 @@ def state(pid: int) -> str:
 def test_a_mistake_of_ours_while_compiling_is_told_plainly_and_logged(
     monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
 ) -> None:
-    def stumble(_text: str) -> Program:
+    def stumble(_text: str, _report: object) -> Program:
         raise ZeroDivisionError("ours")
 
     monkeypatch.setattr(compiler, "compile_text", stumble)
     answer = json.dumps(worker._answer("A(1);")).encode()
-    monkeypatch.setattr(compilation._Compiler, "_exchange", lambda *_: answer)
+    monkeypatch.setattr(compilation._Compiler, "_exchange", lambda *_: iter([answer]))
     with pytest.raises(ProgramError, match="gave up on this program"):
         Program.compile(ROBOT + "m = 4242;")
     assert "ZeroDivisionError: ours" in caplog.text
+
+
+def test_compiling_tells_how_far_it_is() -> None:
+    told: list[tuple[int, int]] = []
+    text = "A(1);\nB(x) :- A(x);\n" + ROBOT + "B(m), m < 98765;"
+    Program.compile(text, report=lambda done, of_all: told.append((done, of_all)))
+    assert told == [(0, 3), (1, 3), (2, 3)]

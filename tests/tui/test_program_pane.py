@@ -182,3 +182,20 @@ async def test_the_text_of_the_file_comes_back_and_undo_brings_mine_back(data_di
         await game.until(lambda: game.editor.text == PAPER)
         await game.press("ctrl+z")
         await game.until(lambda: game.editor.text == "x" + PAPER)
+
+
+ODD = """\
+# forgets everything
+
+Robot(robot_name:, desire: {left_engine: 1, right_engine: 1}) :-
+  Sensor(robot_name:);
+"""
+
+
+async def test_a_program_that_runs_though_something_is_odd_shows_a_warning(data_dir: Path) -> None:
+    async with opened(data_dir) as game:
+        await game.ready()
+        await game.write(ODD)
+        await game.until(lambda: game.shows("applied, 1 warning"))
+        assert game.shows("! line 3")
+        assert game.session.state.applied == ODD

@@ -28,6 +28,7 @@ class MistakeStrip(Static):
         dock: bottom; height: auto; max-height: 50%; padding: 0 1; display: none;
         background: #2a1820; color: $foreground;
     }
+    MistakeStrip.-odd { background: #26221a; }
     """
 
     class Chosen(Message):
@@ -36,6 +37,7 @@ class MistakeStrip(Static):
     def show(self, mistakes: tuple[Diagnostic, ...]) -> None:
         """Show mistakes, or nothing."""
         self.display = bool(mistakes)
+        self.set_class(all(mistake.severity == "warning" for mistake in mistakes), "-odd")
         lines = [_described(mistake) for mistake in mistakes[:_MOST_SHOWN]]
         if len(mistakes) > _MOST_SHOWN:
             lines.append(Content.styled(f"and {len(mistakes) - _MOST_SHOWN} more", INK.dim))
@@ -47,9 +49,10 @@ class MistakeStrip(Static):
 
 
 def _described(mistake: Diagnostic) -> Content:
-    place = f"✗ line {mistake.line}, column {mistake.column}"
+    sign, ink = ("✗", INK.bad) if mistake.severity == "error" else ("!", INK.warn)
+    place = f"{sign} line {mistake.line}, column {mistake.column}"
     content = Content.assemble(
-        (place, f"bold {INK.bad}"), "  ", clip(one_line(mistake.message), _LONGEST)
+        (place, f"bold {ink}"), "  ", clip(one_line(mistake.message), _LONGEST)
     )
     if mistake.hint:
         content = content.append("\n  ").append(

@@ -46,7 +46,8 @@ class ProgramPane(Pane):
         if state is not self._state:
             self._state = state
             self._strip.show(state.mistakes)
-            self.editor.mark(frozenset(mistake.line - 1 for mistake in state.mistakes))
+            wrong = (m for m in state.mistakes if m.severity == "error")
+            self.editor.mark(frozenset(mistake.line - 1 for mistake in wrong))
 
     def go_to_mistake(self) -> None:
         """Put the cursor on the first mistake, if there is one."""
@@ -65,9 +66,13 @@ class ProgramPane(Pane):
 
     def _verdict(self, state: ProgramState) -> str:
         if state.phase == "compiling":
-            return "compiling…"
+            done, of_all = state.compiled
+            return f"compiling… {done} of {of_all}" if of_all else "compiling…"
         text = self.text
         if state.phase == "mistake" and text == state.tried:
             count = len(state.mistakes)
             return "1 mistake" if count == 1 else f"{count} mistakes"
-        return "applied" if text == state.applied else "edited, not applied"
+        if text != state.applied:
+            return "edited, not applied"
+        count = len(state.mistakes)
+        return "applied" + (f", {count} warning{'s' * (count > 1)}" if count else "")
