@@ -15,14 +15,14 @@ from logical_robots_tui.mind.dialect import RobotDialect
 __all__ = ["arity", "is_built_in", "names", "runs"]
 
 _QL = expr_translate.QL
-_SPECIAL = frozenset({"Cast"})
+_SPECIAL = frozenset({"Aggr", "Cast"})
 """Functions that the package writes itself, without a template."""
 
 _TWO_ARGUMENTS = frozenset(
     {"Concat", "DateAddDay", "DateDiffDay", "Element", "Join", "Like", "MagicalEntangle", "Split"}
 )
 _INTERNAL = frozenset(
-    {"Aggr", "Constraint", "Container", "FlagValue", "MagicalEntangle", "SqlExpr"}
+    {"Constraint", "Container", "FlagValue", "MagicalEntangle", "SqlExpr"}
     | {"ToUInt64", "ValueOfUnnested"}
 )
 _REFUSED = sqlite3.SQLITE_DENY

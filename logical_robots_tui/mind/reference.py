@@ -81,6 +81,7 @@ Array{i -> x :- P(i, x)} -- a list in the order of i -- Array{-x -> x :- x in [1
 WeightedAverage{w -> x :- P(w, x)} -- the mean of x, with the weight w for each -- \
 WeightedAverage{w -> 10 * w :- w in [1, 3]} => 25
 StringAgg{x :- P(x)} -- all texts with commas between -- StringAgg{x :- x in ["a", "b"]} => "a,b"
+Aggr{f :- P(x)} -- any formula of aggregates -- Aggr{Sum(x) * 2 :- x in [1, 2]} => 6
 P(x, total? += y) distinct :- Q(x, y); -- the sum, in a head or as combine -- \
 (combine += x :- x in [1, 2]) => 3
 P(x, all? ++= list) distinct :- Q(x, list); -- all lists as one, in a head or as combine -- \

@@ -80,3 +80,14 @@ def test_what_was_cast_is_a_record_to_go_on_with() -> None:
     rules = "M(m) :- Memory(memory:), m = TryCast(memory, {count: Num, seen: [{d: Num}]});"
     text = f"{rules} Answer(value: m.count + Sum{{e.d :- e in m.seen}}) :- M(m);"
     assert here(text) == [(8.75,)]
+
+
+@pytest.mark.parametrize("value", ['"abc"', '""', "7", '"Zoë"'])
+def test_a_hash_is_another_number_but_of_the_same_kind(value: str, tmp_path: Path) -> None:
+    text = program(value=f"NaturalHash({value})")
+    ours, theirs = here(text)[0][0], there(text, tmp_path)[0][0]
+    assert isinstance(ours, int)
+    assert isinstance(theirs, int)
+    assert 0 <= ours < 2**63
+    assert 0 <= theirs < 2**63
+    assert here(text) == here(text)
