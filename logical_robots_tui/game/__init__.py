@@ -7,6 +7,7 @@ from logical_robots_tui.game.goal import Goal, goals
 from logical_robots_tui.game.history import History, NoSuchTickError
 from logical_robots_tui.game.pace import FLAT_OUT, SPEEDS, Pace
 from logical_robots_tui.game.source import Source, list_programs, load_program, save_program
+from logical_robots_tui.game.start import start_frame
 
 __all__ = [
     "FLAT_OUT",
@@ -25,4 +26,5 @@ __all__ = [
     "list_programs",
     "load_program",
     "save_program",
+    "start_frame",
 ]

@@ -13,12 +13,12 @@ from typing import TYPE_CHECKING, TypeAlias, TypeVar
 from logical_robots_tui.game.frame import Frame
 from logical_robots_tui.game.history import History
 from logical_robots_tui.game.pace import Pace
+from logical_robots_tui.game.start import start_frame
 from logical_robots_tui.mind import Limits, Mind, Stopped
 from logical_robots_tui.world import World
 
 if TYPE_CHECKING:
     from logical_robots_tui.mind import Program, Table
-    from logical_robots_tui.values import Value
     from logical_robots_tui.world import Level, WorldState
 
 __all__ = ["Answer", "Game", "Superseded"]
@@ -83,7 +83,7 @@ class Game:
         # The worker's world computes ticks; the other one re-senses past ones on the event loop.
         self._world = World(level)
         self._past_world = World(level)
-        self._frame = self._start()
+        self._frame = start_frame(self.level)
         self.history.add(self._frame)
 
     # -- looking -------------------------------------------------------------------------------
@@ -117,7 +117,7 @@ class Game:
             return self._frame
         before, moment = self.history.around(tick)
         if tick == 0:
-            return self._start()
+            return start_frame(self.level)
         self._past_world.restore(before.after)
         return Frame(
             tick=tick,
@@ -195,7 +195,7 @@ class Game:
     def restart(self) -> Frame:
         """Begin again at the start of the level, with the same program."""
         self._supersede()
-        frame = self._start()
+        frame = start_frame(self.level)
         self.history.add(frame)
         self._show(frame)
         return frame
@@ -266,13 +266,6 @@ class Game:
         await asyncio.gather(self._thinker.close(), self._asker.close())
 
     # -- inside --------------------------------------------------------------------------------
-
-    def _start(self) -> Frame:
-        self._past_world = World(self.level)
-        state = self._past_world.save()
-        memories: dict[str, Value] = {robot.name: "" for robot in self.level.robots}
-        sensors = tuple(self._past_world.look())
-        return Frame(0, state, state, sensors, memories, (), memories, 0.0)
 
     def _supersede(self) -> None:
         self.run_number += 1

@@ -7,9 +7,15 @@ from functools import partial
 from time import perf_counter
 from typing import TYPE_CHECKING, Literal, Protocol, TypeAlias
 
-from logical_robots_tui.game import Frame, Game, Pace, Superseded, compile_program
+from logical_robots_tui.game import (
+    Frame,
+    Game,
+    Pace,
+    Superseded,
+    compile_program,
+    start_frame,
+)
 from logical_robots_tui.mind import ProgramError
-from logical_robots_tui.world import World
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -20,7 +26,7 @@ if TYPE_CHECKING:
     from logical_robots_tui.values import Value
     from logical_robots_tui.world import Level
 
-__all__ = ["ProgramState", "Session", "Spawn", "start_frame"]
+__all__ = ["ProgramState", "Session", "Spawn"]
 
 Phase: TypeAlias = Literal["fresh", "compiling", "applied", "mistake"]
 
@@ -292,14 +298,6 @@ class Session:
 
 
 Rows: TypeAlias = "tuple[tuple[Value, ...], ...]"
-
-
-def start_frame(level: Level) -> Frame:
-    """The frame of a level in which nobody has thought yet, to show before there is a program."""
-    world = World(level)
-    state = world.save()
-    memories: dict[str, Value] = {robot.name: "" for robot in level.robots}
-    return Frame(0, state, state, tuple(world.look()), memories, (), memories, 0.0)
 
 
 async def _nothing() -> None:
