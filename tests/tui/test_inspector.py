@@ -174,3 +174,13 @@ async def test_notices_are_shown_under_the_robots(data_dir: Path, size: tuple[in
         await game.until(lambda: game.tick == 1)
         message = game.session.frame.decisions[0].notices[0].message
         await game.until(lambda: game.shows(f"! Solo: {message[:20]}"))
+
+
+async def test_a_row_that_names_no_robot_says_in_whose_mind_it_holds(data_dir: Path) -> None:
+    own = '@Visible(Sensor, "own");\n@Visible(Memory, "own");\n'
+    text = own + PAPER + "\nClock(t) :- Sensor(sensor:), t = sensor.clock;\n"
+    async with opened(data_dir, level="team_goal", text=text) as game:
+        await game.ready()
+        await inspect(game, "Clock")
+        await game.until(lambda: game.shows("in the mind of"))
+        assert all(game.shows(name) for name in "PQR")
