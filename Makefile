@@ -3,37 +3,40 @@
 
 PYTHON ?= python3
 VENV ?= .venv
+WORKERS ?= auto
 BIN := $(VENV)/bin
+PYTEST = $(BIN)/python -m pytest -n $(WORKERS) --dist worksteal
 PIP := $(BIN)/python -m pip --disable-pip-version-check --require-virtualenv
 
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
 .SUFFIXES:
 
-.PHONY: help play test check format proof bench lock screenshot reference wheel clean
+.PHONY: help play test lint check format proof bench lock screenshot reference wheel clean
 
 help: ## Show this list
 	@grep -E '^[a-z]+:.*##' $(MAKEFILE_LIST) | sed -E 's/^([a-z]+):.*## (.*)/  make \1\t\2/' | expand -t 20
 
-play: $(VENV)/.play ## Play; ARGS="play labyrinth" passes arguments on
+play: $(VENV)/.play ## Play; ARGS="play LEVEL" passes arguments on
 	@$(BIN)/python -m logical_robots_tui $(ARGS)
 
-test: $(VENV)/.dev ## Run the tests; ARGS="-k wall" passes arguments on
-	$(BIN)/python -m pytest $(ARGS)
+test: $(VENV)/.dev ## Run the tests on all cores; ARGS="-k wall" passes arguments on
+	$(PYTEST) $(ARGS)
 
-check: $(VENV)/.dev ## Everything that must be true before a commit
+lint: $(VENV)/.dev ## Check layout, style, types and which part may use which
 	$(BIN)/python -m ruff format --check .
 	$(BIN)/python -m ruff check .
 	$(BIN)/python -m mypy
 	$(BIN)/lint-imports
-	$(BIN)/python -m pytest
+
+check: lint test ## Everything that must be true before a commit
 
 format: $(VENV)/.dev ## Lay out the code and mend what can be mended
 	$(BIN)/python -m ruff format .
 	$(BIN)/python -m ruff check --fix .
 
 proof: $(VENV)/.dev ## The long proofs: many starts, load, fuzzing
-	$(BIN)/python -m pytest -m proof $(ARGS)
+	$(PYTEST) -m proof $(ARGS)
 
 bench: $(VENV)/.dev ## Measure; ARGS="--json numbers.json" keeps the numbers
 	$(BIN)/python -m benchmarks $(ARGS)

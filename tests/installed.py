@@ -41,8 +41,9 @@ class Installed:
 
 
 def clean_environment() -> dict[str, str]:
-    """The environment without what points Python at the checkout or at what was compiled before."""
-    kept = {k: v for k, v in os.environ.items() if not k.startswith(("PYTHON", "VIRTUAL"))}
+    """The environment without what points at the checkout, its terminal or earlier compilations."""
+    unwanted = ("PYTHON", "PYTEST", "VIRTUAL", "COLUMNS", "LINES")
+    kept = {k: v for k, v in os.environ.items() if not k.startswith(unwanted)}
     return {**kept, "LOGICAL_ROBOTS_CACHE_DIR": ""}
 
 

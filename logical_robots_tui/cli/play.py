@@ -53,6 +53,9 @@ def start(options: argparse.Namespace) -> int:
             "the game needs a terminal.",
             hint="Without one, use: logical-robots run LEVEL PROGRAM",
         )
+    # The terminal knows its size better than a shell that once exported it.
+    for name in ("COLUMNS", "LINES"):
+        os.environ.pop(name, None)
     from logical_robots_tui.tui.play import play
 
     return play(options.level, options.program, options.data_dir)

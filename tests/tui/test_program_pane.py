@@ -199,3 +199,14 @@ async def test_a_program_that_runs_though_something_is_odd_shows_a_warning(data_
         await game.until(lambda: game.shows("applied, 1 warning"))
         assert game.shows("! line 3")
         assert game.session.state.applied == ODD
+
+
+async def test_what_is_typed_before_the_pane_has_room_does_not_scroll_its_start_away(
+    data_dir: Path,
+) -> None:
+    async with opened(data_dir, text=f"# {'a long line ' * 20}", size=(80, 24)) as game:
+        await game.ready()
+        assert not game.editor.content_size.area
+        game.editor.insert("nonsense(")
+        await game.press("2")
+        await game.until(lambda: game.shows("nonsense("))

@@ -8,6 +8,7 @@ from rich.segment import Segment
 from rich.style import Style
 from rich.text import Text
 from textual.binding import Binding
+from textual.geometry import Offset
 from textual.message import Message
 from textual.strip import Strip
 from textual.widgets import TextArea
@@ -132,6 +133,16 @@ class Editor(TextArea):
         else:
             changed = [f"# {line}" if line.strip() else line for line in lines]
         self.replace("\n".join(changed), (first, 0), (last, len(lines[-1])))
+
+    def scroll_cursor_visible(self, center: bool = False, animate: bool = False) -> Offset:
+        """Scroll so that the cursor is seen; a text area without room waits until it has some."""
+        if not self.content_size.area:
+            return Offset()
+        return super().scroll_cursor_visible(center, animate)
+
+    def on_resize(self) -> None:
+        """Keep the cursor in sight."""
+        self.scroll_cursor_visible()
 
     # -- drawing -------------------------------------------------------------------------------
 

@@ -18,7 +18,7 @@ from logical_robots_tui.mind.database import Database, TooMuchError
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-SECONDS = 0.5  # of computing; a twentieth of that and less is usual
+SECONDS = 1.0  # of computing; a twentieth of that and less is usual
 
 HALF = "a" * (MAX_TEXT // 2 - 100)
 ITEMS = MAX_ITEMS - 10

@@ -1,0 +1,40 @@
+"""``logical-robots play``: opening the game, or saying why not."""
+
+from __future__ import annotations
+
+import sys
+from typing import TYPE_CHECKING
+
+from tests.cli.running import in_terminal
+from tests.terminal import Terminal
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+
+def test_the_size_is_that_of_the_terminal_whatever_the_environment_says(
+    level: Path, ahead: Path, tmp_path: Path
+) -> None:
+    command = [sys.executable, "-m", "logical_robots_tui", "play", level, ahead]
+    exported = {"COLUMNS": "30", "LINES": "8"}
+    with Terminal([*command, "--data-dir", tmp_path], size=(120, 40), env=exported) as terminal:
+        terminal.wait_for("tick 0")
+        terminal.wait_for(lambda: "Quit" in terminal.screen.display[-1])
+
+
+def test_what_can_not_be_opened_is_told_after_the_prompt_and_not_in_the_game(ahead: Path) -> None:
+    with in_terminal("play", "nowhere.toml", ahead) as terminal:
+        assert terminal.finish() == 2
+    assert terminal.text.startswith("logical-robots: nowhere.toml: ")
+    assert "\x1b[?1049h" not in terminal.everything
+
+
+def test_quitting_ends_with_status_0_and_gives_the_screen_back(
+    level: Path, ahead: Path, tmp_path: Path
+) -> None:
+    with in_terminal("play", level, ahead, "--data-dir", tmp_path) as terminal:
+        terminal.wait_for("· applied")
+        terminal.send("q")
+        assert terminal.finish() == 0
+    entered, left = (terminal.everything.rfind(f"\x1b[?1049{how}") for how in "hl")
+    assert 0 <= entered < left
