@@ -123,11 +123,12 @@ def _digest(body: bytes) -> bytes:
 def _maker() -> bytes:
     """What stands for everything that turns a text into a program, as it is now."""
     digest = hashlib.sha256()
-    with contextlib.suppress(metadata.PackageNotFoundError):
-        digest.update(metadata.version("logica").encode())
+    for package in ("logica", "sqlglot"):
+        with contextlib.suppress(metadata.PackageNotFoundError):
+            digest.update(b"\0" + metadata.version(package).encode())
     from logical_robots_tui import __version__
 
     digest.update(b"\0" + __version__.encode())
-    for path in sorted(Path(__file__).parent.glob("*.py")):
+    for path in sorted(Path(__file__).parent.rglob("*.py")):
         digest.update(b"\0" + path.name.encode() + b"\0" + path.read_bytes())
     return digest.digest()

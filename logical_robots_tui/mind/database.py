@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import secrets
 import sqlite3
+from dataclasses import dataclass
 from time import monotonic
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 from logical_robots_tui.mind import functions
 from logical_robots_tui.mind.allowed import BUILT_IN, NAMED_QUERY, TABLES
@@ -16,9 +17,22 @@ from logical_robots_tui.mind.watch import Work
 
 if TYPE_CHECKING:
     import threading
-    from collections.abc import Sequence
+    from collections.abc import Iterable, Iterator, Sequence
 
-__all__ = ["BUILT_IN", "Database", "TooMuchError", "TooSlowError"]
+__all__ = [
+    "BUILT_IN",
+    "COLUMNS_LAYOUT",
+    "CROWD_LAYOUT",
+    "PLAIN_LAYOUT",
+    "Answer",
+    "Database",
+    "Layout",
+    "TooMuchError",
+    "TooSlowError",
+]
+
+Answer: TypeAlias = "tuple[tuple[str, ...], Sequence[tuple[Any, ...]]]"
+"""Column names and rows."""
 
 _ALLOWED_ACTIONS = frozenset({sqlite3.SQLITE_SELECT, sqlite3.SQLITE_RECURSIVE})
 
@@ -39,6 +53,45 @@ _SQLITE_LIMITS = {
 _HALTED_LENGTH = 30  # no text longer than this can be made by a query that is to end
 
 
+@dataclass(frozen=True, slots=True)
+class Layout:
+    """The tables of a database.
+
+    Attributes:
+        script: SQL that makes them.
+        readable: Names in lower case of all that a query may read.
+    """
+
+    script: str
+    readable: frozenset[str]
+
+
+PLAIN_LAYOUT = Layout(
+    "CREATE TABLE Sensor(robot_name, sensor); CREATE TABLE Memory(robot_name, memory);", TABLES
+)
+"""The tables as programs know them."""
+
+CROWD_LAYOUT = Layout(
+    """
+    CREATE TABLE Sensor(
+        id INTEGER PRIMARY KEY, robot_name, sensor, forward_distance, forward_object,
+        forward_label, clock, can_charge, has_battery, battery_level, battery_capacity
+    );
+    CREATE TABLE Memory(id INTEGER PRIMARY KEY, robot_name, memory);
+    CREATE TABLE Ray(id INTEGER PRIMARY KEY, angle, distance, object, label, value);
+    CREATE INDEX SensorByName ON Sensor(robot_name);
+    CREATE INDEX MemoryByName ON Memory(robot_name);
+    """,
+    TABLES | {"ray"},
+)
+"""Numbered rows, with sensor fields and radar rays in columns of their own."""
+
+COLUMNS_LAYOUT = Layout(
+    CROWD_LAYOUT.script + "PRAGMA automatic_index = OFF;", CROWD_LAYOUT.readable
+)
+"""The same for few robots: to make an index would take longer than to do without."""
+
+
 class TooSlowError(Exception):
     """A query took longer than it may."""
 
@@ -48,16 +101,18 @@ class TooMuchError(Exception):
 
 
 class Database:
-    """A private in-memory SQLite with the tables ``Sensor`` and ``Memory``.
+    """A private in-memory SQLite with the tables of a layout.
 
     Use it in one thread at a time.
 
     Args:
         limits: Bounds on memory, on values and on results.
+        layout: Which tables it has.
     """
 
-    def __init__(self, limits: Limits | None = None) -> None:
+    def __init__(self, limits: Limits | None = None, layout: Layout = PLAIN_LAYOUT) -> None:
         self._limits = limits or Limits()
+        self._readable = layout.readable
         self._mark = secrets.token_hex(8)
         self._bytes = 0
         self._connection = sqlite3.connect(
@@ -70,8 +125,7 @@ class Database:
             PRAGMA trusted_schema = OFF;
             PRAGMA temp_store = MEMORY;
             PRAGMA hard_heap_limit = {self._limits.mind_bytes};
-            CREATE TABLE Sensor(robot_name, sensor);
-            CREATE TABLE Memory(robot_name, memory);
+            {layout.script}
             """
         )
         # SQLite sets up its JSON tables at their first use, which the authorizer would refuse.
@@ -88,20 +142,36 @@ class Database:
         sensors: Sequence[tuple[str, Any]],
         memories: Sequence[tuple[str, Any]],
     ) -> None:
-        """Replace the rows of ``Sensor`` and ``Memory``, both as SQLite values.
+        """Replace the rows of ``Sensor`` and ``Memory`` in the plain layout, as SQLite values.
 
         Raises:
             TooMuchError: A value is larger than a value may be.
         """
-        connection = self._connection
+        self.fill("Sensor", "INSERT INTO Sensor VALUES (?, ?)", sensors)
+        self.fill("Memory", "INSERT INTO Memory VALUES (?, ?)", memories)
+
+    def fill(self, table: str, insert: str, rows: Iterable[Sequence[Any]]) -> None:
+        """Replace all rows of a table.
+
+        Args:
+            table: Its name.
+            insert: A statement of ours that inserts one item of `rows`.
+            rows: SQLite values.
+
+        Raises:
+            TooMuchError: A value is larger than a value may be.
+            sqlite3.Error: A value is none of SQLite's.
+        """
         self._trusted = True
-        connection.execute(self._own("DELETE FROM Sensor"))
-        connection.execute(self._own("DELETE FROM Memory"))
+        connection = self._connection
         try:
-            connection.executemany(self._own("INSERT INTO Sensor VALUES (?, ?)"), sensors)
-            connection.executemany(self._own("INSERT INTO Memory VALUES (?, ?)"), memories)
-        except UnicodeEncodeError:
-            self.load(_whole(sensors), _whole(memories))
+            if not connection.in_transaction:
+                connection.execute("BEGIN")  # never ended: there is nobody to share with
+            connection.execute(self._own(f"DELETE FROM {table}"))  # noqa: S608 - our own table
+            try:
+                connection.executemany(self._own(insert), rows)
+            except UnicodeEncodeError:
+                self.fill(table, insert, _whole(rows))
         except (sqlite3.DataError, MemoryError) as error:
             raise self._too_much(error) from None
 
@@ -112,7 +182,7 @@ class Database:
         most: int,
         deadline: float | None = None,
         stop: threading.Event | None = None,
-    ) -> tuple[tuple[str, ...], Sequence[tuple[Any, ...]]]:
+    ) -> Answer:
         """Column names and at most `most` rows of one query that may only read.
 
         Args:
@@ -128,18 +198,46 @@ class Database:
             TooMuchError: It needs too much memory, or its result is too large.
             sqlite3.Error: It failed, or asked for what is not allowed.
         """
+        (answer,) = self.ask_each(sql, ((),), most=most, deadline=deadline, stop=stop)
+        return answer
+
+    def ask_each(
+        self,
+        sql: str,
+        parameters: Iterable[Sequence[int]],
+        *,
+        most: int,
+        deadline: float | None = None,
+        stop: threading.Event | None = None,
+    ) -> Iterator[Answer]:
+        """The same query again and again, each time with other parameters.
+
+        Args:
+            sql: One SELECT with numbered parameters.
+            parameters: Their values, each time.
+            most: Most rows to fetch each time.
+            deadline: As for `ask`, for all together.
+            stop: As for `ask`.
+
+        Yields:
+            Column names and rows.
+
+        Raises:
+            Exception: As `ask` does; what was given before is good.
+        """
         if deadline is None:
             deadline = monotonic() + self._limits.think_seconds
         work = self._work
         self._trusted = False
-        self._bytes = 0
         work.begin(deadline, stop)
         try:
-            if work.stopped:
-                raise Stopped("The program was stopped before it began to think.")
-            if monotonic() > deadline:
-                raise TooSlowError
-            return self._fetch(sql, most)
+            for values in parameters:
+                self._bytes = 0
+                if work.stopped:
+                    raise Stopped("The program was stopped before it began to think.")
+                if monotonic() > deadline:
+                    raise TooSlowError
+                yield self._fetch(sql, values, most)
         except (sqlite3.Error, MemoryError) as error:
             if work.halted and work.stopped:
                 raise Stopped("The program was stopped while it was thinking.") from None
@@ -153,7 +251,7 @@ class Database:
             if work.halted:
                 self._connection.setlimit(sqlite3.SQLITE_LIMIT_LENGTH, self._limits.value_bytes)
 
-    def prepare(self, sql: str) -> None:
+    def prepare(self, sql: str, parameters: Sequence[int] = ()) -> None:
         """Have SQLite translate a query, without running it.
 
         Raises:
@@ -161,7 +259,7 @@ class Database:
             MemoryError: It needs more memory than there is.
         """
         self._trusted = False
-        self._connection.execute(f"EXPLAIN {sql}").close()
+        self._connection.execute(f"EXPLAIN {sql}", parameters).close()
 
     def close(self) -> None:
         """Free everything."""
@@ -169,18 +267,18 @@ class Database:
 
     # -- inside --------------------------------------------------------------------------------
 
-    def _fetch(self, sql: str, most: int) -> tuple[tuple[str, ...], Sequence[tuple[Any, ...]]]:
+    def _fetch(self, sql: str, parameters: Sequence[int], most: int) -> Answer:
         try:
-            cursor = self._connection.execute(sql)
+            cursor = self._connection.execute(sql, parameters)
         except UnicodeEncodeError:
             raise sqlite3.ProgrammingError("this is not a query") from None
         if cursor.description is None:
             raise sqlite3.ProgrammingError("this is not a query")
-        columns = tuple(d[0] for d in cursor.description)
+        columns = tuple([d[0] for d in cursor.description])
         rows: list[tuple[Any, ...]] = []
         for row in cursor:
-            self._bytes += sum(len(value) for value in row if value.__class__ is bytes)
-            self._check_bytes()
+            if bytes in map(type, row):
+                self._count(sum(len(value) for value in row if value.__class__ is bytes))
             rows.append(row)
             if len(rows) == most:
                 break
@@ -189,11 +287,11 @@ class Database:
 
     def _text(self, raw: bytes) -> str:
         """A text of the result, counted while it is fetched."""
-        self._bytes += len(raw)
-        self._check_bytes()
+        self._count(len(raw))
         return raw.decode("utf-8", "replace")
 
-    def _check_bytes(self) -> None:
+    def _count(self, more: int) -> None:
+        self._bytes += more
         if self._bytes > self._limits.result_bytes:
             raise TooMuchError(f"the result has more than {self._limits.result_bytes:,} bytes")
 
@@ -232,7 +330,7 @@ class Database:
         if action == sqlite3.SQLITE_READ and first is not None:
             # A named query of the statement is only mentioned here when its rows are counted.
             counted = second == "" and NAMED_QUERY.fullmatch(first) is not None
-            if counted or first.lower() in TABLES:
+            if counted or first.lower() in self._readable:
                 return sqlite3.SQLITE_OK
         if action == sqlite3.SQLITE_FUNCTION and second is not None:
             name = second.lower()
@@ -241,9 +339,9 @@ class Database:
         return sqlite3.SQLITE_DENY
 
 
-def _whole(rows: Sequence[tuple[str, Any]]) -> list[tuple[str, Any]]:
+def _whole(rows: Iterable[Sequence[Any]]) -> list[list[Any]]:
     """Rows in which half characters, which SQLite can't store, are replaced."""
     return [
-        (name, value.encode("utf-8", "replace").decode() if isinstance(value, str) else value)
-        for name, value in rows
+        [v.encode("utf-8", "replace").decode() if isinstance(v, str) else v for v in row]
+        for row in rows
     ]

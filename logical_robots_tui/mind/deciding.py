@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING
 
 from logical_robots_tui.mind.decision import Decision, Notice
-from logical_robots_tui.mind.stored import to_json
+from logical_robots_tui.mind.stored import to_input, to_json
 from logical_robots_tui.values import Desire, Value
 
 if TYPE_CHECKING:
+    from collections.abc import Mapping, Sequence
+
     from logical_robots_tui.mind.limits import Limits
 
 __all__ = ["decide", "note_stranger"]
@@ -52,7 +53,7 @@ def decide(
 
 
 def _remember(new: Value, old: Value, notices: list[Notice], limits: Limits) -> Value:
-    size = len(to_json(new).encode()) if isinstance(new, str | list | dict) else 0
+    size = len(to_input(new).encode()) if isinstance(new, (str, list, dict)) else 0
     if size <= limits.memory_bytes:
         return new
     notices.append(
@@ -66,7 +67,7 @@ def _remember(new: Value, old: Value, notices: list[Notice], limits: Limits) -> 
 
 
 def _desire(value: Value, notices: list[Notice]) -> Desire | None:
-    if not isinstance(value, Mapping):
+    if not isinstance(value, dict):
         what = "null" if value is None else "not a record"
         notices.append(Notice("bad engine", f"The desire is {what}: engines stop."))
         return None
@@ -82,7 +83,7 @@ def _desire(value: Value, notices: list[Notice]) -> Desire | None:
 
 def _power(value: Value) -> float | None:
     """An engine's power as a finite number, or None where it is none."""
-    if not isinstance(value, int | float):
+    if not isinstance(value, (int, float)):
         return None
     try:
         power = float(value)

@@ -2,20 +2,17 @@
 
 from __future__ import annotations
 
-import sqlite3
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Literal
 
-from logical_robots_tui.mind.database import Database, TooMuchError, TooSlowError
+from logical_robots_tui.mind.asking import Asking
 from logical_robots_tui.mind.deciding import decide, note_stranger
 from logical_robots_tui.mind.decision import Decision, Notice
 from logical_robots_tui.mind.diagnostics import QueryError
-from logical_robots_tui.mind.evaluation import Evaluation, Within
-from logical_robots_tui.mind.failures import FailureError, in_plain_words
+from logical_robots_tui.mind.failures import FailureError
 from logical_robots_tui.mind.limits import Limits
-from logical_robots_tui.mind.plain import printable
-from logical_robots_tui.mind.stored import TooDeepError, from_sql, to_json, to_sql
+from logical_robots_tui.mind.moment import Moment, View, Within
 from logical_robots_tui.values import SensorRow, Value
 
 if TYPE_CHECKING:
@@ -53,6 +50,7 @@ class Mind:
         memory: Whose memories a robot's program sees: ``own``, ``seen`` or ``all``.
         sensor: Whose sensors it sees: ``own`` or ``all``. A program's ``@Visible`` goes first.
         limits: Bounds on time and size.
+        plain: Whether to evaluate the SQL as it was generated, which is slower and means the same.
     """
 
     def __init__(
@@ -61,13 +59,14 @@ class Mind:
         memory: Literal["own", "seen", "all"] = "own",
         sensor: Literal["own", "all"] = "own",
         limits: Limits | None = None,
+        *,
+        plain: bool = False,
     ) -> None:
         self.program = program
         self.memory = program.memory or memory
         self.sensor = program.sensor or sensor
         self.limits = limits or Limits()
-        self._database = Database(self.limits)
-        self._loaded: Evaluation | None = None
+        self._asking = Asking(program, self.limits, plain=plain)
 
     def think(
         self,
@@ -92,23 +91,24 @@ class Mind:
         failures: dict[str, Notice] = {}
         cut_off: dict[str, list[Notice]] = {name: [] for name in names}
         within = Within(self.limits.think_seconds, self.limits.think_rows, stop)
-        for evaluation in self._evaluations(rows, memories):
-            try:
-                columns, found = self._ask("Robot", evaluation, within)
-            except FailureError as failure:
-                notice = self._blame(failure, evaluation, within)
-                failures |= dict.fromkeys(evaluation.viewers, notice)
+        moment = Moment(rows, memories, self.memory, self.sensor)
+        for view, answer in self._asking.each("Robot", moment, within):
+            if isinstance(answer, FailureError):
+                notice = self._blame(answer, moment, view, within)
+                failures |= dict.fromkeys(view.viewers, notice)
                 continue
-            for notice in self._cut_off(evaluation, within):
-                for viewer in evaluation.viewers:
+            for notice in self._cut_off(moment, view, within):
+                for viewer in view.viewers:
                     cut_off[viewer].append(notice)
+            columns, found = answer
+            mine = frozenset(view.viewers)
             for values in found:
                 row = dict(zip(columns, values, strict=True))
                 name = row.get("robot_name")
-                if name in evaluation.viewers:
-                    answers[str(name)].append(row)
-                elif name not in answers:
-                    note_stranger(name, strangers[evaluation.viewers[0]])
+                if isinstance(name, str) and name in mine:
+                    answers[name].append(row)
+                elif not isinstance(name, str) or name not in answers:
+                    note_stranger(name, strangers[view.viewers[0]])
         return [
             decide(
                 name,
@@ -151,8 +151,8 @@ class Mind:
         return self._table(predicate, rows, memories, stop)
 
     def close(self) -> None:
-        """Free the database."""
-        self._database.close()
+        """Free the databases."""
+        self._asking.close()
 
     # -- inside --------------------------------------------------------------------------------
 
@@ -166,16 +166,15 @@ class Mind:
         columns: tuple[str, ...] = ()
         collected: list[tuple[Value, ...]] = []
         viewers: list[str] = []
-        evaluations = self._evaluations(rows, memories)
+        moment = Moment(rows, memories, self.memory, self.sensor)
         most = self.limits.rows
         within = Within(self.limits.query_seconds, most, stop, cut=True)
-        for evaluation in evaluations:
-            try:
-                columns, found = self._ask(predicate, evaluation, within)
-            except FailureError as failure:
-                raise QueryError(f"{predicate} failed: {failure}") from None
+        for view, answer in self._asking.each(predicate, moment, within):
+            if isinstance(answer, FailureError):
+                raise QueryError(f"{predicate} failed: {answer}")
+            columns, found = answer
             collected += found
-            viewers += [evaluation.viewers[0]] * len(found)
+            viewers += [view.viewers[0]] * len(found)
         if "logica_value" in columns and "value" not in columns:
             columns = tuple("value" if c == "logica_value" else c for c in columns)
         return Table(
@@ -189,103 +188,42 @@ class Mind:
     def _separate(self) -> bool:
         return not (self.memory == "all" and self.sensor == "all")
 
-    def _evaluations(self, rows: Sequence[SensorRow], memories: Memories) -> list[Evaluation]:
-        """What is to be evaluated so that each robot reasons over exactly what it may see."""
-        sensors = [(r["robot_name"], to_json(r["sensor"])) for r in rows]
-        remembered = [(name, to_sql(memories.get(name))) for name, _ in sensors]
-        if not self._separate:
-            return [Evaluation(tuple(n for n, _ in sensors), sensors, remembered)] if rows else []
-        return [
-            Evaluation(
-                (name,),
-                sensors if self.sensor == "all" else [own],
-                [m for m in remembered if self._sees_memory(name, row, m[0])],
-            )
-            for (name, _), own, row in zip(sensors, sensors, rows, strict=True)
-        ]
-
-    def _sees_memory(self, viewer: str, row: SensorRow, other: str) -> bool:
-        if self.memory == "all" or viewer == other:
-            return True
-        return self.memory == "seen" and any(
-            ray["object"] == "robot" and ray["label"] == other for ray in row["sensor"]["radar"]
-        )
-
-    def _blame(self, failure: FailureError, evaluation: Evaluation, within: Within) -> Notice:
+    def _blame(self, failure: FailureError, moment: Moment, view: View, within: Within) -> Notice:
         """Say which predicate failed first, and on whose rows."""
-        whose = " and ".join(evaluation.viewers[:3])
-        if len(evaluation.viewers) > 3:
+        whose = " and ".join(view.viewers[:3])
+        if len(view.viewers) > 3:
             whose += " and others"
         if failure.slow:
             return Notice("failed", f"The thought about {whose} failed: {failure}.")
         culprit, reason = "Robot", str(failure)
         for predicate in self.program.needed:
             try:
-                self._ask(predicate, evaluation, within)
+                self._asking.rows(predicate, moment, view, within)
             except FailureError as found:
                 if not found.slow:
                     culprit, reason = predicate, str(found)
                 break
-        alone = [e.viewers[0] for e in evaluation.one_by_one() if self._fails(culprit, e, within)]
+        alone = [
+            only.viewers[0]
+            for only in moment.one_by_one(view)
+            if self._fails(culprit, moment, only, within)
+        ]
         if 0 < len(alone) <= 3:
             whose = " and ".join(alone)
         return Notice("failed", f"{culprit} failed on the rows of {whose}: {reason}.")
 
-    def _fails(self, predicate: str, evaluation: Evaluation, within: Within) -> bool:
+    def _fails(self, predicate: str, moment: Moment, view: View, within: Within) -> bool:
         try:
-            self._ask(predicate, evaluation, within)
+            self._asking.rows(predicate, moment, view, within)
         except FailureError:
             return True
         return False
 
-    def _cut_off(self, evaluation: Evaluation, within: Within) -> Iterator[Notice]:
+    def _cut_off(self, moment: Moment, view: View, within: Within) -> Iterator[Notice]:
         """A notice for each recursion that was still changing when it reached its last step."""
-        for predicate, (steps, sql) in self.program.recursions.items():
-            try:
-                _, rows = self._fetch(sql, evaluation, within)
-            except FailureError:
-                continue
-            if rows[0][0]:
-                yield Notice(
-                    "recursion",
-                    f"The recursion of {predicate} was still growing after {steps} steps, what "
-                    f"lies further is missing: @Recursive({predicate}, N) says how far it goes.",
-                )
-
-    def _ask(
-        self,
-        predicate: str,
-        evaluation: Evaluation,
-        within: Within,
-    ) -> tuple[tuple[str, ...], list[tuple[Value, ...]]]:
-        """Rows of a predicate.
-
-        Raises:
-            FailureError: It failed, took too long, or has too many rows.
-        """
-        columns, rows = self._fetch(self.program.statements[predicate], evaluation, within)
-        if len(rows) > within.rows and not within.cut:
-            raise FailureError(f"{predicate} has more than {within.rows:,} rows")
-        return columns, rows
-
-    def _fetch(
-        self, sql: str, evaluation: Evaluation, within: Within
-    ) -> tuple[tuple[str, ...], list[tuple[Value, ...]]]:
-        try:
-            if self._loaded is not evaluation:
-                self._loaded = None
-                self._database.load(evaluation.sensors, evaluation.memories)
-                self._loaded = evaluation
-            columns, rows = self._database.ask(
-                sql, most=within.rows + 1, deadline=within.deadline, stop=within.stop
+        for predicate, steps in self._asking.still_grew(moment, view, within):
+            yield Notice(
+                "recursion",
+                f"The recursion of {predicate} was still growing after {steps} steps, what "
+                f"lies further is missing: @Recursive({predicate}, N) says how far it goes.",
             )
-            return columns, [
-                tuple(from_sql(v, self.limits.depth) for v in within.each(row)) for row in rows
-            ]
-        except TooSlowError:
-            message = f"thinking took longer than {within.seconds:g} seconds"
-            raise FailureError(message, slow=True) from None
-        except (TooMuchError, TooDeepError) as error:
-            raise FailureError(str(error)) from None
-        except (sqlite3.Error, sqlite3.Warning) as error:
-            raise FailureError(printable(in_plain_words(error))) from None

@@ -12,7 +12,7 @@ if TYPE_CHECKING:
     from logical_robots_tui.mind.diagnostics import Diagnostic
     from logical_robots_tui.mind.limits import Limits
 
-__all__ = ["INPUTS", "Predicate", "Program", "Report"]
+__all__ = ["INPUTS", "Predicate", "Program", "Report", "Tuned"]
 
 Report: TypeAlias = "Callable[[int, int], None]"
 """Told how many predicates of how many are compiled."""
@@ -44,6 +44,25 @@ class Predicate:
 
 
 @dataclass(frozen=True, slots=True)
+class Tuned:
+    """A query rewritten for tables that hold all robots' rows, with fields in columns.
+
+    Attributes:
+        sql: The query. Its parameters are the numbers of the first and the last visible row of
+            ``Sensor``, then of ``Memory``.
+        bounds: How many of these parameters it has.
+        columns: By name of a table the columns of it that are read, beside ``id``.
+        result: Names of the columns of the answer, each with the fields of its record where the
+            query gives these as columns of their own; () if it gives the answer as it is.
+    """
+
+    sql: str
+    bounds: int
+    columns: Mapping[str, tuple[str, ...]]
+    result: tuple[tuple[str, tuple[str, ...]], ...]
+
+
+@dataclass(frozen=True, slots=True)
 class Program:
     """A compiled program; make one with `Program.compile`.
 
@@ -58,6 +77,8 @@ class Program:
             `Robot` is the last.
         recursions: For each recursive predicate how many steps it takes, and an SQL query for
             whether one more would change anything.
+        tuned: The same queries for quicker tables, by predicate name and for recursions by
+            ``name + " grows"``; of those that could be rewritten.
     """
 
     text: str
@@ -68,6 +89,7 @@ class Program:
     warnings: tuple[Diagnostic, ...] = ()
     needed: tuple[str, ...] = ()
     recursions: Mapping[str, tuple[int, str]] = field(default_factory=dict)
+    tuned: Mapping[str, Tuned] = field(default_factory=dict)
 
     @classmethod
     def compile(

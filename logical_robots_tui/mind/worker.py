@@ -24,10 +24,11 @@ from time import monotonic
 from typing import IO, TYPE_CHECKING
 
 from logical_robots_tui.mind import compiler
-from logical_robots_tui.mind.database import Database
+from logical_robots_tui.mind.database import COLUMNS_LAYOUT, Database
 from logical_robots_tui.mind.diagnostics import Diagnostic, ProgramError
 from logical_robots_tui.mind.failures import in_plain_words
 from logical_robots_tui.mind.plain import printable
+from logical_robots_tui.mind.tuning import tune_all
 
 if TYPE_CHECKING:
     from logical_robots_tui.mind.program import Program, Report
@@ -118,6 +119,7 @@ def _answer(text: str, report: Report | None = None) -> dict[str, object]:
     try:
         program = compiler.compile_text(text, report)
         _try_out(program)
+        program = _tuned(program)
     except ProgramError as error:
         shown = error.diagnostics[:_MOST_DIAGNOSTICS]
         return {"diagnostics": [asdict(_plain(d)) for d in shown]}
@@ -159,6 +161,28 @@ def _try_out(program: Program) -> None:
             message = f"{predicate.name} can't be computed: {failed[predicate.name]}"
             hint = "Look at its rules and at the annotations that name it."
             raise ProgramError((Diagnostic(predicate.line or 1, 1, message, hint),))
+
+
+def _tuned(program: Program) -> Program:
+    """The program with quicker queries beside its own, where SQLite can prepare them."""
+    order = sorted(program.statements, key=lambda name: name not in program.needed)
+    statements = {
+        "Robot": program.statements["Robot"],
+        **{f"{name} grows": sql for name, (_, sql) in program.recursions.items()},
+        **{name: program.statements[name] for name in order},
+    }
+    database = Database(layout=COLUMNS_LAYOUT)
+    kept = {}
+    try:
+        for name, tuned in tune_all(statements).items():
+            with contextlib.suppress(sqlite3.Error, sqlite3.Warning):
+                began = monotonic()
+                database.prepare(tuned.sql, (0,) * tuned.bounds)
+                if monotonic() - began < _PREPARE_SECONDS:
+                    kept[name] = tuned
+    finally:
+        database.close()
+    return replace(program, tuned=kept)
 
 
 def _tangled() -> ProgramError:

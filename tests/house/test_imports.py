@@ -18,8 +18,8 @@ WORLD, MIND, GAME, TUI, CLI = (
 MUST_NOT_LOAD = {
     "logical_robots_tui": {WORLD, MIND, GAME, TUI, CLI, "numpy", "logica", "sqlite3"} | SCREEN,
     WORLD: {MIND, GAME, TUI, CLI, "logica", "sqlite3"} | SCREEN,
-    MIND: {WORLD, GAME, TUI, CLI, "numpy"} | SCREEN,
-    GAME: {TUI, CLI} | SCREEN,
+    MIND: {WORLD, GAME, TUI, CLI, "numpy", "logica", "sqlglot"} | SCREEN,
+    GAME: {TUI, CLI, "logica", "sqlglot"} | SCREEN,
     "logical_robots_tui.tui.play": {CLI},
     "logical_robots_tui.cli.main": {WORLD, MIND, GAME, TUI, "numpy", "logica", "sqlite3"} | SCREEN,
 }

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import asdict
 from typing import Any
 
 from logical_robots_tui.mind import Decision, Limits, Mind, Program
@@ -58,13 +59,33 @@ def row(name: str, *, clock: int = 1, sees: dict[int, tuple[int, str, str]] | No
 
 
 def think(text: str, rows: list[Any], memories: dict[str, Any], **options: Any) -> list[Decision]:
-    """Decisions of a program for one moment."""
+    """Decisions of a program for one moment, the same whether it is tuned or not."""
     limits = options.pop("limits", Limits(think_seconds=10))
-    mind = Mind(Program.compile(text), limits=limits, **options)
+    program = Program.compile(text)
+    tuned, plain = (
+        _decisions(Mind(program, limits=limits, plain=plain, **options), rows, memories)
+        for plain in (False, True)
+    )
+    assert nearly_same([asdict(d) for d in tuned], [asdict(d) for d in plain])
+    return tuned
+
+
+def _decisions(mind: Mind, rows: list[Any], memories: dict[str, Any]) -> list[Decision]:
     try:
         return mind.think(rows, memories)
     finally:
         mind.close()
+
+
+def nearly_same(one: Any, other: Any) -> bool:
+    """Equal, numbers within 1e-12: text that is JSON has 15 digits only."""
+    if isinstance(one, float) and isinstance(other, float):
+        return math.isclose(one, other, rel_tol=1e-12, abs_tol=1e-12)
+    if isinstance(one, dict) and isinstance(other, dict):
+        return one.keys() == other.keys() and all(nearly_same(one[k], other[k]) for k in one)
+    if isinstance(one, list | tuple) and isinstance(other, list | tuple):
+        return len(one) == len(other) and all(map(nearly_same, one, other))
+    return bool(one == other)
 
 
 def remembered(expression: str, memory: Any = "", *, rules: str = "") -> Any:

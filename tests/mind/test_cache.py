@@ -116,7 +116,9 @@ def test_garbage_is_none_and_goes(folder: Path, body: bytes, sign: bool) -> None
 
 
 def test_a_poisoned_entry_can_do_no_more_than_a_program(tmp_path: Path) -> None:
-    poison = replace(PROGRAM, statements={"Robot": f"ATTACH '{tmp_path / 'touched'}' AS x"})
+    poison = replace(
+        PROGRAM, statements={"Robot": f"ATTACH '{tmp_path / 'touched'}' AS x"}, tuned={}
+    )
     cache.keep(poison)
     mind = Mind(Program.compile(PROGRAM.text))
     (decision,) = mind.think([row("Ada")], {"Ada": "kept"})

@@ -21,7 +21,7 @@ def program() -> Program:
 
 
 def test_a_refusal_reaches_the_player_as_a_notice_without_sql(program: Program) -> None:
-    mind = Mind(replace(program, statements={"Robot": "SELECT readfile('/etc/passwd')"}))
+    mind = Mind(replace(program, statements={"Robot": "SELECT readfile('/etc/passwd')"}, tuned={}))
     (decision,) = mind.think([row("Ada")], {"Ada": "kept"})
     mind.close()
     assert decision.memory == "kept"
@@ -54,7 +54,7 @@ SLOW = {
 
 def forced(program: Program, sql: str, **limits: Any) -> Mind:
     """A mind that thinks a statement of SQL."""
-    return Mind(replace(program, statements={"Robot": sql}), limits=Limits(**limits))
+    return Mind(replace(program, statements={"Robot": sql}, tuned={}), limits=Limits(**limits))
 
 
 @pytest.mark.parametrize("what", SLOW)
@@ -162,7 +162,7 @@ def test_the_memory_of_a_mind_is_bounded_and_the_next_program_thinks() -> None:
         assert resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before < 100_000
         mind.close()
         good = {"Robot": "SELECT 'Ada' AS robot_name, 1 AS memory"}
-        after = Mind(replace(program, statements=good))
+        after = Mind(replace(program, statements=good, tuned={}))
         assert after.think([row("Ada")], {})[0].memory == 1
     """
     done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True)

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 from logical_robots_tui.mind import Mind, Program
 from tests.mind.differential.duckdb_reference import answer
-from tests.mind.rows import ROBOT, row
+from tests.mind.rows import ROBOT, nearly_same, row
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -39,14 +39,20 @@ def program(rules: str = "", **expressions: str) -> str:
 
 
 def here(text: str, predicate: str = "Answer") -> list[Any]:
-    """Rows of a predicate as this game computes them."""
+    """Rows of a predicate as this game computes them, the same whether it is tuned or not."""
     if "Robot(" not in text:
         text = f"{text}\n{ROBOT}m = 1;"
-    mind = Mind(Program.compile(text))
-    try:
-        return list(mind.query(predicate, ROWS, MEMORIES).rows)
-    finally:
-        mind.close()
+    program = Program.compile(text)
+    found = []
+    for plain in (False, True):
+        mind = Mind(program, plain=plain)
+        try:
+            found.append(list(mind.query(predicate, ROWS, MEMORIES).rows))
+        finally:
+            mind.close()
+    tuned, as_generated = found
+    assert nearly_same(tuned, as_generated)
+    return tuned
 
 
 def there(text: str, folder: Path, predicate: str = "Answer") -> list[Any]:

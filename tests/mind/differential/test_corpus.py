@@ -8,8 +8,12 @@ from typing import Any
 
 import pytest
 
-from tests.mind.differential.comparing import here, program, same, there
+from logical_robots_tui.mind import Limits, Program
+from logical_robots_tui.mind.moment import Moment, Within
+from logical_robots_tui.mind.tables import TunedTables
+from tests.mind.differential.comparing import MEMORIES, ROWS, here, program, same, there
 from tests.mind.differential.corpus import CASES, DIFFERENCES
+from tests.mind.rows import ROBOT
 
 PAGE = Path(__file__).parents[3] / "docs" / "dialect.md"
 
@@ -26,6 +30,18 @@ def test_a_construct_means_what_it_means_on_duckdb(
     text = program(rules, value=expression)
     ours, theirs = here(text), there(text, tmp_path)
     assert same(ours, theirs), f"{topic}: here {ours}, on DuckDB {theirs}"
+
+
+@pytest.mark.parametrize(("topic", "rules", "expression"), CASES)
+def test_a_construct_is_answered_the_quick_way(topic: str, rules: str, expression: str) -> None:
+    compiled = Program.compile(f"{program(rules, value=expression)}\n{ROBOT}m = 1;")
+    moment = Moment(ROWS, MEMORIES, "own", "own")
+    tables = TunedTables(Limits())
+    (answer,) = tables.ask_each(
+        compiled.tuned["Answer"], moment, moment.views, Within(10, 1000, None)
+    )
+    assert len(answer[1]) == 1
+    tables.close()
 
 
 @pytest.mark.parametrize(("expression", "ours", "theirs"), DIFFERENCES)

@@ -14,6 +14,7 @@ import pytest
 
 from logical_robots_tui.mind import Decision, Limits, Mind, Program, ProgramError, QueryError
 from logical_robots_tui.mind.database import Database, TooMuchError, TooSlowError
+from logical_robots_tui.mind.program import Tuned
 from tests.mind.hostile.programs import PROGRAMS
 from tests.mind.hostile.statements import REFUSED, RUNAWAY
 from tests.mind.rows import ROBOT, row
@@ -152,7 +153,7 @@ def test_runaway_sql_ends(name: str, tmp_path: Path) -> None:
 def test_sql_forced_into_a_program_is_a_notice_or_an_answer(
     sql: str, tmp_path: Path, next_program: Program
 ) -> None:
-    mind = Mind(replace(next_program, statements={"Robot": sql}), limits=LIMITS)
+    mind = Mind(replace(next_program, statements={"Robot": sql}, tuned={}), limits=LIMITS)
     with nothing_touched(tmp_path, LIMITS.think_seconds):
         (decision,) = mind.think(SEEN, {"Ada": "kept"})
     assert decision.memory == "kept"
@@ -160,5 +161,24 @@ def test_sql_forced_into_a_program_is_a_notice_or_an_answer(
     assert all(n.message.isprintable() and "SELECT" not in n.message for n in decision.notices)
     with in_folder(tmp_path), suppress(QueryError):
         mind.query("Robot", SEEN, {"Ada": "kept"})
+    mind.close()
+    assert goes_on(next_program)
+
+
+@pytest.mark.parametrize(
+    "sql",
+    [
+        *REFUSED,
+        *(pytest.param(sql, marks=pytest.mark.proof, id=name) for name, sql in RUNAWAY.items()),
+    ],
+)
+def test_sql_forced_into_the_quick_way_does_nothing_but_leave_it(
+    sql: str, tmp_path: Path, next_program: Program
+) -> None:
+    forced = Tuned(sql, 0, {"Sensor": ("robot_name", "sensor")}, ())
+    mind = Mind(replace(next_program, tuned={"Robot": forced}), limits=LIMITS)
+    with nothing_touched(tmp_path, LIMITS.think_seconds):
+        (decision,) = mind.think(SEEN, {"Ada": "kept"})
+    assert decision.desire is not None or decision.notices
     mind.close()
     assert goes_on(next_program)

@@ -1,0 +1,89 @@
+"""Tuning: the SQL of a program, rewritten so that SQLite has less to do for the same rows.
+
+Rows of all robots are loaded once a tick, with sensor fields and radar rays in columns of their
+own; what a program computes several times is computed once. Runs in the compile process only.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from sqlglot import exp
+from sqlglot.errors import SqlglotError
+
+from logical_robots_tui.mind.program import Tuned
+from logical_robots_tui.mind.tuning import aggregates, columns, records, sharing, sql
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+__all__ = ["tune", "tune_all"]
+
+_LONGEST = 100_000  # characters of a statement
+_MOST = 400_000  # characters of all statements of a program
+
+_TAKEN = frozenset({"id", "rowid", "oid", "_rowid_"})
+"""Columns that the tables of a tuned query have and those of a program have not."""
+
+
+def tune_all(statements: Mapping[str, str]) -> dict[str, Tuned]:
+    """Tune what can be tuned of several queries, the first ones first.
+
+    Args:
+        statements: Queries by name.
+    """
+    tuned = {}
+    left = _MOST
+    for name, statement in statements.items():
+        left -= len(statement)
+        if left < 0:
+            break
+        if len(statement) <= _LONGEST and (found := tune(statement)) is not None:
+            tuned[name] = found
+    return tuned
+
+
+def tune(statement: str) -> Tuned | None:
+    """The same query for the tables of the columns layout, or None if it can't be rewritten."""
+    try:
+        tree = sql.parse(statement)
+        if not _can_be_moved(tree):
+            return None
+        columns.one_alias_per_robot(tree)
+        columns.rays_as_rows(tree)
+        columns.sensor_fields_as_columns(tree)
+        columns.bound_to_viewer(tree)
+        aggregates.untangled(tree)
+        aggregates.native_arg_min(tree)
+        result = records.records_as_columns(tree)
+        read = columns.read_by(tree)
+        sharing.shared(tree)
+        bounds = 4 if "Memory" in read else 2 if "Sensor" in read else 0
+        return Tuned(sql.written(tree), bounds, read, result)
+    except (SqlglotError, ValueError, RecursionError):
+        return None
+
+
+def _can_be_moved(tree: exp.Expr) -> bool:
+    """Whether a query has nothing that means something else over other tables."""
+    if any(column.name.lower() in _TAKEN for column in tree.find_all(exp.Column)):
+        return False
+    if tree.find(exp.Placeholder, exp.Parameter, exp.Star) and not _only_counts(tree):
+        return False
+    tables = tree.find_all(exp.Table)
+    return not any(table.name.lower() == "ray" or table.args.get("db") for table in tables)
+
+
+def _only_counts(tree: exp.Expr) -> bool:
+    """Whether a star stands only in COUNT(*) and over a query that is written out."""
+    if tree.find(exp.Placeholder, exp.Parameter):
+        return False
+    for star in tree.find_all(exp.Star):
+        select = sql.nearest_select(star)
+        if (
+            select is not None
+            and star.parent is select
+            and any(columns.is_input(table) for table in sql.sources(select).values())
+        ):
+            return False
+    return True

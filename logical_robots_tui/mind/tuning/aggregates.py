@@ -1,0 +1,108 @@
+"""Aggregates in SQLite's own terms."""
+
+from __future__ import annotations
+
+from sqlglot import exp
+
+from logical_robots_tui.mind.tuning import sql
+
+__all__ = ["native_arg_min", "untangled"]
+
+_NATIVE = {"arg_min": "MIN", "arg_max": "MAX"}
+
+
+def untangled(tree: exp.Expr) -> None:
+    """Take away what ties an aggregated expression to its select, where a column of it does.
+
+    An aggregate belongs to the select that its columns come from. The compiler writes
+    ``IIF(x.value = 0, expression, NULL)`` over a table of a single 0 to make sure of that.
+    """
+    for select in list(sql.selects(tree)):
+        zeros = {name for name, table in sql.sources(select).items() if _is_zero(table)}
+        for name in zeros:
+            columns = [c for c in select.find_all(exp.Column) if c.table == name]
+            tied = [_tied(column) for column in columns]
+            loose = [node for node in tied if node is not None and _is_of(node, select, zeros)]
+            for node in loose:
+                node.replace(node.expressions[1])
+            if len(loose) == len(columns) and len(sql.sources(select)) > 1:
+                sql.drop_source(select, name)
+
+
+def native_arg_min(tree: exp.Expr) -> None:
+    """ArgMin and ArgMax, where they are all that a select computes, by SQLite's MIN and MAX.
+
+    A bare column beside MIN comes from the first row that has the least value.
+    """
+    for select in reversed(list(sql.selects(tree))):
+        if len(select.expressions) != 1 or _is_grouped(select):
+            continue
+        named = select.expressions[0]
+        call = named.this if isinstance(named, exp.Alias) else named
+        native = _NATIVE.get(sql.call_name(call))
+        if native is None or len(call.expressions) != 2:
+            continue
+        argument, value = call.expressions
+        if _aggregates_inside(argument) or _aggregates_inside(value):
+            continue
+        best = exp.Anonymous(this=native, expressions=[value])
+        inner = select.copy()
+        inner.set("expressions", [exp.alias_(argument.copy(), "a"), exp.alias_(best, "m")])
+        chosen = exp.Case(
+            ifs=[
+                exp.If(
+                    this=exp.Not(this=exp.Is(this=exp.column("m", "best"), expression=exp.Null())),
+                    true=exp.column("a", "best"),
+                )
+            ]
+        )
+        outer = exp.Select(expressions=[exp.alias_(chosen, named.alias or "a")])
+        outer.set("from_", exp.From(this=exp.Subquery(this=inner, alias=_alias("best"))))
+        select.replace(outer)
+
+
+def _alias(name: str) -> exp.TableAlias:
+    return exp.TableAlias(this=exp.to_identifier(name))
+
+
+def _is_zero(table: exp.Expr) -> bool:
+    """Whether a source is ``JSON_EACH(JSON_ARRAY(0))``."""
+    if not isinstance(table, exp.Table) or sql.call_name(table.this) != "json_each":
+        return False
+    arguments = table.this.expressions
+    if len(arguments) != 1 or sql.call_name(arguments[0]) != "json_array":
+        return False
+    items = arguments[0].expressions
+    return len(items) == 1 and isinstance(items[0], exp.Literal) and items[0].this == "0"
+
+
+def _tied(column: exp.Column) -> exp.Expr | None:
+    """The call of IIF that tests a column for 0, or None if the column is used otherwise."""
+    test = column.parent
+    call = test.parent if isinstance(test, exp.EQ) and test.this is column else None
+    if sql.call_name(call) != "iif" or not isinstance(call, exp.Anonymous):
+        return None
+    if len(call.expressions) != 3 or call.expressions[0] is not test:
+        return None
+    return call if isinstance(call.expressions[2], exp.Null) else None
+
+
+def _is_of(tied: exp.Expr, select: exp.Select, zeros: set[str]) -> bool:
+    """Whether a tied expression has a column of the select itself, or no column at all."""
+    columns = list(tied.expressions[1].find_all(exp.Column))
+    if any(sql.nearest_select(column) is not select for column in columns):
+        return False
+    own = sql.sources(select).keys() - zeros
+    return not columns or any(column.table in own for column in columns)
+
+
+def _is_grouped(select: exp.Select) -> bool:
+    unusual = ("group", "having", "distinct", "order", "limit", "offset", "windows", "with_")
+    return any(select.args.get(part) for part in unusual)
+
+
+def _aggregates_inside(node: exp.Expr) -> bool:
+    """Whether anything that could be an aggregate or a select stands inside."""
+    return node.find(exp.Select) is not None or any(
+        sql.call_name(call) in sql.AGGREGATES for call in node.find_all(exp.Anonymous)
+    )

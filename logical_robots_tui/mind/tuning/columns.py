@@ -1,0 +1,206 @@
+"""Sensor fields and radar rays as columns, where the compiler takes them out of JSON text.
+
+Every table gets the rows of all robots of a tick; which of them a robot may see is two bounds on
+their numbers, so that one load serves the thoughts of all.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from sqlglot import exp
+
+from logical_robots_tui.mind.tables import RAYS
+from logical_robots_tui.mind.tuning import sql
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+__all__ = [
+    "RAY_FIELDS",
+    "SENSOR_FIELDS",
+    "bound_to_viewer",
+    "is_input",
+    "one_alias_per_robot",
+    "rays_as_rows",
+    "read_by",
+    "sensor_fields_as_columns",
+]
+
+SENSOR_FIELDS = {
+    "$.forward_distance": "forward_distance",
+    "$.forward_object": "forward_object",
+    "$.forward_label": "forward_label",
+    "$.clock": "clock",
+    "$.self.can_charge": "can_charge",
+    "$.self.has_battery": "has_battery",
+    "$.self.battery_level": "battery_level",
+    "$.self.battery_capacity": "battery_capacity",
+}
+"""Columns of ``Sensor`` by the place in the record that they hold."""
+
+RAY_FIELDS = ("angle", "distance", "object", "label")
+"""Columns of ``Ray``, beside ``value``, the whole ray as JSON text."""
+
+_TABLES = {"sensor": "Sensor", "memory": "Memory", "ray": "Ray"}
+
+_BOUNDS = {"sensor": ("?1", "?2"), "memory": ("?3", "?4")}
+
+
+def one_alias_per_robot(tree: exp.Expr) -> None:
+    """Read an input once where a select joins it with itself on the robot's name.
+
+    A robot has one row in each, so it is the same row.
+    """
+    for select in list(sql.selects(tree)):
+        here = sql.sources(select)
+        for names in _same_robots(select):
+            kept: dict[str, str] = {}
+            for name in [name for name in here if name in names]:
+                table = _table_name(here[name])
+                if table in _BOUNDS and kept.setdefault(table, name) != name:
+                    for column in list(_columns_of(select, name)):
+                        column.set("table", exp.to_identifier(kept[table]))
+                    sql.drop_source(select, name)
+        for condition in sql.conjuncts(select):
+            # robot_name of an input is never null.
+            if _same_robot(condition) and condition.this == condition.expression:
+                sql.drop_condition(select, condition)
+
+
+def rays_as_rows(tree: exp.Expr) -> None:
+    """Read rays from a table of rays."""
+    for select in list(sql.selects(tree)):
+        here = sql.sources(select)
+        followers = {}
+        for name, table in here.items():
+            sensor = _radar_of(table)
+            if sensor is None:
+                continue
+            columns = list(_columns_of(select, name))
+            if any(column.name != "value" for column in columns):
+                continue
+            for column in columns:
+                field = _extracted(column.parent)
+                if column.parent and field[:2] == "$." and field[2:] in RAY_FIELDS:
+                    column.parent.replace(exp.column(field[2:], name))
+            table.replace(exp.alias_(exp.to_table("Ray"), name, table=True))
+            first = exp.Mul(this=exp.column("id", sensor), expression=exp.Literal.number(RAYS))
+            last = exp.Add(this=first.copy(), expression=exp.Literal.number(RAYS - 1))
+            sql.restrict(select, exp.Between(this=exp.column("id", name), low=first, high=last))
+            if sensor in here:
+                followers[name] = sensor
+        # Left to itself, SQLite would rather look through the rays of all robots first.
+        if followers:
+            sql.read_after(select, followers)
+
+
+def sensor_fields_as_columns(tree: exp.Expr) -> None:
+    """Take fields of a sensor from columns of their own."""
+    for column in list(tree.find_all(exp.Column)):
+        if column.name.lower() != "sensor" or not _is_table(column, "sensor"):
+            continue
+        node: exp.Expr = column
+        path = "$"
+        while (outer := node.parent) is not None and _extracted(outer).startswith("$."):
+            node, path = outer, path + _extracted(outer)[1:]
+            if path in SENSOR_FIELDS:
+                node.replace(exp.column(SENSOR_FIELDS[path], column.table))
+                break
+
+
+def bound_to_viewer(tree: exp.Expr) -> None:
+    """Let every mention of an input see only the rows between the bounds of a viewer."""
+    for table in list(tree.find_all(exp.Table)):
+        bounds = _BOUNDS.get(_table_name(table))
+        select = sql.nearest_select(table)
+        if bounds and select is not None:
+            low, high = (exp.Var(this=name) for name in bounds)
+            sql.restrict(
+                select,
+                exp.Between(this=exp.column("id", table.alias_or_name), low=low, high=high),
+            )
+
+
+def read_by(tree: exp.Expr) -> dict[str, tuple[str, ...]]:
+    """The columns that a query reads of each input, and of ``Ray``, beside ``id``."""
+    read: dict[str, set[str]] = {}
+    for table in tree.find_all(exp.Table):
+        name = _TABLES.get(_table_name(table))
+        if name is not None:
+            read.setdefault(name, set())
+    for column in tree.find_all(exp.Column):
+        found = sql.source(column)
+        name = _TABLES.get(_table_name(found[1])) if found is not None else None
+        if name is not None and column.name.lower() != "id":
+            read[name].add(column.name.lower())
+    return {name: tuple(sorted(columns)) for name, columns in read.items()}
+
+
+def _same_robots(select: exp.Select) -> list[set[str]]:
+    """Sources of a select, put together where their robot names must be equal."""
+    together: list[set[str]] = []
+    for condition in sql.conjuncts(select):
+        if pair := _same_robot(condition):
+            touched = [names for names in together if names & pair]
+            together = [names for names in together if not names & pair]
+            together.append(pair.union(*touched))
+    return together
+
+
+def _same_robot(condition: exp.Expr) -> set[str]:
+    """The sources whose robot names a condition demands to be equal."""
+    sides = (condition.this, condition.expression) if isinstance(condition, exp.EQ) else ()
+    if not sides or not all(isinstance(side, exp.Column) for side in sides):
+        return set()
+    if any(side.name.lower() != "robot_name" for side in sides):
+        return set()
+    return {side.table for side in sides}
+
+
+def _columns_of(select: exp.Select, name: str) -> Iterator[exp.Column]:
+    """The columns below a select that are qualified with the name of one of its sources."""
+    for column in select.find_all(exp.Column):
+        found = sql.source(column) if column.table == name else None
+        if found is not None and found[0] is select:
+            yield column
+
+
+def _radar_of(table: exp.Expr) -> str | None:
+    """The name of the sensor table whose radar is unnested, if that is what it is."""
+    if not isinstance(table, exp.Table) or sql.call_name(table.this) != "json_each":
+        return None
+    arguments = table.this.expressions
+    if len(arguments) != 1 or sql.call_name(arguments[0]) != "json_extract":
+        return None
+    column = arguments[0].expressions[0]
+    if not isinstance(column, exp.Column) or _extracted(arguments[0]) != "$.radar":
+        return None
+    return column.table if _is_table(column, "sensor") and column.name == "sensor" else None
+
+
+def _extracted(node: exp.Expr | None) -> str:
+    """The path of a call of json_extract with one, or ""."""
+    if sql.call_name(node) != "json_extract":
+        return ""
+    assert node is not None
+    arguments = node.expressions
+    path = arguments[1] if len(arguments) == 2 else None
+    return path.this if isinstance(path, exp.Literal) and path.is_string else ""
+
+
+def _is_table(column: exp.Column, name: str) -> bool:
+    found = sql.source(column)
+    return found is not None and _table_name(found[1]) == name
+
+
+def is_input(table: exp.Expr) -> bool:
+    """Whether a source is ``Sensor`` or ``Memory``."""
+    return _table_name(table) in _BOUNDS
+
+
+def _table_name(table: exp.Expr) -> str:
+    """The name of a table in lower case, or "" if it is something else."""
+    if not isinstance(table, exp.Table) or not isinstance(table.this, exp.Identifier):
+        return ""
+    return table.name.lower()

@@ -1,0 +1,78 @@
+"""Records of a result as columns: numbers need not be written as text and read again."""
+
+from __future__ import annotations
+
+from sqlglot import exp
+
+from logical_robots_tui.mind.tuning import sql
+
+__all__ = ["records_as_columns"]
+
+_MOST_COLUMNS = 60
+_WIDEST_CHOICE = 3  # records that a CASE chooses from, before writing it out for each field is dear
+
+
+def records_as_columns(tree: exp.Query) -> tuple[tuple[str, tuple[str, ...]], ...]:
+    """Let a query give the fields of its records one by one.
+
+    Args:
+        tree: The query; changed in place.
+
+    Returns:
+        Names of the columns that the query had, each with the names of the fields that stand in
+        its place, or with () if it is as it was; () if no column is changed.
+    """
+    if not isinstance(tree, exp.Select):
+        return ()
+    result: list[tuple[str, tuple[str, ...]]] = []
+    columns: list[exp.Expr] = []
+    for item in tree.expressions:
+        fields = _fields(item.this) if isinstance(item, exp.Alias) else None
+        if fields is None or len(columns) + len(fields) > _MOST_COLUMNS:
+            result.append((item.alias, ()))
+            columns.append(item)
+        else:
+            result.append((item.alias, tuple(fields)))
+            columns += [exp.alias_(v, f"{item.alias}_{i}") for i, v in enumerate(fields.values())]
+    if not all(name for name, _ in result) or not any(fields for _, fields in result):
+        return ()
+    tree.set("expressions", columns)
+    return tuple(result)
+
+
+def _fields(value: exp.Expr) -> dict[str, exp.Expr] | None:
+    """Expressions by field of a record that is written out, or None."""
+    if isinstance(value, exp.Paren):
+        return _fields(value.this)
+    if isinstance(value, exp.Case):
+        return _chosen_fields(value)
+    if sql.call_name(value) != "json_object":
+        return None
+    names, values = value.expressions[::2], value.expressions[1::2]
+    if not all(isinstance(name, exp.Literal) and name.is_string for name in names):
+        return None
+    fields = {name.this: field for name, field in zip(names, values, strict=True)}
+    return fields if len(fields) == len(names) and fields else None
+
+
+def _chosen_fields(case: exp.Case) -> dict[str, exp.Expr] | None:
+    """The same for a choice between a few records of the same fields, which is never null."""
+    default = case.args.get("default")
+    branches = case.args["ifs"]
+    if case.this is not None or default is None or len(branches) >= _WIDEST_CHOICE:
+        return None
+    records = [_fields(value) for value in (*(b.args["true"] for b in branches), default)]
+    first = records[0]
+    if first is None or any(r is None or list(r) != list(first) for r in records):
+        return None
+    *chosen, otherwise = [record for record in records if record is not None]
+    return {
+        field: exp.Case(
+            ifs=[
+                exp.If(this=branch.this.copy(), true=record[field])
+                for branch, record in zip(branches, chosen, strict=True)
+            ],
+            default=otherwise[field],
+        )
+        for field in first
+    }

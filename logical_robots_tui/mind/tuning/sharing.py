@@ -1,0 +1,363 @@
+"""What a select computes several times, computed once.
+
+The compiler writes an expression out wherever the program mentions it. Here the repeated ones,
+and those that stand inside a subquery but do not depend on its rows, are computed first, in a
+query of their own that SQLite keeps::
+
+    WITH t_0_shared AS MATERIALIZED (SELECT s.id AS c0, (SELECT ...) AS c1 FROM Sensor AS s)
+    SELECT ... t_0_shared.c1 ... t_0_shared.c1 ... FROM t_0_shared
+
+A value that may be a record or a list loses on that way SQLite's note that it is one; the note is
+made again where it counts.
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any
+
+from sqlglot import exp
+
+from logical_robots_tui.mind.tuning import sql
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator
+
+__all__ = ["shared"]
+
+_SUBQUERY_WEIGHT = 100
+_WORTH_SHARING = 60  # nodes that need not be computed again
+
+_TIMES = 15  # that a subquery computes what stands in it, as a guess
+_LIGHT = 10  # nodes; less than that may as well be computed for every row
+
+_MAKES_JSON = frozenset({"json_array", "json_object", "json_quote"})
+_COLLECTS_JSON = frozenset({"json_group_array", "json_group_object"})
+_PASSES_ON = frozenset({"coalesce", "iif", "if", "ifnull", "nullif", "min", "max", "any_value"})
+
+_PLAIN_TABLES = frozenset({"sensor", "memory", "ray"})
+
+
+def shared(tree: exp.Query) -> None:
+    """Let every select outside of subqueries compute once what it would compute again."""
+    number = 0
+    for select in list(_outer_selects(tree)):
+        current = select
+        while (added := _share(tree, current, f"t_0_shared_{number}")) is not None:
+            number += 1
+            current = added
+
+
+def _outer_selects(tree: exp.Query) -> Iterator[exp.Select]:
+    """Selects that depend on no other's rows: of the query, of its named queries, of unions."""
+    waiting: list[exp.Expr] = [tree]
+    while waiting:
+        node = waiting.pop()
+        if isinstance(node, exp.Select):
+            yield node
+            items = [s for s in sql.sources(node).values() if isinstance(s, exp.Subquery)]
+            waiting += [item.this for item in items]
+        elif isinstance(node, exp.Union):
+            waiting += [node.this, node.expression]
+        elif isinstance(node, exp.Subquery):
+            waiting.append(node.this)
+        named = node.args.get("with_")
+        waiting += [query.this for query in named.expressions] if named else []
+
+
+@dataclass(slots=True)
+class _Seen:
+    """What is known of one expression.
+
+    Attributes:
+        key: The same for expressions that compute the same.
+        weight: How much work it is.
+        open: How many selects around it, inside the examined one, its columns still belong to.
+        fixed: Whether it depends on nothing at all.
+        inside: How many selects stand between it and the examined one.
+    """
+
+    key: int
+    weight: int
+    open: int
+    fixed: bool
+    inside: int
+
+
+@dataclass
+class _Examination:
+    """All expressions of one select.
+
+    Attributes:
+        select: The examined select.
+        seen: By identity of the node.
+        counts: How often each key was met.
+        strange: Whether there is a column whose source is not known.
+    """
+
+    select: exp.Select
+    seen: dict[int, _Seen] = field(default_factory=dict)
+    counts: Counter[int] = field(default_factory=Counter)
+    strange: bool = False
+    _keys: dict[Any, int] = field(default_factory=dict)
+
+    def key(self, what: Any) -> int:
+        return self._keys.setdefault(what, len(self._keys))
+
+    def visit(self, node: exp.Expr, around: list[exp.Select]) -> _Seen:
+        """Examine an expression and all inside it.
+
+        Args:
+            node: The expression.
+            around: The selects that it stands in, below the examined one, from the outside in.
+        """
+        if isinstance(node, exp.Column):
+            found = self._column(node, around)
+        else:
+            is_select = isinstance(node, exp.Select)
+            if isinstance(node, exp.Select):
+                around = [*around, node]
+            parts, inner = [], []
+            for name, value in node.args.items():
+                if value is None or value is False or value == []:
+                    continue
+                items = value if isinstance(value, list) else [value]
+                keys = []
+                for item in items:
+                    if isinstance(item, exp.Expr):
+                        if isinstance(item, exp.TableAlias):
+                            continue
+                        seen = self.visit(item, around)
+                        inner.append(seen)
+                        keys.append(seen.key)
+                    else:
+                        text = item.lower() if isinstance(node, exp.Anonymous) else item
+                        keys.append(self.key((name, str(text))))
+                parts.append((name, tuple(keys)))
+            opened = max((seen.open for seen in inner), default=0)
+            found = _Seen(
+                self.key((type(node).__name__, tuple(parts))),
+                sum(seen.weight for seen in inner) + (_SUBQUERY_WEIGHT if is_select else 1),
+                max(0, opened - 1) if is_select else opened,
+                all(seen.fixed for seen in inner) and not is_select,
+                len(around) - is_select,
+            )
+        self.seen[id(node)] = found
+        self.counts[found.key] += 1
+        return found
+
+    def _column(self, column: exp.Column, around: list[exp.Select]) -> _Seen:
+        name = column.table
+        for hops, select in enumerate(reversed(around), 1):
+            here = list(sql.sources(select))
+            if name in here or (not name and len(here) == 1):
+                place = here.index(name) if name else 0
+                key = self.key(("inner", hops, place, column.name.lower()))
+                return _Seen(key, 1, hops, False, len(around))
+        if not name or name not in sql.sources(self.select):
+            self.strange = True
+        key = self.key(("outer", name, column.name.lower()))
+        return _Seen(key, 1, 0, False, len(around))
+
+
+def _share(tree: exp.Query, select: exp.Select, name: str) -> exp.Select | None:
+    """Share what one select repeats; the select that computes it first, or None."""
+    unusual = ("group", "having", "distinct", "order", "limit", "offset", "windows")
+    if not select.args.get("from_") or any(select.args.get(part) for part in unusual):
+        return None
+    if any(_own_aggregates(e) for e in select.expressions):
+        return None
+    examination = _Examination(select)
+    for expression in select.expressions:
+        examination.visit(expression, [])
+    chosen = _chosen(examination)
+    if not chosen or examination.strange:
+        return None
+    return _moved(tree, select, name, chosen, examination)
+
+
+def _chosen(examination: _Examination) -> list[exp.Expr]:
+    """The expressions to compute first: largest ones, if it is worth it."""
+    found: list[exp.Expr] = []
+
+    def look(node: exp.Expr) -> None:
+        seen = examination.seen.get(id(node))
+        if seen is None:
+            return
+        repeated = examination.counts[seen.key] > 1 and seen.weight > _LIGHT
+        needless = seen.inside > 0 and seen.weight > _LIGHT
+        wanted = (repeated or needless) and not seen.open and not seen.fixed
+        if wanted and _is_value(node):
+            found.append(node)
+            return
+        for child in node.iter_expressions():
+            look(child)
+
+    for expression in examination.select.expressions:
+        look(expression)
+    gains = {}
+    for node in found:
+        seen = examination.seen[id(node)]
+        times = _TIMES if seen.inside else examination.counts[seen.key] - 1
+        gains[seen.key] = seen.weight * times
+    return found if sum(gains.values()) >= _WORTH_SHARING else []
+
+
+def _moved(
+    tree: exp.Query,
+    select: exp.Select,
+    name: str,
+    chosen: list[exp.Expr],
+    examination: _Examination,
+) -> exp.Select:
+    columns: dict[Any, tuple[str, exp.Expr]] = {}
+
+    def reference(key: Any, make: Callable[[], exp.Expr]) -> exp.Column:
+        if key not in columns:
+            columns[key] = (f"c{len(columns)}", make())
+        return exp.column(columns[key][0], name)
+
+    for node in chosen:
+        seen = reference(examination.seen[id(node)].key, node.copy)
+        node.replace(seen if _is_plain(node) else _noted(seen, node, is_result=select is tree))
+    for expression in select.expressions:
+        for column in list(expression.find_all(exp.Column)):
+            found = sql.source(column)
+            if found is not None and found[0] is select:
+                seen = reference((column.table, column.name.lower()), column.copy)
+                stored = _is_stored(found[1])
+                column.replace(seen if stored else _noted(seen, column, is_result=select is tree))
+    first = exp.Select(
+        expressions=[exp.alias_(made, alias) for alias, made in columns.values()],
+        from_=select.args["from_"],
+        joins=select.args.get("joins"),
+        where=select.args.get("where"),
+    )
+    select.set("from_", exp.From(this=exp.to_table(name)))
+    select.set("joins", None)
+    select.set("where", None)
+    _name_query(tree, select, name, first)
+    return first
+
+
+def _name_query(tree: exp.Query, select: exp.Select, name: str, first: exp.Select) -> None:
+    """Put a named query where the select, and no query before it, may use it."""
+    query = exp.CTE(
+        this=first, alias=exp.TableAlias(this=exp.to_identifier(name)), materialized=True
+    )
+    named = tree.args.get("with_")
+    if named is None:
+        tree.set("with_", exp.With(expressions=[query]))
+        return
+    user = select.find_ancestor(exp.CTE)
+    places = [i for i, item in enumerate(named.expressions) if item is user]
+    place = places[0] if places else len(named.expressions)
+    named.set("expressions", [*named.expressions[:place], query, *named.expressions[place:]])
+
+
+def _own_aggregates(node: exp.Expr) -> bool:
+    """Whether an expression has an aggregate, or a window, of the select that it stands in."""
+    if isinstance(node, exp.Select):
+        return False
+    if sql.call_name(node) in sql.AGGREGATES or isinstance(node, exp.Window):
+        return True
+    return any(_own_aggregates(child) for child in node.iter_expressions())
+
+
+def _is_value(node: exp.Expr) -> bool:
+    """Whether a node stands for a value, as opposed to a part of the syntax."""
+    if isinstance(node, exp.Select):
+        return False
+    if isinstance(node, exp.Subquery):
+        return not isinstance(node.parent, exp.From | exp.Join | exp.In | exp.Exists)
+    return isinstance(
+        node, exp.Case | exp.Anonymous | exp.Binary | exp.Paren | exp.Not | exp.Neg
+    ) and not (isinstance(node.parent, exp.Table) or sql.call_name(node) in sql.AGGREGATES)
+
+
+def _is_plain(node: exp.Expr) -> bool:
+    """Whether a value is certainly no record and no list."""
+    if isinstance(node, exp.Paren):
+        return _is_plain(node.this)
+    if isinstance(node, exp.Subquery) and isinstance(node.this, exp.Select):
+        only = node.this.expressions
+        return len(only) == 1 and _is_plain(only[0])
+    if isinstance(node, exp.Alias):
+        return _is_plain(node.this)
+    if isinstance(node, exp.Case):
+        arms = [branch.args["true"] for branch in node.args["ifs"]]
+        default = node.args.get("default")
+        return all(map(_is_plain, [*arms, *([default] if default is not None else [])]))
+    if isinstance(node, exp.Column):
+        found = sql.source(node)
+        return found is not None and _is_plain_column(node, found[1])
+    if isinstance(node, exp.Anonymous):
+        name = sql.call_name(node)
+        if name in _PASSES_ON:
+            return all(map(_is_plain, node.expressions))
+        return name in {"sum", "avg", "count", "total", "divide", "modulo", "abs", "sqrt"}
+    return isinstance(node, exp.Binary | exp.Not | exp.Neg | exp.Literal | exp.Null)
+
+
+def _is_plain_column(column: exp.Column, table: exp.Expr) -> bool:
+    """Whether a column holds numbers and plain text only."""
+    if isinstance(table, exp.Subquery) and isinstance(table.this, exp.Select):
+        for made in table.this.expressions:
+            if made.alias_or_name.lower() == column.name.lower():
+                return _is_plain(made)
+    if not isinstance(table, exp.Table) or not isinstance(table.this, exp.Identifier):
+        return False
+    return table.name.lower() in _PLAIN_TABLES and column.name.lower() not in {
+        "memory",
+        "sensor",
+        "value",
+    }
+
+
+def _is_noticed(node: exp.Expr, is_result: bool) -> bool:
+    """Whether it makes a difference that a value is marked as a record or a list."""
+    while True:
+        parent = node.parent
+        if isinstance(parent, exp.Anonymous):
+            name = sql.call_name(parent)
+            if name in _MAKES_JSON or name in _COLLECTS_JSON:
+                return True
+            if name not in _PASSES_ON:
+                return False
+        elif isinstance(parent, exp.If):
+            if parent.this is node:
+                return False
+        elif isinstance(parent, exp.Select):
+            if isinstance(parent.parent, exp.Subquery) and not isinstance(
+                parent.parent.parent, exp.From | exp.Join
+            ):
+                node = parent
+                parent = parent.parent
+            else:
+                return not is_result
+        elif not isinstance(parent, exp.Case | exp.Paren | exp.Alias | exp.Subquery):
+            return False
+        node = parent
+
+
+def _noted(value: exp.Column, place: exp.Expr, *, is_result: bool) -> exp.Expr:
+    """A value that is marked again as the record or list that it is, where that is noticed."""
+    if not _is_noticed(place, is_result):
+        return value
+    begins = exp.Anonymous(
+        this="SUBSTR", expressions=[value.copy(), exp.Literal.number(1), exp.Literal.number(1)]
+    )
+    brackets = [exp.Literal.string("{"), exp.Literal.string("[")]
+    valid = exp.Anonymous(this="JSON_VALID", expressions=[value.copy()])
+    marked = exp.Anonymous(this="JSON", expressions=[value.copy()])
+    test = exp.And(this=exp.In(this=begins, expressions=brackets), expression=valid)
+    return exp.Case(ifs=[exp.If(this=test, true=marked)], default=value)
+
+
+def _is_stored(table: exp.Expr) -> bool:
+    return (
+        isinstance(table, exp.Table)
+        and isinstance(table.this, exp.Identifier)
+        and table.name.lower() in _PLAIN_TABLES
+    )

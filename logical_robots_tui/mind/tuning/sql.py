@@ -1,0 +1,196 @@
+"""SQL as a tree: the statements of a program, read and written again without a change of meaning.
+
+The tree is that of sqlglot. It would translate functions from one database to another, so it is
+told of none: a call stays the call of that name.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, ClassVar
+
+from sqlglot import exp
+from sqlglot.dialects.sqlite import SQLite
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Mapping
+
+__all__ = [
+    "AGGREGATES",
+    "call_name",
+    "conjuncts",
+    "drop_condition",
+    "drop_source",
+    "nearest_select",
+    "parse",
+    "read_after",
+    "restrict",
+    "selects",
+    "source",
+    "sources",
+    "written",
+]
+
+
+_NEED_NO_PARENTHESES = (
+    *(exp.Anonymous, exp.Boolean, exp.Case, exp.Column, exp.Literal, exp.Null, exp.Paren),
+    exp.Subquery,
+)
+
+AGGREGATES = frozenset(
+    {
+        *("avg", "count", "group_concat", "json_group_array", "json_group_object", "max", "median"),
+        *("min", "percentile", "string_agg", "sum", "total"),
+        *("list_of_distinct", "concat_lists", "arg_min", "arg_max", "arg_min_k", "arg_max_k"),
+        "array_by",
+    }
+)
+"""Functions that are, or may be, aggregates."""
+
+
+class _Statements(SQLite):
+    class Parser(SQLite.Parser):  # type: ignore[misc, valid-type]  # made at run time
+        FUNCTIONS: ClassVar[dict[str, Any]] = {}
+        FUNCTION_PARSERS: ClassVar[dict[str, Any]] = {}
+        NO_PAREN_FUNCTIONS: ClassVar[dict[Any, Any]] = {}
+
+    class Generator(SQLite.Generator):  # type: ignore[misc, valid-type]  # made at run time
+        def join_sql(self, expression: exp.Join) -> str:
+            """A comma, or CROSS JOIN, which forbids SQLite to choose the order."""
+            operator = " CROSS JOIN" if expression.kind else ","
+            return f"{operator} {self.sql(expression, 'this')}"
+
+
+_DIALECT = _Statements()
+
+
+def parse(sql: str) -> exp.Query:
+    """The tree of one query.
+
+    Raises:
+        ValueError: It is no query, or joins in a way that Logica never does.
+    """
+    tree = _DIALECT.parse(sql)[0]
+    if not isinstance(tree, exp.Query):
+        raise ValueError("not a query")
+    for join in tree.find_all(exp.Join):
+        if {part for part, value in join.args.items() if value} != {"this", "kind"}:
+            raise ValueError("a join with conditions")
+        if join.kind != "CROSS":
+            raise ValueError("not a plain join")
+        join.set("kind", None)
+    for wrapped in reversed(list(tree.find_all(exp.Paren, exp.Subquery))):
+        if isinstance(wrapped, exp.Paren):
+            needless = isinstance(wrapped.this, _NEED_NO_PARENTHESES)
+        else:
+            needless = isinstance(wrapped.this, exp.Subquery) and not wrapped.alias
+        if needless:
+            wrapped.replace(wrapped.this)
+    return tree
+
+
+def written(tree: exp.Expr) -> str:
+    """The text of a tree."""
+    return _DIALECT.generate(tree, copy=False)
+
+
+def selects(tree: exp.Expr) -> Iterator[exp.Select]:
+    """All selects of a tree, outer ones first."""
+    yield from tree.find_all(exp.Select)
+
+
+def sources(select: exp.Select) -> dict[str, exp.Expr]:
+    """What a select reads from, by the name that columns are qualified with."""
+    found: dict[str, exp.Expr] = {}
+    first = select.args.get("from_")
+    for item in ([first] if first else []) + (select.args.get("joins") or []):
+        table = item.this
+        found[table.alias_or_name] = table
+    return found
+
+
+def nearest_select(node: exp.Expr) -> exp.Select | None:
+    """The select that a node stands in."""
+    return node.find_ancestor(exp.Select)
+
+
+def source(column: exp.Column) -> tuple[exp.Select, exp.Expr] | None:
+    """The select, and what of it, that a qualified column means."""
+    name = column.table
+    node: exp.Expr | None = column.parent
+    while node is not None and not isinstance(node, exp.CTE):
+        if isinstance(node, exp.Select):
+            found = sources(node).get(name)
+            if found is not None:
+                return node, found
+        node = node.parent
+    return None
+
+
+def call_name(node: exp.Expr | None) -> str:
+    """The name of the function that is called, in lower case, or ""."""
+    return node.name.lower() if isinstance(node, exp.Anonymous) else ""
+
+
+def conjuncts(select: exp.Select) -> list[exp.Expr]:
+    """The conditions of a select that must all hold."""
+    where = select.args.get("where")
+    found: list[exp.Expr] = []
+    waiting = [where.this] if where else []
+    while waiting:
+        node = waiting.pop()
+        if isinstance(node, exp.And):
+            waiting += [node.expression, node.this]
+        elif isinstance(node, exp.Paren):
+            waiting.append(node.this)
+        else:
+            found.append(node)
+    return found
+
+
+def restrict(select: exp.Select, condition: exp.Expr) -> None:
+    """Add a condition to a select."""
+    where = select.args.get("where")
+    if where is None:
+        select.set("where", exp.Where(this=condition))
+    else:
+        where.set("this", exp.And(this=condition, expression=exp.Paren(this=where.this)))
+
+
+def drop_condition(select: exp.Select, condition: exp.Expr) -> None:
+    """Let a select do without a condition that always holds."""
+    node, parent = condition, condition.parent
+    while isinstance(parent, exp.Paren):
+        node, parent = parent, parent.parent
+    if isinstance(parent, exp.And):
+        parent.replace(parent.expression if parent.this is node else parent.this)
+    else:
+        select.set("where", None)
+
+
+def drop_source(select: exp.Select, name: str) -> None:
+    """Let a select no longer read from one of its several sources."""
+    joins = select.args.get("joins") or []
+    first = select.args["from_"]
+    if first.this.alias_or_name == name:
+        first.set("this", joins.pop(0).this)
+    else:
+        joins = [join for join in joins if join.this.alias_or_name != name]
+    select.set("joins", joins)
+
+
+def read_after(select: exp.Select, followers: Mapping[str, str]) -> None:
+    """Fix the order in which SQLite reads some of the sources of a select.
+
+    Args:
+        select: The select.
+        followers: Names of sources, each with the name of the one that it is read right after.
+    """
+    items = sources(select)
+    leaders = [name for name in items if name in followers.values()]
+    ordered = [
+        n for lead in leaders for n in (lead, *(f for f in items if followers.get(f) == lead))
+    ]
+    first, *rest = [*ordered, *(name for name in items if name not in ordered)]
+    select.set("from_", exp.From(this=items[first]))
+    joins = [exp.Join(this=items[n], kind="CROSS" if n in followers else None) for n in rest]
+    select.set("joins", joins)

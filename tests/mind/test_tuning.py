@@ -1,0 +1,152 @@
+"""The quick way of evaluating a program gives what the plain one gives, and is taken."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import pytest
+
+from logical_robots_tui.mind import Mind, Program
+from tests.mind.rows import PAPER, ROBOT, row, think
+
+SEEN = {3: (40, "robot", "Bo"), 7: (33, "beacon", "A"), 9: (12, "wall", "wall")}
+CLOSEST = "Closest(radar) = ArgMin{ray -> ray.distance :- ray in radar};"
+HEADINGS = """
+Angle(radar, label) = ArgMin{r.angle -> r.distance :- r in radar, r.label == label};
+Aim(sensor) = Coalesce(Angle(sensor.radar, "A"), Angle(sensor.radar, "wall"));
+"""
+
+
+def tuned_sql(text: str, predicate: str = "Robot") -> str:
+    return Program.compile(text).tuned[predicate].sql
+
+
+def test_what_the_program_says_several_times_is_computed_once() -> None:
+    program = Program.compile(PAPER)
+    assert program.statements["Robot"].count("json_extract(Sensor.sensor, '$.radar')") == 2
+    assert program.tuned["Robot"].sql.count("FROM Ray") == 1
+
+
+def test_what_does_not_depend_on_a_ray_is_not_computed_for_every_ray() -> None:
+    text = f"""
+    Best(x? Max= x) distinct :- x in [1, 2];
+    {ROBOT} m = Sum{{ray.distance * Max{{x :- Best(x:), x < sensor.clock + 5}} :-
+      ray in sensor.radar}};
+    """
+    (decision,) = think(text, [row("Ada", clock=3)], {})
+    assert decision.memory == 31 * 200 * 2
+    first, _, rest = tuned_sql(text).partition("FROM Ray")
+    assert "Best" in first
+    assert "Best" not in rest
+
+
+def test_only_columns_that_are_read_are_filled() -> None:
+    assert dict(Program.compile(PAPER).tuned["Robot"].columns) == {
+        "Sensor": ("robot_name",),
+        "Ray": ("angle", "distance"),
+    }
+
+
+@pytest.mark.parametrize(
+    "expression",
+    [
+        "sensor.forward_distance + sensor.clock",
+        "sensor",
+        "sensor.radar",
+        "sensor.self",
+        "sensor.self.battery_level",
+        "Closest(sensor.radar)",
+        "Closest(sensor.radar).label",
+        "List{ray :- ray in sensor.radar, ray.object != \"none\"}",
+        "List{{ray.label, ray.distance} :- ray in sensor.radar, ray.distance < 50}",
+        "Sum{1 :- ray in sensor.radar}",
+        "Sum{Sum{a.distance - b.distance :- a in sensor.radar} :- b in sensor.radar}",
+        "{here: Aim(sensor), there: {again: Aim(sensor), list: [Aim(sensor), Aim(sensor)]}}",
+        "if Aim(sensor) > 0 then {turn: Aim(sensor)} else {turn: -1 * Aim(sensor)}",
+        "Element(sensor.radar, 3).label",
+        "Max{x.turn :- Memory(memory: x)}",
+        "memory.plan",
+        "{plan: memory.plan, again: memory.plan}",
+        "Count{ray.label :- ray in sensor.radar}",
+    ],
+)  # fmt: skip
+def test_both_ways_give_the_same_of(expression: str) -> None:
+    rules = f"{CLOSEST}{HEADINGS}"
+    text = f"{rules}{ROBOT} Memory(robot_name:, memory:), m = ({expression});"
+    assert "Robot" in Program.compile(text).tuned
+    memory = {"turn": 0.5, "plan": {"spot": "A", "steps": [1, {"x": 2}]}}
+    (decision,) = think(text, [row("Ada", sees=SEEN)], {"Ada": memory})
+    assert not decision.notices
+
+
+def test_what_fails_only_where_nobody_asks_for_it_does_not_fail() -> None:
+    text = f"""
+    Sorted(memory) = Sort(memory.items);
+    {ROBOT} Memory(robot_name:, memory:),
+      m = (if memory.ready then {{a: Sorted(memory), b: Sorted(memory)}} else "not yet");
+    """
+    for ready, expected in ((False, "not yet"), (True, {"a": ["a"], "b": ["a"]})):
+        memory = {"ready": ready, "items": ["a"] if ready else "no list"}
+        (decision,) = think(text, [row("Ada")], {"Ada": memory})
+        assert decision.memory == expected
+        assert not decision.notices
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        lambda sensor: sensor.update(radar=sensor["radar"][:5]),
+        lambda sensor: sensor.update(radar=sensor["radar"] * 3),
+        lambda sensor: sensor.update(radar=[]),
+        lambda sensor: sensor["radar"][4].update(distance=[1, 2]),
+        lambda sensor: sensor["radar"][4].pop("label"),
+        lambda sensor: sensor["radar"][4].update(distance=2**70),
+        lambda sensor: sensor.pop("clock"),
+    ],
+    ids=["few", "many", "none", "odd", "incomplete", "huge", "without clock"],
+)
+def test_sensors_of_another_shape_are_thought_about_too(change: Any) -> None:
+    text = f"""{ROBOT} m = {{
+      clock: sensor.clock, labels: List{{ray.label :- ray in sensor.radar}},
+      far: Max{{ray.distance :- ray in sensor.radar}}}};"""
+    rows = [row("Ada"), row("Bo", sees=SEEN)]
+    change(rows[1]["sensor"])
+    think(text, rows, {})
+
+
+@pytest.mark.parametrize("memory", ["own", "seen", "all"])
+@pytest.mark.parametrize("sensor", ["own", "all"])
+def test_a_crowd_is_thought_about_as_a_few_are(memory: str, sensor: str) -> None:
+    text = f"""
+    @Visible(Memory, "{memory}");
+    @Visible(Sensor, "{sensor}");
+    Known(robot_name:, turn: memory.turn) :- Memory(robot_name:, memory:);
+    Near(robot_name:, n? Sum= 1) distinct :-
+      Sensor(robot_name:, sensor:), ray in sensor.radar, ray.object == "robot";
+    {ROBOT} m = {{
+      turn: Sum{{t :- Known(robot_name: x, turn: t)}},
+      mine: Max{{t :- Known(robot_name:, turn: t)}},
+      near: Sum{{n :- Near(robot_name:, n:)}},
+      all: Sum{{n :- Near(robot_name: r, n:)}}}};
+    """
+    names = [f"R{i}" for i in range(40)]
+    rows = [
+        row(name, sees={k: (20, "robot", names[(7 * i + k) % 40]) for k in range(i % 4)})
+        for i, name in enumerate(names[:31])
+    ] + [row(name) for name in names[31:]]
+    memories = {name: {"turn": i} for i, name in enumerate(names)}
+    crowd = think(text, rows, memories)
+    assert len({str(decision.memory) for decision in crowd}) > 1
+    mind = Mind(Program.compile(text))
+    for some in (rows[:3], rows, rows[5:9]):
+        assert len(mind.think(some, memories)) == len(some)
+    mind.close()
+
+
+def test_the_same_names_with_other_rays_are_other_thoughts() -> None:
+    mind = Mind(Program.compile(PAPER))
+    moments = [[row("Ada", sees=seen)] for seen in ({}, SEEN, {0: (5, "wall", "wall")}, {})]
+    desires = [mind.think(rows, {})[0].desire for rows in moments]
+    assert desires[0] == desires[3]
+    assert len(set(map(str, desires))) == 3
+    mind.close()
