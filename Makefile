@@ -12,7 +12,7 @@ PIP := $(BIN)/python -m pip --disable-pip-version-check --require-virtualenv
 .DELETE_ON_ERROR:
 .SUFFIXES:
 
-.PHONY: help play test lint check format proof bench lock screenshot reference wheel clean
+.PHONY: help play test lint check format proof bench lock screenshot reference measures wheel clean
 
 help: ## Show this list
 	@grep -E '^[a-z]+:.*##' $(MAKEFILE_LIST) | sed -E 's/^([a-z]+):.*## (.*)/  make \1\t\2/' | expand -t 20
@@ -46,6 +46,9 @@ screenshot: $(VENV)/.dev ## Draw docs/screenshot.svg anew
 
 reference: $(VENV)/.dev ## Write docs/reference.md anew
 	$(BIN)/python -m docs.reference
+
+measures: $(VENV)/.dev ## Measure the reference programs anew; ARGS="LEVEL" only that one's
+	$(BIN)/python -m benchmarks.reference $(ARGS)
 
 wheel: $(VENV)/.dev ## Build the wheel into dist/
 	$(BIN)/python -m build --wheel --no-isolation

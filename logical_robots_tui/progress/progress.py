@@ -156,6 +156,17 @@ class Progress:
         )
         return found[0] if found else None
 
+    def measures(self, level: str, text: str) -> Measures | None:
+        """How well a text wins a level, as far as that is known, or None."""
+        found = self._store.read(
+            lambda connection: connection.execute(
+                "SELECT ticks, rules, distance, wins, coalesce(starts, 0) FROM version "
+                "WHERE level = ? AND digest = ? AND ticks NOT NULL",
+                (level, _digest(text)),
+            ).fetchone()
+        )
+        return Measures(*found) if found else None
+
     def holds(self, text: str) -> bool:
         """Whether a text is kept as a version for any level."""
         found = self._store.read(
