@@ -69,20 +69,22 @@ class VictoryBanner(Overlay):
 
     def follow(self, journal: Journal) -> None:
         """Show what has become known meanwhile."""
-        if self.display and (rows := results_lines(journal)) != self._rows:
+        if self.display and (rows := self._table(journal)) != self._rows:
             same = len(rows) == len(self._rows)
             self._rows = rows
             self.refresh(layout=not same)
 
     def _show(self, journal: Journal) -> None:
-        self._rows = results_lines(journal)
-        if journal.is_reference and self._seed is not None:
-            self._rows = [
-                Content.styled("That was the reference program: it counts for itself.", INK.dim),
-                *self._rows,
-            ]
+        self._rows = self._table(journal)
         self.display = True
         self.refresh(layout=True)
+
+    def _table(self, journal: Journal) -> list[Content]:
+        rows = results_lines(journal)
+        if self._seed is not None and journal.is_reference:
+            note = "That was the reference program: it counts for itself."
+            return [Content.styled(note, INK.dim), *rows]
+        return rows
 
     def render(self) -> Content:
         """Lines with confetti at their sides, as wide as the widget."""
