@@ -55,6 +55,7 @@ class Store:
         self._connection: sqlite3.Connection | None = None
         self._opened: tuple[int, int] | None = None
         self._in_memory: sqlite3.Connection | None = None
+        self._nothing: sqlite3.Connection | None = None
         if file is None:
             self._in_memory = _empty()
 
@@ -67,8 +68,8 @@ class Store:
         """Look something up; as long as there is no file, in an empty one."""
         with self._guard:
             if self._file is not None and self._in_memory is None and not self._file.exists():
-                with contextlib.closing(_empty()) as nothing:
-                    return work(nothing)
+                self._nothing = self._nothing or _empty()
+                return work(self._nothing)
             return self._do(work)
 
     def write(self, work: Callable[[sqlite3.Connection], T]) -> T:
@@ -85,6 +86,9 @@ class Store:
         """Let go of the file."""
         with self._guard:
             self._let_go()
+            if self._nothing is not None:
+                self._nothing.close()
+                self._nothing = None
 
     # -- inside --------------------------------------------------------------------------------
 

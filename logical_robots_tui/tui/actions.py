@@ -4,11 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from textual.command import CommandPalette
-
-from logical_robots_tui.tui.dialogs.help import Help
 from logical_robots_tui.tui.drawing.glyphs import Drawing
-from logical_robots_tui.tui.palette import CommandProvider
 
 if TYPE_CHECKING:
     from logical_robots_tui.tui.screen import MainScreen
@@ -164,10 +160,16 @@ class Actions:
 
     def help(self) -> None:
         """Show the help."""
+        from logical_robots_tui.tui.dialogs.help import Help
+
         self._screen.app.push_screen(Help(self._screen.labyrinth.view.drawing))
 
     def palette(self) -> None:
         """Find a command by its name."""
+        from textual.command import CommandPalette
+
+        from logical_robots_tui.tui.palette import CommandProvider
+
         self._screen.app.push_screen(
             CommandPalette([CommandProvider], placeholder="Find a command…")
         )

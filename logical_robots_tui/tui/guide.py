@@ -1,4 +1,7 @@
-"""What helps a player on: hints, the lesson, the reference program, and one's earlier versions."""
+"""What helps a player on: hints, the lesson, the reference program, and one's earlier versions.
+
+Dialogs are loaded when they are asked for, so that the first picture comes sooner.
+"""
 
 from __future__ import annotations
 
@@ -8,10 +11,6 @@ from typing import TYPE_CHECKING
 from logical_robots_tui.errors import InputError
 from logical_robots_tui.game import load_program
 from logical_robots_tui.progress import Version
-from logical_robots_tui.tui.dialogs.chooser import Chooser
-from logical_robots_tui.tui.dialogs.hints import Hints
-from logical_robots_tui.tui.dialogs.question import Question
-from logical_robots_tui.tui.dialogs.shelves import VersionShelf
 
 if TYPE_CHECKING:
     from logical_robots_tui.tui.screen import MainScreen
@@ -31,6 +30,8 @@ class Guide:
 
     def hints(self) -> None:
         """Show the hints revealed so far, and reveal more when asked."""
+        from logical_robots_tui.tui.dialogs.hints import Hints
+
         level, journal = self._screen.session.level, self._screen.journal
         if level.hints:
             hints = Hints(level.title, level.hints, journal.record.hints, journal.reveal)
@@ -54,6 +55,7 @@ class Guide:
 
     async def solution(self) -> None:
         """Show the reference program; before a victory only to somebody who insists."""
+        from logical_robots_tui.tui.dialogs.question import Question
         from logical_robots_tui.tui.dialogs.reader import Reader, coloured
 
         screen = self._screen
@@ -78,6 +80,9 @@ class Guide:
 
     async def choose_version(self) -> None:
         """Ask for an earlier version and think with it; what stands in the editor is kept."""
+        from logical_robots_tui.tui.dialogs.chooser import Chooser
+        from logical_robots_tui.tui.dialogs.shelves import VersionShelf
+
         screen = self._screen
         versions = await screen.journal.versions()
         if not versions:
@@ -95,6 +100,8 @@ class Guide:
 
     async def reset(self) -> None:
         """Put the level's starter program back, if the player means it."""
+        from logical_robots_tui.tui.dialogs.question import Question
+
         screen = self._screen
         level = screen.session.level
         if not level.starter:

@@ -9,7 +9,6 @@ from functools import partial
 from typing import TYPE_CHECKING, TypeVar
 
 from logical_robots_tui.game import count_rules, is_shipped, level_key, reference_for
-from logical_robots_tui.game.measuring import MeasuringError, Trial, measure
 from logical_robots_tui.game.source import shipped_texts
 from logical_robots_tui.progress import NEW, Measures, Progress
 
@@ -17,6 +16,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable
     from pathlib import Path
 
+    from logical_robots_tui.game.measuring import Trial
     from logical_robots_tui.mind import Program
     from logical_robots_tui.progress import Bests, LevelRecord, Version
     from logical_robots_tui.tui.session import Session, Spawn
@@ -200,6 +200,8 @@ class Journal:
             self._warn(self._news.get())
 
     async def _measure(self, level: Level, key: str, program: Program) -> None:
+        from logical_robots_tui.game.measuring import MeasuringError, Trial, measure
+
         text = program.text
         known = await self.ask(lambda progress: progress.measures(key, text))
         if known is None or known.wins is None:

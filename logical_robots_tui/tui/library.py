@@ -1,4 +1,7 @@
-"""Going to other levels and programs, saving, and drafts that come back."""
+"""Going to other levels and programs, saving, and drafts that come back.
+
+Dialogs are loaded when they are asked for, so that the first picture comes sooner.
+"""
 
 from __future__ import annotations
 
@@ -8,10 +11,6 @@ from typing import TYPE_CHECKING
 
 from logical_robots_tui.errors import InputError
 from logical_robots_tui.game import Source, load_program
-from logical_robots_tui.tui.dialogs.chooser import Chooser
-from logical_robots_tui.tui.dialogs.question import Question
-from logical_robots_tui.tui.dialogs.save import SaveAs
-from logical_robots_tui.tui.dialogs.shelves import ProgramShelf
 from logical_robots_tui.tui.plain import clip, one_line
 from logical_robots_tui.world import list_levels, load_level
 
@@ -83,6 +82,9 @@ class Library:
 
     async def choose_program(self) -> None:
         """Ask for a program and think with it."""
+        from logical_robots_tui.tui.dialogs.chooser import Chooser
+        from logical_robots_tui.tui.dialogs.shelves import ProgramShelf
+
         chooser = Chooser[Source](ProgramShelf(self._own), self._screen.session.source.name)
         source = await self._screen.app.push_screen_wait(chooser)
         if source is not None:
@@ -101,6 +103,8 @@ class Library:
 
     async def save(self) -> None:
         """Ask for a name and save the text under it."""
+        from logical_robots_tui.tui.dialogs.save import SaveAs
+
         session = self._screen.session
         former, text = session.source, self._screen.text
         saved = await self._screen.app.push_screen_wait(SaveAs(former, text, self._own))
@@ -153,6 +157,8 @@ class Library:
             return
         here = str(screen.session.source.path)
         draft = next((draft for draft in drafts if draft.path == here), drafts[0])
+        from logical_robots_tui.tui.dialogs.question import Question
+
         answers = [("yes", "Yes, continue"), ("no", "No, put it away"), ("show", "Show it")]
         when = draft.saved.astimezone()
         name = clip(one_line(draft.program), 40)

@@ -118,7 +118,6 @@ class MainScreen(Screen[None]):
         """Paint at once; compile and look for drafts after that."""
         self.program.editor.load_text(self._text_to_begin_with)
         self.journal.attach(spawn=self.spawn, changed=self._changed, warn=self.warn)
-        self.journal.open(self.session.level)
         self.set_focus(self.labyrinth)
         self.set_interval(_HEARTBEAT, self._beat)
         self.begin_level()
@@ -126,6 +125,7 @@ class MainScreen(Screen[None]):
 
     def _start(self) -> None:
         self.session.apply(self.text)
+        self.journal.open(self.session.level)
         self.spawn(self.library.offer_drafts, "drafts", exclusive=False)
         if self._is_new_here:
             self.tours.begin()

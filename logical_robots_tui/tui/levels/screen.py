@@ -112,6 +112,9 @@ class LevelScreen(Dialog[Level]):
         here = self._here.name
         self._all = [LevelCard(name, is_here=name == here) for name in names]
         self._filter(here)
+        painted = asyncio.Event()
+        self.call_after_refresh(painted.set)
+        await painted.wait()  # reading would only hold up the first picture
         records = await self._journal.ask(partial(_records, names))
         for index, name in enumerate(names):
             card = replace(self._all[index], record=records[name])
