@@ -43,6 +43,16 @@ def start_anew(player: Player) -> None:
     player.tmux.wait_for("· applied")
 
 
+def enter_editor(player: Player) -> None:
+    player.tmux.press("2")
+    player.tmux.wait_for("^R Apply  F5 Run")
+
+
+def leave_editor(player: Player) -> None:
+    player.tmux.press("Escape")
+    player.tmux.wait_for("space Run")
+
+
 def skip_the_tour(player: Player) -> None:
     player.tmux.wait_for("skips the tour")
     player.tmux.wait_for("· applied")
@@ -86,16 +96,14 @@ def test_in_the_first_minute_somebody_new_wins_by_doing_what_the_briefing_says(
     player.play()
     skip_the_tour(player)
     player.tmux.wait_for("Try first")
-    player.tmux.press("2")
-    player.tmux.wait_for("^R Apply")
+    enter_editor(player)
     back = len(line) - line.index(before) - len(before)
     player.tmux.press(*["Down"] * row, "End", *["Left"] * back, *["BSpace"] * len(before))
     player.tmux.type(after)
     player.tmux.wait_for(after)
     player.tmux.press("C-r")
     player.tmux.wait_for("· applied")
-    player.tmux.press("Escape")
-    player.tmux.wait_for("space Run")
+    leave_editor(player)
     player.tmux.type("++++++")
     player.tmux.wait_for("flat out")
     player.tmux.press("Space")
@@ -147,7 +155,7 @@ def test_hints_that_were_revealed_stay_so_after_a_kill(player: Player) -> None:
 def test_what_was_applied_is_there_after_a_kill_and_so_is_what_was_before(player: Player) -> None:
     player.play()
     skip_the_tour(player)
-    player.tmux.press("2")
+    enter_editor(player)
     for number in (1, 2):
         player.tmux.type(f"# idea {number}")
         player.tmux.press("Enter")
@@ -156,20 +164,18 @@ def test_what_was_applied_is_there_after_a_kill_and_so_is_what_was_before(player
         until(lambda number=number: record_of(player).record(FIRST.name).versions == number)  # type: ignore[misc] # bound now
     kill(player)
     start_anew(player)
-    player.tmux.press("2")
+    enter_editor(player)
     player.tmux.wait_for("# idea 2")
     assert "Continue" not in player.tmux.screen
-    player.tmux.press("Escape")
-    player.tmux.wait_for("space Run")
+    leave_editor(player)
     player.tmux.press("v")
     player.tmux.wait_for("Earlier versions")
     player.tmux.press("Down", "Enter")
     player.tmux.wait_until(lambda screen: "Earlier versions" not in screen, "the game")
-    player.tmux.press("2")
+    enter_editor(player)
     player.tmux.wait_for("# idea 1")
     assert "# idea 2" not in player.tmux.screen
-    player.tmux.press("Escape")
-    player.tmux.wait_for("space Run")
+    leave_editor(player)
     player.tmux.press("x")
     player.tmux.wait_for("Put the starter program back?")
     player.tmux.press("y")
