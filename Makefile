@@ -41,8 +41,9 @@ proof: $(VENV)/.dev ## The long proofs: many starts, load, fuzzing
 bench: $(VENV)/.dev ## Measure; ARGS="--json numbers.json" keeps the numbers
 	$(BIN)/python -m benchmarks $(ARGS)
 
-screenshot: $(VENV)/.dev ## Draw docs/screenshot.svg anew
+screenshot: $(VENV)/.dev ## Draw docs/screenshot.svg and docs/levels.svg anew
 	$(BIN)/python -m docs.screenshot 03-everybody-home everybody-home 330
+	$(BIN)/python -m docs.screenshot levels
 
 reference: $(VENV)/.dev ## Write docs/reference.md anew
 	$(BIN)/python -m docs.reference

@@ -90,7 +90,9 @@ class LevelScreen(Dialog[Level]):
 
     def on_mount(self) -> None:
         """Begin with names alone; the rest follows as it is read and drawn."""
-        self.query_one("#filter").focus()
+        line = self.query_one("#filter", Input)
+        line.cursor_blink = False  # nothing is to be drawn while nothing happens
+        line.focus()
         in_background(self, self._read_all, "cards", exclusive=True)
 
     def on_resize(self, event: events.Resize) -> None:
