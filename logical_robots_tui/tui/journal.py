@@ -59,9 +59,15 @@ class Journal:
         self._trials: dict[str, tuple[str, Trial]] = {}
         self._turn = asyncio.Lock()
         self._has_begun = False
+        self._is_closed = False
 
     def attach(
-        self, *, spawn: Spawn, changed: Callable[[], None], warn: Callable[[str], None]
+        self,
+        *,
+        spawn: Spawn,
+        changed: Callable[[], None],
+        warn: Callable[[str], None],
+        measured: Callable[[Level, Measures], None],
     ) -> None:
         """Begin to work for a screen.
 
@@ -69,11 +75,14 @@ class Journal:
             spawn: Starts work in the background.
             changed: Called after everything that the screen may want to show.
             warn: Tells the player what went wrong.
+            measured: Called when a victory is measured in full.
         """
         self._spawn, self._changed, self._warn = spawn, changed, warn
+        self._measured = measured
 
     async def close(self) -> None:
         """Finish what is to be written, and let go of the file."""
+        self._is_closed = True
         await asyncio.get_running_loop().run_in_executor(self._desk, self.progress.close)
         self._desk.shutdown(wait=False)
 
@@ -181,6 +190,8 @@ class Journal:
     # -- inside --------------------------------------------------------------------------------
 
     def _write(self, work: Callable[[Progress], None]) -> None:
+        if self._is_closed:
+            return
         self._desk.submit(work, self.progress)
         self._spawn(self._look, "journal", exclusive=False)
 
@@ -223,6 +234,7 @@ class Journal:
         else:
             found = known
             self._write(lambda progress: progress.win(key, text, found))
+            self._measured(level, found)
             if key == self._key:
                 self.latest = found
                 self._changed()

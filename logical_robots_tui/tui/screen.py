@@ -39,6 +39,7 @@ if TYPE_CHECKING:
     from textual.widget import Widget
 
     from logical_robots_tui.game import Frame, Source
+    from logical_robots_tui.progress import Measures
     from logical_robots_tui.tui.background import Work
     from logical_robots_tui.tui.journal import Journal
     from logical_robots_tui.world import Level
@@ -117,7 +118,9 @@ class MainScreen(Screen[None]):
     def on_mount(self) -> None:
         """Paint at once; compile and look for drafts after that."""
         self.program.editor.load_text(self._text_to_begin_with)
-        self.journal.attach(spawn=self.spawn, changed=self._changed, warn=self.warn)
+        self.journal.attach(
+            spawn=self.spawn, changed=self._changed, warn=self.warn, measured=self._measured
+        )
         self.set_focus(self.labyrinth)
         self.set_interval(_HEARTBEAT, self._beat)
         self.begin_level()
@@ -235,6 +238,11 @@ class MainScreen(Screen[None]):
         self.labyrinth.banner.celebrate(self.session.won_at, who, self.journal)
         if self._active is not self.labyrinth and self._layout is Layout.NARROW:
             self.tell(f"★ {who}: {self.session.won_at} ticks ★")
+
+    def _measured(self, level: Level, found: Measures) -> None:
+        if level is not self.session.level or not self.labyrinth.banner.display:
+            title = one_line(level.title)
+            self.tell(f"{title}: won from {found.wins} of {found.starts} shifted starts.")
 
     def forget_victory(self) -> None:
         """Take the banner away; the next victory is celebrated again."""

@@ -154,6 +154,15 @@ async def test_a_program_that_was_changed_on_the_way_is_measured_from_the_start(
         assert game.main.journal.record.bests.ticks == won_at - 1
 
 
+async def test_what_is_measured_while_the_banner_is_closed_is_told(
+    data_dir: Path, short: Path
+) -> None:
+    async with opened(data_dir, level=short, text=AHEAD) as game:
+        await win(game)
+        await game.press("escape")
+        await game.until(lambda: game.shows("of 20 shifted starts"))
+
+
 async def test_the_trials_can_be_stopped(data_dir: Path, short: Path) -> None:
     async with opened(data_dir, level=short, text=AHEAD) as game:
         await game.ready()
