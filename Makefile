@@ -12,7 +12,7 @@ PIP := $(BIN)/python -m pip --disable-pip-version-check --require-virtualenv
 .DELETE_ON_ERROR:
 .SUFFIXES:
 
-.PHONY: help play test lint check format proof bench lock screenshot reference wheel clean
+.PHONY: help play test lint check format proof bench lock screenshot reference measures wheel clean
 
 help: ## Show this list
 	@grep -E '^[a-z]+:.*##' $(MAKEFILE_LIST) | sed -E 's/^([a-z]+):.*## (.*)/  make \1\t\2/' | expand -t 20
@@ -41,11 +41,15 @@ proof: $(VENV)/.dev ## The long proofs: many starts, load, fuzzing
 bench: $(VENV)/.dev ## Measure; ARGS="--json numbers.json" keeps the numbers
 	$(BIN)/python -m benchmarks $(ARGS)
 
-screenshot: $(VENV)/.dev ## Draw docs/screenshot.svg anew
+screenshot: $(VENV)/.dev ## Draw docs/screenshot.svg and docs/levels.svg anew
 	$(BIN)/python -m docs.screenshot 03-everybody-home everybody-home 330
+	$(BIN)/python -m docs.screenshot levels
 
 reference: $(VENV)/.dev ## Write docs/reference.md anew
 	$(BIN)/python -m docs.reference
+
+measures: $(VENV)/.dev ## Measure the reference programs anew; ARGS="LEVEL" only that one's
+	$(BIN)/python -m benchmarks.reference $(ARGS)
 
 wheel: $(VENV)/.dev ## Build the wheel into dist/
 	$(BIN)/python -m build --wheel --no-isolation

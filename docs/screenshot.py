@@ -1,5 +1,7 @@
 """Draw ``docs/screenshot.svg``: the game plays in a terminal, and its cells become a picture.
 
+With the one argument ``levels`` draw ``docs/levels.svg``, the level screen after some victories.
+
 Block and line characters become rectangles, so that the picture has no seams in any font.
 """
 
@@ -12,6 +14,8 @@ from itertools import groupby
 from pathlib import Path
 from typing import TYPE_CHECKING, TypeAlias
 
+from logical_robots_tui.game.reference import reference_table
+from logical_robots_tui.progress import FILE_NAME, Progress
 from tests.terminal import Terminal
 
 if TYPE_CHECKING:
@@ -58,6 +62,9 @@ SHAPES: dict[str, Shape] = {
 
 def main() -> None:
     """Play the game to a good moment and draw it."""
+    if sys.argv[1:] == ["levels"]:
+        draw_levels()
+        return
     level, program, ticks = sys.argv[1], sys.argv[2], int(sys.argv[3])
     with tempfile.TemporaryDirectory() as data_dir:
         game = [sys.executable, "-m", "logical_robots_tui", "play", level, program]
@@ -68,6 +75,24 @@ def main() -> None:
                 terminal.wait_for(f"tick {tick} ")
             terminal.wait_for_quiet()
             TARGET.write_text(svg(terminal.screen), encoding="utf-8")
+
+
+def draw_levels() -> None:
+    """Win some levels, begin another, and draw the level screen."""
+    with tempfile.TemporaryDirectory() as data_dir:
+        progress = Progress(Path(data_dir) / FILE_NAME)
+        *won, begun = list(reference_table())[:5]
+        for level in won:
+            progress.win(level, level, reference_table()[level])
+        progress.begin(begun)
+        progress.close()
+        game = [sys.executable, "-m", "logical_robots_tui", "play", begun]
+        with Terminal([*game, "--data-dir", data_dir], size=SIZE) as terminal:
+            terminal.wait_for("· applied")
+            terminal.send("l")
+            terminal.wait_for("LEVELS")
+            terminal.wait_for_quiet()
+            TARGET.with_name("levels.svg").write_text(svg(terminal.screen), encoding="utf-8")
 
 
 def svg(screen: pyte.Screen) -> str:

@@ -54,7 +54,7 @@ def add_data_dir(command: argparse.ArgumentParser) -> None:
         "--data-dir",
         type=Path,
         metavar="FOLDER",
-        help="where your own programs and unsaved texts are kept",
+        help="where your own programs, progress and unsaved texts are kept",
     )
 
 

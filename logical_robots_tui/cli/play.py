@@ -18,7 +18,7 @@ __all__ = ["declare"]
 
 EPILOG = """\
 examples:
-  logical-robots play                  the first level, its starter program
+  logical-robots play                  where you stopped, or the first level
   logical-robots play LEVEL            another level of the list
   logical-robots play my-level.toml my-program.l
 

@@ -5,7 +5,10 @@ from logical_robots_tui.game.frame import Frame
 from logical_robots_tui.game.game import Answer, Game, Superseded
 from logical_robots_tui.game.goal import Goal, goals
 from logical_robots_tui.game.history import History, NoSuchTickError
+from logical_robots_tui.game.odometer import Odometer
 from logical_robots_tui.game.pace import FLAT_OUT, SPEEDS, Pace
+from logical_robots_tui.game.reference import is_shipped, level_key, reference_for
+from logical_robots_tui.game.rules import count_rules
 from logical_robots_tui.game.source import Source, list_programs, load_program, save_program
 from logical_robots_tui.game.start import start_frame
 
@@ -18,13 +21,18 @@ __all__ = [
     "Goal",
     "History",
     "NoSuchTickError",
+    "Odometer",
     "Pace",
     "Source",
     "Superseded",
     "compile_program",
+    "count_rules",
     "goals",
+    "is_shipped",
+    "level_key",
     "list_programs",
     "load_program",
+    "reference_for",
     "save_program",
     "start_frame",
 ]

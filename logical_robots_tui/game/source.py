@@ -5,10 +5,15 @@ from __future__ import annotations
 import os
 import tempfile
 from dataclasses import dataclass
+from functools import lru_cache
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from logical_robots_tui.errors import InputError
 from logical_robots_tui.shipped import did_you_mean, shipped_folder, shipped_names
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
 
 __all__ = [
     "MAX_PROGRAM_BYTES",
@@ -17,6 +22,7 @@ __all__ = [
     "list_programs",
     "load_program",
     "save_program",
+    "shipped_texts",
     "write_atomically",
 ]
 
@@ -72,6 +78,15 @@ def load_program(path_or_name: str | Path, own: Path | None = None) -> Source:
         place=str(path_or_name),
         hint=did_you_mean(path.stem, known) or f"There are {', '.join(known) or 'none'}.",
     )
+
+
+@lru_cache(maxsize=1)
+def shipped_texts() -> Mapping[str, str]:
+    """The texts of the programs that came with the game, by name."""
+    return {
+        name: _read(shipped_folder("programs") / f"{name}{SUFFIX}").text
+        for name in shipped_names("programs", SUFFIX)
+    }
 
 
 def save_program(path: Path, text: str) -> None:

@@ -4,11 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from textual.command import CommandPalette
-
-from logical_robots_tui.tui.dialogs.help import Help
 from logical_robots_tui.tui.drawing.glyphs import Drawing
-from logical_robots_tui.tui.palette import CommandProvider
 
 if TYPE_CHECKING:
     from logical_robots_tui.tui.screen import MainScreen
@@ -85,6 +81,40 @@ class Actions:
         """Put the text of the file into the editor again."""
         self._screen.replace_text(self._screen.session.source.text)
 
+    def versions(self) -> None:
+        """Bring an earlier version of the program back."""
+        self._screen.spawn(self._screen.guide.choose_version, "library", exclusive=True)
+
+    def reset(self) -> None:
+        """Put the level's starter program back."""
+        self._screen.spawn(self._screen.guide.reset, "library", exclusive=True)
+
+    def hint(self) -> None:
+        """Show the hints revealed so far, and offer the next one."""
+        self._screen.guide.hints()
+
+    def lesson(self) -> None:
+        """Read the lesson."""
+        self._screen.guide.lesson()
+
+    def results(self) -> None:
+        """Show or hide the best results."""
+        self._screen.labyrinth.banner.toggle(self._screen.journal)
+        self._screen.go_to(self._screen.labyrinth)
+
+    def solution(self) -> None:
+        """Read the reference program."""
+        self._screen.spawn(self._screen.guide.solution, "library", exclusive=True)
+
+    def stop_measuring(self) -> None:
+        """End the trials from shifted starts."""
+        if not self._screen.journal.stop_measuring():
+            self._screen.tell("Nothing is being tried.")
+
+    def tour(self) -> None:
+        """Walk round the screen."""
+        self._screen.tours.begin()
+
     def labyrinth(self) -> None:
         """Go to the labyrinth."""
         self._screen.go_to(self._screen.labyrinth)
@@ -130,12 +160,16 @@ class Actions:
 
     def help(self) -> None:
         """Show the help."""
-        self._screen.app.push_screen(
-            Help(self._screen.session.level, self._screen.labyrinth.view.drawing)
-        )
+        from logical_robots_tui.tui.dialogs.help import Help
+
+        self._screen.app.push_screen(Help(self._screen.labyrinth.view.drawing))
 
     def palette(self) -> None:
         """Find a command by its name."""
+        from textual.command import CommandPalette
+
+        from logical_robots_tui.tui.palette import CommandProvider
+
         self._screen.app.push_screen(
             CommandPalette([CommandProvider], placeholder="Find a command…")
         )

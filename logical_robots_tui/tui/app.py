@@ -8,7 +8,9 @@ from typing import TYPE_CHECKING, ClassVar
 
 from textual.binding import Binding
 
+from logical_robots_tui.progress import FILE_NAME
 from logical_robots_tui.tui.crash import CarefulApp
+from logical_robots_tui.tui.journal import Journal
 from logical_robots_tui.tui.screen import MainScreen
 from logical_robots_tui.tui.theme import EXTRA_VARIABLES, NIGHT
 
@@ -31,7 +33,10 @@ class LogicalRobotsApp(CarefulApp, inherit_bindings=False):
     Args:
         level: Where to begin.
         source: The program to begin with.
-        data_dir: Where drafts and the player's programs are.
+        data_dir: Where drafts, the player's programs and progress are.
+        journal: Where progress is kept, if that is open already.
+        text: What the player made of the program, or None.
+        welcome: Whether to begin with the tour.
     """
 
     TITLE = "Logical Robots"
@@ -41,9 +46,19 @@ class LogicalRobotsApp(CarefulApp, inherit_bindings=False):
         Binding("ctrl+c", "interrupt", "Leave", show=False, system=True),
     ]
 
-    def __init__(self, level: Level, source: Source, *, data_dir: Path) -> None:
+    def __init__(
+        self,
+        level: Level,
+        source: Source,
+        *,
+        data_dir: Path,
+        journal: Journal | None = None,
+        text: str | None = None,
+        welcome: bool = False,
+    ) -> None:
         super().__init__()
-        self.main = MainScreen(level, source, data_dir)
+        journal = journal or Journal(data_dir / FILE_NAME)
+        self.main = MainScreen(level, source, data_dir, journal, text=text, welcome=welcome)
         self.animation_level = "none"
         self._interrupted_at = float("-inf")
         self._event_loop: asyncio.AbstractEventLoop | None = None

@@ -62,8 +62,9 @@ class Command:
         return key_name(keys[0]) if keys else ""
 
 
-_GAME, _PROGRAM, _VIEW, _HELP = "Running", "Program and level", "Looking", "Help and leaving"
-GROUPS = (_GAME, _PROGRAM, _VIEW, _HELP)
+_GAME, _PROGRAM, _LEARN = "Running", "Program and level", "Learning"
+_VIEW, _HELP = "Looking", "Help and leaving"
+GROUPS = (_GAME, _PROGRAM, _LEARN, _VIEW, _HELP)
 
 COMMANDS: tuple[Command, ...] = (
     Command(
@@ -129,7 +130,7 @@ COMMANDS: tuple[Command, ...] = (
     Command(
         "level",
         "Choose a level",
-        "Pick a level, or type the path of a level file.",
+        "See all levels and what you have won, pick one, or type the path of a level file.",
         _PROGRAM,
         ("l",),
         bar="Level",
@@ -165,6 +166,64 @@ COMMANDS: tuple[Command, ...] = (
         _PROGRAM,
         (),
     ),
+    Command(
+        "versions",
+        "Earlier versions",
+        "Look through your earlier programs for this level, and bring one back.",
+        _PROGRAM,
+        ("v",),
+        bar="Versions",
+        spare=8,
+    ),
+    Command(
+        "reset",
+        "Reset to the starter",
+        "Put the level's starter program back, after asking; yours is kept as an earlier version.",
+        _PROGRAM,
+        ("x",),
+    ),
+    Command("briefing", "Briefing", "Show or hide what the level asks for.", _LEARN, ("b",)),
+    Command(
+        "hint",
+        "Hints",
+        "Reveal the hints of the level, one at a time.",
+        _LEARN,
+        ("h",),
+        bar="Hint",
+        spare=5,
+    ),
+    Command(
+        "lesson",
+        "Lesson",
+        "Read what the level teaches and, when you have won, what to try next.",
+        _LEARN,
+        ("t",),
+        bar="Lesson",
+        spare=6,
+    ),
+    Command(
+        "results",
+        "Results",
+        "Compare your best results with those of the reference program.",
+        _LEARN,
+        ("m",),
+        bar="Results",
+        spare=7,
+    ),
+    Command(
+        "solution",
+        "Reference program",
+        "Read the program that wins the level as its lesson says; asks before you have won.",
+        _LEARN,
+        ("w",),
+    ),
+    Command(
+        "stop_measuring",
+        "Stop trying shifted starts",
+        "End the trials that tell how robust a program is.",
+        _LEARN,
+        (),
+    ),
     Command("labyrinth", "Labyrinth", "Go to the labyrinth.", _VIEW, ("1",)),
     Command("editor", "Editor", "Go to the program's text.", _VIEW, ("2", "e"), bar="Edit"),
     Command("inspector", "Inspector", "Go to the inspector.", _VIEW, ("3", "i")),
@@ -197,7 +256,6 @@ COMMANDS: tuple[Command, ...] = (
         _VIEW,
         ("d",),
     ),
-    Command("briefing", "Briefing", "Show or hide what the level asks for.", _VIEW, ("b",)),
     Command(
         "help",
         "Help",
@@ -216,6 +274,7 @@ COMMANDS: tuple[Command, ...] = (
         place="anywhere",
         spare=4,
     ),
+    Command("tour", "Guided tour", "Walk once round the parts of the screen.", _HELP, ()),
     Command("redraw", "Redraw", "Paint the whole screen again.", _HELP, ("ctrl+l",)),
     Command(
         "quit",

@@ -2,30 +2,23 @@
 
 from __future__ import annotations
 
-import random
 from typing import TYPE_CHECKING, ClassVar
 
 from textual.content import Content
-from textual.style import Style
-from textual.widgets import Static
 
+from logical_robots_tui.tui.banner import VictoryBanner
 from logical_robots_tui.tui.commands import command, key_name
 from logical_robots_tui.tui.labyrinth import LabyrinthView
+from logical_robots_tui.tui.overlay import Overlay
 from logical_robots_tui.tui.pane import Pane
-from logical_robots_tui.tui.plain import clip, one_line, visible
+from logical_robots_tui.tui.plain import one_line, visible
 from logical_robots_tui.tui.theme import INK
 
 if TYPE_CHECKING:
-    from textual import events
-
     from logical_robots_tui.game import Frame
     from logical_robots_tui.world import Level
 
 __all__ = ["LabyrinthPane"]
-
-_OFFERS = (("next level", "next_level"), ("again", "restart"), ("stay", "leave"))
-_CONFETTI = "·*✦•˚+"
-_COLOURS = ("#ff8a7a", "#f5d76e", "#a6da7b", "#79b8ff", "#c9b8f0", "#ffb454")
 
 
 class LabyrinthPane(Pane, can_focus=True):
@@ -53,20 +46,7 @@ class LabyrinthPane(Pane, can_focus=True):
         self.focus()
 
 
-class _Overlay(Static):
-    """Text over the picture; a click closes it. It never takes the focus."""
-
-    DEFAULT_CSS = """
-    _Overlay { layer: over; display: none; background: $panel 92%; width: 100%; height: auto; }
-    """
-
-    def on_click(self, event: events.Click) -> None:
-        """Close."""
-        event.stop()
-        self.display = False
-
-
-class Briefing(_Overlay):
+class Briefing(Overlay):
     """What the level asks for, until the game runs or the player closes it."""
 
     DEFAULT_CSS = """
@@ -83,8 +63,12 @@ class Briefing(_Overlay):
         """Show the text of a level, if it has one."""
         self._has_text = bool(level.briefing.strip())
         text = "\n".join(visible(line) for line in level.briefing.strip().splitlines())
-        run, close = command("run"), command("briefing")
-        keys = f"{key_name(run.keys[0])} runs   {key_name(close.keys[0])} hides this"
+        offers = {"run": "runs", "briefing": "hides this"}
+        if level.hints:
+            offers["hint"] = "gives a hint"
+        if level.lesson:
+            offers["lesson"] = "lesson"
+        keys = "   ".join(f"{key_name(command(c).keys[0])} {said}" for c, said in offers.items())
         self.update(
             Content.assemble(
                 (f"{one_line(level.title)}\n", f"bold {INK.title}"),
@@ -98,64 +82,3 @@ class Briefing(_Overlay):
         """Show or hide it; False if there is nothing to show."""
         self.display = self._has_text and not self.display
         return self._has_text
-
-
-class VictoryBanner(_Overlay):
-    """Celebrates; its keys are those of ordinary commands, so nobody who types is disturbed."""
-
-    DEFAULT_CSS = """
-    VictoryBanner { dock: top; height: 5; text-wrap: nowrap; }
-    MainScreen.-narrow VictoryBanner { height: 3; }
-    """
-
-    def __init__(self) -> None:
-        super().__init__(id="banner")
-        self._ticks = 0
-        self._who = ""
-
-    def celebrate(self, ticks: int, who: str) -> None:
-        """Tell that it is won.
-
-        Args:
-            ticks: How many ticks it took.
-            who: Who is where, a few words.
-        """
-        self._ticks, self._who = ticks, who
-        self.display = True
-        self.refresh()
-
-    def render(self) -> Content:
-        """Lines with confetti, as wide as the widget."""
-        width, height = self.size
-        chance = random.Random(self._ticks)  # noqa: S311 - confetti
-        ticks = "1 tick" if self._ticks == 1 else f"{self._ticks} ticks"
-        said = Content.styled(f"★ {clip(self._who, 50)} — {ticks} ★", f"bold {INK.key}")
-        offers = Content("   ").join(_offer(label, name) for label, name in _OFFERS)
-        nothing = Content("")
-        tall = [nothing, said, nothing, offers, nothing]
-        lines = tall if height >= len(tall) else [said, nothing, offers]
-        return Content("\n").join(_confetti(width, line, chance) for line in lines)
-
-
-def _offer(label: str, command_id: str) -> Content:
-    """The key and the label of a command, which can be clicked too."""
-    key = key_name(command(command_id).keys[0])
-    content = Content.assemble((key, f"bold {INK.key}"), f" {label}")
-    return content.stylize(Style.from_meta({"@click": f"screen.command('{command_id}')"}))
-
-
-def _confetti(width: int, middle: Content, chance: random.Random) -> Content:
-    """A line with something in its middle and confetti at its sides."""
-    left = max((width - middle.cell_length) // 2 - 2, 0)
-    right = max(width - middle.cell_length - left - 4, 0)
-    if not middle.cell_length:
-        return _sprinkle(width, chance)
-    return Content("  ").join([_sprinkle(left, chance), middle, _sprinkle(right, chance)])
-
-
-def _sprinkle(width: int, chance: random.Random) -> Content:
-    parts = [
-        (chance.choice(_CONFETTI), chance.choice(_COLOURS)) if chance.random() < 0.14 else " "
-        for _ in range(width)
-    ]
-    return Content.assemble(*parts)

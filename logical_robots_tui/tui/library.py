@@ -1,4 +1,7 @@
-"""Going to other levels and programs, saving, and drafts that come back."""
+"""Going to other levels and programs, saving, and drafts that come back.
+
+Dialogs are loaded when they are asked for, so that the first picture comes sooner.
+"""
 
 from __future__ import annotations
 
@@ -8,16 +11,13 @@ from typing import TYPE_CHECKING
 
 from logical_robots_tui.errors import InputError
 from logical_robots_tui.game import Source, load_program
-from logical_robots_tui.tui.dialogs.chooser import Chooser
-from logical_robots_tui.tui.dialogs.question import Question
-from logical_robots_tui.tui.dialogs.save import SaveAs
-from logical_robots_tui.tui.dialogs.shelves import LevelShelf, ProgramShelf
 from logical_robots_tui.tui.plain import clip, one_line
-from logical_robots_tui.world import Level, list_levels, load_level
+from logical_robots_tui.world import list_levels, load_level
 
 if TYPE_CHECKING:
     from logical_robots_tui.game.drafts import Draft
     from logical_robots_tui.tui.screen import MainScreen
+    from logical_robots_tui.world import Level
 
 __all__ = ["Library"]
 
@@ -38,8 +38,11 @@ class Library:
 
     async def choose_level(self) -> None:
         """Ask for a level and go there."""
-        chooser = Chooser[Level](LevelShelf(), self._screen.session.level.name)
-        level = await self._screen.app.push_screen_wait(chooser)
+        from logical_robots_tui.tui.levels.screen import LevelScreen
+
+        screen = self._screen
+        choice = LevelScreen(screen.session.level, screen.journal, screen.labyrinth.view.drawing)
+        level = await screen.app.push_screen_wait(choice)
         if level is not None:
             await self.open_level(level)
 
@@ -67,7 +70,11 @@ class Library:
                 source = await asyncio.to_thread(load_program, level.starter, self._own)
             except InputError as error:
                 self._screen.warn(str(error))
-        text = self._leave_text_for(source)
+        kept = None
+        if source.name == level.starter:
+            kept = await self._screen.journal.newest(level)
+        text = self._leave_text_for(source, kept)
+        self._screen.journal.open(level)
         session.open_level(level, source, text)
         self._screen.begin_level()
 
@@ -75,17 +82,29 @@ class Library:
 
     async def choose_program(self) -> None:
         """Ask for a program and think with it."""
+        from logical_robots_tui.tui.dialogs.chooser import Chooser
+        from logical_robots_tui.tui.dialogs.shelves import ProgramShelf
+
         chooser = Chooser[Source](ProgramShelf(self._own), self._screen.session.source.name)
         source = await self._screen.app.push_screen_wait(chooser)
         if source is not None:
             self.open_program(source)
 
-    def open_program(self, source: Source) -> None:
-        """Edit and apply a program, or the draft of it that there is."""
-        self._screen.session.open_program(source, self._leave_text_for(source))
+    def open_program(self, source: Source, text: str | None = None) -> None:
+        """Edit and apply a program: a text of it, or the draft that there is."""
+        if text is None:
+            text = self._leave_text_for(source)
+        elif source.path == self._screen.session.source.path:
+            self._screen.replace_text(text)
+        else:
+            self._screen.keeper.flush()
+            self._screen.put_text(text)
+        self._screen.session.open_program(source, text)
 
     async def save(self) -> None:
         """Ask for a name and save the text under it."""
+        from logical_robots_tui.tui.dialogs.save import SaveAs
+
         session = self._screen.session
         former, text = session.source, self._screen.text
         saved = await self._screen.app.push_screen_wait(SaveAs(former, text, self._own))
@@ -95,8 +114,12 @@ class Library:
             self._screen.keeper.edited()
             self._screen.tell(f"Saved as {one_line(saved.name)}.")
 
-    def _leave_text_for(self, source: Source) -> str:
+    def _leave_text_for(self, source: Source, kept: str | None = None) -> str:
         """Put the text of a program, or its draft, into the editor; what was there is kept.
+
+        Args:
+            source: The program.
+            kept: What the player made of it before, to take if there is no draft.
 
         Returns:
             The text put there.
@@ -108,11 +131,17 @@ class Library:
         drafts = screen.keeper.drafts
         draft = drafts.get(str(source.path)) or drafts.take(str(source.path))
         if draft is not None and draft.text != source.text:
-            screen.tell(f"Your unsaved text of {one_line(source.name)} is back.")
+            name = "program for this level"
+            if draft.text != kept:
+                name = f"unsaved text of {one_line(source.name)}"
+            screen.tell(f"Your {name} is back.")
             screen.put_text(draft.text)
             return draft.text
-        screen.put_text(source.text)
-        return source.text
+        text = source.text if kept is None else kept
+        if text != source.text:
+            screen.tell("Your program for this level is back.")
+        screen.put_text(text)
+        return text
 
     # -- drafts --------------------------------------------------------------------------------
 
@@ -122,12 +151,14 @@ class Library:
         drafts = [
             draft
             for draft in await asyncio.to_thread(screen.keeper.adopt)
-            if await asyncio.to_thread(self._still_unsaved, draft)
+            if await self._is_unsaved(draft)
         ]
         if not drafts:
             return
         here = str(screen.session.source.path)
         draft = next((draft for draft in drafts if draft.path == here), drafts[0])
+        from logical_robots_tui.tui.dialogs.question import Question
+
         answers = [("yes", "Yes, continue"), ("no", "No, put it away"), ("show", "Show it")]
         when = draft.saved.astimezone()
         name = clip(one_line(draft.program), 40)
@@ -159,8 +190,11 @@ class Library:
         except InputError:
             return Source(draft.program, "", Path(draft.path), shipped=False)
 
-    def _still_unsaved(self, draft: Draft) -> bool:
-        if self._source_of(draft).text != draft.text:
+    async def _is_unsaved(self, draft: Draft) -> bool:
+        """Whether a draft holds what is neither in its file nor among the earlier versions."""
+        source = await asyncio.to_thread(self._source_of, draft)
+        kept = await self._screen.journal.ask(lambda progress: progress.holds(draft.text))
+        if source.text != draft.text and not kept:
             return True
-        self._screen.keeper.drafts.put_away(draft.path)
+        await asyncio.to_thread(self._screen.keeper.drafts.put_away, draft.path)
         return False

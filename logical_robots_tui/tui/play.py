@@ -7,13 +7,17 @@ from typing import TYPE_CHECKING
 from platformdirs import user_data_path
 
 from logical_robots_tui.errors import InputError
-from logical_robots_tui.game import load_program
+from logical_robots_tui.game import level_key, load_program
+from logical_robots_tui.progress import FILE_NAME
 from logical_robots_tui.tui.app import LogicalRobotsApp
 from logical_robots_tui.tui.crash import end_on_hangup
+from logical_robots_tui.tui.journal import LAST_LEVEL, TOUR, Journal
 from logical_robots_tui.world import list_levels, load_level
 
 if TYPE_CHECKING:
     from pathlib import Path
+
+    from logical_robots_tui.progress import Progress
 
 __all__ = ["DEFAULT_PROGRAM", "play"]
 
@@ -27,9 +31,12 @@ def play(
     """Open the game and return when the player leaves it.
 
     Args:
-        level_name: A level's name or path; by default the first shipped level.
-        program: A program's name or path; by default what the level starts with.
-        data_dir: Where drafts and the player's programs are; by default the system's place.
+        level_name: A level's name or path; by default the shipped level that was played last, or
+            the first one.
+        program: A program's name or path; by default what the player last tried there, or what
+            the level starts with.
+        data_dir: Where drafts, the player's programs and progress are; by default the system's
+            place.
 
     Returns:
         The exit status.
@@ -39,10 +46,19 @@ def play(
         Exception: The game made a mistake of its own; the terminal is in order again.
     """
     data_dir = data_dir or user_data_path("logical-robots", appauthor=False)
-    level = load_level(level_name or _first_level())
+    journal = Journal(data_dir / FILE_NAME)
+    level = load_level(level_name or _level_to_begin_with(journal.progress))
     own = data_dir / "programs"
     source = load_program(program or level.starter or DEFAULT_PROGRAM, own)
-    app = LogicalRobotsApp(level, source, data_dir=data_dir)
+    goes_on = program is None and bool(level.starter)
+    app = LogicalRobotsApp(
+        level,
+        source,
+        data_dir=data_dir,
+        journal=journal,
+        text=journal.progress.newest(level_key(level)) if goes_on else None,
+        welcome=level_name is None and journal.progress.fact(TOUR) is None,
+    )
     put_back = end_on_hangup(app.last_words, app.leave_soon)
     try:
         app.run()
@@ -53,8 +69,10 @@ def play(
     return app.return_code or 0
 
 
-def _first_level() -> str:
+def _level_to_begin_with(progress: Progress) -> str:
+    """The shipped level that was played last, or the first one."""
     names = list_levels()
     if not names:
         raise InputError("The game came without its levels.", hint="Install it again.")
-    return names[0]
+    last = progress.fact(LAST_LEVEL)
+    return last if last in names else names[0]

@@ -14,6 +14,7 @@ from logical_robots_tui.tui.actions import Actions
 from logical_robots_tui.tui.background import in_background
 from logical_robots_tui.tui.bar import CommandBar, CommandChosen, PaneTabs
 from logical_robots_tui.tui.commands import bindings
+from logical_robots_tui.tui.guide import Guide
 from logical_robots_tui.tui.inspector.pane import ROBOTS, InspectorPane
 from logical_robots_tui.tui.inspector.robots import RobotsView
 from logical_robots_tui.tui.keeper import Keeper
@@ -27,6 +28,7 @@ from logical_robots_tui.tui.program.editor import Editor
 from logical_robots_tui.tui.program.pane import ProgramPane
 from logical_robots_tui.tui.session import Session
 from logical_robots_tui.tui.status import StatusLine, status_of
+from logical_robots_tui.tui.tour_guide import TourGuide
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -37,7 +39,9 @@ if TYPE_CHECKING:
     from textual.widget import Widget
 
     from logical_robots_tui.game import Frame, Source
+    from logical_robots_tui.progress import Measures
     from logical_robots_tui.tui.background import Work
+    from logical_robots_tui.tui.journal import Journal
     from logical_robots_tui.world import Level
 
 __all__ = ["MainScreen"]
@@ -53,13 +57,28 @@ class MainScreen(Screen[None]):
         level: Where to begin.
         source: The program to begin with.
         data_dir: Where drafts and the player's programs are.
+        journal: Where progress is kept.
+        text: What the player made of the program, or None.
+        welcome: Whether to begin with the tour.
     """
 
     BINDINGS: ClassVar[list[BindingType]] = list(bindings())
 
-    def __init__(self, level: Level, source: Source, data_dir: Path) -> None:
+    def __init__(
+        self,
+        level: Level,
+        source: Source,
+        data_dir: Path,
+        journal: Journal,
+        *,
+        text: str | None = None,
+        welcome: bool = False,
+    ) -> None:
         super().__init__(id="main")
-        self.session = Session(level, source, spawn=self.spawn, changed=self._changed)
+        self.journal = journal
+        self.session = Session(
+            level, source, spawn=self.spawn, changed=self._changed, used=journal.used
+        )
         self.keeper = Keeper(
             data_dir / "drafts",
             text=lambda: self.program.text,
@@ -67,6 +86,10 @@ class MainScreen(Screen[None]):
             failed=self.warn,
         )
         self.library = Library(self, data_dir / "programs")
+        self.guide = Guide(self)
+        self._text_to_begin_with = source.text if text is None else text
+        self._is_new_here = welcome
+        self.tours = TourGuide(self)
         self._actions = Actions(self)
         self._status = StatusLine()
         self._tabs = PaneTabs()
@@ -94,7 +117,10 @@ class MainScreen(Screen[None]):
 
     def on_mount(self) -> None:
         """Paint at once; compile and look for drafts after that."""
-        self.program.editor.load_text(self.session.source.text)
+        self.program.editor.load_text(self._text_to_begin_with)
+        self.journal.attach(
+            spawn=self.spawn, changed=self._changed, warn=self.warn, measured=self._measured
+        )
         self.set_focus(self.labyrinth)
         self.set_interval(_HEARTBEAT, self._beat)
         self.begin_level()
@@ -102,12 +128,16 @@ class MainScreen(Screen[None]):
 
     def _start(self) -> None:
         self.session.apply(self.text)
+        self.journal.open(self.session.level)
         self.spawn(self.library.offer_drafts, "drafts", exclusive=False)
+        if self._is_new_here:
+            self.tours.begin()
 
     async def on_unmount(self) -> None:
         """Bring the text to safety and stop all work."""
         self.keeper.close()
         await self.session.close()
+        await self.journal.close()
 
     # -- for the parts -------------------------------------------------------------------------
 
@@ -115,6 +145,16 @@ class MainScreen(Screen[None]):
     def active(self) -> Pane:
         """The pane in which the player works."""
         return self._active
+
+    @property
+    def panes(self) -> tuple[Pane, ...]:
+        """All panes."""
+        return self._panes
+
+    @property
+    def is_tiny(self) -> bool:
+        """Whether the terminal is too small for any pane."""
+        return self._layout is Layout.TINY
 
     @property
     def text(self) -> str:
@@ -171,7 +211,10 @@ class MainScreen(Screen[None]):
         self.program.show(session.state, session.source.name, saved=saved)
         self.inspector.follow()
         self._draw_lines()
+        if session.frame.tick:
+            self.journal.moved()
         self._celebrate()
+        self.labyrinth.banner.follow(self.journal)
 
     def _draw_lines(self) -> None:
         self._status.show(status_of(self.session))
@@ -191,9 +234,15 @@ class MainScreen(Screen[None]):
         alone = len(self.session.level.robots) == 1
         self.labyrinth.briefing.display = False
         who = "You are there" if alone else "Everybody is there"
-        self.labyrinth.banner.celebrate(self.session.won_at, who)
+        self.journal.won(self.session)
+        self.labyrinth.banner.celebrate(self.session.won_at, who, self.journal)
         if self._active is not self.labyrinth and self._layout is Layout.NARROW:
             self.tell(f"★ {who}: {self.session.won_at} ticks ★")
+
+    def _measured(self, level: Level, found: Measures) -> None:
+        if level is not self.session.level or not self.labyrinth.banner.display:
+            title = one_line(level.title)
+            self.tell(f"{title}: won from {found.wins} of {found.starts} shifted starts.")
 
     def forget_victory(self) -> None:
         """Take the banner away; the next victory is celebrated again."""
@@ -217,6 +266,7 @@ class MainScreen(Screen[None]):
             self.set_focus(self._focus_before)
             self._focus_before = None
         self._layout = layout
+        self.call_after_refresh(self.tours.place)
         for each in Layout:
             self.set_class(each is layout, each.value)
         self._show_panes()
@@ -228,6 +278,12 @@ class MainScreen(Screen[None]):
             pane.display = self._layout is Layout.WIDE or (
                 self._layout is Layout.NARROW and pane is self._active
             )
+
+    def point_at(self, pane: Pane) -> None:
+        """Bring a pane to sight without going there."""
+        self._active = pane
+        self._show_panes()
+        self._changed()
 
     def go_to(self, pane: Pane) -> None:
         """Go to a pane; in a narrow terminal it takes the place of the one there."""
@@ -246,6 +302,7 @@ class MainScreen(Screen[None]):
         for pane in self._panes:
             if pane.has_focus_within:
                 self._active = pane
+                self.tours.end()
         self._draw_lines()
 
     # -- messages ------------------------------------------------------------------------------

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Literal, Protocol, TypeAlias
 from logical_robots_tui.game import (
     Frame,
     Game,
+    Odometer,
     Pace,
     Superseded,
     compile_program,
@@ -68,10 +69,17 @@ class Session:
         source: The program to begin with.
         spawn: Starts work in the background.
         changed: Called after everything that the screen may want to show.
+        used: Called with each program that the robots begin to think with.
     """
 
     def __init__(
-        self, level: Level, source: Source, *, spawn: Spawn, changed: Callable[[], None]
+        self,
+        level: Level,
+        source: Source,
+        *,
+        spawn: Spawn,
+        changed: Callable[[], None],
+        used: Callable[[Program], None],
     ) -> None:
         self.level = level
         self.source = source
@@ -81,6 +89,8 @@ class Session:
         self.frame = start_frame(level)
         self._spawn = spawn
         self._changed = changed
+        self._used = used
+        self.odometer = Odometer()
         self._program: Program | None = None
         self._run_when_ready = False
         self._stepping: object = None
@@ -98,6 +108,11 @@ class Session:
     def busy(self) -> bool:
         """Whether something is under way that the player may want to stop."""
         return self.running or self._stepping is not None
+
+    @property
+    def program(self) -> Program | None:
+        """What the robots think with, or None before the first compilation."""
+        return self._program
 
     @property
     def predicates(self) -> tuple[Predicate, ...]:
@@ -253,8 +268,10 @@ class Session:
 
     def _use(self, program: Program) -> None:
         self._program = program
+        self._used(program)
         if self.game is None:
             game = self.game = Game(self.level, program)
+            self.odometer = Odometer()
             game.pace = self.pace
             game.listen(lambda frame: self._show(game, frame))
             self.frame = game.frame
@@ -268,6 +285,7 @@ class Session:
     def _show(self, game: Game, frame: Frame) -> None:
         if game is self.game:
             self.frame = frame
+            self.odometer.count(frame, game.program.text)
             self._waiting_since = perf_counter()
             self._changed()
 

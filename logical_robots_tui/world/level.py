@@ -132,9 +132,13 @@ class Level:
         beacons: In file order.
         areas: In file order.
         visibility: What a program may see of other robots.
+        idea: What is new in it, one line, or "".
         briefing: What the level asks for, plain text with line breaks, or "".
         hints: Hints to reveal one at a time.
+        lesson: What it teaches, in Markdown, or "".
+        further: What to try when it is won, or "".
         starter: Name of the program to start with, or "".
+        solution: Name of the program that wins it as the lesson says, or "".
         source: Path of the file it came from, or "".
     """
 
@@ -147,7 +151,11 @@ class Level:
     beacons: tuple[Beacon, ...] = ()
     areas: tuple[Area, ...] = ()
     visibility: Visibility = field(default_factory=Visibility)
+    idea: str = ""
     briefing: str = ""
     hints: tuple[str, ...] = ()
+    lesson: str = ""
+    further: str = ""
     starter: str = ""
+    solution: str = ""
     source: str = ""

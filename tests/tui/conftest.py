@@ -77,6 +77,51 @@ Robot(robot_name:, desire:, memory: 1) :-
 """
 
 
+SHORT = """\
+title = "A short way"
+idea = "Straight on is a way."
+cell = 5
+walls = '''
+############
+#..........#
+#..........#
+#..........#
+############
+'''
+briefing = "Bring Pip to the door."
+hints = ["It is not far.", "It is straight ahead.", "Just go."]
+lesson = \"\"\"
+# Going on
+
+A rule with *one* case: `Robot(...)`.
+
+```
+Robot(robot_name:, desire: 1) :- Sensor(robot_name:);
+```
+\"\"\"
+further = "Be there in fewer ticks."
+starter = "obstacle-avoider"
+solution = "first-steps-starter"
+
+[[robots]]
+name = "Pip"
+x = 12
+y = 12.5
+
+[[areas]]
+name = "Door"
+x = 42
+y = 12.5
+radius = 6
+goal_for = ["Pip"]
+"""
+
+AHEAD = """\
+Robot(robot_name:, desire: {left_engine: 0.5, right_engine: 0.5}, memory: "on my way") :-
+  Sensor(robot_name:);
+"""
+
+
 @dataclass(frozen=True)
 class Opened:
     """The game on a screen in memory."""
@@ -149,6 +194,14 @@ def data_dir(tmp_path: Path) -> Path:
     return tmp_path / "data"
 
 
+@pytest.fixture
+def short(tmp_path: Path) -> Path:
+    """A level with all kinds of texts, won by going straight ahead."""
+    path = tmp_path / "short.toml"
+    path.write_text(SHORT)
+    return path
+
+
 def source_of(text: str, folder: Path, name: str = "mine") -> Source:
     """A program of that text in a file."""
     folder.mkdir(parents=True, exist_ok=True)
@@ -161,16 +214,18 @@ def source_of(text: str, folder: Path, name: str = "mine") -> Source:
 async def opened(
     data_dir: Path,
     *,
-    level: str = "open_room",
+    level: str | Path = "open_room",
     text: str = PAPER,
     size: tuple[int, int] = (120, 40),
     name: str = "mine",
+    welcome: bool = False,
 ) -> AsyncIterator[Opened]:
     """Open the game with a program in the player's folder."""
+    file = level if isinstance(level, Path) else LEVELS / f"{level}.json"
     path = data_dir / "programs" / f"{name}.l"
     source = load_program(path) if path.exists() else source_of(text, path.parent, name)
     app = LogicalRobotsApp(
-        await asyncio.to_thread(load_level, LEVELS / f"{level}.json"), source, data_dir=data_dir
+        await asyncio.to_thread(load_level, file), source, data_dir=data_dir, welcome=welcome
     )
     async with app.run_test(size=size, notifications=True) as pilot:
         yield Opened(app, pilot, data_dir)

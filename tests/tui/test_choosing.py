@@ -11,6 +11,7 @@ from textual.widgets import Input, OptionList, Static
 from logical_robots_tui.game import list_programs, load_program
 from logical_robots_tui.tui.dialogs.chooser import Chooser
 from logical_robots_tui.tui.dialogs.save import SaveAs
+from logical_robots_tui.tui.levels.screen import LevelScreen
 from logical_robots_tui.world import list_levels, load_level
 from tests.tui.conftest import LEVELS, PAPER, STILL, opened, source_of
 
@@ -46,7 +47,7 @@ async def test_a_level_is_picked_from_the_list_and_brings_its_starter(data_dir: 
         await game.ready()
         await game.press("n")
         await game.until(lambda: game.tick == 1)
-        await dialog(game, "l", Chooser)
+        await dialog(game, "l", LevelScreen)
         level = load_level(FIRST)
         await game.until(lambda: game.shows(level.title))
         await fill(game, FIRST)
@@ -64,26 +65,10 @@ async def test_a_level_is_picked_from_the_list_and_brings_its_starter(data_dir: 
         assert not game.shows("hides this")
 
 
-async def test_the_list_is_filtered_by_what_is_typed_and_walked_by_arrows(data_dir: Path) -> None:
-    async with opened(data_dir) as game:
-        await dialog(game, "l", Chooser)
-        entries = game.app.screen.query_one(OptionList)
-        await game.until(lambda: entries.option_count == len(list_levels()))
-        await game.press("down", "down", "up")
-        await game.until(lambda: entries.highlighted == 1)
-        await game.press(*"everybody")
-        await game.until(lambda: entries.option_count == 1)
-        await game.press(*"xyz")
-        await game.until(lambda: game.shows("Nothing has this name."))
-        await game.press("enter", "escape")
-        await game.until(lambda: game.app.screen is game.main)
-        assert game.session.level.name == "open_room"
-
-
 async def test_a_level_file_is_opened_by_its_path_and_keeps_the_program(data_dir: Path) -> None:
     async with opened(data_dir) as game:
         await game.ready()
-        await dialog(game, "l", Chooser)
+        await dialog(game, "l", LevelScreen)
         await fill(game, str(LEVELS / "team_goal.json"))
         await game.until(lambda: game.shows("Open the file"))
         await game.press("enter")
@@ -102,7 +87,7 @@ async def test_a_level_that_cannot_be_used_says_why_and_the_game_goes_on(
         bad.write_bytes(content)
     async with opened(data_dir) as game:
         await game.ready()
-        await dialog(game, "l", Chooser)
+        await dialog(game, "l", LevelScreen)
         await fill(game, str(bad))
         await game.press("enter")
         await game.until(lambda: "bad.toml" in complaint(game))

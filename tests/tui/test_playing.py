@@ -6,7 +6,7 @@ import json
 from time import perf_counter
 from typing import TYPE_CHECKING
 
-from logical_robots_tui.tui.labyrinth_pane import VictoryBanner
+from logical_robots_tui.tui.banner import VictoryBanner
 from tests.tui.conftest import PAPER, SLOW, STILL, WRONG, opened
 
 if TYPE_CHECKING:
@@ -145,8 +145,9 @@ async def test_the_banner_of_victory_can_be_clicked(data_dir: Path) -> None:
         await game.press(*["plus"] * 6, "space")
         await game.until(lambda: game.shows("Everybody is there"))
         banner = game.main.query_one("#banner", VictoryBanner)
-        line = next(line for line in banner.render().plain.splitlines() if "again" in line)
-        await game.pilot.click("#banner", offset=(line.index("again") + 1, 3))
+        lines = banner.render().plain.splitlines()
+        row = next(row for row, line in enumerate(lines) if "again" in line)
+        await game.pilot.click("#banner", offset=(lines[row].index("again") + 1, row))
         await game.until(lambda: game.tick == 0)
         assert not game.shows("Everybody is there")
 

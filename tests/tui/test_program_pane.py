@@ -210,3 +210,17 @@ async def test_what_is_typed_before_the_pane_has_room_does_not_scroll_its_start_
         game.editor.insert("nonsense(")
         await game.press("2")
         await game.until(lambda: game.shows("nonsense("))
+
+
+async def test_keys_that_arrive_at_once_are_obeyed_in_their_order(data_dir: Path) -> None:
+    async with opened(data_dir) as game:
+        await game.press("2")
+        await game.until(lambda: game.editor.has_focus)
+        keys = ["down", "down", "end", *["backspace"] * 2, *"abc", "left", "x", "enter", "y"]
+        for key in keys:
+            letter = key if len(key) == 1 else None
+            game.app.post_message(events.Key(key, letter))
+        await game.until(lambda: "y" in game.editor.document.get_line(3))
+        line = PAPER.splitlines()[2]
+        assert game.editor.document.get_line(2) == line[:-2] + "abx"
+        assert game.editor.document.get_line(3) == "yc"

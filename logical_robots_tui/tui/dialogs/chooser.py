@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from textual import events
     from textual.app import ComposeResult
 
-__all__ = ["Card", "Chooser", "Shelf"]
+__all__ = ["Card", "Chooser", "Shelf", "is_path"]
 
 T = TypeVar("T")
 T_co = TypeVar("T_co", covariant=True)
@@ -150,7 +150,7 @@ class Chooser(Dialog[T], Generic[T]):
         self._shown = [
             name for name in self._all if all(word in self._searchable(name) for word in words)
         ]
-        if _is_path(text) and text not in self._all:
+        if is_path(text) and text not in self._all:
             self._shown.insert(0, text)
         entries = self.query_one("#entries", OptionList)
         entries.clear_options()
@@ -217,5 +217,6 @@ def visible_lines(text: str) -> str:
     return "\n".join(visible(line) for line in text[:_PREVIEW].splitlines())
 
 
-def _is_path(text: str) -> bool:
+def is_path(text: str) -> bool:
+    """Whether what was typed is meant as a path and not as a part of a name."""
     return "/" in text or text.endswith((".toml", ".json", ".l"))

@@ -1,4 +1,4 @@
-"""Help: all keys, the signs in the labyrinth, and the hints of the level."""
+"""Help: all keys, and the signs in the labyrinth."""
 
 from __future__ import annotations
 
@@ -13,13 +13,10 @@ from textual.widgets import Static
 from logical_robots_tui.tui.commands import COMMANDS, GROUPS
 from logical_robots_tui.tui.dialogs.dialog import Dialog
 from logical_robots_tui.tui.drawing.glyphs import Drawing, legend
-from logical_robots_tui.tui.plain import one_line
 from logical_robots_tui.tui.theme import INK
 
 if TYPE_CHECKING:
     from textual.app import ComposeResult
-
-    from logical_robots_tui.world import Level
 
 __all__ = ["Help"]
 
@@ -46,7 +43,6 @@ class Help(Dialog[None]):
     """A text to scroll.
 
     Args:
-        level: Its hints are at the end.
         drawing: Whose signs to explain.
     """
 
@@ -57,14 +53,11 @@ class Help(Dialog[None]):
 
     BINDINGS: ClassVar[list[Binding | tuple[str, str] | tuple[str, str, str]]] = [
         Binding("question_mark,f1,q", "leave", "Close", show=False),
-        Binding("h", "hint", "Next hint", show=False),
     ]
 
-    def __init__(self, level: Level, drawing: Drawing) -> None:
+    def __init__(self, drawing: Drawing) -> None:
         super().__init__()
-        self._level = level
         self._drawing = drawing
-        self._hints = 0
 
     def compose(self) -> ComposeResult:
         """One long text."""
@@ -72,20 +65,11 @@ class Help(Dialog[None]):
             box.border_title = "Help"
             with VerticalScroll():
                 yield Static(id="help")
-            keys = (
-                "↑↓ scroll   h a hint   esc close" if self._level.hints else "↑↓ scroll   esc close"
-            )
-            yield Static(keys, id="keys", markup=False)
+            yield Static("↑↓ scroll   esc close", id="keys", markup=False)
 
     def on_resize(self) -> None:
         """Break the lines anew."""
         self.call_after_refresh(self._write)
-
-    def action_hint(self) -> None:
-        """Reveal one more hint of the level and go to it."""
-        self._hints = min(self._hints + 1, len(self._level.hints))
-        self._write()
-        self.query_one(VerticalScroll).scroll_end(animate=False)
 
     def _write(self) -> None:
         width = self.query_one(VerticalScroll).scrollable_content_region.width
@@ -108,25 +92,7 @@ class Help(Dialog[None]):
         lines.append(_heading("In the inspector"))
         for sign, meaning in _INSPECTOR_SIGNS:
             lines.append(Content.assemble("  ", (sign, INK.key), "  ", (meaning, INK.text)))
-        lines += self._hint_lines(width)
         return Content("\n").join(lines)
-
-    def _hint_lines(self, width: int) -> list[Content]:
-        hints = self._level.hints
-        if not hints:
-            return []
-        lines = [_heading(f"Hints for {one_line(self._level.title)}")]
-        for number, hint in enumerate(hints[: self._hints], start=1):
-            lines += [
-                Content(line)
-                for line in wrap(
-                    one_line(hint), width, initial_indent=f"  {number}. ", subsequent_indent="     "
-                )
-            ]
-        left = len(hints) - self._hints
-        if left:
-            lines.append(Content.styled(f"  press h for a hint ({left} left)", INK.dim))
-        return lines
 
 
 def _heading(text: str) -> Content:

@@ -1,4 +1,4 @@
-"""What the chooser can choose from: levels and programs."""
+"""What the chooser can choose from: programs, and versions of a program."""
 
 from __future__ import annotations
 
@@ -9,42 +9,14 @@ from typing import TYPE_CHECKING
 from logical_robots_tui.errors import InputError
 from logical_robots_tui.game import list_programs, load_program
 from logical_robots_tui.tui.dialogs.chooser import Card
-from logical_robots_tui.world import list_levels, load_level
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from logical_robots_tui.game import Source
-    from logical_robots_tui.world import Level
+    from logical_robots_tui.progress import Version
 
-__all__ = ["LevelShelf", "ProgramShelf"]
-
-
-@dataclass(frozen=True)
-class LevelShelf:
-    """The levels that came with the game, and level files."""
-
-    title: str = "Choose a level"
-    placeholder: str = "type to filter, or the path of a .toml or .json file"
-
-    def names(self) -> Sequence[str]:
-        """Names of the shipped levels."""
-        return list_levels()
-
-    def card(self, name: str) -> Card:
-        """Title, number of robots and briefing of a level."""
-        try:
-            level = load_level(name)
-        except InputError as error:
-            return Card("can't be used", str(error), is_error=True)
-        count = len(level.robots)
-        robots = "1 robot" if count == 1 else f"{count} robots"
-        preview = f"{level.title}\n{robots}\n\n{level.briefing}".rstrip()
-        return Card(f"{level.title} · {robots}", preview)
-
-    def take(self, name_or_path: str) -> Level:
-        """Load a level; raises `LevelError`."""
-        return load_level(_expanded(name_or_path))
+__all__ = ["ProgramShelf", "VersionShelf"]
 
 
 @dataclass(frozen=True)
@@ -69,11 +41,45 @@ class ProgramShelf:
 
     def take(self, name_or_path: str) -> Source:
         """Load a program; raises `InputError`."""
-        return load_program(_expanded(name_or_path), self.own)
+        path = Path(name_or_path)
+        return load_program(path.expanduser() if "/" in name_or_path else name_or_path, self.own)
 
 
-def _expanded(name_or_path: str) -> str:
-    return str(Path(name_or_path).expanduser()) if "/" in name_or_path else name_or_path
+@dataclass(frozen=True)
+class VersionShelf:
+    """What a player has tried at a level."""
+
+    versions: Sequence[Version]
+    title: str = "Earlier versions"
+    placeholder: str = "type to filter"
+
+    def names(self) -> Sequence[str]:
+        """When each was last used, the newest first."""
+        return [self._name(version) for version in self.versions]
+
+    def card(self, name: str) -> Card:
+        """Whether it has won and how well, and its text."""
+        version = self.take(name)
+        return Card(_verdict(version), version.text)
+
+    def take(self, name_or_path: str) -> Version:
+        """The version of that name; raises `InputError`."""
+        for version in self.versions:
+            if self._name(version) == name_or_path:
+                return version
+        raise InputError("There is no such version.")
+
+    def _name(self, version: Version) -> str:
+        return f"{version.kept.astimezone():%d %b %H:%M} #{version.number}"
+
+
+def _verdict(version: Version) -> str:
+    lines = version.text.count("\n") + 1
+    measures = version.measures
+    if measures is None:
+        return "★ won" if version.won else f"{lines} lines"
+    robust = f", {measures.wins}/{measures.starts}" if measures.wins is not None else ""
+    return f"★ {measures.ticks} ticks{robust}"
 
 
 def _first_comment(source: Source) -> str:

@@ -61,6 +61,8 @@ class Editor(TextArea):
         )
         self.cursor_blink = False
         self.indent_width = 2
+        own = Binding.make_bindings([*TextArea.BINDINGS, *self.BINDINGS])
+        self._actions = {binding.key: binding.action for binding in own}
         self._states = LineStates()
         self._mistakes: frozenset[int] = frozenset()
         self.register_theme(_THEME)
@@ -103,18 +105,22 @@ class Editor(TextArea):
 
     # -- keys ----------------------------------------------------------------------------------
 
-    def on_key(self, event: events.Key) -> None:
+    async def on_key(self, event: events.Key) -> None:
         """Take keys before the text area does.
 
         Escape leaves. Control-J is a line end: that is how the lines of a paste arrive through a
-        terminal that does not mark pastes. A binding would come too late, after the next letter.
+        terminal that does not mark pastes. Keys that move or delete are obeyed here, because as
+        bindings they would come too late, after letters that arrive in the same moment.
         """
-        if event.key not in ("escape", "ctrl+j"):
+        action = self._actions.get(event.key)
+        if event.key not in ("escape", "ctrl+j") and action is None:
             return
         event.stop()
         event.prevent_default()
         if event.key == "escape":
             self.post_message(self.Leave())
+        elif action is not None:
+            await self.run_action(action)
         else:
             start, end = self.selection
             self.replace("\n", start, end, maintain_selection_offset=False)

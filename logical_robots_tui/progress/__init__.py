@@ -1,0 +1,27 @@
+"""What a player has achieved, kept in one SQLite file that survives crashes and other games."""
+
+from logical_robots_tui.progress.progress import (
+    FILE_NAME,
+    MOST_VERSIONS,
+    Progress,
+)
+from logical_robots_tui.progress.records import (
+    NEW,
+    Bests,
+    LevelRecord,
+    Measures,
+    State,
+    Version,
+)
+
+__all__ = [
+    "FILE_NAME",
+    "MOST_VERSIONS",
+    "NEW",
+    "Bests",
+    "LevelRecord",
+    "Measures",
+    "Progress",
+    "State",
+    "Version",
+]

@@ -1,0 +1,247 @@
+"""A player's progress: states, hints, best results, and earlier versions of programs."""
+
+from __future__ import annotations
+
+import hashlib
+from datetime import UTC, datetime
+from typing import TYPE_CHECKING, Any
+
+from logical_robots_tui.progress.records import Bests, LevelRecord, Measures, Version
+from logical_robots_tui.progress.store import Store
+
+if TYPE_CHECKING:
+    import sqlite3
+    from collections.abc import Callable
+    from pathlib import Path
+
+    from logical_robots_tui.progress.records import State
+
+__all__ = ["FILE_NAME", "MOST_VERSIONS", "Progress"]
+
+FILE_NAME = "progress.sqlite"
+
+MOST_VERSIONS = 200
+"""How many versions of a program are kept for a level; those that hold a best always are."""
+
+_RECORD = """
+SELECT
+    max(begun IS NOT NULL), max(won IS NOT NULL), max(hints),
+    (SELECT count(*) FROM version WHERE level = ?1),
+    (SELECT min(ticks) FROM version WHERE level = ?1),
+    (SELECT min(rules) FROM version WHERE level = ?1 AND ticks NOT NULL),
+    (SELECT min(distance) FROM version WHERE level = ?1)
+FROM level WHERE name = ?1
+"""
+
+_MOST_WINS = """
+SELECT wins, starts FROM version WHERE level = ? AND wins NOT NULL
+ORDER BY 1.0 * wins / starts DESC, starts DESC LIMIT 1
+"""
+
+_KEEP = """
+INSERT INTO version (level, digest, text, turn, kept)
+VALUES (?1, ?2, ?3, (SELECT coalesce(max(turn), 0) + 1 FROM version), ?4)
+ON CONFLICT (level, digest) DO UPDATE SET turn = excluded.turn, kept = excluded.kept
+"""
+
+_FORGET = """
+DELETE FROM version WHERE level = ?1 AND number NOT IN (
+    SELECT number FROM version WHERE level = ?1 ORDER BY turn DESC LIMIT ?2
+) AND number NOT IN (SELECT * FROM (
+    SELECT number FROM version WHERE level = ?1 AND ticks NOT NULL ORDER BY ticks LIMIT 1))
+AND number NOT IN (SELECT * FROM (
+    SELECT number FROM version WHERE level = ?1 AND ticks NOT NULL ORDER BY rules LIMIT 1))
+AND number NOT IN (SELECT * FROM (
+    SELECT number FROM version WHERE level = ?1 AND ticks NOT NULL ORDER BY distance LIMIT 1))
+AND number NOT IN (SELECT * FROM (
+    SELECT number FROM version WHERE level = ?1 AND wins NOT NULL
+    ORDER BY 1.0 * wins / starts DESC, starts DESC LIMIT 1))
+"""
+
+
+class Progress:
+    """What a player has achieved, by names of levels.
+
+    Methods block, never raise for what is wrong with the disk, and may be called in any thread.
+
+    Args:
+        file: Where it is kept, or None to keep it only as long as the game runs.
+        tell: Called with a sentence about each thing that a player should know, once.
+    """
+
+    def __init__(self, file: Path | None, tell: Callable[[str], None] = lambda _message: None):
+        self._store = Store(file, tell)
+
+    @property
+    def is_kept(self) -> bool:
+        """Whether it outlives the process; False after something went wrong, which was told."""
+        return self._store.is_kept
+
+    def close(self) -> None:
+        """Let go of the file."""
+        self._store.close()
+
+    # -- levels --------------------------------------------------------------------------------
+
+    def record(self, level: str) -> LevelRecord:
+        """All about a level but the versions."""
+
+        def look(connection: sqlite3.Connection) -> LevelRecord:
+            begun, won, hints, versions, ticks, rules, distance = connection.execute(
+                _RECORD, (level,)
+            ).fetchone()
+            wins, starts = connection.execute(_MOST_WINS, (level,)).fetchone() or (None, 0)
+            bests = Bests(ticks, rules, distance, wins, starts)
+            state: State = "won" if won else "in work" if begun else "new"
+            return LevelRecord(state, hints or 0, bests, versions)
+
+        return self._store.read(look)
+
+    def begin(self, level: str) -> None:
+        """The player has set to work at a level."""
+        self._store.write(lambda connection: _begin(connection, level))
+
+    def reveal(self, level: str, hints: int) -> None:
+        """So many hints of a level are revealed; they are never hidden again."""
+
+        def note(connection: sqlite3.Connection) -> None:
+            connection.execute("INSERT OR IGNORE INTO level (name) VALUES (?)", (level,))
+            connection.execute(
+                "UPDATE level SET hints = max(hints, ?) WHERE name = ?", (hints, level)
+            )
+
+        self._store.write(note)
+
+    def win(self, level: str, text: str, measures: Measures | None = None) -> None:
+        """A program has won a level; measures that are unknown stay as they were."""
+
+        def note(connection: sqlite3.Connection) -> None:
+            now = _now()
+            _keep(connection, level, text, now)
+            connection.execute(
+                "UPDATE level SET won = coalesce(won, ?) WHERE name = ?", (now, level)
+            )
+            connection.execute(
+                "UPDATE version SET won = coalesce(won, ?) WHERE level = ? AND digest = ?",
+                (now, level, _digest(text)),
+            )
+            if measures is not None:
+                _measure(connection, level, text, measures)
+
+        self._store.write(note)
+
+    # -- versions ------------------------------------------------------------------------------
+
+    def keep(self, level: str, text: str) -> None:
+        """Keep a version of the player's program; the same text again is the newest then."""
+        self._store.write(lambda connection: _keep(connection, level, text, _now()))
+
+    def versions(self, level: str) -> list[Version]:
+        """The versions kept for a level, the last used first."""
+        rows = self._store.read(
+            lambda connection: connection.execute(
+                "SELECT number, text, kept, won, ticks, rules, distance, wins, starts "
+                "FROM version WHERE level = ? ORDER BY turn DESC",
+                (level,),
+            ).fetchall()
+        )
+        return [_version(row) for row in rows]
+
+    def newest(self, level: str) -> str | None:
+        """The text that was last used at a level, or None."""
+        found: tuple[str] | None = self._store.read(
+            lambda connection: connection.execute(
+                "SELECT text FROM version WHERE level = ? ORDER BY turn DESC LIMIT 1", (level,)
+            ).fetchone()
+        )
+        return found[0] if found else None
+
+    def measures(self, level: str, text: str) -> Measures | None:
+        """How well a text wins a level, as far as that is known, or None."""
+        found = self._store.read(
+            lambda connection: connection.execute(
+                "SELECT ticks, rules, distance, wins, coalesce(starts, 0) FROM version "
+                "WHERE level = ? AND digest = ? AND ticks NOT NULL",
+                (level, _digest(text)),
+            ).fetchone()
+        )
+        return Measures(*found) if found else None
+
+    def holds(self, text: str) -> bool:
+        """Whether a text is kept as a version for any level."""
+        found = self._store.read(
+            lambda connection: connection.execute(
+                "SELECT 1 FROM version WHERE digest = ?", (_digest(text),)
+            ).fetchone()
+        )
+        return found is not None
+
+    # -- the player ----------------------------------------------------------------------------
+
+    def fact(self, name: str) -> str | None:
+        """Something kept of the player and not of a level, or None."""
+        found: tuple[str] | None = self._store.read(
+            lambda connection: connection.execute(
+                "SELECT value FROM fact WHERE name = ?", (name,)
+            ).fetchone()
+        )
+        return found[0] if found else None
+
+    def set_fact(self, name: str, value: str) -> None:
+        """Keep something of the player."""
+
+        def note(connection: sqlite3.Connection) -> None:
+            connection.execute("INSERT OR REPLACE INTO fact VALUES (?, ?)", (name, value))
+
+        self._store.write(note)
+
+
+def _begin(connection: sqlite3.Connection, level: str) -> None:
+    connection.execute("INSERT OR IGNORE INTO level (name) VALUES (?)", (level,))
+    connection.execute(
+        "UPDATE level SET begun = ? WHERE name = ? AND begun IS NULL", (_now(), level)
+    )
+
+
+def _keep(connection: sqlite3.Connection, level: str, text: str, now: str) -> None:
+    _begin(connection, level)
+    connection.execute(_KEEP, (level, _digest(text), _storable(text), now))
+    connection.execute(_FORGET, (level, MOST_VERSIONS))
+
+
+def _measure(connection: sqlite3.Connection, level: str, text: str, found: Measures) -> None:
+    connection.execute(
+        "UPDATE version SET ticks = ?, rules = ?, distance = ?, wins = coalesce(?, wins), "
+        "starts = CASE WHEN ? THEN ? ELSE starts END WHERE level = ? AND digest = ?",
+        (
+            found.ticks,
+            found.rules,
+            found.distance,
+            found.wins,
+            found.wins is not None,
+            found.starts,
+            level,
+            _digest(text),
+        ),
+    )
+
+
+def _version(row: tuple[Any, ...]) -> Version:
+    number, text, kept, won, ticks, rules, distance, wins, starts = row
+    measures = None
+    if ticks is not None:
+        measures = Measures(ticks, rules, distance, wins, starts or 0)
+    return Version(number, text, datetime.fromisoformat(kept), won is not None, measures)
+
+
+def _now() -> str:
+    return datetime.now(UTC).isoformat()
+
+
+def _storable(text: str) -> str:
+    """The text, with half characters replaced, which SQLite can't hold."""
+    return text.encode("utf-8", "replace").decode()
+
+
+def _digest(text: str) -> str:
+    return hashlib.sha256(_storable(text).encode()).hexdigest()

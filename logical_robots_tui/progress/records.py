@@ -1,0 +1,91 @@
+"""What is kept of a player's work at a level, as immutable values."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Literal, TypeAlias
+
+if TYPE_CHECKING:
+    from datetime import datetime
+
+__all__ = ["NEW", "Bests", "LevelRecord", "Measures", "State", "Version"]
+
+State: TypeAlias = Literal["new", "in work", "won"]
+
+
+@dataclass(frozen=True, slots=True)
+class Measures:
+    """How well a program wins a level; less is better, but for `wins`.
+
+    Attributes:
+        ticks: The tick of victory from the given start.
+        rules: Number of rules of the program.
+        distance: Map units driven by all robots together until victory.
+        wins: In how many of `starts` shifted starts it wins, or None if nobody has tried.
+        starts: How many shifted starts were tried.
+    """
+
+    ticks: int
+    rules: int
+    distance: float
+    wins: int | None = None
+    starts: int = 0
+
+
+@dataclass(frozen=True, slots=True)
+class Bests:
+    """The best of each measure, each perhaps of another program; None is not measured yet.
+
+    Attributes:
+        ticks: Fewest ticks.
+        rules: Fewest rules.
+        distance: Fewest map units.
+        wins: Most wins from shifted starts.
+        starts: How many starts were tried for `wins`.
+    """
+
+    ticks: int | None = None
+    rules: int | None = None
+    distance: float | None = None
+    wins: int | None = None
+    starts: int = 0
+
+
+@dataclass(frozen=True, slots=True)
+class LevelRecord:
+    """A player's work at one level.
+
+    Attributes:
+        state: How far it is.
+        hints: How many hints are revealed.
+        bests: The best results.
+        versions: How many versions of the player's program are kept.
+    """
+
+    state: State = "new"
+    hints: int = 0
+    bests: Bests = field(default_factory=Bests)
+    versions: int = 0
+
+
+@dataclass(frozen=True, slots=True)
+class Version:
+    """A program that a player has tried at a level.
+
+    Attributes:
+        number: Its number in the record.
+        text: Logica text.
+        kept: When it was last used, with time zone.
+        won: Whether it has won.
+        measures: How well, as far as that was measured, or None.
+    """
+
+    number: int
+    text: str
+    kept: datetime
+    won: bool = False
+    measures: Measures | None = None
+
+
+NEW = LevelRecord()
+"""The record of a level that nobody has begun."""

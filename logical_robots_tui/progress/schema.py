@@ -1,0 +1,119 @@
+"""The tables, as a list of steps from nothing to the present version; old files walk the rest.
+
+A step that was released is never changed: a new one is added behind it.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    import sqlite3
+    from collections.abc import Sequence
+
+__all__ = ["APPLICATION_ID", "MIGRATIONS", "DamagedError", "NewerError", "prepare"]
+
+APPLICATION_ID = 0x4C524F42
+"""In the head of the file, so that it is known for ours ("LROB")."""
+
+MIGRATIONS: tuple[tuple[str, ...], ...] = (
+    (
+        # hints: how many are revealed. begun and won: when, as ISO 8601 in UTC.
+        """
+        CREATE TABLE level (
+            name TEXT PRIMARY KEY,
+            begun TEXT,
+            won TEXT,
+            hints INTEGER NOT NULL DEFAULT 0
+        )
+        """,
+        # turn: grows with each use, because clocks go back. won: when it first won.
+        # ticks to starts: its measures, null until they are known.
+        """
+        CREATE TABLE version (
+            number INTEGER PRIMARY KEY,
+            level TEXT NOT NULL,
+            digest TEXT NOT NULL,
+            text TEXT NOT NULL,
+            turn INTEGER NOT NULL,
+            kept TEXT NOT NULL,
+            won TEXT,
+            ticks INTEGER,
+            rules INTEGER,
+            distance REAL,
+            wins INTEGER,
+            starts INTEGER,
+            UNIQUE (level, digest)
+        )
+        """,
+        "CREATE INDEX version_by_turn ON version (level, turn)",
+        "CREATE INDEX version_by_digest ON version (digest)",
+        # What is kept of the player and not of a level, such as whether the tour was seen.
+        "CREATE TABLE fact (name TEXT PRIMARY KEY, value TEXT NOT NULL)",
+    ),
+)
+
+_TABLES = {"level", "version", "fact"}
+
+
+class DamagedError(Exception):
+    """The file is not a record of progress, or not a whole one."""
+
+
+class NewerError(Exception):
+    """The file was written by a newer version of the game."""
+
+
+def prepare(
+    connection: sqlite3.Connection, migrations: Sequence[Sequence[str]] = MIGRATIONS
+) -> None:
+    """Check a file and bring it to the present version, all or nothing.
+
+    Args:
+        connection: In autocommit mode.
+        migrations: The steps; the number of those done is the file's ``user_version``.
+
+    Raises:
+        DamagedError: It is not ours, or something in it is missing or broken.
+        NewerError: It has done steps that are not known here.
+        sqlite3.Error: It can't be read or written.
+    """
+    version = _checked_version(connection, len(migrations))
+    if version == len(migrations):
+        return
+    connection.execute("BEGIN IMMEDIATE")
+    try:
+        # Another game may have walked the steps while this one waited for its turn.
+        for step in migrations[_pragma(connection, "user_version") :]:
+            for statement in step:
+                connection.execute(statement)
+        connection.execute(f"PRAGMA application_id = {APPLICATION_ID}")
+        connection.execute(f"PRAGMA user_version = {len(migrations)}")
+        connection.execute("COMMIT")
+    except BaseException:
+        if connection.in_transaction:
+            connection.execute("ROLLBACK")
+        raise
+
+
+def _checked_version(connection: sqlite3.Connection, known: int) -> int:
+    """How many steps the file has done."""
+    version = _pragma(connection, "user_version")
+    names = {name for (name,) in connection.execute("SELECT name FROM sqlite_master")}
+    if not names and version == 0:
+        return 0
+    if _pragma(connection, "application_id") != APPLICATION_ID:
+        raise DamagedError("it is not a record of progress")
+    if version > known:
+        raise NewerError
+    if version < 1 or not names >= _TABLES:
+        raise DamagedError("tables are missing")
+    (found,) = connection.execute("PRAGMA quick_check(1)").fetchone()
+    if found != "ok":
+        raise DamagedError(str(found))
+    return version
+
+
+def _pragma(connection: sqlite3.Connection, name: str) -> int:
+    (value,) = connection.execute(f"PRAGMA {name}").fetchone()
+    return int(value)

@@ -1,0 +1,263 @@
+"""One SQLite file that several games may use at once, and that no crash and no full disk undoes.
+
+A rollback journal and not a write-ahead log, because home folders may be on a network: each
+transaction is short, waits for its turn, and is on the disk when it is done.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import fcntl
+import os
+import sqlite3
+import threading
+from datetime import UTC, datetime
+from typing import TYPE_CHECKING, TypeVar
+
+from logical_robots_tui.progress.schema import DamagedError, NewerError, prepare
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator
+    from pathlib import Path
+
+__all__ = ["BUSY_SECONDS", "Store"]
+
+T = TypeVar("T")
+
+BUSY_SECONDS = 10.0
+"""How long a transaction waits for those of other games."""
+
+_DAMAGED = {sqlite3.SQLITE_CORRUPT, sqlite3.SQLITE_NOTADB}
+_REASONS = {
+    sqlite3.SQLITE_FULL: "the disk is full",
+    sqlite3.SQLITE_READONLY: "it can only be read",
+    sqlite3.SQLITE_PERM: "it may not be changed",
+    sqlite3.SQLITE_BUSY: "another program holds it",
+    sqlite3.SQLITE_LOCKED: "another program holds it",
+    sqlite3.SQLITE_CANTOPEN: "its folder can't be used",
+}
+
+
+class Store:
+    """A file of records, or the same in memory when there is no way to keep a file.
+
+    Methods block, never raise for what is wrong with the disk, and may be called in any thread.
+
+    Args:
+        file: Where to keep the records, or None to keep none; it is made at the first write.
+        tell: Called with a sentence about each thing that a player should know, once.
+    """
+
+    def __init__(self, file: Path | None, tell: Callable[[str], None]) -> None:
+        self._file = file
+        self._tell = tell
+        self._guard = threading.RLock()
+        self._connection: sqlite3.Connection | None = None
+        self._opened: tuple[int, int] | None = None
+        self._in_memory: sqlite3.Connection | None = None
+        self._nothing: sqlite3.Connection | None = None
+        if file is None:
+            self._in_memory = _empty()
+
+    @property
+    def is_kept(self) -> bool:
+        """Whether what is written outlives the process."""
+        return self._in_memory is None
+
+    def read(self, work: Callable[[sqlite3.Connection], T]) -> T:
+        """Look something up; as long as there is no file, in an empty one."""
+        with self._guard:
+            if self._file is not None and self._in_memory is None and not self._file.exists():
+                self._nothing = self._nothing or _empty()
+                return work(self._nothing)
+            return self._do(work)
+
+    def write(self, work: Callable[[sqlite3.Connection], T]) -> T:
+        """Change something: all that the work does, or nothing. It may be done more than once."""
+
+        def at_once(connection: sqlite3.Connection) -> T:
+            with _transaction(connection):
+                return work(connection)
+
+        with self._guard:
+            return self._do(at_once)
+
+    def close(self) -> None:
+        """Let go of the file."""
+        with self._guard:
+            self._let_go()
+            if self._nothing is not None:
+                self._nothing.close()
+                self._nothing = None
+
+    # -- inside --------------------------------------------------------------------------------
+
+    def _do(self, work: Callable[[sqlite3.Connection], T]) -> T:
+        for _ in range(3):
+            try:
+                return work(self._in_memory or self._connected())
+            except DamagedError:
+                self._set_aside()
+            except NewerError:
+                self._give_up(
+                    "Your progress was kept by a newer version of the game. It stays as it is; "
+                    "this version keeps none.",
+                    copy=False,
+                )
+            except sqlite3.DatabaseError as error:
+                code = _code(error)
+                if code in _DAMAGED and self._in_memory is None:
+                    self._set_aside()
+                else:
+                    self._give_up(_cannot_save(_REASONS.get(code, str(error))))
+            except OSError as error:
+                self._give_up(_cannot_save(error.strerror or str(error)))
+        self._give_up(_cannot_save("it is damaged again and again"))
+        assert self._in_memory is not None
+        return work(self._in_memory)
+
+    def _connected(self) -> sqlite3.Connection:
+        """The connection, made anew if the file was set aside by another game or removed."""
+        assert self._file is not None
+        if self._connection is not None:
+            if self._opened == _identity(self._file):
+                return self._connection
+            self._let_go()
+        self._file.parent.mkdir(parents=True, exist_ok=True)
+        with self._alone():
+            connection = _connect(str(self._file))
+            try:
+                connection.execute("PRAGMA synchronous = EXTRA")
+                prepare(connection)
+            except BaseException:
+                connection.close()
+                raise
+            self._connection, self._opened = connection, _identity(self._file)
+        return connection
+
+    @contextlib.contextmanager
+    def _alone(self) -> Iterator[None]:
+        """Keep other games from opening or setting aside the file meanwhile."""
+        assert self._file is not None
+        handle = os.open(
+            self._file.with_suffix(".lock"), os.O_RDWR | os.O_CREAT | os.O_CLOEXEC, 0o600
+        )
+        try:
+            with contextlib.suppress(OSError):  # a file system without locks has to do without
+                fcntl.flock(handle, fcntl.LOCK_EX)
+            yield
+        finally:
+            os.close(handle)
+
+    def _set_aside(self) -> None:
+        """Rename a damaged file, unless another game has done so."""
+        assert self._file is not None
+        damaged = self._opened
+        self._let_go()
+        try:
+            with self._alone():
+                if damaged is not None and damaged != _identity(self._file):
+                    return
+                if damaged is None and _is_sound(self._file):
+                    return
+                aside = self._file.with_name(
+                    f"{self._file.stem}-damaged-{datetime.now(UTC):%Y%m%d-%H%M%S-%f}"
+                    f"{self._file.suffix}"
+                )
+                self._file.replace(aside)
+                journal = self._file.with_name(f"{self._file.name}-journal")
+                with contextlib.suppress(FileNotFoundError):  # it belongs to the damaged file
+                    journal.replace(aside.with_name(f"{aside.name}-journal"))
+        except OSError as error:
+            self._give_up(_cannot_save(error.strerror or str(error)))
+            return
+        self._tell(
+            f"The record of your progress was damaged. It is set aside as {aside.name}; "
+            "a fresh one is begun."
+        )
+
+    def _give_up(self, message: str, *, copy: bool = True) -> None:
+        """Go on in memory, with what can be read of the file."""
+        self._let_go()
+        if self._in_memory is not None:
+            return
+        self._in_memory = _empty()
+        if copy and self._file is not None:
+            self._in_memory = _copy_of(self._file) or self._in_memory
+        self._tell(message)
+
+    def _let_go(self) -> None:
+        if self._connection is not None:
+            self._connection.close()
+        self._connection = self._opened = None
+
+
+def _cannot_save(reason: str) -> str:
+    return f"Your progress can't be saved: {reason}. The game goes on without saving it."
+
+
+def _connect(name: str, *, uri: bool = False) -> sqlite3.Connection:
+    return sqlite3.connect(
+        name, timeout=BUSY_SECONDS, isolation_level=None, check_same_thread=False, uri=uri
+    )
+
+
+def _empty() -> sqlite3.Connection:
+    connection = _connect(":memory:")
+    prepare(connection)
+    return connection
+
+
+def _copy_of(file: Path) -> sqlite3.Connection | None:
+    """What a file that can only be read holds, in memory; None if that can't be read either."""
+    copy = _connect(":memory:")
+    try:
+        with contextlib.closing(_connect(f"{file.absolute().as_uri()}?mode=ro", uri=True)) as kept:
+            # Copying would wait for ever for somebody who holds the file; looking does not.
+            kept.execute("BEGIN")
+            kept.execute("SELECT count(*) FROM sqlite_master").fetchone()
+            kept.backup(copy)
+        prepare(copy)
+    except (sqlite3.Error, DamagedError, NewerError):
+        copy.close()
+        return None
+    return copy
+
+
+def _is_sound(file: Path) -> bool:
+    """Whether a file that was found damaged is in order by now, thanks to another game."""
+    try:
+        with contextlib.closing(_connect(str(file))) as connection:
+            prepare(connection)
+    except DamagedError:
+        return False
+    except sqlite3.DatabaseError as error:
+        return _code(error) not in _DAMAGED
+    except NewerError:
+        return True
+    return True
+
+
+def _code(error: sqlite3.Error) -> int:
+    """What SQLite calls an error, without the finer part."""
+    return getattr(error, "sqlite_errorcode", 0) & 0xFF
+
+
+def _identity(file: Path) -> tuple[int, int] | None:
+    try:
+        found = file.stat()
+    except OSError:
+        return None
+    return found.st_dev, found.st_ino
+
+
+@contextlib.contextmanager
+def _transaction(connection: sqlite3.Connection) -> Iterator[None]:
+    connection.execute("BEGIN IMMEDIATE")
+    try:
+        yield
+        connection.execute("COMMIT")
+    except BaseException:
+        with contextlib.suppress(sqlite3.Error):  # some failures have rolled back already
+            connection.execute("ROLLBACK")
+        raise

@@ -1,0 +1,45 @@
+"""Shipped levels and small pictures of them, each made once and kept."""
+
+from __future__ import annotations
+
+from functools import lru_cache
+from typing import TYPE_CHECKING
+
+from logical_robots_tui.game import Frame
+from logical_robots_tui.tui.drawing.look import Look
+from logical_robots_tui.tui.drawing.picture import Picture
+from logical_robots_tui.tui.drawing.viewport import Viewport
+from logical_robots_tui.world import World, load_level
+
+if TYPE_CHECKING:
+    from logical_robots_tui.tui.drawing.cells import Cells
+    from logical_robots_tui.tui.drawing.glyphs import Drawing
+    from logical_robots_tui.tui.drawing.palette import Palette
+    from logical_robots_tui.world import Level
+
+__all__ = ["draw_miniature", "miniature", "shipped_level"]
+
+
+@lru_cache(maxsize=64)
+def shipped_level(name: str) -> Level:
+    """A level that came with the game; raises `LevelError`."""
+    return load_level(name)
+
+
+@lru_cache(maxsize=128)
+def miniature(name: str, columns: int, rows: int, drawing: Drawing, palette: Palette) -> Cells:
+    """A shipped level at its start, in so many cells. Takes milliseconds the first time."""
+    return draw_miniature(shipped_level(name), columns, rows, drawing, palette)
+
+
+def draw_miniature(
+    level: Level, columns: int, rows: int, drawing: Drawing, palette: Palette
+) -> Cells:
+    """A level at its start, without rays and names."""
+    state = World(level).save()
+    start = Frame(0, state, state, (), {}, (), {}, 0.0)
+    picture = Picture()
+    viewport = Viewport.fit(level.width, level.height, columns, rows)
+    look = Look(drawing=drawing, palette=palette, rays=False, marks=False, names=False)
+    picture.draw(level, start, viewport, look)
+    return picture.cells

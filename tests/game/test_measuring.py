@@ -1,0 +1,193 @@
+"""Ticks, rules, distance and robustness: what is measured of a program that wins."""
+
+from __future__ import annotations
+
+import asyncio
+import math
+import threading
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import pytest
+
+from benchmarks.reference import measure_reference
+from logical_robots_tui import Game, Program, list_levels, load_level
+from logical_robots_tui.game import Odometer, count_rules, level_key, reference_for
+from logical_robots_tui.game.measuring import Trial, measure, patience_for
+from logical_robots_tui.game.reference import reference_table
+from logical_robots_tui.game.robustness import play_through, shifted, try_starts
+from logical_robots_tui.mind import Stopped
+from logical_robots_tui.progress import Measures
+from logical_robots_tui.shipped import shipped_folder
+from tests.e2e.conftest import AHEAD
+from tests.e2e.conftest import LEVEL as SHORT
+from tests.waiting import until
+
+if TYPE_CHECKING:
+    from logical_robots_tui.world import Level
+
+STILL = """\
+Robot(robot_name:, desire: {left_engine: 0, right_engine: 0}, memory: 1) :- Sensor(robot_name:);
+"""
+SLOW = """
+N(x) :- x in Range(3000);
+Big(s? += a * b) distinct :- N(a), N(b), N(c);
+Robot(robot_name:, desire: {left_engine: s, right_engine: 0}, memory: 1) :-
+  Sensor(robot_name:), Big(s:);
+"""
+
+
+@pytest.fixture
+def level(tmp_path: Path) -> Level:
+    path = tmp_path / "short.toml"
+    path.write_text(SHORT)
+    return load_level(path)
+
+
+@pytest.mark.parametrize(
+    ("text", "rules"),
+    [
+        (AHEAD, 1),
+        ("# A(x) :- B(x);\n" + AHEAD, 1),
+        ('@Visible(Memory, "all");\n' + AHEAD, 1),
+        ("A(1);\nA(2);\n/* A(3); */\n" + AHEAD, 3),
+        ('A("a; b; c");\n' + AHEAD, 2),
+        ("F := G(A: B);\n" + AHEAD, 2),
+        (AHEAD.rstrip().removesuffix(";"), 1),
+        ("", 0),
+    ],
+)
+def test_every_statement_is_a_rule_but_for_comments_and_annotations(text: str, rules: int) -> None:
+    assert count_rules(text) == rules
+
+
+async def test_the_distance_is_what_all_robots_have_driven_also_after_going_back(
+    level: Level,
+) -> None:
+    game = Game(level, Program.compile(AHEAD))
+    odometer = Odometer()
+    game.listen(lambda frame: odometer.count(frame, game.program.text))
+    try:
+        for _ in range(10):
+            await game.step()
+        driven = math.dist((12, 12.5), (game.frame.after.robots[0].x, 12.5))
+        assert odometer.distance(10) == pytest.approx(driven)
+        game.go_to(4)
+        game.use(Program.compile(STILL))
+        await game.step()
+        assert odometer.distance(5) == odometer.distance(4) == pytest.approx(driven * 0.4)
+        assert odometer.is_all_by(AHEAD, 4)
+        assert not odometer.is_all_by(AHEAD, 5)
+        assert not odometer.is_all_by(STILL, 5)
+        game.restart()
+        await game.step()
+        assert odometer.is_all_by(STILL, 1)
+        assert odometer.distance(1) == 0
+    finally:
+        await game.close()
+
+
+def test_shifted_starts_are_always_the_same_and_near_the_given_one(level: Level) -> None:
+    (given,) = level.robots
+    starts = [shifted(level, seed).robots[0] for seed in range(20)]
+    assert starts == [shifted(level, seed).robots[0] for seed in range(20)]
+    assert len({start.x for start in starts}) == 20
+    for start in starts:
+        assert max(abs(start.x - given.x), abs(start.y - given.y)) <= 8
+        assert abs(start.angle - given.angle) <= 0.2
+
+
+def test_a_level_is_played_through_until_it_is_won_or_patience_is_over(level: Level) -> None:
+    program = Program.compile(AHEAD)
+    played = play_through(level, program, 1000)
+    assert played.won_at is not None
+    assert 40 < played.won_at < 60
+    assert 20 < played.distance < 40
+    assert play_through(level, program, 10).won_at is None
+    assert play_through(level, Program.compile(STILL), 30).distance == 0
+
+
+def test_starts_are_tried_one_by_one_and_can_be_stopped(level: Level) -> None:
+    program = Program.compile(AHEAD)
+    told: list[tuple[int, int]] = []
+    wins = try_starts(
+        level, program, 200, starts=5, report=lambda tried, won: told.append((tried, won))
+    )
+    assert [tried for tried, _ in told] == [1, 2, 3, 4, 5]
+    assert told[-1][1] == wins
+    stop = threading.Event()
+    with pytest.raises(Stopped):
+        try_starts(level, program, 200, stop=stop, report=lambda _tried, _won: stop.set())
+
+
+async def test_a_program_is_measured_in_a_process_that_tells_how_far_it_is(level: Level) -> None:
+    program = Program.compile(AHEAD)
+    told: list[Trial] = []
+    found = await measure(level, program, None, told.append)
+    played = play_through(level, program, 1000)
+    assert found is not None
+    assert (found.ticks, found.rules, found.starts) == (played.won_at, 1, 20)
+    assert found.distance == played.distance
+    assert told[-1] == Trial(20, found.wins or 0, 20)
+    assert [trial.tried for trial in told] == list(range(1, 21))
+
+
+async def test_what_is_known_of_the_given_start_is_not_played_again(level: Level) -> None:
+    known = Measures(ticks=55, rules=7, distance=1.0)
+    found = await measure(level, Program.compile(AHEAD), known)
+    assert found is not None
+    assert (found.ticks, found.rules, found.distance, found.starts) == (55, 7, 1.0, 20)
+
+
+async def test_a_program_that_does_not_win_from_the_start_has_no_measures(level: Level) -> None:
+    assert await measure(level, Program.compile(STILL), None) is None
+
+
+async def test_measuring_ends_with_its_process_when_it_is_cancelled(level: Level) -> None:
+    task = asyncio.create_task(measure(level, Program.compile(SLOW), None))
+    await asyncio.to_thread(until, measuring_processes)
+    task.cancel()
+    with pytest.raises(asyncio.CancelledError):
+        await task
+    await asyncio.to_thread(until, lambda: not measuring_processes())
+
+
+def measuring_processes() -> list[int]:
+    """Processes that measure for this one."""
+    children = Path("/proc/self/task").glob("*/children")
+    pids = [int(pid) for file in children for pid in file.read_text().split()]
+    return [pid for pid in pids if "game.measuring" in command_of(pid)]
+
+
+def command_of(pid: int) -> str:
+    try:
+        return Path(f"/proc/{pid}/cmdline").read_text()
+    except OSError:
+        return ""
+
+
+def test_a_shifted_start_may_take_twice_as_long() -> None:
+    assert patience_for(1000) >= 2000
+    assert patience_for(19_000) <= 40_000
+
+
+def test_progress_at_a_level_of_ones_own_is_kept_by_its_path(level: Level) -> None:
+    assert level_key(level) == level.source
+    assert level_key(load_level("01-first-steps")) == "01-first-steps"
+    assert reference_for(level) is None
+
+
+def test_there_is_a_reference_for_each_level_that_has_a_solution() -> None:
+    solved = {name: load_level(name).solution for name in list_levels()}
+    assert set(reference_table()) == {name for name, solution in solved.items() if solution}
+    for name, measures in reference_table().items():
+        text = (shipped_folder("programs") / f"{solved[name]}.l").read_text("utf-8")
+        assert measures.rules == count_rules(text)
+        assert 0 < measures.ticks <= 20_000
+
+
+@pytest.mark.proof
+@pytest.mark.parametrize("name", reference_table())
+async def test_the_reference_is_what_its_program_does(name: str) -> None:
+    found = await measure_reference(load_level(name))
+    assert found == reference_table()[name], "run `make measures`"

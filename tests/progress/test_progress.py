@@ -1,0 +1,171 @@
+"""What is kept of a player's work, and what comes back."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from logical_robots_tui.progress import MOST_VERSIONS, NEW, Bests, Measures, Progress
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+MEASURED = Measures(ticks=100, rules=3, distance=250.5, wins=18, starts=20)
+
+
+@pytest.fixture
+def file(tmp_path: Path) -> Path:
+    return tmp_path / "data" / "progress.sqlite"
+
+
+def fail(message: str) -> None:
+    raise AssertionError(message)
+
+
+def opened(file: Path) -> Progress:
+    return Progress(file, fail)
+
+
+def texts(progress: Progress, level: str) -> list[str]:
+    return [version.text for version in progress.versions(level)]
+
+
+def test_looking_makes_no_file(file: Path) -> None:
+    progress = opened(file)
+    assert progress.record("one") == NEW
+    assert progress.versions("one") == []
+    assert progress.newest("one") is None
+    assert progress.fact("tour") is None
+    assert not progress.holds("text")
+    assert not file.parent.exists()
+
+
+def test_a_level_is_new_then_in_work_then_won(file: Path) -> None:
+    progress = opened(file)
+    progress.reveal("one", 1)
+    assert progress.record("one").state == "new"
+    progress.begin("one")
+    assert progress.record("one").state == "in work"
+    progress.win("one", "text", MEASURED)
+    assert progress.record("one").state == "won"
+    assert progress.record("two") == NEW
+
+
+def test_everything_is_there_in_the_next_session(file: Path) -> None:
+    first = opened(file)
+    first.win("one", "text", MEASURED)
+    first.reveal("one", 2)
+    first.keep("one", "later")
+    first.set_fact("tour", "seen")
+    first.close()
+    second = opened(file)
+    record = second.record("one")
+    assert (record.state, record.hints, record.versions) == ("won", 2, 2)
+    assert record.bests == Bests(100, 3, 250.5, 18, 20)
+    assert texts(second, "one") == ["later", "text"]
+    assert [version.won for version in second.versions("one")] == [False, True]
+    assert second.versions("one")[1].measures == MEASURED
+    assert second.fact("tour") == "seen"
+
+
+def test_hints_once_revealed_stay_revealed(file: Path) -> None:
+    progress = opened(file)
+    progress.reveal("one", 3)
+    progress.reveal("one", 1)
+    assert progress.record("one").hints == 3
+
+
+def test_each_measure_has_a_best_of_its_own(file: Path) -> None:
+    progress = opened(file)
+    progress.win("one", "fast", Measures(ticks=10, rules=9, distance=90.0))
+    progress.win("one", "short", Measures(ticks=99, rules=1, distance=95.0, wins=3, starts=20))
+    progress.win("one", "straight", Measures(ticks=50, rules=5, distance=20.0, wins=2, starts=3))
+    assert progress.record("one").bests == Bests(10, 1, 20.0, 2, 3)
+
+
+def test_measures_that_come_later_join_those_that_were_there(file: Path) -> None:
+    progress = opened(file)
+    progress.win("one", "text")
+    assert progress.record("one").state == "won"
+    assert progress.record("one").bests == Bests()
+    progress.win("one", "text", MEASURED)
+    progress.win("one", "text", Measures(ticks=100, rules=3, distance=250.5))
+    assert progress.versions("one")[0].measures == MEASURED
+
+
+def test_the_same_text_is_kept_once_and_is_the_newest_again(file: Path) -> None:
+    progress = opened(file)
+    for text in ("a", "b", "a"):
+        progress.keep("one", text)
+    assert texts(progress, "one") == ["a", "b"]
+    assert progress.newest("one") == "a"
+    assert texts(progress, "two") == []
+    assert progress.holds("b")
+    assert not progress.holds("c")
+
+
+def test_old_versions_go_but_never_one_that_holds_a_best(
+    file: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("logical_robots_tui.progress.progress.MOST_VERSIONS", 3)
+    progress = opened(file)
+    progress.win("one", "fast", Measures(1, 9, 9.0))
+    progress.win("one", "short", Measures(9, 1, 9.0))
+    progress.win("one", "straight", Measures(9, 9, 1.0))
+    progress.win("one", "robust", Measures(9, 9, 9.0, 20, 20))
+    progress.win("one", "plain", Measures(9, 9, 9.0, 19, 20))
+    progress.keep("two", "elsewhere")
+    for number in range(10):
+        progress.keep("one", f"try {number}")
+    assert texts(progress, "one") == [
+        *("try 9", "try 8", "try 7", "robust", "straight", "short", "fast"),
+    ]
+    assert progress.record("one").bests == Bests(1, 1, 1.0, 20, 20)
+    assert texts(progress, "two") == ["elsewhere"]
+    assert MOST_VERSIONS >= 50
+
+
+@given(st.lists(st.tuples(st.sampled_from("ab"), st.text()), max_size=12))
+def test_any_texts_come_back_in_the_order_of_their_last_use(uses: list[tuple[str, str]]) -> None:
+    progress = Progress(None, fail)
+    for level, text in uses:
+        progress.keep(level, text)
+    for level in "ab":
+        mine = [text for at, text in uses if at == level]
+        assert texts(progress, level) == list(dict.fromkeys(reversed(mine)))
+
+
+def test_half_a_character_does_no_harm(file: Path) -> None:
+    progress = opened(file)
+    progress.keep("one", "a\ud800b")
+    assert texts(progress, "one") == ["a?b"]
+    assert progress.holds("a\ud800b")
+
+
+@given(
+    st.lists(
+        st.builds(
+            Measures,
+            st.integers(1, 20_000),
+            st.integers(1, 100),
+            st.floats(0, 1e6),
+            st.none() | st.integers(0, 20),
+            st.just(20),
+        ),
+        min_size=1,
+        max_size=8,
+    )
+)
+def test_bests_are_the_least_and_the_most(found: list[Measures]) -> None:
+    progress = Progress(None, fail)
+    for number, measures in enumerate(found):
+        progress.win("one", f"text {number}", measures)
+    bests = progress.record("one").bests
+    wins = [measures.wins for measures in found if measures.wins is not None]
+    assert bests.ticks == min(measures.ticks for measures in found)
+    assert bests.rules == min(measures.rules for measures in found)
+    assert bests.distance == min(measures.distance for measures in found)
+    assert bests.wins == max(wins, default=None)

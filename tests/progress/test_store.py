@@ -1,0 +1,385 @@
+"""The file of progress: shared, killed, damaged, old, new, and on disks that are of no use."""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import signal
+import sqlite3
+import subprocess
+import sys
+from functools import partial
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import pytest
+
+from logical_robots_tui.progress import Progress
+from logical_robots_tui.progress import store as store_module
+from logical_robots_tui.progress.schema import APPLICATION_ID, MIGRATIONS, prepare
+from tests.waiting import until
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+VERSION_1 = Path(__file__).parent / "version-1.sql"
+
+WRITE_MANY = """
+import sys
+from pathlib import Path
+from logical_robots_tui.progress import Progress
+progress = Progress(Path(sys.argv[1]), lambda message: sys.exit(message))
+for number in range(int(sys.argv[3])):
+    progress.keep("level", f"{sys.argv[2]} {number}")
+    print(number, flush=True)
+"""
+
+DIE_HALFWAY = """
+import sqlite3, sys, time
+connection = sqlite3.connect(sys.argv[1], isolation_level=None)
+connection.execute("PRAGMA cache_size = 1")
+connection.execute("BEGIN IMMEDIATE")
+for number in range(300):
+    connection.execute(
+        "INSERT INTO version (level, digest, text, turn, kept) VALUES ('half', ?, ?, 1, '')",
+        (str(number), "x" * 4000),
+    )
+print("halfway", flush=True)
+sys.stdin.read()
+"""
+
+FULL = """
+import resource, sys
+from pathlib import Path
+from logical_robots_tui.progress import Progress
+messages = []
+progress = Progress(Path(sys.argv[1]), messages.append)
+progress.keep("level", "before")
+size = Path(sys.argv[1]).stat().st_size
+resource.setrlimit(resource.RLIMIT_FSIZE, (size, size))
+for number in range(4):
+    progress.keep("level", str(number) * 100_000)
+assert [v.text[:6] for v in progress.versions("level")] == [
+    "333333", "222222", "111111", "000000", "before"]
+assert not progress.is_kept
+print(*messages, sep="\\n")
+"""
+
+
+@pytest.fixture
+def file(tmp_path: Path) -> Path:
+    return tmp_path / "progress.sqlite"
+
+
+@pytest.fixture
+def told() -> list[str]:
+    return []
+
+
+@contextlib.contextmanager
+def running(script: str, *arguments: object) -> Iterator[subprocess.Popen[str]]:
+    process = subprocess.Popen(
+        [sys.executable, "-c", script, *map(str, arguments)],
+        stdin=subprocess.PIPE,
+        stdout=subprocess.PIPE,
+        text=True,
+    )
+    with process:
+        try:
+            yield process
+        finally:
+            process.kill()
+
+
+def output(script: str, *arguments: object) -> str:
+    done = subprocess.run(
+        [sys.executable, "-c", script, *map(str, arguments)],
+        capture_output=True,
+        text=True,
+        check=True,
+        timeout=60,
+    )
+    return done.stdout
+
+
+def first_line(process: subprocess.Popen[str]) -> str:
+    assert process.stdout is not None
+    return process.stdout.readline().strip()
+
+
+def kept(file: Path) -> set[str]:
+    progress = Progress(file, pytest.fail)
+    found = {version.text for version in progress.versions("level")}
+    progress.close()
+    return found
+
+
+def is_whole(file: Path) -> bool:
+    with contextlib.closing(sqlite3.connect(file)) as connection:
+        return connection.execute("PRAGMA integrity_check").fetchall() == [("ok",)]
+
+
+def aside(file: Path) -> list[Path]:
+    return sorted(file.parent.glob("progress-damaged-*.sqlite"))
+
+
+def test_two_games_write_at_once_and_nothing_is_lost(file: Path) -> None:
+    with running(WRITE_MANY, file, "a", 40) as one, running(WRITE_MANY, file, "b", 40) as two:
+        assert (one.wait(60), two.wait(60)) == (0, 0)
+    assert kept(file) == {f"{who} {number}" for who in "ab" for number in range(40)}
+    assert is_whole(file)
+
+
+@pytest.mark.parametrize("lines", [1, 5, 11])
+def test_what_was_written_before_a_kill_is_there_and_the_file_is_whole(
+    file: Path, lines: int
+) -> None:
+    with running(WRITE_MANY, file, "a", 100_000) as process:
+        said = [first_line(process) for _ in range(lines)]
+        process.send_signal(signal.SIGKILL)
+        process.wait(30)
+        assert process.stdout is not None
+        said += process.stdout.read().split()
+    assert {f"a {number}" for number in said} <= kept(file)
+    assert is_whole(file)
+
+
+def test_half_a_transaction_of_a_killed_game_is_undone(file: Path) -> None:
+    Progress(file, pytest.fail).keep("level", "before")
+    with running(DIE_HALFWAY, file) as process:
+        assert first_line(process) == "halfway"
+        assert file.stat().st_size > 500_000, "it was to be written to the file already"
+        process.send_signal(signal.SIGKILL)
+        process.wait(30)
+    progress = Progress(file, pytest.fail)
+    progress.keep("level", "after")
+    assert {version.text for version in progress.versions("level")} == {"before", "after"}
+    assert progress.versions("half") == []
+    assert is_whole(file)
+
+
+@pytest.mark.parametrize(
+    "content", [b"garbage", b"\0" * 5000, b"SQLite format 3\0" + b"\xff" * 5000, os.urandom(8192)]
+)
+def test_a_file_that_is_no_database_is_set_aside_and_a_fresh_one_begun(
+    file: Path, told: list[str], content: bytes
+) -> None:
+    file.write_bytes(content)
+    progress = Progress(file, told.append)
+    progress.keep("level", "text")
+    assert kept(file) == {"text"}
+    (former,) = aside(file)
+    assert former.read_bytes() == content
+    assert len(told) == 1
+    assert former.name in told[0]
+    assert progress.is_kept
+
+
+def test_a_database_of_somebody_else_is_set_aside(file: Path, told: list[str]) -> None:
+    with contextlib.closing(sqlite3.connect(file)) as connection:
+        connection.execute("CREATE TABLE version (mine)")
+    assert Progress(file, told.append).newest("level") is None
+    assert len(aside(file)) == len(told) == 1
+
+
+def test_a_database_that_breaks_while_it_is_open_is_set_aside(file: Path, told: list[str]) -> None:
+    progress = Progress(file, told.append)
+    for number in range(50):
+        progress.keep("level", f"{number}" * 2000)
+    content = file.read_bytes()
+    with file.open("r+b") as handle:
+        handle.seek(4096)
+        handle.write(b"\xee" * (len(content) - 4096))
+    with contextlib.closing(sqlite3.connect(file)) as connection:  # so that caches are dropped
+        connection.execute("PRAGMA user_version = 1")
+    progress.keep("level", "after")
+    progress.close()
+    assert kept(file) == {"after"}
+    assert len(aside(file)) == len(told) == 1
+
+
+def test_an_empty_file_is_a_fresh_one(file: Path) -> None:
+    file.touch()
+    Progress(file, pytest.fail).keep("level", "text")
+    assert kept(file) == {"text"}
+
+
+def test_two_games_that_find_damage_at_once_set_it_aside_once(file: Path, told: list[str]) -> None:
+    one, two = Progress(file, told.append), Progress(file, told.append)
+    one.keep("level", "lost")
+    assert two.newest("level") == "lost"
+    file.write_bytes(b"garbage" * 1000)
+    one.keep("level", "first")
+    two.keep("level", "second")
+    assert kept(file) == {"first", "second"}
+    assert len(aside(file)) == len(told) == 1
+
+
+def test_a_file_that_was_removed_is_made_anew(file: Path) -> None:
+    progress = Progress(file, pytest.fail)
+    progress.keep("level", "one")
+    file.unlink()
+    assert progress.newest("level") is None
+    progress.keep("level", "two")
+    assert kept(file) == {"two"}
+
+
+def test_a_file_of_the_first_version_is_brought_up_to_date(file: Path) -> None:
+    with contextlib.closing(sqlite3.connect(file)) as connection:
+        connection.executescript(VERSION_1.read_text("utf-8"))
+        assert connection.execute("PRAGMA user_version").fetchone() == (1,)
+    progress = Progress(file, pytest.fail)
+    record = progress.record("01-first-steps")
+    assert (record.state, record.hints, record.versions) == ("won", 2, 2)
+    assert (record.bests.ticks, record.bests.rules, record.bests.wins) == (1255, 1, 19)
+    assert progress.record("02-open-space").state == "in work"
+    assert progress.newest("01-first-steps") == "Robot(later);"
+    assert progress.fact("tour") == "seen"
+    progress.keep("02-open-space", "new")
+    with contextlib.closing(sqlite3.connect(file)) as connection:
+        assert connection.execute("PRAGMA user_version").fetchone() == (len(MIGRATIONS),)
+
+
+def test_a_step_of_migration_is_done_wholly_or_not_at_all(file: Path) -> None:
+    Progress(file, pytest.fail).keep("level", "text")
+    step = ("ALTER TABLE level ADD COLUMN stars INTEGER", "UPDATE version SET text = text || '!'")
+    with contextlib.closing(sqlite3.connect(file, isolation_level=None)) as connection:
+        with pytest.raises(sqlite3.OperationalError, match="nonsense"):
+            prepare(connection, (*MIGRATIONS, (*step, "nonsense")))
+        assert connection.execute("SELECT text FROM version").fetchall() == [("text",)]
+        prepare(connection, (*MIGRATIONS, step))
+        prepare(connection, (*MIGRATIONS, step))
+        assert connection.execute("SELECT text FROM version").fetchall() == [("text!",)]
+        assert connection.execute("SELECT stars FROM level").fetchall() == [(None,)]
+
+
+def test_a_file_of_a_newer_version_is_left_alone_and_told_politely(
+    file: Path, told: list[str]
+) -> None:
+    Progress(file, pytest.fail).keep("level", "text")
+    with contextlib.closing(sqlite3.connect(file)) as connection:
+        connection.execute(f"PRAGMA user_version = {len(MIGRATIONS) + 1}")
+    before = file.read_bytes()
+    progress = Progress(file, told.append)
+    progress.keep("level", "mine")
+    assert progress.newest("level") == "mine"
+    assert file.read_bytes() == before
+    assert aside(file) == []
+    assert len(told) == 1
+    assert "newer version of the game" in told[0]
+
+
+def test_a_full_disk_is_told_once_and_the_game_goes_on(file: Path) -> None:
+    (told,) = output(FULL, file).splitlines()
+    assert told.startswith("Your progress can't be saved: ")
+    assert told.endswith("The game goes on without saving it.")
+    assert kept(file) == {"before"}
+    assert is_whole(file)
+
+
+def test_a_database_that_may_not_grow_is_a_full_disk(file: Path, told: list[str]) -> None:
+    progress = Progress(file, told.append)
+    progress.keep("level", "before")
+    connection = progress._store._connection
+    assert connection is not None
+    connection.execute("PRAGMA max_page_count = 1")  # SQLite takes the present size for it
+    progress.keep("level", "x" * 100_000)
+    progress.keep("level", "y" * 100_000)
+    assert [version.text[0] for version in progress.versions("level")] == ["y", "x", "b"]
+    assert told == [
+        "Your progress can't be saved: the disk is full. The game goes on without saving it."
+    ]
+    assert kept(file) == {"before"}
+
+
+@pytest.mark.parametrize("place", ["/proc/nowhere/progress.sqlite", "/dev/null/progress.sqlite"])
+def test_a_folder_that_can_not_be_made_is_told_once(told: list[str], place: str) -> None:
+    progress = Progress(Path(place), told.append)
+    assert progress.newest("level") is None
+    progress.keep("level", "text")
+    progress.begin("other")
+    assert progress.newest("level") == "text"
+    assert len(told) == 1
+
+
+def test_a_file_that_can_only_be_read_shows_what_it_holds(
+    file: Path, told: list[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    Progress(file, pytest.fail).keep("level", "before")
+    # For root no file is read-only, so SQLite is asked to treat it so.
+    connect = store_module._connect
+    monkeypatch.setattr(
+        store_module,
+        "_connect",
+        lambda name, uri=False: (
+            connect(name, uri=uri)
+            if uri or name == ":memory:"
+            else connect(f"{Path(name).as_uri()}?mode=ro", uri=True)
+        ),
+    )
+    progress = Progress(file, told.append)
+    assert progress.newest("level") == "before"
+    progress.keep("level", "after")
+    assert progress.newest("level") == "after"
+    progress.keep("level", "again")
+    assert progress.record("level").versions == 3
+    assert told == [
+        "Your progress can't be saved: it can only be read. The game goes on without saving it."
+    ]
+
+
+@pytest.mark.skipif(os.geteuid() == 0, reason="for root no folder is read-only")
+def test_a_folder_that_can_only_be_read_shows_what_its_file_holds(
+    file: Path, told: list[str]
+) -> None:
+    Progress(file, pytest.fail).keep("level", "before")
+    file.with_suffix(".lock").unlink()
+    file.parent.chmod(0o555)
+    try:
+        progress = Progress(file, told.append)
+        progress.keep("level", "after")
+        assert progress.newest("level") == "after"
+        assert progress.record("level").versions == 2
+    finally:
+        file.parent.chmod(0o755)
+    assert len(told) == 1
+
+
+def test_a_file_that_another_program_will_not_let_go_is_told_once(
+    file: Path, told: list[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(store_module, "BUSY_SECONDS", 0.05)
+    Progress(file, pytest.fail).keep("level", "before")
+    with contextlib.closing(sqlite3.connect(file, isolation_level=None)) as hog:
+        hog.execute("BEGIN EXCLUSIVE")
+        progress = Progress(file, told.append)
+        progress.keep("level", "after")
+        progress.keep("level", "again")
+        assert progress.newest("level") == "again"
+        assert len(told) == 1
+        assert "another program holds it" in told[0]
+        assert aside(file) == []
+
+
+def test_a_write_waits_for_its_turn(file: Path) -> None:
+    Progress(file, pytest.fail).keep("level", "before")
+    with running(WRITE_MANY, file, "a", 1) as waiting:
+        with contextlib.closing(sqlite3.connect(file, isolation_level=None)) as other:
+            other.execute("BEGIN IMMEDIATE")
+            until(partial(holds_open, waiting, file))
+            other.execute("COMMIT")
+        assert waiting.wait(30) == 0
+    assert kept(file) == {"before", "a 0"}
+
+
+def holds_open(process: subprocess.Popen[str], file: Path) -> bool:
+    """Whether a process has a file open."""
+    handles = Path(f"/proc/{process.pid}/fd")
+    with contextlib.suppress(OSError):
+        return any(handle.resolve() == file.resolve() for handle in handles.iterdir())
+    return False
+
+
+def test_the_file_says_what_it_is(file: Path) -> None:
+    Progress(file, pytest.fail).begin("level")
+    assert file.read_bytes()[68:72] == APPLICATION_ID.to_bytes(4, "big") == b"LROB"

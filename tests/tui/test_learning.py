@@ -1,0 +1,288 @@
+"""Hints, the lesson, the reference program, results, and earlier versions."""
+
+from __future__ import annotations
+
+import asyncio
+from typing import TYPE_CHECKING
+
+from textual.widgets import OptionList, Static
+
+from logical_robots_tui.game import load_program
+from logical_robots_tui.progress import FILE_NAME, Measures, Progress
+from logical_robots_tui.tui.dialogs.chooser import Chooser
+from logical_robots_tui.tui.dialogs.hints import Hints
+from logical_robots_tui.tui.dialogs.question import Question
+from logical_robots_tui.tui.dialogs.reader import Reader
+from logical_robots_tui.world import list_levels
+from tests.tui.conftest import AHEAD, PAPER, STILL, opened
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    import pytest
+
+    from tests.tui.conftest import Opened
+
+FIRST = list_levels()[0]
+
+
+def record_of(data_dir: Path) -> Progress:
+    return Progress(data_dir / FILE_NAME)
+
+
+async def win(game: Opened) -> None:
+    await game.ready()
+    await game.press(*["plus"] * 6, "space")
+    await game.until(lambda: game.session.won_at is not None)
+    await game.until(lambda: game.main.journal.record.state == "won")
+
+
+async def test_hints_are_revealed_one_at_a_time_and_stay_so(data_dir: Path, short: Path) -> None:
+    async with opened(data_dir, level=short) as game:
+        await game.ready()
+        await game.press("h")
+        await game.until(lambda: game.shows("It is not far."))
+        assert not game.shows("straight ahead")
+        assert game.shows("2 more")
+        await game.press("h")
+        await game.until(lambda: game.shows("It is straight ahead."))
+        await game.press("escape")
+        await game.until(lambda: game.app.screen is game.main)
+    async with opened(data_dir, level=short) as game:
+        await game.until(lambda: game.main.journal.record.hints == 2)
+        await game.press("h")
+        await game.until(lambda: game.shows("It is straight ahead."))
+        assert not game.shows("Just go.")
+        await game.pilot.click("#more")
+        await game.until(lambda: game.shows("These are all hints."))
+        await game.press("h", "h", "q")
+        await game.until(lambda: game.app.screen is game.main)
+    assert record_of(data_dir).record(str(short)).hints == 3
+
+
+async def test_a_level_without_texts_says_so(data_dir: Path) -> None:
+    async with opened(data_dir) as game:
+        await game.ready()
+        for key, words in (
+            ("h", "has no hints"),
+            ("t", "has no lesson"),
+            ("w", "has no reference program"),
+            ("x", "has no starter program"),
+        ):
+            await game.press(key)
+            await game.until(lambda words=words: game.shows(words))  # type: ignore[misc] # bound now
+
+
+async def test_the_lesson_is_read_in_the_game_and_the_challenge_after_winning(
+    data_dir: Path, short: Path
+) -> None:
+    async with opened(data_dir, level=short, text=AHEAD) as game:
+        await game.ready()
+        await game.press("t")
+        await game.until(lambda: game.shows("A rule with one case"))
+        assert not game.shows("Further")
+        await game.press("escape")
+        await game.until(lambda: game.app.screen is game.main)
+        await win(game)
+        await game.press("t")
+        await game.until(lambda: game.shows("Be there in fewer ticks."))
+        assert isinstance(game.app.screen, Reader)
+        await game.press("space")
+        await game.until(lambda: game.app.screen is game.main)
+
+
+async def test_the_reference_program_is_shown_to_those_who_have_won_or_insist(
+    data_dir: Path, short: Path
+) -> None:
+    solution = load_program("first-steps-starter").text.splitlines()[0]
+    async with opened(data_dir, level=short, text=AHEAD) as game:
+        await game.ready()
+        await game.press("w")
+        await game.until(lambda: isinstance(game.app.screen, Question))
+        await game.press("n")
+        await game.until(lambda: game.app.screen is game.main)
+        await game.press("w")
+        await game.until(lambda: isinstance(game.app.screen, Question))
+        await game.press("y")
+        await game.until(lambda: game.shows(solution[:40]))
+        await game.press("escape")
+        await win(game)
+        await game.press("w")
+        await game.until(lambda: game.shows(solution[:40]))
+        assert isinstance(game.app.screen, Reader)
+
+
+async def test_a_victory_is_measured_and_compared_and_kept(data_dir: Path, short: Path) -> None:
+    progress = record_of(data_dir)
+    progress.win(str(short), "another", Measures(30, 5, 1.0))
+    progress.close()
+    async with opened(data_dir, level=short, text=AHEAD) as game:
+        await game.until(lambda: game.main.journal.record.state == "won")
+        await win(game)
+        await game.until(lambda: game.shows("this run"))
+        await game.until(lambda: game.shows("1 ★"))  # one rule beats five
+        latest = game.main.journal.latest
+        assert latest is not None
+        assert (latest.ticks, latest.rules) == (game.session.won_at, 1)
+        assert 20 < latest.distance < 40
+        await game.until(lambda: game.main.journal.record.bests.wins is not None)
+        bests = game.main.journal.record.bests
+        await game.until(lambda: game.shows(f"{bests.wins} of 20"))
+        assert (bests.ticks, bests.rules, bests.distance) == (30, 1, 1.0)
+        await game.press("escape", "m")
+        await game.until(lambda: game.shows("Results"))
+        await game.press("m")
+        await game.until(lambda: not game.shows("Results"))
+    kept = record_of(data_dir)
+    assert kept.measures(str(short), AHEAD) == game.main.journal.latest
+
+
+async def test_a_program_that_was_changed_on_the_way_is_measured_from_the_start(
+    data_dir: Path, short: Path
+) -> None:
+    async with opened(data_dir, level=short, text=STILL) as game:
+        await game.ready()
+        await game.press("n")
+        await game.until(lambda: game.tick == 1)
+        await game.write(AHEAD)
+        await game.until(lambda: game.session.state.applied == AHEAD)
+        await game.press("1")
+        await win(game)
+        won_at = game.session.won_at
+        await game.until(lambda: game.main.journal.record.bests.ticks is not None)
+        assert won_at is not None
+        assert game.main.journal.record.bests.ticks == won_at - 1
+
+
+async def test_what_is_measured_while_the_banner_is_closed_is_told(
+    data_dir: Path, short: Path
+) -> None:
+    async with opened(data_dir, level=short, text=AHEAD) as game:
+        await win(game)
+        await game.press("escape")
+        await game.until(lambda: game.shows("of 20 shifted starts"))
+
+
+async def test_the_trials_can_be_stopped(data_dir: Path, short: Path) -> None:
+    async with opened(data_dir, level=short, text=AHEAD) as game:
+        await game.ready()
+        game.main.action_command("stop_measuring")
+        await game.until(lambda: game.shows("Nothing is being tried."))
+        await win(game)
+        await game.until(lambda: game.main.journal.trial is not None)
+        game.main.action_command("stop_measuring")
+        await game.until(lambda: game.main.journal.trial is None)
+        assert game.main.journal.record.state == "won"
+        assert game.main.journal.record.bests.wins is None
+
+
+async def test_the_reference_program_wins_for_itself_alone(data_dir: Path, short: Path) -> None:
+    text = load_program("first-steps-starter").text
+    async with opened(data_dir, level=short, text=text) as game:
+        await game.ready()
+        await game.until(lambda: game.main.journal._solution)
+        await game.press(*["plus"] * 6, "space")
+        await game.until(lambda: game.shows("it counts for itself"))
+    assert record_of(data_dir).record(str(short)).state == "in work"
+    assert record_of(data_dir).versions(str(short)) == []
+
+
+async def test_each_applied_program_is_kept_and_can_be_brought_back(
+    data_dir: Path, short: Path
+) -> None:
+    async with opened(data_dir, level=short, text=AHEAD) as game:
+        await game.ready()
+        await game.write(STILL)
+        await game.until(lambda: game.session.state.applied == STILL)
+        await game.press("1", "v")
+        await game.until(lambda: isinstance(game.app.screen, Chooser))
+        entries = game.app.screen.query_one(OptionList)
+        await game.until(lambda: entries.option_count == 2)
+        assert entries.highlighted == 0, "the program at hand is the first"
+        await game.press("down")
+        preview = game.app.screen.query_one("#preview-text", Static)
+        await game.until(lambda: "on my way" in str(preview.visual))
+        await game.press("enter")
+        await game.until(lambda: game.session.state.applied == AHEAD)
+        assert game.editor.text == AHEAD
+        game.editor.undo()
+        assert game.editor.text == STILL
+    assert [version.text for version in record_of(data_dir).versions(str(short))] == [AHEAD, STILL]
+
+
+async def test_where_nothing_was_tried_there_are_no_versions(data_dir: Path, short: Path) -> None:
+    text = load_program("obstacle-avoider").text
+    async with opened(data_dir, level=short, text=text) as game:
+        await game.ready()
+        await game.press("v")
+        await game.until(lambda: game.shows("No earlier versions yet"))
+
+
+async def test_reset_asks_and_keeps_what_was_there(data_dir: Path, short: Path) -> None:
+    starter = load_program("obstacle-avoider").text
+    async with opened(data_dir, level=short, text=AHEAD) as game:
+        await game.ready()
+        await game.press("2", "x", "escape")
+        await game.until(lambda: game.editor.text == "x" + AHEAD)
+        await game.press("x")
+        await game.until(lambda: isinstance(game.app.screen, Question))
+        await game.press("n")
+        await game.until(lambda: game.app.screen is game.main)
+        assert game.editor.text == "x" + AHEAD
+        await game.press("x")
+        await game.until(lambda: isinstance(game.app.screen, Question))
+        await game.press("y")
+        await game.until(lambda: game.session.state.applied == starter)
+        assert game.editor.text == starter
+        await game.press("x")
+        await game.until(lambda: game.shows("This is the starter program."))
+        await game.press("v")
+        await game.until(lambda: isinstance(game.app.screen, Chooser))
+    texts = [version.text for version in record_of(data_dir).versions(str(short))]
+    assert texts == [starter, "x" + AHEAD, AHEAD]
+
+
+async def test_the_players_program_comes_back_with_its_level(data_dir: Path) -> None:
+    progress = record_of(data_dir)
+    progress.keep(FIRST, AHEAD)
+    progress.close()
+    async with opened(data_dir) as game:
+        await game.ready()
+        await game.press("greater_than_sign")
+        await game.until(lambda: game.session.level.name == FIRST)
+        assert game.editor.text == AHEAD
+        await game.until(lambda: game.session.state.applied == AHEAD)
+        assert game.shows("Your program for this level is back.")
+
+
+async def test_text_that_is_kept_as_a_version_is_not_offered_as_unsaved(data_dir: Path) -> None:
+    async with opened(data_dir) as game:
+        await game.ready()
+        await game.write(STILL)
+        await game.until(lambda: game.session.state.applied == STILL)
+        await game.until(lambda: list((data_dir / "drafts").glob("*.json")))
+    async with opened(data_dir, text=PAPER) as game:
+        await game.ready()
+        await game.until(lambda: not list((data_dir / "drafts").glob("*-adopted.json")))
+        assert game.app.screen is game.main
+
+
+async def test_what_is_wrong_with_the_disk_is_told_once_and_the_game_goes_on(
+    data_dir: Path, short: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (data_dir / FILE_NAME).mkdir(parents=True)
+    async with opened(data_dir, level=short, text=AHEAD) as game:
+        await game.until(lambda: game.shows("Your progress can't be saved"))
+        await win(game)
+        await game.press("h")
+        await game.until(lambda: isinstance(game.app.screen, Hints))
+        assert len([n for n in game.app._notifications if "progress" in n.message]) == 1
+
+
+async def test_a_damaged_record_is_set_aside_with_a_message(data_dir: Path, short: Path) -> None:
+    record_of(data_dir).begin(str(short))
+    await asyncio.to_thread((data_dir / FILE_NAME).write_bytes, b"garbage" * 999)
+    async with opened(data_dir, level=short, text=AHEAD) as game:
+        await game.until(lambda: game.shows("was damaged"))
+        await win(game)
+    assert record_of(data_dir).record(str(short)).state == "won"

@@ -1,0 +1,187 @@
+"""The level screen: a card for each level, and what was achieved there."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from functools import partial
+from typing import TYPE_CHECKING
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from rich.cells import cell_len
+from textual.widgets import Input
+
+from logical_robots_tui.progress import FILE_NAME, Bests, LevelRecord, Measures, Progress
+from logical_robots_tui.tui.drawing import DARK, Drawing
+from logical_robots_tui.tui.levels.card import LINES_AROUND, LevelCard, card_strips
+from logical_robots_tui.tui.levels.cards import LevelCards
+from logical_robots_tui.tui.levels.miniature import draw_miniature
+from logical_robots_tui.tui.levels.screen import LevelScreen
+from logical_robots_tui.world import list_levels, load_level
+from tests.tui.conftest import opened
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from tests.tui.conftest import Opened
+
+NAMES = list_levels()
+
+
+async def open_levels(game: Opened) -> LevelCards:
+    await game.ready()
+    await game.press("l")
+    await game.until(lambda: isinstance(game.app.screen, LevelScreen))
+    cards = game.app.screen.query_one(LevelCards)
+    await game.until(lambda: len(cards._cards) == len(NAMES))
+    await game.until(lambda: all(card.level or card.complaint for card in cards._cards))
+    return cards
+
+
+def has_picture(cards: LevelCards, name: str) -> bool:
+    return name in cards._pictures
+
+
+@pytest.mark.parametrize("size", [(120, 40), (80, 24), (40, 12)])
+async def test_every_level_has_a_card_with_its_picture_and_idea(
+    data_dir: Path, size: tuple[int, int]
+) -> None:
+    async with opened(data_dir, size=size) as game:
+        cards = await open_levels(game)
+        for index, name in enumerate(NAMES):
+            cards.choose(index)
+            await game.until(partial(has_picture, cards, name))
+            await game.until(partial(game.shows, load_level(name).title[:20]))
+            assert game.shows("○ new")
+            assert any(sign in game.screen() for sign in "▀▄▌▐▛▜▙▟")
+        for line in game.screen().splitlines():
+            assert cell_len(line) == len(line) <= size[0]
+
+
+async def test_cards_tell_the_state_and_the_bests(data_dir: Path) -> None:
+    progress = Progress(data_dir / FILE_NAME)
+    progress.win(NAMES[0], "text", Measures(1255, 1, 972.6, 19, 20))
+    progress.begin(NAMES[1])
+    progress.close()
+    async with opened(data_dir) as game:
+        await open_levels(game)
+        await game.until(lambda: game.shows(f"1 of {len(NAMES)} won"))
+        for words in ("★ won", "◐ in work", "○ new", "not won yet"):
+            assert game.shows(words)
+        assert game.shows("1255 ticks  1 rule  973 far  19/20")
+
+
+async def test_arrows_choose_a_card_and_enter_plays_it(data_dir: Path) -> None:
+    async with opened(data_dir, size=(80, 18)) as game:
+        cards = await open_levels(game)
+        assert cards.across == 2
+        assert cards.chosen == 0
+        await game.press("right")
+        await game.until(lambda: cards.chosen == 1)
+        await game.press("left", "left")
+        await game.until(lambda: cards.chosen == 0)
+        await game.press("down")
+        await game.until(lambda: cards.chosen == 2)
+        assert cards.scroll_offset.y > 0, "the chosen card is in sight"
+        await game.press(*["pagedown"] * len(NAMES))
+        await game.until(lambda: cards.chosen == len(NAMES) - 1)
+        await game.press(*["pageup"] * len(NAMES))
+        await game.until(lambda: cards.chosen == 0)
+        assert cards.scroll_offset.y == 0
+        await game.press("enter")
+        await game.until(lambda: game.session.level.name == NAMES[0])
+        assert game.app.screen is game.main
+
+
+async def test_a_click_on_a_card_plays_it(data_dir: Path) -> None:
+    async with opened(data_dir) as game:
+        cards = await open_levels(game)
+        await game.pilot.click(LevelCards, offset=(cards.card_width + 5, 3))
+        await game.until(lambda: game.session.level.name == NAMES[1])
+
+
+async def test_what_is_typed_filters_by_title_idea_and_state(data_dir: Path) -> None:
+    progress = Progress(data_dir / FILE_NAME)
+    progress.win(NAMES[1], "text", Measures(1, 1, 1.0))
+    progress.close()
+    async with opened(data_dir) as game:
+        cards = await open_levels(game)
+        await game.until(lambda: game.shows(f"1 of {len(NAMES)} won"))
+        await game.press(*"won")
+        await game.until(lambda: [card.name for card in cards._cards] == [NAMES[1]])
+        await game.press(*["backspace"] * 3, *"xyzzy")
+        await game.until(lambda: game.shows("Nothing has this name."))
+        await game.press("enter", "right", "down", "escape")
+        await game.until(lambda: game.app.screen is game.main)
+        assert game.session.level.name == "open_room"
+
+
+async def test_the_level_at_hand_is_chosen_at_first(data_dir: Path) -> None:
+    async with opened(data_dir) as game:
+        await open_levels(game)
+        await game.press("right", "enter")
+        await game.until(lambda: game.session.level.name == NAMES[1])
+        cards = await open_levels(game)
+        assert cards.chosen == 1
+        assert game.shows(f"▸ 2 {load_level(NAMES[1]).title}")
+
+
+async def test_the_screen_follows_the_size_of_the_terminal(data_dir: Path) -> None:
+    async with opened(data_dir) as game:
+        cards = await open_levels(game)
+        for size in ((80, 24), (200, 60), (20, 8), (120, 40)):
+            await game.pilot.resize_terminal(*size)
+            await game.until(partial(fits, cards, NAMES[0]))
+            assert game.app.screen.query_one(Input).has_focus
+
+
+def fits(cards: LevelCards, name: str) -> bool:
+    """Whether the picture of a level is there in the size that is needed."""
+    picture = cards._pictures.get(name)
+    return picture is not None and picture.text.shape == cards.picture_size[::-1]
+
+
+RECORDS = st.builds(
+    LevelRecord,
+    st.sampled_from(["new", "in work", "won"]),
+    bests=st.builds(
+        Bests, st.integers(1, 10**6), st.integers(1, 99), st.floats(0, 1e7), st.integers(0, 20)
+    )
+    | st.just(Bests()),
+)
+
+
+@settings(deadline=None)
+@given(
+    st.text(max_size=50),
+    st.text(max_size=90),
+    RECORDS,
+    st.integers(24, 80),
+    st.integers(1, 9),
+    st.booleans(),
+)
+def test_a_card_fills_its_room_whatever_it_tells(
+    title: str, idea: str, record: LevelRecord, width: int, rows: int, chosen: bool
+) -> None:
+    level = replace(load_level(NAMES[0]), title=title, idea=idea)
+    card = LevelCard("99-x", level, record, is_here=chosen)
+    picture = draw_miniature(load_level(NAMES[0]), width - 2, rows, Drawing.ASCII, DARK)
+    for shown in (picture, None):
+        strips = card_strips(card, shown, width, rows, chosen)
+        assert [strip.cell_length for strip in strips] == [width] * (rows + LINES_AROUND)
+
+
+def test_the_chosen_card_is_told_apart_without_colour() -> None:
+    card = LevelCard(NAMES[0], load_level(NAMES[0]))
+    plain, chosen = (
+        [strip.text for strip in card_strips(card, None, 40, 4, chosen)] for chosen in (False, True)
+    )
+    assert plain != chosen
+
+
+def test_a_level_that_can_not_be_used_says_why_on_its_card() -> None:
+    card = LevelCard("99-broken", complaint="This is no valid TOML.")
+    text = "\n".join(strip.text for strip in card_strips(card, None, 40, 2, False))
+    assert "99 broken" in text
+    assert "This is no valid TOML." in text

@@ -1,0 +1,94 @@
+"""The guided tour: once, past every part of the screen, and never in the way."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import pytest
+
+from logical_robots_tui.progress import FILE_NAME, Progress
+from logical_robots_tui.tui.journal import TOUR
+from logical_robots_tui.tui.tour import STOPS, Tour
+from tests.tui.conftest import opened
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from tests.tui.conftest import Opened
+
+
+def is_shown(game: Opened) -> bool:
+    return bool(game.main.query(Tour))
+
+
+def is_seen(data_dir: Path) -> bool:
+    return Progress(data_dir / FILE_NAME).fact(TOUR) is not None
+
+
+@pytest.mark.parametrize("size", [(120, 40), (80, 24), (46, 12)])
+async def test_it_passes_every_part_of_the_screen(data_dir: Path, size: tuple[int, int]) -> None:
+    async with opened(data_dir, welcome=True, size=size) as game:
+        await game.until(lambda: is_shown(game))
+        for number, stop in enumerate(STOPS, start=1):
+            title = f"{stop.title} · {number} of {len(STOPS)}"
+            await game.until(lambda title=title: game.shows(title))  # type: ignore[misc] # bound now
+            tour = game.main.query_one(Tour)
+            assert game.main.region.contains_region(tour.region)
+            assert game.main.query_one(f"#{stop.place}").region.area
+            assert game.shows("skips the tour")
+            await game.press("enter")
+        await game.until(lambda: not is_shown(game))
+        assert game.main.focused is game.main.labyrinth
+        assert not game.main.query(".-pointed")
+    assert is_seen(data_dir)
+
+
+async def test_one_key_skips_it(data_dir: Path) -> None:
+    async with opened(data_dir, welcome=True) as game:
+        await game.until(lambda: is_shown(game))
+        await game.press("escape")
+        await game.until(lambda: not is_shown(game))
+        assert game.main.focused is game.main.labyrinth
+    assert is_seen(data_dir)
+
+
+async def test_one_can_go_back_and_click_on(data_dir: Path) -> None:
+    async with opened(data_dir, welcome=True) as game:
+        await game.until(lambda: game.shows("1 of 4"))
+        await game.pilot.click(Tour)
+        await game.until(lambda: game.shows("2 of 4"))
+        await game.press("left", "left")
+        await game.until(lambda: game.shows("1 of 4"))
+
+
+async def test_other_keys_do_what_they_always_do(data_dir: Path) -> None:
+    async with opened(data_dir, welcome=True) as game:
+        await game.until(lambda: is_shown(game))
+        await game.ready()
+        await game.press("n")
+        await game.until(lambda: game.tick == 1)
+        assert is_shown(game)
+        await game.press("2", "x")
+        await game.until(lambda: game.editor.text.startswith("x"))
+        assert not is_shown(game)
+    assert is_seen(data_dir)
+
+
+async def test_it_is_not_shown_unasked_but_can_be_asked_for(data_dir: Path) -> None:
+    async with opened(data_dir) as game:
+        await game.ready()
+        assert not is_shown(game)
+        await game.press("ctrl+p")
+        await game.until(lambda: game.shows("Find a command"))
+        await game.press(*"guided", "enter")
+        await game.until(lambda: game.shows("1 of 4"))
+
+
+async def test_it_keeps_its_place_when_the_terminal_changes(data_dir: Path) -> None:
+    async with opened(data_dir, welcome=True) as game:
+        await game.until(lambda: is_shown(game))
+        await game.press("enter")
+        await game.pilot.resize_terminal(80, 24)
+        await game.until(lambda: game.main.region.contains_region(game.main.query_one(Tour).region))
+        await game.pilot.resize_terminal(20, 5)
+        await game.until(lambda: not is_shown(game))
