@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 from logical_robots_tui.shipped import did_you_mean
 from logical_robots_tui.world.battery import charging_sources, is_dead, run_battery
 from logical_robots_tui.world.driving import Mover, drive, is_inside, push_out
-from logical_robots_tui.world.sensing import Senses, seen_beacons
+from logical_robots_tui.world.sensing import Senses
 from logical_robots_tui.world.state import AreaState, RobotState, WorldState
 from logical_robots_tui.world.switching import is_won, starts_active, switched
 
@@ -86,13 +86,13 @@ class World:
             lists, numbers and text. Don't change them.
         """
         if self._sensed is None:
-            rows = self._rows(self._state.tick + 1)
-            self._sensed, self._seen = rows, seen_beacons(rows)
+            self._sensed, self._seen = self._look(self._state.tick + 1)
         return self._sensed
 
     def look(self) -> list[SensorRow]:
         """Return what the robots see right now, with the present clock; nothing advances."""
-        return self._rows(self.tick)
+        rows, _ = self._look(self.tick)
+        return rows
 
     def act(self, desires: Mapping[str, Desire]) -> None:
         """Finish the tick: batteries, driving, pushing out, switches, visits, victory.
@@ -165,8 +165,8 @@ class World:
         self._state = state
         self._sensed = None
 
-    def _rows(self, clock: int) -> list[SensorRow]:
-        return self._senses.rows(self._state.robots, self._state.areas, clock)
+    def _look(self, clock: int) -> tuple[list[SensorRow], frozenset[str]]:
+        return self._senses.sense(self._state.robots, self._state.areas, clock)
 
     def _refuse_strangers(self, names: Iterable[str]) -> None:
         for name in sorted(set(names).difference(self._names)):

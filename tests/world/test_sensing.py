@@ -76,6 +76,18 @@ def test_more_robots_than_one_pass_takes_all_see_each_other() -> None:
     ]
 
 
+@pytest.mark.parametrize("apart", [4.0, 13.0, 60.0])
+def test_a_crowd_of_several_passes_sees_what_the_plain_rays_see(apart: float) -> None:
+    crowd = [
+        Robot(f"R{i}", 10.3 + apart * (i % 14), 11.7 + apart * (i // 14), 0.7 * i)
+        for i in range(98)
+    ]
+    beacons = [Beacon(f"B{i}", 17.1 * i, 23.9 * i) for i in range(1, 9)]
+    walls = [(x, y) for x in range(30, 900, 90) for y in range(0, 500, 3)]
+    world = World(make_level(crowd, width=900, height=500, beacons=beacons, walls=walls))
+    assert world.look() == plain_look(world)
+
+
 def test_a_robot_30_ahead_reads_22() -> None:
     assert forward(make_level([HERE, Robot("Bob", 80.5, 50.5)])) == (22, "robot", "Bob")
 

@@ -1,0 +1,58 @@
+"""How far every cell of a labyrinth is from the nearest wall."""
+
+from __future__ import annotations
+
+from itertools import pairwise
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+__all__ = ["clearances"]
+
+_ROWS_AT_ONCE = 64  # bounds the memory for distances along rows
+
+
+def clearances(walls: NDArray[np.bool_], most: int) -> NDArray[np.uint8]:
+    """Return for every cell how many cells away the nearest wall is, diagonals counting 1.
+
+    All cells that are nearer than that, in a square around the cell, are free.
+
+    Args:
+        walls: Of shape (height, width); True is wall.
+        most: Distances are capped here; 1 to 254.
+
+    Returns:
+        An array of the shape of ``walls``: 0 in a wall, 1 beside one, ``most`` far from all.
+    """
+    found = np.empty(walls.shape, dtype=np.uint8)
+    for start in range(0, len(walls), _ROWS_AT_ONCE):
+        some = slice(start, start + _ROWS_AT_ONCE)
+        found[some] = _along_rows(walls[some], most)
+    # A shortest way to a wall goes to the wall's row first, aslant as far as that helps, and then
+    # along the row.
+    _carry_over(found)
+    _carry_over(found[::-1])
+    return found
+
+
+def _along_rows(walls: NDArray[np.bool_], most: int) -> NDArray[np.int32]:
+    """Return the distance to the nearest wall in the same row."""
+    column = np.arange(walls.shape[1], dtype=np.int32)
+    left = np.maximum.accumulate(np.where(walls, column, -most), axis=1)
+    beyond = np.int32(walls.shape[1] + most)
+    right = np.minimum.accumulate(np.where(walls, column, beyond)[:, ::-1], axis=1)[:, ::-1]
+    return np.minimum(np.minimum(column - left, right - column), most)
+
+
+def _carry_over(found: NDArray[np.uint8]) -> None:
+    """Lower every row, from the second on, to one more than the least around it one row before."""
+    least = np.empty_like(found[0])
+    for before, row in pairwise(found):
+        np.minimum(before[1:], before[:-1], out=least[1:])
+        least[0] = before[0]
+        np.minimum(least[:-1], before[1:], out=least[:-1])
+        least += 1
+        np.minimum(row, least, out=row)

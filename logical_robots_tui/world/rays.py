@@ -1,0 +1,88 @@
+"""The rays that robots cast: one forward and a radar of 31 around it."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from numpy.typing import NDArray
+
+    from logical_robots_tui.world.state import RobotState
+
+__all__ = ["FORWARD", "RADAR_RAYS", "RADAR_SPAN", "RAYS", "SENSOR_RANGE", "Rays", "rays_of"]
+
+SENSOR_RANGE = 200
+"""Map units; also the distance that a ray reports when it hits nothing."""
+
+RADAR_RAYS = 31
+RADAR_SPAN = 120 * math.pi / 180
+"""Radians between the leftmost and the rightmost ray of the radar."""
+
+RAYS = RADAR_RAYS + 1
+
+FORWARD = RADAR_RAYS // 2 + 1
+"""Column of the forward ray, just behind the middle one of the radar, so that rays that lie side
+by side stand side by side."""
+
+_TURNS = np.array([i * (RADAR_SPAN / (RADAR_RAYS - 1)) for i in range(RADAR_RAYS)])
+
+
+class Rays(NamedTuple):
+    """The rays of some robots.
+
+    Attributes:
+        robot: The robots' numbers in file order, of shape (robots,).
+        x: Where they start, of shape (robots,).
+        y: The same.
+        angle: The robots' headings in radians, of shape (robots,).
+        aside: Reported angles of the radar in radians, left positive, of shape (robots, radar).
+        cos: Of the rays' headings, of shape (robots, rays), from left to right with the forward
+            ray at ``FORWARD``.
+        sin: The same.
+    """
+
+    robot: NDArray[np.intp]
+    x: NDArray[np.float64]
+    y: NDArray[np.float64]
+    angle: NDArray[np.float64]
+    aside: NDArray[np.float64]
+    cos: NDArray[np.float64]
+    sin: NDArray[np.float64]
+
+    def some(self, which: NDArray[np.intp]) -> Rays:
+        """Return the rays of some of the robots.
+
+        Args:
+            which: Places of the robots among these.
+        """
+        return Rays(
+            self.robot[which],
+            self.x[which],
+            self.y[which],
+            self.angle[which],
+            self.aside[which],
+            self.cos[which],
+            self.sin[which],
+        )
+
+
+def rays_of(robots: Sequence[RobotState]) -> Rays:
+    """Return the rays that robots cast from where they stand; there is at least one."""
+    x = np.array([robot.x for robot in robots])
+    y = np.array([robot.y for robot in robots])
+    angle = np.array([robot.angle for robot in robots])
+    radar = (angle - RADAR_SPAN / 2)[:, None] + _TURNS
+    headings = np.empty((len(robots), RAYS))
+    headings[:, :FORWARD] = radar[:, :FORWARD]
+    headings[:, FORWARD] = angle
+    headings[:, FORWARD + 1 :] = radar[:, FORWARD:]
+    # math.cos and not numpy's, which differs between processors.
+    each = headings.ravel().tolist()
+    cos = np.fromiter(map(math.cos, each), np.float64, len(each)).reshape(headings.shape)
+    sin = np.fromiter(map(math.sin, each), np.float64, len(each)).reshape(headings.shape)
+    return Rays(np.arange(len(robots)), x, y, angle, angle[:, None] - radar, cos, sin)

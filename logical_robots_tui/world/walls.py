@@ -1,0 +1,101 @@
+"""Where rays meet walls."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from logical_robots_tui.world.clearance import clearances
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+__all__ = ["Walls"]
+
+_RIM = 2  # cells of wall around the map: rounding may carry a ray over one of them
+_WALL = 255
+_SAMPLES = 2048  # steps tested in one go, about: fewer cost more calls, more cost more time each
+
+
+class Walls:
+    """The walls of a labyrinth; everything outside the map is wall as well.
+
+    A ray is tested at whole steps of one map unit, but only at those that could be in a wall: the
+    distance from a cell to the nearest wall tells how many steps from there can't.
+
+    Args:
+        walls: Of shape (height, width); True is wall. Not kept.
+        reach: Map units; the last step of a ray is the one before. At most 254.
+    """
+
+    def __init__(self, walls: NDArray[np.bool_], reach: int) -> None:
+        height, width = walls.shape
+        self._reach = reach
+        self._stride = width + 2 * _RIM
+        self._end_x, self._end_y = width + 1.5, height + 1.5
+        self._ahead = np.arange(float(reach))[:, None]
+        # Free cells around a cell in any direction. The -1 of a wall itself wraps round to 255,
+        # which is also more than any reach, and so ends a ray.
+        room = clearances(np.pad(walls, _RIM, constant_values=True), reach)
+        room -= np.uint8(1)
+        # Turned so that cell (0, 0) comes first; the rim to the left and above is at the end.
+        self._room = np.roll(room, -self._stride * _RIM - _RIM)
+
+    def distances(
+        self,
+        x: NDArray[np.float64],
+        y: NDArray[np.float64],
+        cos: NDArray[np.float64],
+        sin: NDArray[np.float64],
+    ) -> NDArray[np.int64]:
+        """Return the first step of every ray that is in a wall, or the reach if there is none.
+
+        Args:
+            x: Where rays start, of shape (robots,); the start itself may be in a wall.
+            y: The same.
+            cos: Of the rays' headings, of shape (robots, rays).
+            sin: The same.
+
+        Returns:
+            Map units from 1 to the reach, of the shape of ``cos``.
+        """
+        shape = cos.shape
+        cos, sin = cos.reshape(-1), sin.reshape(-1)
+        # From further outside the first step is in the rim, as it is from the rim.
+        x = np.minimum(np.maximum(x, -2.0), self._end_x)
+        y = np.minimum(np.maximum(y, -2.0), self._end_y)
+        room = self._room_at(np.floor(x), np.floor(y))
+        room[room == _WALL] = 0
+        # Steps in which a ray crosses at most one cell, per cell. Less a little, so that rounding
+        # never carries a ray further than there is room.
+        pace = (1 - 1e-9) / np.maximum(np.abs(cos), np.abs(sin))
+        room = room.repeat(shape[1])
+        x, y = x.repeat(shape[1]), y.repeat(shape[1])
+        step = np.floor(room * pace) + 1
+        rays = np.arange(len(step))
+        found = np.full(len(step), float(self._reach))
+        while True:
+            going = (step < self._reach).nonzero()[0]
+            if not len(going):
+                reached: NDArray[np.int64] = np.minimum(found, self._reach).astype(np.int64)
+                return reached.reshape(shape)
+            if len(going) < len(rays):
+                rays, pace, step = rays[going], pace[going], step[going]
+                x, y, cos, sin = x[going], y[going], cos[going], sin[going]
+            # The fewer rays are left, the more steps of each are tested in one go. No ray gets
+            # past the rim without being found in it, and where it is behind a wall doesn't matter.
+            ahead = self._ahead[: max(_SAMPLES // len(rays), 1)]
+            steps = step + ahead
+            room = self._room_at(np.floor(steps * cos + x), np.floor(steps * sin + y))
+            best = room.argmax(axis=0)
+            room = room[best, np.arange(len(rays))]
+            there = step + best
+            step = np.maximum(step + len(ahead), there + np.floor(room * pace) + 1)
+            there[room < _WALL] = self._reach
+            found[rays] = there
+
+    def _room_at(self, column: NDArray[np.float64], row: NDArray[np.float64]) -> NDArray[np.uint8]:
+        row *= self._stride
+        row += column
+        return self._room.take(row.astype(np.intp), mode="wrap")
