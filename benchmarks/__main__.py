@@ -8,7 +8,7 @@ import os
 import sys
 from dataclasses import asdict
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from rich.console import Console
 from rich.table import Table
@@ -18,13 +18,14 @@ from benchmarks.machine import machine
 from benchmarks.measure import Effort, Measurement
 from benchmarks.mind import compiling, thinking
 from benchmarks.whole_game import whole_game
-from benchmarks.world import world_alone
+from benchmarks.world import crowds, world_alone
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Mapping, Sequence
 
 BENCHMARKS = {
     "world": world_alone,
+    "crowds": crowds,
     "compile": compiling,
     "think": thinking,
     "game": whole_game,
@@ -36,7 +37,12 @@ QUICK = Effort(repeats=3, ticks=60)
 
 def main(arguments: Sequence[str] | None = None) -> None:
     """Measure, show a table, and write JSON if asked."""
-    options = _parser().parse_args(arguments)
+    parser = _parser()
+    options = parser.parse_args(arguments)
+    try:
+        earlier = _medians(options.compare) if options.compare else {}
+    except (OSError, ValueError, KeyError, TypeError) as error:
+        parser.error(f"{options.compare} isn't what --json wrote: {error}")
     os.environ["LOGICAL_ROBOTS_CACHE_DIR"] = ""  # what was compiled before would flatter us
     effort = QUICK if options.quick else THOROUGH
     console = Console(stderr=True)
@@ -44,7 +50,8 @@ def main(arguments: Sequence[str] | None = None) -> None:
     for name in options.only or BENCHMARKS:
         with console.status(f"measuring {name}"):
             found += BENCHMARKS[name](effort)
-    Console().print(_table(found))
+    wide = None if sys.stdout.isatty() else 120
+    Console(width=wide).print(_table(found, earlier))
     if options.json:
         numbers = {"machine": machine(), "measurements": [asdict(one) for one in found]}
         text = json.dumps(numbers, indent=2) + "\n"
@@ -58,27 +65,46 @@ def _parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(prog="python -m benchmarks", description=__doc__)
     parser.add_argument("only", nargs="*", metavar="BENCHMARK", help=", ".join(BENCHMARKS))
     parser.add_argument("--json", type=Path, metavar="FILE", help="also write JSON to a file")
+    parser.add_argument(
+        "--compare", type=Path, metavar="FILE", help="show also what an earlier --json found"
+    )
     parser.add_argument("--quick", action="store_true", help="fewer repeats, less exact")
     return parser
 
 
-def _table(found: list[Measurement]) -> Table:
+def _medians(path: Path) -> dict[tuple[str, str], float]:
+    """Return what an earlier run found on each subject."""
+    numbers: Mapping[str, Any] = json.loads(path.read_text(encoding="utf-8"))
+    return {(one["group"], one["subject"]): float(one["value"]) for one in numbers["measurements"]}
+
+
+def _table(found: list[Measurement], earlier: Mapping[tuple[str, str], float]) -> Table:
     facts = "\n".join(f"{name}: {fact}" for name, fact in machine().items())
     table = Table(title="Numbers that matter (medians)", caption=facts, caption_justify="left")
     table.add_column("what")
     table.add_column("on")
-    table.add_column("median", justify="right")
-    table.add_column("lowest", justify="right")
-    table.add_column("highest", justify="right")
+    for number in ("median", "lowest", "highest", *(("before", "change") if earlier else ())):
+        table.add_column(number, justify="right")
     table.add_column("unit")
+    table.add_column("required")
     last = ""
     for one in found:
         if last and one.group != last:
             table.add_section()
-        numbers = (f"{number:,.2f}" for number in (one.value, one.lowest, one.highest))
-        table.add_row("" if one.group == last else one.group, one.subject, *numbers, one.unit)
+        numbers = [f"{number:,.2f}" for number in (one.value, one.lowest, one.highest)]
+        if earlier:
+            before = earlier.get((one.group, one.subject))
+            numbers += _compared(one.value, before)
+        group = "" if one.group == last else one.group
+        table.add_row(group, one.subject, *numbers, one.unit, one.required)
         last = one.group
     return table
+
+
+def _compared(now: float, before: float | None) -> tuple[str, str]:
+    if before is None:
+        return "", "new"
+    return f"{before:,.2f}", f"{now / before - 1:+.0%}" if before else ""
 
 
 if __name__ == "__main__":

@@ -37,6 +37,7 @@ class Measurement:
         unit: Of the value.
         lowest: The lowest of the repeats.
         highest: The highest of the repeats.
+        required: What it must reach, in words such as ``<= 0.6``, or "".
     """
 
     group: str
@@ -45,6 +46,7 @@ class Measurement:
     unit: str
     lowest: float
     highest: float
+    required: str = ""
 
 
 def seconds_for(work: Callable[[], object]) -> float:
@@ -55,7 +57,13 @@ def seconds_for(work: Callable[[], object]) -> float:
 
 
 def median_of(
-    group: str, subject: str, unit: str, repeats: int, once: Callable[[], float]
+    group: str,
+    subject: str,
+    unit: str,
+    repeats: int,
+    once: Callable[[], float],
+    *,
+    required: str = "",
 ) -> Measurement:
     """Repeat a measurement and sum it up.
 
@@ -65,6 +73,8 @@ def median_of(
         unit: Of the number.
         repeats: How often to measure.
         once: Measures once.
+        required: What it must reach, in words.
     """
     found = [once() for _ in range(repeats)]
-    return Measurement(group, subject, statistics.median(found), unit, min(found), max(found))
+    median = statistics.median(found)
+    return Measurement(group, subject, median, unit, min(found), max(found), required)

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import tracemalloc
 from functools import partial
 from typing import TYPE_CHECKING
 
+from benchmarks.halls import halls, open_room
 from benchmarks.measure import Effort, Measurement, median_of, seconds_for
 from benchmarks.subjects import all_levels, drive, robots_of
 from logical_robots_tui import World
@@ -14,7 +16,17 @@ if TYPE_CHECKING:
 
     from logical_robots_tui import Level
 
-__all__ = ["world_alone"]
+__all__ = ["crowds", "world_alone"]
+
+CROWDS = (
+    ("1 robot, open 500x500", open_room(500, 500), "<= 0.15"),
+    ("3 robots, 10 beacons, 3 areas", halls(1200, 700, robots=3, beacons=10, areas=3), "<= 0.4"),
+    *(
+        (f"{robots} robots, 56 beacons", halls(1200, 700, robots=robots, beacons=56), required)
+        for robots, required in ((6, "<= 0.6"), (100, "<= 8"), (400, "<= 35"), (1000, "<= 100"))
+    ),
+)
+TICKS_OF_ROBOTS = 400  # in one measurement, at least 5
 
 
 def world_alone(effort: Effort) -> Iterator[Measurement]:
@@ -27,6 +39,32 @@ def world_alone(effort: Effort) -> Iterator[Measurement]:
             effort.repeats,
             partial(_ticks_per_second, level, effort.ticks),
         )
+
+
+def crowds(effort: Effort) -> Iterator[Measurement]:
+    """Milliseconds to sense and act, and the memory of the largest level."""
+    for subject, level, required in CROWDS:
+        ticks = max(5, TICKS_OF_ROBOTS // len(level.robots))
+        once = partial(_tick_milliseconds, level, ticks)
+        repeats = effort.repeats
+        yield median_of("sense and act", subject, "ms", repeats, once, required=required)
+    yield median_of("memory", "4,000x4,000", "MB", 1, _largest_megabytes, required="< 200")
+
+
+def _tick_milliseconds(level: Level, ticks: int) -> float:
+    world = World(level)
+    drive(world, 1)
+    return 1000 * seconds_for(partial(drive, world, ticks)) / ticks
+
+
+def _largest_megabytes() -> float:
+    """What a world of the largest size holds at most while it is made and run, level included."""
+    tracemalloc.start()
+    try:
+        drive(World(halls(4000, 4000, robots=10, beacons=100)), 3)
+        return tracemalloc.get_traced_memory()[1] / 1e6
+    finally:
+        tracemalloc.stop()
 
 
 def _ticks_per_second(level: Level, ticks: int) -> float:
