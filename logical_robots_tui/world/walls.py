@@ -11,7 +11,10 @@ from logical_robots_tui.world.clearance import clearances
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-__all__ = ["Walls"]
+__all__ = ["FEW", "Walls"]
+
+FEW = 320
+"""Rays that are quicker tested at every step at once."""
 
 _RIM = 2  # cells of wall around the map: rounding may carry a ray over one of them
 _WALL = 255
@@ -67,6 +70,8 @@ class Walls:
         y = np.minimum(np.maximum(y, -2.0), self._end_y)
         room = self._room_at(np.floor(x), np.floor(y))
         room[room == _WALL] = 0
+        if len(cos) <= FEW:
+            return self._at_every_step(x, y, cos.reshape(shape), sin.reshape(shape), room.min())
         # Steps in which a ray crosses at most one cell, per cell. Less a little, so that rounding
         # never carries a ray further than there is room.
         pace = (1 - 1e-9) / np.maximum(np.abs(cos), np.abs(sin))
@@ -94,6 +99,34 @@ class Walls:
             step = np.maximum(step + len(ahead), there + np.floor(room * pace) + 1)
             there[room < _WALL] = self._reach
             found[rays] = there
+
+    def _at_every_step(
+        self,
+        x: NDArray[np.float64],
+        y: NDArray[np.float64],
+        cos: NDArray[np.float64],
+        sin: NDArray[np.float64],
+        room: int,
+    ) -> NDArray[np.int64]:
+        """Return what `distances` does.
+
+        Args:
+            x: Where rays start.
+            y: The same.
+            cos: Of the rays' headings.
+            sin: The same.
+            room: Free cells around every start in any direction.
+        """
+        # A ray behind a wall may be anywhere; only its first wall is asked for.
+        steps = self._ahead[room:, 0] + 1
+        column, row = cos[:, :, None] * steps, sin[:, :, None] * steps
+        column += x[:, None, None]
+        row += y[:, None, None]
+        in_wall = self._room_at(np.floor(column, out=column), np.floor(row, out=row)) == _WALL
+        in_wall[:, :, -1] = True  # the reach itself
+        found: NDArray[np.int64] = in_wall.argmax(axis=2)
+        found += room + 1
+        return found
 
     def _room_at(self, column: NDArray[np.float64], row: NDArray[np.float64]) -> NDArray[np.uint8]:
         row *= self._stride

@@ -5,11 +5,14 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from logical_robots_tui.world import Area, Beacon, Level, Robot, World, load_level
+from logical_robots_tui.world.rays import SENSOR_RANGE, rays_of
+from logical_robots_tui.world.walls import FEW, Walls
 
 from .making import levels, make_level
 from .plain_sensing import plain_look
@@ -31,6 +34,20 @@ def forward(level: Level) -> tuple[int, str, str]:
 def test_the_fast_rays_hit_what_the_plain_rays_hit(level: Level) -> None:
     world = World(level)
     assert world.look() == plain_look(world)
+
+
+@settings(max_examples=300, deadline=None)
+@given(levels())
+def test_few_rays_are_cast_as_many_are(level: Level) -> None:
+    rays = rays_of(World(level).robots)
+    walls = Walls(level.walls, SENSOR_RANGE)
+    found = []
+    for times in (1, 1 + FEW // rays.cos.size):
+        x, y = np.tile(rays.x, times), np.tile(rays.y, times)
+        cos, sin = (np.tile(turn, (times, 1)) for turn in (rays.cos, rays.sin))
+        found.append(walls.distances(x, y, cos, sin)[: len(rays.x)])
+    few, many = found
+    assert (few == many).all()
 
 
 @pytest.mark.parametrize("path", LEVELS, ids=lambda path: path.stem)
