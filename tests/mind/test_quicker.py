@@ -1,0 +1,89 @@
+"""The rewritten functions of the package do what its own do."""
+
+from __future__ import annotations
+
+import copy
+import importlib.util
+from typing import TYPE_CHECKING, Any
+
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from logica.compiler import rule_translate
+from logica.parser_py import parse
+
+from logical_robots_tui.mind import quicker
+
+if TYPE_CHECKING:
+    from types import ModuleType
+
+
+def unchanged(module: ModuleType) -> Any:
+    """The module as the package has it."""
+    assert module.__spec__ is not None
+    assert module.__spec__.origin is not None
+    spec = importlib.util.spec_from_file_location(
+        f"{module.__package__}.unchanged", module.__spec__.origin
+    )
+    assert spec is not None
+    assert spec.loader is not None
+    loaded = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(loaded)
+    return loaded
+
+
+RULES, PARSE = unchanged(rule_translate), unchanged(parse)
+
+variables = st.sampled_from("xyz").map(lambda name: {"variable": {"var_name": name}})
+trees = st.recursive(
+    variables | st.integers() | st.text(max_size=3),
+    lambda inner: (
+        st.lists(inner, max_size=3)
+        | st.dictionaries(st.sampled_from(["a", "b", "combine"]), inner, max_size=3)
+    ),
+    max_leaves=12,
+)
+
+
+@st.composite
+def tangled(draw: st.DrawFn) -> list[Any]:
+    """A tree in which parts hang in several places."""
+    parts = draw(st.lists(trees, min_size=1, max_size=3))
+    places = draw(st.lists(st.sampled_from(range(len(parts))), min_size=1, max_size=5))
+    return [parts[place] for place in places]
+
+
+@settings(deadline=None)
+@given(tangled(), trees)
+def test_a_variable_is_replaced_everywhere(tree: list[Any], new: Any) -> None:
+    if "x" in RULES.AllMentionedVariables(new, dive_in_combines=True):
+        new = 7  # would be replaced without end
+    theirs = copy.deepcopy(tree)
+    RULES.ReplaceVariable("x", new, theirs)
+    quicker.replace_variable("x", new, tree)
+    assert tree == theirs
+
+
+@settings(deadline=None)
+@given(tangled(), st.booleans(), st.booleans())
+def test_the_same_variables_are_found(tree: list[Any], dive: bool, is_select: bool) -> None:
+    select = {"variable": tree} if is_select else tree
+    arguments = {"dive_in_combines": dive, "this_is_select": is_select}
+    assert quicker.mentioned_variables(select, **arguments) == RULES.AllMentionedVariables(
+        select, **arguments
+    )
+
+
+@settings(deadline=None)
+@given(st.text(max_size=20), st.lists(st.tuples(st.integers(0, 25), st.integers(-5, 25))))
+def test_a_part_of_a_text_knows_where_it_stands(text: str, cuts: list[tuple[int, int]]) -> None:
+    quicker.install()
+    ours, theirs = parse.HeritageAwareString(text), PARSE.HeritageAwareString(text)
+    for start, stop in cuts:
+        ours, theirs = ours[start:stop], theirs[start:stop]
+        assert str(ours) == str(theirs)
+        assert (ours.start, ours.stop, ours.heritage) == (
+            theirs.start,
+            theirs.stop,
+            theirs.heritage,
+        )
+    assert all(ours[place] == theirs[place] for place in range(len(ours)))
