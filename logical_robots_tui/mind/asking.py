@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import sqlite3
-from math import isfinite
-from typing import TYPE_CHECKING, TypeAlias
+from math import inf
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 from logical_robots_tui.mind.database import TooMuchError, TooSlowError
 from logical_robots_tui.mind.failures import FailureError, in_plain_words
@@ -18,12 +18,14 @@ if TYPE_CHECKING:
     from logical_robots_tui.mind.database import Answer as RawAnswer
     from logical_robots_tui.mind.limits import Limits
     from logical_robots_tui.mind.moment import Moment, View, Within
-    from logical_robots_tui.mind.program import Program
+    from logical_robots_tui.mind.program import Program, Tuned
     from logical_robots_tui.values import Value
 
 __all__ = ["Answer", "Asking"]
 
 _SQLITE_ERRORS = (sqlite3.Error, sqlite3.Warning)
+
+_NO_QUICK_ANSWER = (UnfitError, TooDeepError, TooMuchError, TooSlowError, *_SQLITE_ERRORS)
 
 Answer: TypeAlias = "tuple[tuple[str, ...], list[tuple[Value, ...]]]"
 """Column names and rows."""
@@ -51,11 +53,10 @@ class Asking:
         self, predicate: str, moment: Moment, within: Within
     ) -> Iterator[tuple[View, Answer | FailureError]]:
         """Rows of a predicate for each view of a moment, or why there are none."""
-        views = iter(moment.views)
         # All at once: in between, the caller may ask for something else.
-        for answer in list(self._quick_answers(predicate, moment, moment.views, within)):
-            yield next(views), answer
-        for view in views:
+        answers = self._quick_answers(predicate, moment, within)
+        yield from zip(moment.views, answers, strict=False)
+        for view in moment.views[len(answers) :]:
             try:
                 yield view, self.rows(predicate, moment, view, within)
             except FailureError as failure:
@@ -93,10 +94,12 @@ class Asking:
     # -- inside --------------------------------------------------------------------------------
 
     def _ask(self, name: str, sql: str, moment: Moment, view: View, within: Within) -> Answer:
-        for answer in self._quick_answers(name, moment, (view,), within):
+        answer = self._quick_answer(name, moment, view, within)
+        if answer is not None:
             return answer
         try:
-            return self._read(self._plain.ask(sql, moment, view, within), within)
+            columns, rows = self._plain.ask(sql, moment, view, within)
+            return columns, self._read(rows, within)
         except TooSlowError:
             message = f"thinking took longer than {within.seconds:g} seconds"
             raise FailureError(message, slow=True) from None
@@ -105,53 +108,97 @@ class Asking:
         except _SQLITE_ERRORS as error:
             raise FailureError(printable(in_plain_words(error))) from None
 
-    def _quick_answers(
-        self, name: str, moment: Moment, views: Sequence[View], within: Within
-    ) -> Iterator[Answer]:
-        """Answers for the first views, up to one for which the quick way has none."""
+    def _quick_answers(self, name: str, moment: Moment, within: Within) -> Sequence[Answer]:
+        """Answers for the first views of a moment, up to one for which there is no quick one."""
         tuned = self._program.tuned.get(name)
         if self._tuned is None or tuned is None:
-            return
-        try:
-            for raw in self._tuned.ask_each(tuned, moment, views, within):
-                if tuned.result and any(bytes in map(type, row) for row in raw[1]):
-                    return  # no record holds such a value
-                answer = _put_together(self._read(raw, within), tuned.result)
-                if len(answer[1]) > within.rows and not within.cut:
-                    return
-                yield answer
-        except (UnfitError, TooDeepError, TooMuchError, TooSlowError, *_SQLITE_ERRORS):
-            return
+            return ()
+        if tuned.together and moment.apart and len(moment.views) > 1:
+            answers = self._joint_answers(tuned, moment, within)
+            if answers is not None:
+                return answers
+        answers = []
+        for view in moment.views:
+            answer = self._quick_answer(name, moment, view, within)
+            if answer is None or (len(answer[1]) > within.rows and not within.cut):
+                break
+            answers.append(answer)
+        return answers
 
-    def _read(self, raw: RawAnswer, within: Within) -> Answer:
+    def _joint_answers(self, tuned: Tuned, moment: Moment, within: Within) -> list[Answer] | None:
+        """Answers for all views from one query, or None if there is more than one row for one.
+
+        For then only the query of one view tells in which order its rows are.
+        """
+        assert self._tuned is not None
+        try:
+            columns, found = self._tuned.ask_together(tuned, moment, within)
+            rows = {row[-1]: row[:-1] for row in found}
+            if len(rows) < len(found):
+                return None
+            answer = self._finished((columns[:-1], list(rows.values())), tuned, within)
+        except _NO_QUICK_ANSWER:
+            return None
+        if answer is None:
+            return None
+        answers: list[Answer] = [(answer[0], [])] * len(moment.views)
+        for number, row in zip(rows, answer[1], strict=True):
+            answers[number] = (answer[0], [row])
+        return answers
+
+    def _quick_answer(self, name: str, moment: Moment, view: View, within: Within) -> Answer | None:
+        tuned = self._program.tuned.get(name)
+        if self._tuned is None or tuned is None:
+            return None
+        try:
+            return self._finished(self._tuned.ask(tuned, moment, view, within), tuned, within)
+        except _NO_QUICK_ANSWER:
+            return None
+
+    def _finished(self, raw: RawAnswer, tuned: Tuned, within: Within) -> Answer | None:
+        """An answer with its records put together, or None if one can't be."""
         columns, rows = raw
+        if not tuned.result:
+            return columns, self._read(rows, within)
+        if any(bytes in map(type, row) for row in rows):
+            return None  # no record holds such a value
+        rows = [_without_infinity(row, tuned) if inf in row or -inf in row else row for row in rows]
+        return tuple([name for name, _ in tuned.result]), [
+            _put_together(row, tuned) for row in self._read(rows, within)
+        ]
+
+    def _read(self, rows: Sequence[tuple[Any, ...]], within: Within) -> list[tuple[Value, ...]]:
         deepest = self._limits.depth
-        return columns, [
-            tuple([v if v.__class__ is float else from_sql(v, deepest) for v in within.each(row)])
+        return [
+            tuple([v if v.__class__ in _READY else from_sql(v, deepest) for v in within.each(row)])
             for row in rows
         ]
 
 
-def _put_together(answer: Answer, result: Sequence[tuple[str, Sequence[str]]]) -> Answer:
-    """An answer whose records were given field by field."""
-    if not result:
-        return answer
-    rows = []
-    for row in answer[1]:
-        values = iter(row)
-        rows.append(
-            tuple(
-                [
-                    {f: _in_record(v) for f, v in zip(fields, values, strict=False)}
-                    if fields
-                    else next(values)
-                    for _, fields in result
-                ]
-            )
-        )
-    return tuple([name for name, _ in result]), rows
+_READY = frozenset({float, int, type(None)})
 
 
-def _in_record(value: Value) -> Value:
-    """A field of a record; a number that JSON can't hold is null there."""
-    return None if value.__class__ is float and not isfinite(value) else value
+def _put_together(values: tuple[Value, ...], tuned: Tuned) -> tuple[Value, ...]:
+    """A row whose records were given field by field."""
+    found: list[Value] = []
+    start = 0
+    for _, fields in tuned.result:
+        if fields:
+            end = start + len(fields)
+            found.append(dict(zip(fields, values[start:end], strict=True)))
+            start = end
+        else:
+            found.append(values[start])
+            start += 1
+    return tuple(found)
+
+
+def _without_infinity(values: tuple[Any, ...], tuned: Tuned) -> tuple[Any, ...]:
+    """Row as it would be if its records had been JSON: a number that JSON can't hold is null."""
+    in_record = [bool(fields) for _, fields in tuned.result for _ in fields or ("",)]
+    return tuple(
+        [
+            None if inside and value in (inf, -inf) else value
+            for inside, value in zip(in_record, values, strict=False)
+        ]
+    )

@@ -4,29 +4,27 @@ from __future__ import annotations
 
 import secrets
 import sqlite3
-from dataclasses import dataclass
 from time import monotonic
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 from logical_robots_tui.mind import functions
-from logical_robots_tui.mind.allowed import BUILT_IN, NAMED_QUERY, TABLES
+from logical_robots_tui.mind.allowed import BUILT_IN, NAMED_QUERY
 from logical_robots_tui.mind.bounds import MAX_ITEMS
 from logical_robots_tui.mind.diagnostics import Stopped
+from logical_robots_tui.mind.layouts import PLAIN_LAYOUT
 from logical_robots_tui.mind.limits import Limits
 from logical_robots_tui.mind.watch import Work
 
 if TYPE_CHECKING:
     import threading
-    from collections.abc import Iterable, Iterator, Sequence
+    from collections.abc import Iterable, Sequence
+
+    from logical_robots_tui.mind.layouts import Layout
 
 __all__ = [
     "BUILT_IN",
-    "COLUMNS_LAYOUT",
-    "CROWD_LAYOUT",
-    "PLAIN_LAYOUT",
     "Answer",
     "Database",
-    "Layout",
     "TooMuchError",
     "TooSlowError",
 ]
@@ -53,45 +51,6 @@ _SQLITE_LIMITS = {
 _HALTED_LENGTH = 30  # no text longer than this can be made by a query that is to end
 
 
-@dataclass(frozen=True, slots=True)
-class Layout:
-    """The tables of a database.
-
-    Attributes:
-        script: SQL that makes them.
-        readable: Names in lower case of all that a query may read.
-    """
-
-    script: str
-    readable: frozenset[str]
-
-
-PLAIN_LAYOUT = Layout(
-    "CREATE TABLE Sensor(robot_name, sensor); CREATE TABLE Memory(robot_name, memory);", TABLES
-)
-"""The tables as programs know them."""
-
-CROWD_LAYOUT = Layout(
-    """
-    CREATE TABLE Sensor(
-        id INTEGER PRIMARY KEY, robot_name, sensor, forward_distance, forward_object,
-        forward_label, clock, can_charge, has_battery, battery_level, battery_capacity
-    );
-    CREATE TABLE Memory(id INTEGER PRIMARY KEY, robot_name, memory);
-    CREATE TABLE Ray(id INTEGER PRIMARY KEY, angle, distance, object, label, value);
-    CREATE INDEX SensorByName ON Sensor(robot_name);
-    CREATE INDEX MemoryByName ON Memory(robot_name);
-    """,
-    TABLES | {"ray"},
-)
-"""Numbered rows, with sensor fields and radar rays in columns of their own."""
-
-COLUMNS_LAYOUT = Layout(
-    CROWD_LAYOUT.script + "PRAGMA automatic_index = OFF;", CROWD_LAYOUT.readable
-)
-"""The same for few robots: to make an index would take longer than to do without."""
-
-
 class TooSlowError(Exception):
     """A query took longer than it may."""
 
@@ -114,6 +73,7 @@ class Database:
         self._limits = limits or Limits()
         self._readable = layout.readable
         self._mark = secrets.token_hex(8)
+        self._marked: dict[str, str] = {}
         self._bytes = 0
         self._connection = sqlite3.connect(
             ":memory:", isolation_level=None, check_same_thread=False, cached_statements=512
@@ -147,16 +107,15 @@ class Database:
         Raises:
             TooMuchError: A value is larger than a value may be.
         """
-        self.fill("Sensor", "INSERT INTO Sensor VALUES (?, ?)", sensors)
-        self.fill("Memory", "INSERT INTO Memory VALUES (?, ?)", memories)
+        self.fill("Sensor", (("INSERT INTO Sensor VALUES (?, ?)", sensors),))
+        self.fill("Memory", (("INSERT INTO Memory VALUES (?, ?)", memories),))
 
-    def fill(self, table: str, insert: str, rows: Iterable[Sequence[Any]]) -> None:
+    def fill(self, table: str, inserts: Sequence[tuple[str, Sequence[Sequence[Any]]]]) -> None:
         """Replace all rows of a table.
 
         Args:
             table: Its name.
-            insert: A statement of ours that inserts one item of `rows`.
-            rows: SQLite values.
+            inserts: Statements of ours, each with the SQLite values of each time that it is run.
 
         Raises:
             TooMuchError: A value is larger than a value may be.
@@ -169,15 +128,17 @@ class Database:
                 connection.execute("BEGIN")  # never ended: there is nobody to share with
             connection.execute(self._own(f"DELETE FROM {table}"))  # noqa: S608 - our own table
             try:
-                connection.executemany(self._own(insert), rows)
+                for insert, rows in inserts:
+                    connection.executemany(self._own(insert), rows)
             except UnicodeEncodeError:
-                self.fill(table, insert, _whole(rows))
+                self.fill(table, [(insert, _whole(rows)) for insert, rows in inserts])
         except (sqlite3.DataError, MemoryError) as error:
             raise self._too_much(error) from None
 
     def ask(
         self,
         sql: str,
+        parameters: Sequence[int] = (),
         *,
         most: int,
         deadline: float | None = None,
@@ -187,6 +148,7 @@ class Database:
 
         Args:
             sql: One SELECT.
+            parameters: Values of its numbered parameters.
             most: Most rows to fetch.
             deadline: When to give up, on the clock of `time.monotonic`; by default after
                 `think_seconds` of the limits.
@@ -198,46 +160,19 @@ class Database:
             TooMuchError: It needs too much memory, or its result is too large.
             sqlite3.Error: It failed, or asked for what is not allowed.
         """
-        (answer,) = self.ask_each(sql, ((),), most=most, deadline=deadline, stop=stop)
-        return answer
-
-    def ask_each(
-        self,
-        sql: str,
-        parameters: Iterable[Sequence[int]],
-        *,
-        most: int,
-        deadline: float | None = None,
-        stop: threading.Event | None = None,
-    ) -> Iterator[Answer]:
-        """The same query again and again, each time with other parameters.
-
-        Args:
-            sql: One SELECT with numbered parameters.
-            parameters: Their values, each time.
-            most: Most rows to fetch each time.
-            deadline: As for `ask`, for all together.
-            stop: As for `ask`.
-
-        Yields:
-            Column names and rows.
-
-        Raises:
-            Exception: As `ask` does; what was given before is good.
-        """
+        if stop is not None and stop.is_set():
+            raise Stopped("The program was stopped before it began to think.")
+        now = monotonic()
         if deadline is None:
-            deadline = monotonic() + self._limits.think_seconds
-        work = self._work
+            deadline = now + self._limits.think_seconds
+        if now > deadline:
+            raise TooSlowError
         self._trusted = False
+        self._bytes = 0
+        work = self._work
         work.begin(deadline, stop)
         try:
-            for values in parameters:
-                self._bytes = 0
-                if work.stopped:
-                    raise Stopped("The program was stopped before it began to think.")
-                if monotonic() > deadline:
-                    raise TooSlowError
-                yield self._fetch(sql, values, most)
+            return self._fetch(sql, parameters, most)
         except (sqlite3.Error, MemoryError) as error:
             if work.halted and work.stopped:
                 raise Stopped("The program was stopped while it was thinking.") from None
@@ -314,7 +249,10 @@ class Database:
 
     def _own(self, sql: str) -> str:
         """A statement of ours, marked so that no program can name it in the statement cache."""
-        return f"/* {self._mark} */ {sql}"
+        marked = self._marked.get(sql)
+        if marked is None:
+            marked = self._marked[sql] = f"/* {self._mark} */ {sql}"
+        return marked
 
     def _authorize(
         self,

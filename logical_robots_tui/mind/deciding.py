@@ -6,7 +6,7 @@ import math
 from typing import TYPE_CHECKING
 
 from logical_robots_tui.mind.decision import Decision, Notice
-from logical_robots_tui.mind.stored import to_input, to_json
+from logical_robots_tui.mind.stored import size_of, to_json
 from logical_robots_tui.values import Desire, Value
 
 if TYPE_CHECKING:
@@ -53,7 +53,7 @@ def decide(
 
 
 def _remember(new: Value, old: Value, notices: list[Notice], limits: Limits) -> Value:
-    size = len(to_input(new).encode()) if isinstance(new, (str, list, dict)) else 0
+    size = size_of(new)
     if size <= limits.memory_bytes:
         return new
     notices.append(
@@ -71,6 +71,9 @@ def _desire(value: Value, notices: list[Notice]) -> Desire | None:
         what = "null" if value is None else "not a record"
         notices.append(Notice("bad engine", f"The desire is {what}: engines stop."))
         return None
+    left, right = value.get("left_engine"), value.get("right_engine")
+    if left.__class__ is float and right.__class__ is float and math.isfinite(left + right):
+        return Desire(left, right)
     engines = {}
     for engine in ("left_engine", "right_engine"):
         power = _power(value.get(engine))

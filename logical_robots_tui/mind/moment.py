@@ -43,9 +43,13 @@ class Moment:
 
     Attributes:
         sensors: The sensor rows, numbered from 0.
-        memories: Names and memories, numbered from 0: first one of each robot in the order of the
-            rows; then, for each robot that meets others, its own and theirs once more.
+        names: Names of the robots, in the same order.
+        remembered: What each robot remembers, by name.
+        memories: Numbers and names, ascending, of the memories to see: that of robot m, as robot n
+            sees it, has number n * `stride` + m.
+        stride: Number of robots; 0 where all of them see the same memories.
         views: Who reasons over what.
+        apart: Whether each robot sees its own sensor only.
     """
 
     def __init__(
@@ -55,26 +59,41 @@ class Moment:
         memory: Literal["own", "seen", "all"],
         sensor: Literal["own", "all"],
     ) -> None:
+        self._rays_to: dict[str, Sequence[Sequence[tuple[int, Mapping[str, Any]]]]] = {}
         self.sensors = rows
-        names = [row["robot_name"] for row in rows]
-        own = [(name, memories.get(name)) for name in names]
-        self.memories = own
-        everybody = (0, len(rows) - 1)
+        self.remembered = memories
+        self.names = names = [row["robot_name"] for row in rows]
+        self.apart = sensor == "own"
+        self.stride = 0 if memory == "all" else len(rows)
+        if memory == "seen":
+            self.memories = self._met()
+        else:
+            own = self.stride + 1
+            self.memories = [(n * own, name) for n, name in enumerate(names)]
+        last = len(rows) - 1
         if not rows:
             self.views: list[View] = []
         elif memory == "all" and sensor == "all":
-            self.views = [View(tuple(names), everybody, everybody)]
+            self.views = [View(tuple(names), (0, last), (0, last))]
         else:
             self.views = [
                 View(
                     (name,),
-                    everybody if sensor == "all" else (number, number),
-                    everybody if memory == "all" else (number, number),
+                    (n, n) if self.apart else (0, last),
+                    (n * self.stride, n * self.stride + last),
                 )
-                for number, name in enumerate(names)
+                for n, name in enumerate(names)
             ]
-        if memory == "seen":
-            self._let_see(own)
+
+    def rays_to(self, kind: str) -> Sequence[Sequence[tuple[int, Mapping[str, Any]]]]:
+        """For each robot the numbered rays of its radar that end at a kind of object."""
+        found = self._rays_to.get(kind)
+        if found is None:
+            found = self._rays_to[kind] = [
+                [item for item in enumerate(row["sensor"]["radar"]) if item[1]["object"] == kind]
+                for row in self.sensors
+            ]
+        return found
 
     def one_by_one(self, view: View) -> Iterator[View]:
         """The same for each robot alone, with the rows of the others left out."""
@@ -82,17 +101,15 @@ class Moment:
             number = next(i for i, row in enumerate(self.sensors) if row["robot_name"] == name)
             yield View((name,), (number, number), (number, number))
 
-    def _let_see(self, own: Sequence[tuple[str, Value]]) -> None:
-        """Add for each robot the memories of those that it meets."""
-        self.memories = list(own)
-        for number, (view, row) in enumerate(zip(self.views, self.sensors, strict=True)):
-            met = {r["label"] for r in row["sensor"]["radar"] if r["object"] == "robot"}
-            seen = [item for i, item in enumerate(own) if i == number or item[0] in met]
-            if len(seen) > 1:
-                first = len(self.memories)
-                self.memories += seen
-                last = len(self.memories) - 1
-                self.views[number] = View(view.viewers, view.sensors, (first, last))
+    def _met(self) -> list[tuple[int, str]]:
+        """The memories that each robot sees when it sees those of the robots on its radar."""
+        names = self.names
+        found = []
+        for number, rays in enumerate(self.rays_to("robot")):
+            met = {ray["label"] for _, ray in rays}
+            seen = [m for m, name in enumerate(names) if m == number or name in met]
+            found += [(number * len(names) + m, names[m]) for m in seen]
+        return found
 
 
 class Within:

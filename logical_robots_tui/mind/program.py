@@ -54,12 +54,21 @@ class Tuned:
         columns: By name of a table the columns of it that are read, beside ``id``.
         result: Names of the columns of the answer, each with the fields of its record where the
             query gives these as columns of their own; () if it gives the answer as it is.
+        together: The query for all viewers at once, where each sees its own sensor only, or "".
+            It has one more column, the viewer's number, and as last parameter how much further
+            the visible rows of ``Memory`` begin from one viewer to the next.
     """
 
     sql: str
     bounds: int
     columns: Mapping[str, tuple[str, ...]]
     result: tuple[tuple[str, tuple[str, ...]], ...]
+    together: str = ""
+
+    @property
+    def together_bounds(self) -> int:
+        """How many parameters the query for all viewers has."""
+        return 5 if "Memory" in self.columns else 2
 
 
 @dataclass(frozen=True, slots=True)

@@ -12,7 +12,7 @@ import orjson
 if TYPE_CHECKING:
     from logical_robots_tui.values import Value
 
-__all__ = ["TooDeepError", "from_sql", "to_input", "to_json", "to_sql"]
+__all__ = ["TooDeepError", "from_sql", "size_of", "to_input", "to_json", "to_sql"]
 
 _DEEPEST = 100
 _LARGEST = 2**63
@@ -41,6 +41,16 @@ def to_input(value: Any) -> str:
         return orjson.dumps(value).decode()
     except TypeError:
         return _encode(value)  # whole numbers of more than 64 bits, halves of characters
+
+
+def size_of(value: Value) -> int:
+    """Bytes of the JSON text of a value; 0 for a number or null."""
+    if not isinstance(value, str | list | dict):
+        return 0
+    try:
+        return len(orjson.dumps(value))
+    except TypeError:
+        return len(_encode(value).encode("utf-8", "replace"))
 
 
 def to_sql(value: Value) -> int | float | str | None:

@@ -24,9 +24,10 @@ from time import monotonic
 from typing import IO, TYPE_CHECKING
 
 from logical_robots_tui.mind import compiler
-from logical_robots_tui.mind.database import COLUMNS_LAYOUT, Database
+from logical_robots_tui.mind.database import Database
 from logical_robots_tui.mind.diagnostics import Diagnostic, ProgramError
 from logical_robots_tui.mind.failures import in_plain_words
+from logical_robots_tui.mind.layouts import COLUMNS_LAYOUT
 from logical_robots_tui.mind.plain import printable
 from logical_robots_tui.mind.tuning import tune_all
 
@@ -175,14 +176,23 @@ def _tuned(program: Program) -> Program:
     kept = {}
     try:
         for name, tuned in tune_all(statements).items():
-            with contextlib.suppress(sqlite3.Error, sqlite3.Warning):
-                began = monotonic()
-                database.prepare(tuned.sql, (0,) * tuned.bounds)
-                if monotonic() - began < _PREPARE_SECONDS:
-                    kept[name] = tuned
+            if _is_prepared_soon(database, tuned.sql, tuned.bounds):
+                together, bounds = tuned.together, tuned.together_bounds
+                good = not together or _is_prepared_soon(database, together, bounds)
+                kept[name] = tuned if good else replace(tuned, together="")
     finally:
         database.close()
     return replace(program, tuned=kept)
+
+
+def _is_prepared_soon(database: Database, sql: str, bounds: int) -> bool:
+    """Whether SQLite can prepare a query with so many parameters, and without much ado."""
+    began = monotonic()
+    try:
+        database.prepare(sql, (0,) * bounds)
+    except (sqlite3.Error, sqlite3.Warning):
+        return False
+    return monotonic() - began < _PREPARE_SECONDS
 
 
 def _tangled() -> ProgramError:

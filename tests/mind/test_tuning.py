@@ -150,3 +150,87 @@ def test_the_same_names_with_other_rays_are_other_thoughts() -> None:
     assert desires[0] == desires[3]
     assert len(set(map(str, desires))) == 3
     mind.close()
+
+
+CROWD = """
+Near(robot_name:, label: ray.label) distinct :-
+  Sensor(robot_name:, sensor:), ray in sensor.radar, ray.object == "robot";
+Turn(robot_name:, turn: memory.turn) :- Memory(robot_name:, memory:);
+Mixed(x:) distinct :- Turn(turn: x) | x in [3];
+"""
+
+
+@pytest.mark.parametrize("memory", ["own", "seen", "all"])
+@pytest.mark.parametrize(
+    "body",
+    [
+        "m = sensor.clock",
+        "m = Count{x :- Near(robot_name:, label: x)}",
+        "m = Sum{t :- Turn(robot_name: x, turn: t), Near(robot_name:, label: x)}",
+        "m = List{t :- Turn(turn: t)}",
+        "Turn(robot_name:, turn:), m = turn",
+        "Turn(robot_name: other, turn:), other != robot_name, m = turn",
+        "m = Sum{x :- Mixed(x:)}",
+        'Near(robot_name:, label: "Bo"), m = "Bo is here"',
+        '~Near(robot_name:, label: "Bo"), m = "Bo is not here"',
+        "m = Sum{Sum{t + u :- Turn(turn: u)} :- Turn(turn: t)}",
+        "m = Sum{1 :- ray in sensor.radar, ray.object == \"robot\" || ray.object == \"beacon\"}",
+        'm = List{r.label :- r in sensor.radar, r.object == "beacon", r.distance < 100}',
+        'm = Max{r.distance :- r in sensor.radar, "wall" == r.object}',
+        'm = List{r.object :- r in sensor.radar, r.object == "beacon"}',
+        'm = Count{r.label :- r in sensor.radar, r.object != "robot"}',
+    ],
+)  # fmt: skip
+def test_all_robots_together_think_what_each_would_alone(body: str, memory: str) -> None:
+    text = f'@Visible(Memory, "{memory}");\n{CROWD}{ROBOT} {body};'
+    rows = [
+        row("Ada", clock=3, sees={4: (20, "robot", "Bo"), 9: (30, "beacon", "A")}),
+        row("Bo", sees={0: (5, "wall", "wall"), 1: (9, "robot", "Cy"), 30: (8, "robot", "Ada")}),
+        row("Cy", sees=SEEN),
+    ]
+    memories = {"Ada": {"turn": 1}, "Bo": {"turn": 2}, "Cy": {"turn": 0.5}}
+    decisions = think(text, rows, memories)
+    assert len(decisions) == 3
+    tuned = Program.compile(text).tuned["Robot"]
+    assert tuned.together
+    assert tuned.together_bounds == (5 if "Memory" in tuned.columns else 2)
+
+
+def test_rules_for_single_robots_are_asked_together_too() -> None:
+    text = """
+    Robot(robot_name: "Ada", desire: {left_engine: 1, right_engine: 0}, memory: 1);
+    Robot(robot_name:, desire: {left_engine: 0, right_engine: 1}, memory: sensor.clock) :-
+      Sensor(robot_name:, sensor:), robot_name != "Ada";
+    """
+    ada, bo = think(text, [row("Ada", clock=8), row("Bo", clock=9)], {})
+    assert (ada.memory, bo.memory) == (1, 9)
+    # Each sees the rule for Ada, which is a stranger to Bo.
+    assert not ada.notices
+    assert not bo.notices
+
+
+def test_of_several_rows_for_a_robot_the_same_one_counts() -> None:
+    text = f"{ROBOT} x in [3, 1, 2], m = x;"
+    decisions = think(text, [row("Ada"), row("Bo")], {})
+    assert {d.memory for d in decisions} == {2}
+    assert all("3 rows" in d.notices[0].message for d in decisions)
+
+
+def test_rays_to_beacons_stand_apart_when_nothing_else_is_asked_for() -> None:
+    text = f"""{ROBOT} m = Min{{r.distance :- r in sensor.radar, r.object == "beacon"}};"""
+    assert dict(Program.compile(text).tuned["Robot"].columns) == {
+        "Sensor": ("robot_name",),
+        "BeaconRay": ("distance",),
+    }
+    rows = [row("Ada", sees=SEEN), row("Bo")]
+    assert [d.memory for d in think(text, rows, {})] == [33, None]
+
+
+def test_what_was_seen_before_is_not_seen_any_more() -> None:
+    text = f"""{ROBOT} m = Count{{r.label :- r in sensor.radar, r.object == "beacon"}};"""
+    mind = Mind(Program.compile(text))
+    counts = [
+        mind.think([row("Ada", sees=seen)], {})[0].memory for seen in (SEEN, {}, {}, SEEN, {})
+    ]
+    assert counts == [1, 0, 0, 1, 0]
+    mind.close()

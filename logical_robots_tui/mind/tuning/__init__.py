@@ -11,8 +11,10 @@ from typing import TYPE_CHECKING
 from sqlglot import exp
 from sqlglot.errors import SqlglotError
 
+from logical_robots_tui.mind.filling import KINDS
 from logical_robots_tui.mind.program import Tuned
 from logical_robots_tui.mind.tuning import aggregates, columns, records, sharing, sql
+from logical_robots_tui.mind.tuning.together import together
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -24,6 +26,9 @@ _MOST = 400_000  # characters of all statements of a program
 
 _TAKEN = frozenset({"id", "rowid", "oid", "_rowid_"})
 """Columns that the tables of a tuned query have and those of a program have not."""
+
+_OURS = frozenset({"ray", *(table.lower() for table in KINDS)})
+"""Tables that a tuned query has and those of a program have not."""
 
 
 def tune_all(statements: Mapping[str, str]) -> dict[str, Tuned]:
@@ -38,13 +43,20 @@ def tune_all(statements: Mapping[str, str]) -> dict[str, Tuned]:
         left -= len(statement)
         if left < 0:
             break
-        if len(statement) <= _LONGEST and (found := tune(statement)) is not None:
-            tuned[name] = found
+        if len(statement) <= _LONGEST:
+            found = tune(statement, for_all=name == "Robot")
+            if found is not None:
+                tuned[name] = found
     return tuned
 
 
-def tune(statement: str) -> Tuned | None:
-    """The same query for the tables of the columns layout, or None if it can't be rewritten."""
+def tune(statement: str, *, for_all: bool = False) -> Tuned | None:
+    """The same query for the tables of the columns layout, or None if it can't be rewritten.
+
+    Args:
+        statement: A query as it was generated.
+        for_all: Whether to make, if possible, one for all viewers at once as well.
+    """
     try:
         tree = sql.parse(statement)
         if not _can_be_moved(tree):
@@ -58,8 +70,15 @@ def tune(statement: str) -> Tuned | None:
         result = records.records_as_columns(tree)
         read = columns.read_by(tree)
         sharing.shared(tree)
+        aggregates.native_division(tree)
         bounds = 4 if "Memory" in read else 2 if "Sensor" in read else 0
-        return Tuned(sql.written(tree), bounds, read, result)
+        at_once = together(tree) if for_all else None
+        if at_once is not None:
+            read.setdefault("Sensor", ("robot_name",))
+            sharing.rows_as_they_come(at_once)
+        sharing.rows_as_they_come(tree)
+        text = "" if at_once is None else sql.written(at_once)
+        return Tuned(sql.written(tree), bounds, read, result, text)
     except (SqlglotError, ValueError, RecursionError):
         return None
 
@@ -71,7 +90,7 @@ def _can_be_moved(tree: exp.Expr) -> bool:
     if tree.find(exp.Placeholder, exp.Parameter, exp.Star) and not _only_counts(tree):
         return False
     tables = tree.find_all(exp.Table)
-    return not any(table.name.lower() == "ray" or table.args.get("db") for table in tables)
+    return not any(table.name.lower() in _OURS or table.args.get("db") for table in tables)
 
 
 def _only_counts(tree: exp.Expr) -> bool:

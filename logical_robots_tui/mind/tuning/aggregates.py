@@ -6,7 +6,7 @@ from sqlglot import exp
 
 from logical_robots_tui.mind.tuning import sql
 
-__all__ = ["native_arg_min", "untangled"]
+__all__ = ["native_arg_min", "native_division", "untangled"]
 
 _NATIVE = {"arg_min": "MIN", "arg_max": "MAX"}
 
@@ -59,6 +59,25 @@ def native_arg_min(tree: exp.Expr) -> None:
         outer = exp.Select(expressions=[exp.alias_(chosen, named.alias or "a")])
         outer.set("from_", exp.From(this=exp.Subquery(this=inner, alias=_alias("best"))))
         select.replace(outer)
+
+
+def native_division(tree: exp.Expr) -> None:
+    """Divide one sum by another, as a weighted average does, without a call of ours.
+
+    Ours knows what a number over zero is; SQLite computes a sum that is written twice once.
+    """
+    for call in list(tree.find_all(exp.Anonymous)):
+        if sql.call_name(call) != "divide" or not all(map(_is_sum, call.expressions)):
+            continue
+        above, below = call.expressions
+        real = exp.Cast(this=above.copy(), to=exp.DataType.build("REAL", dialect="sqlite"))
+        quick = exp.Div(this=real, expression=below.copy())
+        not_zero = exp.NEQ(this=below.copy(), expression=exp.Literal.number(0))
+        call.replace(exp.Case(ifs=[exp.If(this=not_zero, true=quick)], default=call.copy()))
+
+
+def _is_sum(node: exp.Expr) -> bool:
+    return sql.call_name(node) == "sum" and node.find(exp.Select) is None
 
 
 def _alias(name: str) -> exp.TableAlias:

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 from sqlglot import exp
 
-from logical_robots_tui.mind.tables import RAYS
+from logical_robots_tui.mind.filling import KINDS, RAYS
 from logical_robots_tui.mind.tuning import sql
 
 if TYPE_CHECKING:
@@ -40,9 +40,14 @@ SENSOR_FIELDS = {
 """Columns of ``Sensor`` by the place in the record that they hold."""
 
 RAY_FIELDS = ("angle", "distance", "object", "label")
-"""Columns of ``Ray``, beside ``value``, the whole ray as JSON text."""
+"""Columns of ``Ray`` and the tables of some rays, beside ``value``, the whole ray as JSON text."""
 
-_TABLES = {"sensor": "Sensor", "memory": "Memory", "ray": "Ray"}
+_TABLES = {
+    "sensor": "Sensor",
+    "memory": "Memory",
+    "ray": "Ray",
+    **{table.lower(): table for table in KINDS},
+}
 
 _BOUNDS = {"sensor": ("?1", "?2"), "memory": ("?3", "?4")}
 
@@ -69,7 +74,7 @@ def one_alias_per_robot(tree: exp.Expr) -> None:
 
 
 def rays_as_rows(tree: exp.Expr) -> None:
-    """Read rays from a table of rays."""
+    """Read rays from a table of rays; where they must end at robots or beacons, of such rays."""
     for select in list(sql.selects(tree)):
         here = sql.sources(select)
         followers = {}
@@ -84,7 +89,8 @@ def rays_as_rows(tree: exp.Expr) -> None:
                 field = _extracted(column.parent)
                 if column.parent and field[:2] == "$." and field[2:] in RAY_FIELDS:
                     column.parent.replace(exp.column(field[2:], name))
-            table.replace(exp.alias_(exp.to_table("Ray"), name, table=True))
+            rays = exp.to_table(_of_one_kind(select, name) or "Ray")
+            table.replace(exp.alias_(rays, name, table=True))
             first = exp.Mul(this=exp.column("id", sensor), expression=exp.Literal.number(RAYS))
             last = exp.Add(this=first.copy(), expression=exp.Literal.number(RAYS - 1))
             sql.restrict(select, exp.Between(this=exp.column("id", name), low=first, high=last))
@@ -123,7 +129,7 @@ def bound_to_viewer(tree: exp.Expr) -> None:
 
 
 def read_by(tree: exp.Expr) -> dict[str, tuple[str, ...]]:
-    """The columns that a query reads of each input, and of ``Ray``, beside ``id``."""
+    """The columns that a query reads of each input and each table of rays, beside ``id``."""
     read: dict[str, set[str]] = {}
     for table in tree.find_all(exp.Table):
         name = _TABLES.get(_table_name(table))
@@ -177,6 +183,24 @@ def _radar_of(table: exp.Expr) -> str | None:
     if not isinstance(column, exp.Column) or _extracted(arguments[0]) != "$.radar":
         return None
     return column.table if _is_table(column, "sensor") and column.name == "sensor" else None
+
+
+def _of_one_kind(select: exp.Select, ray: str) -> str:
+    """The table of those rays that a select wants, if it wants one kind, or "".
+
+    The condition that says so is dropped: in that table it always holds.
+    """
+    for test in sql.conjuncts(select):
+        if not isinstance(test, exp.EQ):
+            continue
+        for column, kind in ((test.this, test.expression), (test.expression, test.this)):
+            if not isinstance(column, exp.Column) or (column.table, column.name) != (ray, "object"):
+                continue
+            for table, ends_at in KINDS.items():
+                if isinstance(kind, exp.Literal) and kind.is_string and kind.this == ends_at:
+                    sql.drop_condition(select, test)
+                    return table
+    return ""
 
 
 def _extracted(node: exp.Expr | None) -> str:

@@ -7,6 +7,8 @@ query of their own that SQLite keeps::
     WITH t_0_shared AS MATERIALIZED (SELECT s.id AS c0, (SELECT ...) AS c1 FROM Sensor AS s)
     SELECT ... t_0_shared.c1 ... t_0_shared.c1 ... FROM t_0_shared
 
+Where that query is read once, SQLite need not even keep its rows, but can take them as they come.
+
 A value that may be a record or a list loses on that way SQLite's note that it is one; the note is
 made again where it counts.
 """
@@ -24,7 +26,9 @@ from logical_robots_tui.mind.tuning import sql
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
 
-__all__ = ["shared"]
+__all__ = ["rows_as_they_come", "shared"]
+
+_NAME = "t_0_shared"
 
 _SUBQUERY_WEIGHT = 100
 _WORTH_SHARING = 60  # nodes that need not be computed again
@@ -36,7 +40,7 @@ _MAKES_JSON = frozenset({"json_array", "json_object", "json_quote"})
 _COLLECTS_JSON = frozenset({"json_group_array", "json_group_object"})
 _PASSES_ON = frozenset({"coalesce", "iif", "if", "ifnull", "nullif", "min", "max", "any_value"})
 
-_PLAIN_TABLES = frozenset({"sensor", "memory", "ray"})
+_PLAIN_TABLES = frozenset({"sensor", "memory", "ray", "robotray", "beaconray"})
 
 
 def shared(tree: exp.Query) -> None:
@@ -44,9 +48,30 @@ def shared(tree: exp.Query) -> None:
     number = 0
     for select in list(_outer_selects(tree)):
         current = select
-        while (added := _share(tree, current, f"t_0_shared_{number}")) is not None:
+        while (added := _share(tree, current, f"{_NAME}_{number}")) is not None:
             number += 1
             current = added
+
+
+def rows_as_they_come(tree: exp.Query) -> None:
+    """Let SQLite compute what is shared row by row, where it is for the result itself.
+
+    It would put the two queries into one again, and compute everything as often as it is
+    mentioned, but for a limit in the one and a condition in the other.
+    """
+    named = tree.args.get("with_")
+    queries = {query.alias: query for query in named.expressions} if named else {}
+    select: exp.Expr = tree
+    while isinstance(select, exp.Select):
+        (source, *others) = sql.sources(select).values() or (None,)
+        if others or not isinstance(source, exp.Table) or not source.name.startswith(_NAME):
+            return
+        query = queries[source.name]
+        query.set("materialized", False)
+        query.this.set("limit", exp.Limit(expression=exp.Neg(this=exp.Literal.number(1))))
+        if not select.args.get("where"):
+            select.set("where", exp.Where(this=exp.Literal.number(1)))
+        select = query.this
 
 
 def _outer_selects(tree: exp.Query) -> Iterator[exp.Select]:
@@ -166,7 +191,7 @@ def _share(tree: exp.Query, select: exp.Select, name: str) -> exp.Select | None:
     unusual = ("group", "having", "distinct", "order", "limit", "offset", "windows")
     if not select.args.get("from_") or any(select.args.get(part) for part in unusual):
         return None
-    if any(_own_aggregates(e) for e in select.expressions):
+    if any(sql.own_aggregates(e) for e in select.expressions):
         return None
     examination = _Examination(select)
     for expression in select.expressions:
@@ -254,15 +279,6 @@ def _name_query(tree: exp.Query, select: exp.Select, name: str, first: exp.Selec
     places = [i for i, item in enumerate(named.expressions) if item is user]
     place = places[0] if places else len(named.expressions)
     named.set("expressions", [*named.expressions[:place], query, *named.expressions[place:]])
-
-
-def _own_aggregates(node: exp.Expr) -> bool:
-    """Whether an expression has an aggregate, or a window, of the select that it stands in."""
-    if isinstance(node, exp.Select):
-        return False
-    if sql.call_name(node) in sql.AGGREGATES or isinstance(node, exp.Window):
-        return True
-    return any(_own_aggregates(child) for child in node.iter_expressions())
 
 
 def _is_value(node: exp.Expr) -> bool:

@@ -20,7 +20,9 @@ __all__ = [
     "conjuncts",
     "drop_condition",
     "drop_source",
+    "is_table",
     "nearest_select",
+    "own_aggregates",
     "parse",
     "read_after",
     "restrict",
@@ -129,6 +131,24 @@ def source(column: exp.Column) -> tuple[exp.Select, exp.Expr] | None:
 def call_name(node: exp.Expr | None) -> str:
     """The name of the function that is called, in lower case, or ""."""
     return node.name.lower() if isinstance(node, exp.Anonymous) else ""
+
+
+def own_aggregates(node: exp.Expr) -> bool:
+    """Whether an expression has an aggregate, or a window, of the select that it stands in."""
+    if isinstance(node, exp.Select):
+        return False
+    if call_name(node) in AGGREGATES or isinstance(node, exp.Window):
+        return True
+    return any(own_aggregates(child) for child in node.iter_expressions())
+
+
+def is_table(source: exp.Expr | None, name: str) -> bool:
+    """Whether a source of a select is a table of a name, given in lower case."""
+    return (
+        isinstance(source, exp.Table)
+        and isinstance(source.this, exp.Identifier)
+        and source.name.lower() == name
+    )
 
 
 def conjuncts(select: exp.Select) -> list[exp.Expr]:

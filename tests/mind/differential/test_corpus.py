@@ -37,9 +37,8 @@ def test_a_construct_is_answered_the_quick_way(topic: str, rules: str, expressio
     compiled = Program.compile(f"{program(rules, value=expression)}\n{ROBOT}m = 1;")
     moment = Moment(ROWS, MEMORIES, "own", "own")
     tables = TunedTables(Limits())
-    (answer,) = tables.ask_each(
-        compiled.tuned["Answer"], moment, moment.views, Within(10, 1000, None)
-    )
+    (view,) = moment.views
+    answer = tables.ask(compiled.tuned["Answer"], moment, view, Within(10, 1000, None))
     assert len(answer[1]) == 1
     tables.close()
 

@@ -1,0 +1,166 @@
+"""Rows for the tables of tuned queries, out of the sensors and memories of a moment."""
+
+from __future__ import annotations
+
+from functools import cache, partial
+from itertools import chain
+from operator import itemgetter
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+from logical_robots_tui.mind.stored import to_input, to_sql
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Mapping, Sequence
+
+    from logical_robots_tui.mind.moment import Moment
+    from logical_robots_tui.values import SensorRow
+
+__all__ = ["KINDS", "RAYS", "Filling", "fillings"]
+
+RAYS = 1000
+"""Most rays of a radar; those of sensor row n are numbered from n * RAYS on."""
+
+KINDS = {"RobotRay": "robot", "BeaconRay": "beacon"}
+"""Tables of the rays that end at a kind of thing, which few do."""
+
+_MOST_VALUES = 900  # of one statement
+
+_AT_ONCE = (
+    16  # rays of a kind that are inserted with one statement; each fewer is a statement of its own
+)
+
+
+class Filling(NamedTuple):
+    """What goes into a table.
+
+    Attributes:
+        insert: A statement that inserts one of the items.
+        items: Its values, each time.
+    """
+
+    insert: str
+    items: Sequence[Sequence[Any]]
+
+
+def fillings(table: str, moment: Moment, columns: tuple[str, ...]) -> Sequence[Filling]:
+    """What fills a table with the rows of a moment.
+
+    Args:
+        table: ``Sensor``, ``Memory``, ``Ray`` or one of `KINDS`.
+        moment: Where the rows come from.
+        columns: Which columns to fill beside ``id``, in alphabetical order.
+
+    Raises:
+        TypeError, KeyError, AttributeError, ValueError: Sensors have not the usual shape.
+    """
+    return _FILLINGS[table](moment, columns)
+
+
+def _sensors(moment: Moment, columns: tuple[str, ...]) -> Sequence[Filling]:
+    values = [_SENSOR_VALUES[column] for column in columns]
+    rows = [
+        (number, *[value(row) for value in values]) for number, row in enumerate(moment.sensors)
+    ]
+    return (Filling(_insert("Sensor", columns), rows),)
+
+
+def _memories(moment: Moment, columns: tuple[str, ...]) -> Sequence[Filling]:
+    if "memory" not in columns:
+        return (Filling(_insert("Memory", ("robot_name",)), moment.memories),)
+    stored = {name: to_sql(memory) for name, memory in moment.remembered.items()}
+    rows = [(number, stored.get(name), name) for number, name in moment.memories]
+    return (Filling(_insert("Memory", ("memory", "robot_name")), rows),)
+
+
+def _rays(moment: Moment, columns: tuple[str, ...]) -> Sequence[Filling]:
+    """All rays: one statement a radar, so each must have as many rays as the first."""
+    radars = [row["sensor"]["radar"] for row in moment.sensors]
+    usual = len(radars[0])
+    if any(len(radar) != usual for radar in radars) or not 0 < usual * len(columns) < _MOST_VALUES:
+        raise ValueError("radars of different size")
+    items = []
+    for first, radar in enumerate(radars):
+        values: list[Any] = [first * RAYS]
+        for column in columns:
+            values += map(to_input, radar) if column == "value" else [r[column] for r in radar]
+        items.append(values)
+    return (Filling(_insert_rays(columns, usual), items),)
+
+
+def _rays_of_kind(table: str, moment: Moment, columns: tuple[str, ...]) -> Sequence[Filling]:
+    pick = _picked(columns)
+    rows: list[Sequence[Any]] = []
+    for first, rays in enumerate(moment.rays_to(KINDS[table])):
+        if rays and rays[-1][0] >= RAYS:
+            raise ValueError("a radar of too many rays")
+        start = first * RAYS
+        rows += [(start + number, *pick(ray)) for number, ray in rays]
+    together = len(rows) // _AT_ONCE * _AT_ONCE
+    whole = [[*chain.from_iterable(rows[i : i + _AT_ONCE])] for i in range(0, together, _AT_ONCE)]
+    rest = [*chain.from_iterable(rows[together:])]
+    return [
+        Filling(_insert(table, columns, count), items)
+        for count, items in ((_AT_ONCE, whole), (len(rows) - together, [rest]))
+        if count and items
+    ]
+
+
+_FILLINGS: dict[str, Callable[[Moment, tuple[str, ...]], Sequence[Filling]]] = {
+    "Sensor": _sensors,
+    "Memory": _memories,
+    "Ray": _rays,
+    **{table: partial(_rays_of_kind, table) for table in KINDS},
+}
+
+
+@cache
+def _picked(columns: tuple[str, ...]) -> Callable[[Mapping[str, Any]], Sequence[Any]]:
+    """What takes the columns out of a ray."""
+    if columns and columns[-1] == "value":
+        pick = _picked(columns[:-1])
+        return lambda ray: (*pick(ray), to_input(ray))
+    if len(columns) > 1:
+        return itemgetter(*columns)
+    return lambda ray: [ray[column] for column in columns]
+
+
+def _in_sensor(name: str) -> Callable[[SensorRow], Any]:
+    return lambda row: row["sensor"].get(name)
+
+
+def _in_self(name: str) -> Callable[[SensorRow], Any]:
+    return lambda row: row["sensor"]["self"].get(name)
+
+
+_SENSOR_VALUES: dict[str, Callable[[SensorRow], Any]] = {
+    "robot_name": itemgetter("robot_name"),
+    "sensor": lambda row: to_input(row["sensor"]),
+    **{
+        name: _in_sensor(name)
+        for name in ("forward_distance", "forward_object", "forward_label", "clock")
+    },
+    **{
+        name: _in_self(name)
+        for name in ("can_charge", "has_battery", "battery_level", "battery_capacity")
+    },
+}
+
+
+@cache
+def _insert(table: str, columns: tuple[str, ...], rows: int = 1) -> str:
+    names = ", ".join(("id", *columns))
+    row = ", ".join("?" * (len(columns) + 1))
+    values = ", ".join([f"({row})"] * rows)
+    return f"INSERT OR FAIL INTO {table}({names}) VALUES {values}"  # noqa: S608 - our own names
+
+
+@cache
+def _insert_rays(columns: tuple[str, ...], rays: int) -> str:
+    """A statement for one radar: its first number, then column by column."""
+    rows = (
+        ", ".join((f"?1 + {ray}", *(f"?{i * rays + ray + 2}" for i in range(len(columns)))))
+        for ray in range(rays)
+    )
+    names = ", ".join(("id", *columns))
+    values = ", ".join(f"({row})" for row in rows)
+    return f"INSERT OR FAIL INTO Ray({names}) VALUES {values}"  # noqa: S608 - our own names
