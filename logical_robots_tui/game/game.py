@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, TypeAlias, TypeVar
 
 from logical_robots_tui.game.frame import Frame
 from logical_robots_tui.game.history import History
-from logical_robots_tui.game.pace import Pace
+from logical_robots_tui.game.pace import FLAT_OUT, Pace
 from logical_robots_tui.game.start import start_frame
 from logical_robots_tui.mind import Limits, Mind, Stopped
 from logical_robots_tui.world import World
@@ -25,6 +25,8 @@ __all__ = ["Answer", "Game", "Superseded"]
 
 Listener: TypeAlias = Callable[[Frame], None]
 T = TypeVar("T")
+
+_TOGETHER_SECONDS = 0.008  # of computing, before what was computed is shown
 
 
 class Superseded(Exception):  # noqa: N818 - not an error: the player did something else meanwhile
@@ -160,20 +162,9 @@ class Game:
         Raises:
             Superseded: The game was restarted, gone back or reprogrammed meanwhile.
         """
-        run, program, past = self.run_number, self.program, self._frame
-
-        def tick(stop: threading.Event) -> Frame:
-            mind = self._thinker.mind(program, self.level, self.limits)
-            return _tick(self._world, mind, past, stop)
-
-        try:
-            frame = await self._thinker.do(tick)
-        except Stopped:
-            raise Superseded from None
-        if run != self.run_number or past is not self._frame:
-            raise Superseded
-        self.history.add(frame)
-        self._show(frame)
+        run = self.run_number
+        (frame,) = await self._compute(1)
+        self._take(frame, run)
         return frame
 
     def back(self) -> Frame:
@@ -218,7 +209,7 @@ class Game:
         try:
             while self._running:
                 try:
-                    await self.step()
+                    await self._go_on(None if self.pace.speed is FLAT_OUT else 1)
                 except Superseded:
                     was_won = self.won_at is not None
                     continue
@@ -243,8 +234,9 @@ class Game:
         """
         was_won = self.won_at is not None
         while tick is None or self._frame.tick < tick:
-            frame = await self.step()
-            if (self.won_at is not None and not was_won) or (condition and condition(frame)):
+            await self._go_on(None if tick is None else tick - self._frame.tick, condition)
+            won_now = self.won_at is not None and not was_won
+            if won_now or (condition and condition(self._frame)):
                 break
         return self._frame
 
@@ -266,6 +258,45 @@ class Game:
         await asyncio.gather(self._thinker.close(), self._asker.close())
 
     # -- inside --------------------------------------------------------------------------------
+
+    async def _go_on(
+        self, most: int | None, condition: Callable[[Frame], bool] | None = None
+    ) -> None:
+        """Compute some ticks and show each, up to victory or one of which a condition is true."""
+        run = self.run_number
+        for frame in await self._compute(most):
+            self._take(frame, run)
+            if condition and condition(frame):
+                break
+
+    async def _compute(self, most: int | None) -> list[Frame]:
+        """The next ticks: at most so many, or as many as a fraction of a second allows.
+
+        To change between threads takes about as long as a quick tick does.
+        """
+        program, past = self.program, self._frame
+
+        def ticks(stop: threading.Event) -> list[Frame]:
+            mind = self._thinker.mind(program, self.level, self.limits)
+            until = perf_counter() + _TOGETHER_SECONDS
+            frames = [_tick(self._world, mind, past, stop)]
+            while most is None or len(frames) < most:
+                if perf_counter() > until or frames[-1].after.won_at == frames[-1].tick:
+                    break
+                frames.append(_tick(self._world, mind, frames[-1], stop))
+            return frames
+
+        try:
+            return await self._thinker.do(ticks)
+        except Stopped:
+            raise Superseded from None
+
+    def _take(self, frame: Frame, run: int) -> None:
+        """Make a computed frame the present, if it still follows the present one."""
+        if run != self.run_number or frame.before is not self._frame.after:
+            raise Superseded
+        self.history.add(frame)
+        self._show(frame)
 
     def _supersede(self) -> None:
         self.run_number += 1

@@ -14,6 +14,8 @@ FLAT_OUT: float | None = None
 SPEEDS: tuple[float | None, ...] = (1.0, 2.0, 5.0, 10.0, 20.0, 40.0, 80.0, 160.0, 320.0, FLAT_OUT)
 """Speeds to choose from in ticks per second, slow motion first."""
 
+_WAY_SECONDS = 0.03  # that a key press gets for itself from a game that runs flat out
+
 _WINDOW = 1.0  # seconds over which the achieved speed is measured
 
 
@@ -23,6 +25,7 @@ class Pace:
     def __init__(self, speed: float | None = 40.0) -> None:
         self._speed = speed
         self._due = 0.0
+        self._free_at = 0.0
         self._times: deque[float] = deque()
         self._changed = asyncio.Event()
 
@@ -69,6 +72,10 @@ class Pace:
         self._times.append(now)
         self._forget_old(now)
 
+    def give_way(self) -> None:
+        """Let a game that runs flat out pause for a moment: the player is to be answered."""
+        self._free_at = perf_counter() + _WAY_SECONDS
+
     def wake(self) -> None:
         """End the waiting under way."""
         self._changed.set()
@@ -76,7 +83,7 @@ class Pace:
     async def wait(self) -> None:
         """Wait until the next tick is due. A game that is too slow does not try to catch up."""
         if self._speed is None:
-            await asyncio.sleep(0)
+            await asyncio.sleep(max(self._free_at - perf_counter(), 0))
             return
         now = perf_counter()
         self._due = max(self._due + 1 / self._speed, now)

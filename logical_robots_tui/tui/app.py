@@ -6,6 +6,7 @@ import asyncio
 from time import monotonic
 from typing import TYPE_CHECKING, ClassVar
 
+from textual import events
 from textual.binding import Binding
 
 from logical_robots_tui.progress import FILE_NAME
@@ -76,6 +77,12 @@ class LogicalRobotsApp(CarefulApp, inherit_bindings=False):
         self._event_loop = asyncio.get_running_loop()
         self.register_theme(NIGHT)
         self.theme = NIGHT.name
+
+    async def on_event(self, event: events.Event) -> None:
+        """Handle an event; a key or a mouse button is to be answered before all else."""
+        if isinstance(event, events.Key | events.MouseDown | events.Paste):
+            self.main.session.pace.give_way()
+        await super().on_event(event)
 
     def last_words(self) -> None:
         """Write what was typed to its draft."""

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import asyncio
+from itertools import pairwise
 from time import monotonic
 from typing import TYPE_CHECKING
 
 import pytest
 
 from logical_robots_tui.game import Frame, Game, NoSuchTickError, Superseded
+from logical_robots_tui.game.pace import FLAT_OUT, Pace
 from logical_robots_tui.mind import Program, QueryError
 from tests.game.playing import BACKWARDS, COUNTER, SLOW, game, hall
 
@@ -187,6 +189,48 @@ async def test_pausing_a_slow_pace_takes_effect_at_once(hall_game: Game) -> None
     await running
     assert monotonic() - began < 5
     assert hall_game.frame.tick == 1
+
+
+async def test_flat_out_every_frame_is_shown_once_and_in_order(hall_game: Game) -> None:
+    seen: list[Frame] = []
+    hall_game.listen(seen.append)
+    hall_game.pace.speed = None
+    await hall_game.run()
+    assert [frame.tick for frame in seen] == list(range(1, len(seen) + 1))
+    assert seen[-1].tick == hall_game.won_at
+    assert all(b.before is a.after for a, b in pairwise(seen))
+
+
+async def test_running_until_a_condition_shows_nothing_beyond_it(hall_game: Game) -> None:
+    seen: list[int] = []
+    hall_game.listen(lambda frame: seen.append(frame.tick))
+    await hall_game.run_until(condition=lambda frame: frame.tick == 7)
+    assert seen == list(range(1, 8))
+    assert hall_game.history.last == 7
+    await hall_game.run_until(tick=9)
+    assert hall_game.frame.tick == 9
+
+
+async def test_a_listener_can_end_a_run_that_is_flat_out(hall_game: Game) -> None:
+    def stop(frame: Frame) -> None:
+        if frame.tick == 5:
+            hall_game.pause()
+
+    hall_game.listen(stop)
+    hall_game.pace.speed = None
+    await hall_game.run()
+    assert (hall_game.frame.tick, hall_game.history.last) == (5, 5)
+    hall_game.go_to(2)
+    assert (await hall_game.step()).tick == 3
+
+
+async def test_a_game_that_runs_flat_out_gives_way_for_a_moment() -> None:
+    pace = Pace(FLAT_OUT)
+    began = monotonic()
+    await pace.wait()
+    pace.give_way()
+    await pace.wait()
+    assert 0.02 < monotonic() - began < 5
 
 
 async def test_speeds_go_from_slow_motion_to_flat_out(hall_game: Game) -> None:
