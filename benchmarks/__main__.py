@@ -16,8 +16,9 @@ from rich.table import Table
 from benchmarks.first_frame import first_frame
 from benchmarks.machine import machine
 from benchmarks.measure import Effort, Measurement
-from benchmarks.mind import compiling, thinking
+from benchmarks.mind import compiling, swarms, thinking
 from benchmarks.whole_game import whole_game
+from benchmarks.with_screen import with_screen
 from benchmarks.world import crowds, world_alone
 
 if TYPE_CHECKING:
@@ -28,7 +29,9 @@ BENCHMARKS = {
     "crowds": crowds,
     "compile": compiling,
     "think": thinking,
+    "swarms": swarms,
     "game": whole_game,
+    "screen": with_screen,
     "first-frame": first_frame,
 }
 THOROUGH = Effort(repeats=7, ticks=400)

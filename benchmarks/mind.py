@@ -2,61 +2,123 @@
 
 from __future__ import annotations
 
+import os
+import tempfile
+from contextlib import contextmanager
 from functools import partial
 from itertools import count
 from typing import TYPE_CHECKING
 
+from benchmarks.halls import halls
 from benchmarks.measure import Effort, Measurement, median_of, seconds_for
-from benchmarks.subjects import few_levels, own_programs, robots_of, rows_under_way
+from benchmarks.subjects import PROGRAMS, program_text, rows_for, rows_of
 from logical_robots_tui import Mind, Program
+from logical_robots_tui.mind import cache
+from logical_robots_tui.mind.compilation import stop_compiling
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
     from logical_robots_tui.values import SensorRow, Value
 
-__all__ = ["compiling", "thinking"]
+__all__ = ["compiling", "swarms", "thinking"]
 
-THINKS = 20  # in one measurement
+THINKS = 50  # in one measurement
+ROBOTS_AT_ONCE = 300  # in one measurement of a swarm, at least
+EVERYBODY_SEES_ALL = '@Visible(Memory, "all");\n@Visible(Sensor, "all");\n'
+
+REQUIRED = {
+    "steering": "<= 0.14",
+    "herd": "<= 0.26",
+    "stations": "<= 0.26",
+    "gate": "<= 0.10",
+    "mapping": "<= 0.84",
+    "follow": "<= 0.20",
+}
 
 _numbers = count()
 
 
 def compiling(effort: Effort) -> Iterator[Measurement]:
-    """Milliseconds to compile a program that was never seen before."""
-    for name, text in own_programs().items():
-        once = partial(_compile_milliseconds, text)
-        yield median_of("compile", name, "ms", effort.repeats, once)
+    """Milliseconds to compile a program with all its predicates, never seen before or kept."""
+    stop_compiling()
+    yield median_of(
+        "start of the compiler", "and a first program", "ms", 1, partial(_compile, "steering")
+    )
+    for name in PROGRAMS:
+        once = partial(_compile, name)
+        yield median_of("compile", name, "ms", effort.repeats, once, required="< 1000")
+    for name in PROGRAMS:
+        once = partial(_find_kept, Program.compile(program_text(name)))
+        with _cache_folder():
+            yield median_of("compiled before", name, "ms", effort.repeats, once, required="< 50")
 
 
 def thinking(effort: Effort) -> Iterator[Measurement]:
-    """Milliseconds for one think of all robots together."""
-    for name, text in own_programs().items():
-        program = Program.compile(text)
-        for level in few_levels():
-            rows = rows_under_way(level)
-            mind = Mind(program)
-            decisions = mind.think(rows, {})
-            memories = {decision.robot_name: decision.memory for decision in decisions}
-            yield median_of(
-                "think",
-                f"{name}, {robots_of(level)}",
-                "ms",
-                effort.repeats,
-                partial(_think_milliseconds, mind, rows, memories),
-            )
+    """Milliseconds for one think of all robots together, both ways."""
+    for group, plain in (("think", False), ("think, the plain way", True)):
+        for name, robots in PROGRAMS.items():
+            mind = Mind(Program.compile(program_text(name)), plain=plain)
+            once = partial(_think, mind, rows_for(name), THINKS)
+            subject = f"{name}, {len(robots)} robots"
+            required = "" if plain else REQUIRED[name]
+            yield median_of(group, subject, "ms", effort.repeats, once, required=required)
             mind.close()
 
 
-def _compile_milliseconds(text: str) -> float:
+def swarms(effort: Effort) -> Iterator[Measurement]:
+    """Milliseconds for one think of many robots, and what it costs that each sees only itself."""
+    text = program_text("steering")
+    each, everybody = Program.compile(text), Program.compile(EVERYBODY_SEES_ALL + text)
+    for robots, required in ((3, ""), (30, ""), (100, "<= 4"), (400, ""), (1000, "<= 45")):
+        rows = rows_of(halls(1200, 700, robots=robots, beacons=56))
+        thinks = max(1, ROBOTS_AT_ONCE // robots)
+        found = []
+        for program in (each, everybody):
+            mind = Mind(program)
+            once = partial(_think, mind, rows, thinks)
+            subject = f"steering, {robots} robots"
+            found.append(median_of("swarm", subject, "ms", effort.repeats, once, required=required))
+            mind.close()
+        own, all_ = found
+        yield own
+        ratios = (one / all_.value for one in (own.value, own.lowest, own.highest))
+        yield Measurement("each sees itself", f"{robots} robots", *_in_order(ratios), "<= 1.3")
+
+
+def _in_order(numbers: Iterator[float]) -> tuple[float, str, float, float]:
+    value, lowest, highest = numbers
+    return value, "x all see all", lowest, highest
+
+
+def _compile(name: str) -> float:
     # A comment of its own keeps the text from being found in a cache.
-    fresh = f"{text}\n# {next(_numbers)}\n"
+    fresh = f"{program_text(name)}\n# {next(_numbers)}\n"
     return 1000 * seconds_for(partial(Program.compile, fresh))
 
 
-def _think_milliseconds(mind: Mind, rows: list[SensorRow], memories: dict[str, Value]) -> float:
+@contextmanager
+def _cache_folder() -> Iterator[None]:
+    before = os.environ.get(cache.FOLDER_VARIABLE, "")
+    with tempfile.TemporaryDirectory() as folder:
+        os.environ[cache.FOLDER_VARIABLE] = folder
+        yield
+        os.environ[cache.FOLDER_VARIABLE] = before
+
+
+def _find_kept(program: Program) -> float:
+    """What a start of the game takes for a program that an earlier one compiled."""
+    cache.keep(program)
+    return 1000 * seconds_for(partial(cache.find, program.text))
+
+
+def _think(mind: Mind, rows: list[SensorRow], thinks: int) -> float:
+    memories: dict[str, Value] = {}
+    for _ in range(3):
+        memories = {d.robot_name: d.memory for d in mind.think(rows, memories)}
+
     def think() -> None:
-        for _ in range(THINKS):
+        for _ in range(thinks):
             mind.think(rows, memories)
 
-    return 1000 * seconds_for(think) / THINKS
+    return 1000 * seconds_for(think) / thinks

@@ -2,21 +2,34 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from benchmarks.halls import halls
 from logical_robots_tui import Desire, load_level
-from logical_robots_tui.game import load_program
 from logical_robots_tui.world import World, list_levels
 
 if TYPE_CHECKING:
     from logical_robots_tui import Level
     from logical_robots_tui.values import SensorRow
 
-__all__ = ["all_levels", "drive", "few_levels", "own_programs", "robots_of", "rows_under_way"]
+__all__ = ["PROGRAMS", "all_levels", "drive", "program_text", "robots_of", "rows_for", "rows_of"]
 
 CHECKOUT = Path(__file__).parents[1]
 ROWS_AT = 40  # ticks; by then robots have moved and radars differ
+
+PROGRAMS = {
+    "steering": ("Ada", "Bo", "Cy"),
+    "herd": ("Ada", "Bo", "Cy", "Di"),
+    "stations": ("Fire", "Water", "Miner"),
+    "gate": ("Ada",),
+    "mapping": ("Ada", "Bo", "Cy", "Di", "Ed", "Fay"),
+    "follow": ("Ada", "Bo", "Cy", "Di"),
+}
+"""Programs beside this file, each with the robots that it is for."""
+
+BEACONS = ("home", "fire station", "water station", "mine", "switch", "left post", "right post")
 
 
 def all_levels() -> list[Level]:
@@ -26,23 +39,28 @@ def all_levels() -> list[Level]:
     return sorted(levels, key=lambda level: len(level.robots))
 
 
-def few_levels() -> list[Level]:
-    """A level with one robot, one with a few and one with many."""
-    levels = {len(level.robots): level for level in all_levels()}
-    numbers = sorted(levels)
-    return [levels[number] for number in (numbers[0], numbers[len(numbers) // 2], numbers[-1])]
-
-
 def robots_of(level: Level) -> str:
     """How many robots a level has, in words."""
     number = len(level.robots)
     return "1 robot" if number == 1 else f"{number} robots"
 
 
-def own_programs() -> dict[str, str]:
-    """Texts of the programs beside this file by name, from light to heavy."""
-    sources = map(load_program, sorted((Path(__file__).parent / "programs").glob("*.l")))
-    return {source.name: source.text for source in sources}
+def program_text(name: str) -> str:
+    """The text of one of the programs."""
+    return (Path(__file__).parent / "programs" / f"{name}.l").read_text(encoding="utf-8")
+
+
+def rows_for(name: str) -> list[SensorRow]:
+    """What the robots of one of the programs sense: each other, and a few beacons that it knows."""
+    robots = PROGRAMS[name]
+    level = halls(400, 300, robots=len(robots), beacons=len(BEACONS))
+    return rows_of(
+        replace(
+            level,
+            robots=tuple(replace(r, name=n) for r, n in zip(level.robots, robots, strict=True)),
+            beacons=tuple(replace(b, name=n) for b, n in zip(level.beacons, BEACONS, strict=True)),
+        )
+    )
 
 
 def drive(world: World, ticks: int) -> None:
@@ -54,7 +72,7 @@ def drive(world: World, ticks: int) -> None:
         world.act({name: Desire(left, 1.0 - 0.6 * left) for name in names})
 
 
-def rows_under_way(level: Level) -> list[SensorRow]:
+def rows_of(level: Level) -> list[SensorRow]:
     """What the robots of a level sense after some driving."""
     world = World(level)
     drive(world, ROWS_AT)

@@ -1,0 +1,94 @@
+"""Running flat out with the screen open, in a real pseudo-terminal: ticks, and answers to keys."""
+
+from __future__ import annotations
+
+import asyncio
+import re
+import statistics
+import sys
+import tempfile
+from contextlib import contextmanager
+from time import perf_counter
+from typing import TYPE_CHECKING
+
+from benchmarks.measure import Effort, Measurement
+from logical_robots_tui import Program, load_level
+from logical_robots_tui.game import load_program
+from logical_robots_tui.game.speed import measure_speed
+from tests.terminal import Terminal
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+__all__ = ["with_screen"]
+
+SIZE = (120, 40)
+LEVEL, PROGRAM = "02-open-space", "open-space-starter"  # which never wins
+FIRST = "# Open space"  # is where the cursor stands in the editor
+FASTEST = 12  # presses of "faster" that are enough to run flat out
+SECONDS = 0.01  # of running, for each repeat and each tick that is to be measured
+
+
+def with_screen(effort: Effort) -> Iterator[Measurement]:
+    """Ticks a second beside those without a screen, and milliseconds from key to screen."""
+    level, program = load_level(LEVEL), Program.compile(load_program(PROGRAM).text)
+    seconds = SECONDS * effort.ticks
+    shares, keys = [], []
+    for _ in range(effort.repeats):
+        alone = asyncio.run(measure_speed(level, program, seconds)).ticks_per_second
+        with _running() as terminal:
+            shares.append(100 * _ticks_per_second(terminal, seconds) / alone)
+            keys += _key_milliseconds(terminal, effort.ticks // 4)
+    group, subject = "with a screen", f"{SIZE[0]}x{SIZE[1]}, 1 robot, flat out"
+    yield Measurement(
+        *(group, subject, statistics.median(shares), "% of without"),
+        *(min(shares), max(shares), ">= 70"),
+    )
+    slow = statistics.quantiles(keys, n=100)[98]
+    yield Measurement(
+        *("key to screen, p99", subject, slow, "ms", min(keys), max(keys), "< 50"),
+    )
+
+
+@contextmanager
+def _running() -> Iterator[Terminal]:
+    """The game in a terminal, running flat out, with the keyboard in the editor."""
+    with tempfile.TemporaryDirectory() as data_dir:
+        game = [sys.executable, "-m", "logical_robots_tui", "play", LEVEL, PROGRAM]
+        with Terminal([*game, "--data-dir", data_dir], size=SIZE) as terminal:
+            terminal.wait_for("· applied")
+            terminal.send("\x1b")  # leaves the tour
+            terminal.wait_for_quiet()
+            terminal.send("+" * FASTEST)
+            terminal.wait_for("flat out")
+            terminal.send("1 ")
+            terminal.wait_for("RUNNING")
+            terminal.send("2")
+            terminal.wait_for("Leave")
+            yield terminal
+
+
+def _ticks_per_second(terminal: Terminal, seconds: float) -> float:
+    first, began = _tick(terminal), perf_counter()
+    terminal.wait_for(lambda: perf_counter() - began > seconds)
+    return (_tick(terminal) - first) / (perf_counter() - began)
+
+
+def _tick(terminal: Terminal) -> int:
+    found = re.search(r"tick (\d+)", terminal.text)
+    assert found, terminal.text
+    return int(found[1])
+
+
+def _key_milliseconds(terminal: Terminal, presses: int) -> list[float]:
+    """Type and take back single letters."""
+    row, line = next((y, line) for y, line in enumerate(terminal.screen.display) if FIRST in line)
+    column = line.index(FIRST)
+    found = []
+    for press in range(presses):
+        key, shown = ("x", "x") if press % 2 == 0 else ("\x7f", FIRST[0])
+        began = perf_counter()
+        terminal.send(key)
+        terminal.wait_for(lambda: terminal.screen.buffer[row][column].data == shown)  # noqa: B023 - called in this turn only
+        found.append(1000 * (perf_counter() - began))
+    return found
