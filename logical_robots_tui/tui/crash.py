@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import contextlib
 import os
+import select
 import signal
+import sys
 import threading
 from typing import TYPE_CHECKING, Any
 
@@ -54,8 +57,9 @@ class CarefulApp(App[None]):
 def end_on_hangup(last_words: Callable[[], None], leave: Callable[[], None]) -> Callable[[], None]:
     """End in an orderly way when the terminal goes away or somebody ends the process.
 
-    Everything important is done in the signal handler, because the event loop may be waiting for
-    a terminal that is gone; the process ends even then.
+    A process that does not belong to its terminal gets no signal when that goes; so a thread waits
+    for it as well. Everything important is done in the signal handler, because the event loop may
+    be waiting for a terminal that is gone; the process ends even then.
 
     Args:
         last_words: Brings to safety what must not be lost.
@@ -75,9 +79,22 @@ def end_on_hangup(last_words: Callable[[], None], leave: Callable[[], None]) -> 
     before: dict[int, Any] = {
         number: signal.signal(number, handler) for number in (signal.SIGHUP, signal.SIGTERM)
     }
+    threading.Thread(target=_raise_hangup, name="logical-robots-hangup", daemon=True).start()
 
     def put_back() -> None:
         for number, previous in before.items():
             signal.signal(number, previous)
 
     return put_back
+
+
+def _raise_hangup() -> None:
+    """Send this process the signal of a hangup when its terminal is gone."""
+    with contextlib.suppress(OSError, ValueError):
+        if sys.__stdin__ is None or not sys.__stdin__.isatty():
+            return
+        terminal = select.poll()
+        terminal.register(sys.__stdin__.fileno(), 0)  # hangups are told without being asked for
+        for _, event in terminal.poll():
+            if event & (select.POLLHUP | select.POLLERR):
+                os.kill(os.getpid(), signal.SIGHUP)

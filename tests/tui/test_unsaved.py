@@ -185,13 +185,17 @@ def test_a_signal_ends_the_game_within_two_seconds_with_the_text_kept(
     assert texts(data_dir) == ["hello" + PAPER]
 
 
-def test_a_terminal_that_is_closed_ends_the_game_and_all_it_started(data_dir: Path) -> None:
+@pytest.mark.parametrize("told", [True, False], ids=["told", "not told"])
+def test_a_terminal_that_is_closed_ends_the_game_and_all_it_started(
+    data_dir: Path, told: bool
+) -> None:
     with Played(data_dir) as terminal:
         type_hello(terminal)
         group = os.getpgid(terminal.process.pid)
         os.close(terminal._ours)
         terminal._ours = os.open(os.devnull, os.O_RDWR)
-        terminal.process.send_signal(signal.SIGHUP)  # as the kernel does for a session leader
+        if told:  # as the kernel does for a session leader with a terminal of its own
+            terminal.process.send_signal(signal.SIGHUP)
         began = monotonic()
         terminal.process.wait(10)
         until(lambda: not alive(group))
