@@ -3,29 +3,28 @@
 from __future__ import annotations
 
 import asyncio
-import threading
 from collections.abc import Callable
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from time import perf_counter
-from typing import TYPE_CHECKING, TypeAlias, TypeVar
+from typing import TYPE_CHECKING, TypeAlias
 
 from logical_robots_tui.game.frame import Frame
 from logical_robots_tui.game.history import History
 from logical_robots_tui.game.pace import FLAT_OUT, Pace
 from logical_robots_tui.game.start import start_frame
-from logical_robots_tui.mind import Limits, Mind, Stopped
+from logical_robots_tui.game.thinker import Thinker, next_frame
+from logical_robots_tui.mind import Limits, Stopped
 from logical_robots_tui.world import World
 
 if TYPE_CHECKING:
+    import threading
+
     from logical_robots_tui.mind import Program, Table
-    from logical_robots_tui.world import Level, WorldState
+    from logical_robots_tui.world import Level
 
 __all__ = ["Answer", "Game", "Superseded"]
 
 Listener: TypeAlias = Callable[[Frame], None]
-T = TypeVar("T")
-
 _TOGETHER_SECONDS = 0.008  # of computing, before what was computed is shown
 
 
@@ -78,8 +77,8 @@ class Game:
         self.pace = Pace()
         self.history = History() if history is None else History(history)
         self._listeners: list[Listener] = []
-        self._thinker = _Worker("think")
-        self._asker = _Worker("ask")
+        self._thinker = Thinker("think")
+        self._asker = Thinker("ask")
         self._running = False
         self._closed = False
         # The worker's world computes ticks; the other one re-senses past ones on the event loop.
@@ -279,11 +278,11 @@ class Game:
         def ticks(stop: threading.Event) -> list[Frame]:
             mind = self._thinker.mind(program, self.level, self.limits)
             until = perf_counter() + _TOGETHER_SECONDS
-            frames = [_tick(self._world, mind, past, stop)]
+            frames = [next_frame(self._world, mind, past, stop)]
             while most is None or len(frames) < most:
                 if perf_counter() > until or frames[-1].after.won_at == frames[-1].tick:
                     break
-                frames.append(_tick(self._world, mind, frames[-1], stop))
+                frames.append(next_frame(self._world, mind, frames[-1], stop))
             return frames
 
         try:
@@ -307,69 +306,3 @@ class Game:
         self.pace.count()
         for listener in self._listeners:
             listener(frame)
-
-
-def _tick(world: World, mind: Mind, past: Frame, stop: threading.Event) -> Frame:
-    """Sense, think and act once, from a past frame."""
-    before: WorldState = past.after
-    world.restore(before)
-    sensors = tuple(world.sense())
-    began = perf_counter()
-    decisions = tuple(mind.think(sensors, past.memories, stop=stop))
-    milliseconds = (perf_counter() - began) * 1000
-    world.act({d.robot_name: d.desire for d in decisions if d.desire is not None})
-    after = world.save()
-    memories = {d.robot_name: d.memory for d in decisions}
-    return Frame(
-        after.tick, before, after, sensors, past.memories, decisions, memories, milliseconds
-    )
-
-
-class _Worker:
-    """One thread with one mind at a time; what runs in it can be stopped."""
-
-    def __init__(self, name: str) -> None:
-        self._pool = ThreadPoolExecutor(max_workers=1, thread_name_prefix=f"logical-robots-{name}")
-        self._stop = threading.Event()
-        self._mind: Mind | None = None
-
-    def mind(self, program: Program, level: Level, limits: Limits) -> Mind:
-        """The mind for a program; to be called in the thread."""
-        if self._mind is None or self._mind.program is not program:
-            self._forget()
-            self._mind = Mind(
-                program,
-                memory=level.visibility.memory,
-                sensor=level.visibility.sensor,
-                limits=limits,
-            )
-        return self._mind
-
-    async def do(self, work: Callable[[threading.Event], T]) -> T:
-        """Run work in the thread, giving it the event that tells it to stop."""
-        stop = self._stop = threading.Event()
-
-        def unless_stopped() -> T:
-            if stop.is_set():
-                raise Stopped
-            return work(stop)
-
-        try:
-            return await asyncio.get_running_loop().run_in_executor(self._pool, unless_stopped)
-        except asyncio.CancelledError:
-            stop.set()
-            raise
-
-    def stop(self) -> None:
-        """Tell the work under way to stop."""
-        self._stop.set()
-
-    async def close(self) -> None:
-        self._stop.set()
-        await asyncio.get_running_loop().run_in_executor(self._pool, self._forget)
-        self._pool.shutdown(wait=False)
-
-    def _forget(self) -> None:
-        if self._mind is not None:
-            self._mind.close()
-            self._mind = None

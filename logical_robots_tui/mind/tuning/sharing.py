@@ -21,7 +21,7 @@ from typing import TYPE_CHECKING, Any
 
 from sqlglot import exp
 
-from logical_robots_tui.mind.tuning import sql
+from logical_robots_tui.mind.tuning import notes, sql
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
@@ -35,12 +35,6 @@ _WORTH_SHARING = 60  # nodes that need not be computed again
 
 _TIMES = 15  # that a subquery computes what stands in it, as a guess
 _LIGHT = 10  # nodes; less than that may as well be computed for every row
-
-_MAKES_JSON = frozenset({"json_array", "json_object", "json_quote"})
-_COLLECTS_JSON = frozenset({"json_group_array", "json_group_object"})
-_PASSES_ON = frozenset({"coalesce", "iif", "if", "ifnull", "nullif", "min", "max", "any_value"})
-
-_PLAIN_TABLES = frozenset({"sensor", "memory", "ray", "robotray", "beaconray"})
 
 
 def shared(tree: exp.Query) -> None:
@@ -243,16 +237,17 @@ def _moved(
             columns[key] = (f"c{len(columns)}", make())
         return exp.column(columns[key][0], name)
 
+    is_result = select is tree
     for node in chosen:
         seen = reference(examination.seen[id(node)].key, node.copy)
-        node.replace(seen if _is_plain(node) else _noted(seen, node, is_result=select is tree))
+        node.replace(seen if notes.is_plain(node) else notes.noted(seen, node, is_result=is_result))
     for expression in select.expressions:
         for column in list(expression.find_all(exp.Column)):
             found = sql.source(column)
             if found is not None and found[0] is select:
                 seen = reference((column.table, column.name.lower()), column.copy)
-                stored = _is_stored(found[1])
-                column.replace(seen if stored else _noted(seen, column, is_result=select is tree))
+                stored = notes.is_stored(found[1])
+                column.replace(seen if stored else notes.noted(seen, column, is_result=is_result))
     first = exp.Select(
         expressions=[exp.alias_(made, alias) for alias, made in columns.values()],
         from_=select.args["from_"],
@@ -290,90 +285,3 @@ def _is_value(node: exp.Expr) -> bool:
     return isinstance(
         node, exp.Case | exp.Anonymous | exp.Binary | exp.Paren | exp.Not | exp.Neg
     ) and not (isinstance(node.parent, exp.Table) or sql.call_name(node) in sql.AGGREGATES)
-
-
-def _is_plain(node: exp.Expr) -> bool:
-    """Whether a value is certainly no record and no list."""
-    if isinstance(node, exp.Paren):
-        return _is_plain(node.this)
-    if isinstance(node, exp.Subquery) and isinstance(node.this, exp.Select):
-        only = node.this.expressions
-        return len(only) == 1 and _is_plain(only[0])
-    if isinstance(node, exp.Alias):
-        return _is_plain(node.this)
-    if isinstance(node, exp.Case):
-        arms = [branch.args["true"] for branch in node.args["ifs"]]
-        default = node.args.get("default")
-        return all(map(_is_plain, [*arms, *([default] if default is not None else [])]))
-    if isinstance(node, exp.Column):
-        found = sql.source(node)
-        return found is not None and _is_plain_column(node, found[1])
-    if isinstance(node, exp.Anonymous):
-        name = sql.call_name(node)
-        if name in _PASSES_ON:
-            return all(map(_is_plain, node.expressions))
-        return name in {"sum", "avg", "count", "total", "divide", "modulo", "abs", "sqrt"}
-    return isinstance(node, exp.Binary | exp.Not | exp.Neg | exp.Literal | exp.Null)
-
-
-def _is_plain_column(column: exp.Column, table: exp.Expr) -> bool:
-    """Whether a column holds numbers and plain text only."""
-    if isinstance(table, exp.Subquery) and isinstance(table.this, exp.Select):
-        for made in table.this.expressions:
-            if made.alias_or_name.lower() == column.name.lower():
-                return _is_plain(made)
-    if not isinstance(table, exp.Table) or not isinstance(table.this, exp.Identifier):
-        return False
-    return table.name.lower() in _PLAIN_TABLES and column.name.lower() not in {
-        "memory",
-        "sensor",
-        "value",
-    }
-
-
-def _is_noticed(node: exp.Expr, is_result: bool) -> bool:
-    """Whether it makes a difference that a value is marked as a record or a list."""
-    while True:
-        parent = node.parent
-        if isinstance(parent, exp.Anonymous):
-            name = sql.call_name(parent)
-            if name in _MAKES_JSON or name in _COLLECTS_JSON:
-                return True
-            if name not in _PASSES_ON:
-                return False
-        elif isinstance(parent, exp.If):
-            if parent.this is node:
-                return False
-        elif isinstance(parent, exp.Select):
-            if isinstance(parent.parent, exp.Subquery) and not isinstance(
-                parent.parent.parent, exp.From | exp.Join
-            ):
-                node = parent
-                parent = parent.parent
-            else:
-                return not is_result
-        elif not isinstance(parent, exp.Case | exp.Paren | exp.Alias | exp.Subquery):
-            return False
-        node = parent
-
-
-def _noted(value: exp.Column, place: exp.Expr, *, is_result: bool) -> exp.Expr:
-    """A value that is marked again as the record or list that it is, where that is noticed."""
-    if not _is_noticed(place, is_result):
-        return value
-    begins = exp.Anonymous(
-        this="SUBSTR", expressions=[value.copy(), exp.Literal.number(1), exp.Literal.number(1)]
-    )
-    brackets = [exp.Literal.string("{"), exp.Literal.string("[")]
-    valid = exp.Anonymous(this="JSON_VALID", expressions=[value.copy()])
-    marked = exp.Anonymous(this="JSON", expressions=[value.copy()])
-    test = exp.And(this=exp.In(this=begins, expressions=brackets), expression=valid)
-    return exp.Case(ifs=[exp.If(this=test, true=marked)], default=value)
-
-
-def _is_stored(table: exp.Expr) -> bool:
-    return (
-        isinstance(table, exp.Table)
-        and isinstance(table.this, exp.Identifier)
-        and table.name.lower() in _PLAIN_TABLES
-    )

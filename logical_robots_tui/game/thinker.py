@@ -1,0 +1,89 @@
+"""Ticks and queries, computed off the event loop."""
+
+from __future__ import annotations
+
+import asyncio
+import threading
+from concurrent.futures import ThreadPoolExecutor
+from time import perf_counter
+from typing import TYPE_CHECKING, TypeVar
+
+from logical_robots_tui.game.frame import Frame
+from logical_robots_tui.mind import Mind, Stopped
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from logical_robots_tui.mind import Limits, Program
+    from logical_robots_tui.world import Level, World, WorldState
+
+__all__ = ["Thinker", "next_frame"]
+
+T = TypeVar("T")
+
+
+def next_frame(world: World, mind: Mind, past: Frame, stop: threading.Event) -> Frame:
+    """Sense, think and act once, from a past frame."""
+    before: WorldState = past.after
+    world.restore(before)
+    sensors = tuple(world.sense())
+    began = perf_counter()
+    decisions = tuple(mind.think(sensors, past.memories, stop=stop))
+    milliseconds = (perf_counter() - began) * 1000
+    world.act({d.robot_name: d.desire for d in decisions if d.desire is not None})
+    after = world.save()
+    memories = {d.robot_name: d.memory for d in decisions}
+    return Frame(
+        after.tick, before, after, sensors, past.memories, decisions, memories, milliseconds
+    )
+
+
+class Thinker:
+    """One thread with one mind at a time; what runs in it can be stopped."""
+
+    def __init__(self, name: str) -> None:
+        self._pool = ThreadPoolExecutor(max_workers=1, thread_name_prefix=f"logical-robots-{name}")
+        self._stop = threading.Event()
+        self._mind: Mind | None = None
+
+    def mind(self, program: Program, level: Level, limits: Limits) -> Mind:
+        """The mind for a program; to be called in the thread."""
+        if self._mind is None or self._mind.program is not program:
+            self._forget()
+            self._mind = Mind(
+                program,
+                memory=level.visibility.memory,
+                sensor=level.visibility.sensor,
+                limits=limits,
+            )
+        return self._mind
+
+    async def do(self, work: Callable[[threading.Event], T]) -> T:
+        """Run work in the thread, giving it the event that tells it to stop."""
+        stop = self._stop = threading.Event()
+
+        def unless_stopped() -> T:
+            if stop.is_set():
+                raise Stopped
+            return work(stop)
+
+        try:
+            return await asyncio.get_running_loop().run_in_executor(self._pool, unless_stopped)
+        except asyncio.CancelledError:
+            stop.set()
+            raise
+
+    def stop(self) -> None:
+        """Tell the work under way to stop."""
+        self._stop.set()
+
+    async def close(self) -> None:
+        """Stop the work under way and free the mind."""
+        self._stop.set()
+        await asyncio.get_running_loop().run_in_executor(self._pool, self._forget)
+        self._pool.shutdown(wait=False)
+
+    def _forget(self) -> None:
+        if self._mind is not None:
+            self._mind.close()
+            self._mind = None
