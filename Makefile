@@ -42,7 +42,7 @@ bench: $(VENV)/.dev ## Measure; ARGS="--json numbers.json" keeps the numbers
 	$(BIN)/python -m benchmarks $(ARGS)
 
 screenshot: $(VENV)/.dev ## Draw docs/screenshot.svg and docs/levels.svg anew
-	$(BIN)/python -m docs.screenshot 03-everybody-home everybody-home 330
+	$(BIN)/python -m docs.screenshot 04-everybody-home everybody-home 330
 	$(BIN)/python -m docs.screenshot levels
 
 reference: $(VENV)/.dev ## Write docs/reference.md anew

@@ -40,15 +40,15 @@ class Solved:
 SOLVED = [
     Solved("01-first-steps", "first-steps", 1258),
     Solved("02-open-space", "open-space", 2063),
-    Solved("03-everybody-home", "everybody-home", 1106),
+    Solved("04-everybody-home", "everybody-home", 1106),
 ]
 each_level = pytest.mark.parametrize("solved", SOLVED, ids=str)
 
 LOWER_SOLUTIONS = [
     # a level, and the solution of a lower one
     ("02-open-space", "first-steps"),
-    ("03-everybody-home", "first-steps"),
-    ("03-everybody-home", "open-space"),
+    ("04-everybody-home", "first-steps"),
+    ("04-everybody-home", "open-space"),
 ]
 
 
@@ -161,7 +161,7 @@ async def test_stopping_at_any_beacon_does_not_bring_everybody_home() -> None:
     text = program_text("everybody-home")
     label = ', ray.label == "Home"'
     assert text.count(label) == 1
-    level = load_level("03-everybody-home")
+    level = load_level("04-everybody-home")
     assert await ticks_to_win(level, text.replace(label, ""), TICKS_FOR_LOSING) is None
 
 
