@@ -12,7 +12,7 @@ PIP := $(BIN)/python -m pip --disable-pip-version-check --require-virtualenv
 .DELETE_ON_ERROR:
 .SUFFIXES:
 
-.PHONY: help play test lint check format proof bench lock screenshot reference measures wheel clean
+.PHONY: help play test lint check format proof prove bench lock screenshot reference learn measures wheel clean
 
 help: ## Show this list
 	@grep -E '^[a-z]+:.*##' $(MAKEFILE_LIST) | sed -E 's/^([a-z]+):.*## (.*)/  make \1\t\2/' | expand -t 20
@@ -38,6 +38,9 @@ format: $(VENV)/.dev ## Lay out the code and mend what can be mended
 proof: $(VENV)/.dev ## The long proofs: many starts, load, fuzzing
 	$(PYTEST) -m proof $(ARGS)
 
+prove: $(VENV)/.dev ## Prove the levels from 20 starts each; ARGS="-k 05-lighthouse" only that one
+	$(PYTEST) -m "proof or not proof" tests/levels/test_proof.py $(ARGS)
+
 bench: $(VENV)/.dev ## Measure; ARGS="--json numbers.json" keeps the numbers
 	$(BIN)/python -m benchmarks $(ARGS)
 
@@ -47,6 +50,9 @@ screenshot: $(VENV)/.dev ## Draw docs/screenshot.svg and docs/levels.svg anew
 
 reference: $(VENV)/.dev ## Write docs/reference.md anew
 	$(BIN)/python -m docs.reference
+
+learn: $(VENV)/.dev ## Write docs/learn.md and its pictures anew
+	$(BIN)/python -m docs.learn
 
 measures: $(VENV)/.dev ## Measure the reference programs anew; ARGS="LEVEL" only that one's
 	$(BIN)/python -m benchmarks.reference $(ARGS)
