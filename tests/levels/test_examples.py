@@ -76,7 +76,7 @@ def ticks_near_each_other(program: str) -> int:
     """How often two robots are near each other in a sea."""
     return sum(
         math.dist((a.x, a.y), (b.x, b.y)) < 100
-        for world in worlds(program, EXAMPLES["herd"], 800)
+        for world in worlds(program, EXAMPLES["herd"], 1500)
         for a, b in combinations(world.robots, 2)
     )
 
