@@ -12,7 +12,7 @@ PIP := $(BIN)/python -m pip --disable-pip-version-check --require-virtualenv
 .DELETE_ON_ERROR:
 .SUFFIXES:
 
-.PHONY: help play test lint check format proof bench lock screenshot reference measures wheel clean
+.PHONY: help play test lint check format proof prove bench lock screenshot reference learn measures wheel clean
 
 help: ## Show this list
 	@grep -E '^[a-z]+:.*##' $(MAKEFILE_LIST) | sed -E 's/^([a-z]+):.*## (.*)/  make \1\t\2/' | expand -t 20
@@ -38,15 +38,21 @@ format: $(VENV)/.dev ## Lay out the code and mend what can be mended
 proof: $(VENV)/.dev ## The long proofs: many starts, load, fuzzing
 	$(PYTEST) -m proof $(ARGS)
 
+prove: $(VENV)/.dev ## Prove the levels from 20 starts each; ARGS="-k 05-lighthouse" only that one
+	$(PYTEST) -m "proof or not proof" tests/levels/test_proof.py $(ARGS)
+
 bench: $(VENV)/.dev ## Measure; ARGS="--json numbers.json" keeps the numbers
 	$(BIN)/python -m benchmarks $(ARGS)
 
 screenshot: $(VENV)/.dev ## Draw docs/screenshot.svg and docs/levels.svg anew
-	$(BIN)/python -m docs.screenshot 03-everybody-home everybody-home 330
+	$(BIN)/python -m docs.screenshot 04-everybody-home everybody-home 330
 	$(BIN)/python -m docs.screenshot levels
 
 reference: $(VENV)/.dev ## Write docs/reference.md anew
 	$(BIN)/python -m docs.reference
+
+learn: $(VENV)/.dev ## Write docs/learn.md and its pictures anew
+	$(BIN)/python -m docs.learn
 
 measures: $(VENV)/.dev ## Measure the reference programs anew; ARGS="LEVEL" only that one's
 	$(BIN)/python -m benchmarks.reference $(ARGS)

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from logical_robots_tui import Program, load_level
+from logical_robots_tui import Program, list_levels, load_level
 from logical_robots_tui.cli.main import main
 from logical_robots_tui.cli.main import parser as command_parser
 from logical_robots_tui.tui.commands import COMMANDS
@@ -20,8 +20,8 @@ if TYPE_CHECKING:
     from pathlib import Path
 
 README = CHECKOUT / "README.md"
-BEGIN = "<!-- keys: made from the commands of the game -->\n"
-END = "<!-- end of keys -->\n"
+KEYS = ("<!-- keys: made from the commands of the game -->\n", "<!-- end of keys -->\n")
+LEVELS = ("<!-- levels: made from the files of the levels -->\n", "<!-- end of levels -->\n")
 
 
 def blocks(language: str) -> list[str]:
@@ -40,15 +40,30 @@ def keys_table() -> str:
     return "\n".join(["", "| key | what it does |", "|---|---|", *rows, "", ""])
 
 
-def test_the_keys_are_those_of_the_game(pytestconfig: pytest.Config) -> None:
-    before, begin, rest = README.read_text().partition(BEGIN)
-    table, end, after = rest.partition(END)
+def levels_table() -> str:
+    """Our levels with their ideas, as a table."""
+    rows = [
+        f"| {level.name.partition('-')[0].lstrip('0')} | {level.title} | {len(level.robots)} "
+        f"| {level.idea.rstrip('.')} |"
+        for level in map(load_level, list_levels())
+    ]
+    return "\n".join(["", "| | level | robots | what is new |", "|---|---|---|---|", *rows, "", ""])
+
+
+@pytest.mark.parametrize(
+    ("marks", "wanted"), [(KEYS, keys_table()), (LEVELS, levels_table())], ids=["keys", "levels"]
+)
+def test_a_table_is_what_the_game_has(
+    marks: tuple[str, str], wanted: str, pytestconfig: pytest.Config
+) -> None:
+    before, begin, rest = README.read_text().partition(marks[0])
+    table, end, after = rest.partition(marks[1])
     assert begin
     assert end
     if pytestconfig.getoption("--update-snapshots"):
-        README.write_text(before + begin + keys_table() + end + after)
+        README.write_text(before + begin + wanted + end + after)
     else:
-        assert table == keys_table()
+        assert table == wanted
 
 
 @pytest.mark.parametrize("line", [line for b in blocks("") for line in b.splitlines()])

@@ -1,44 +1,34 @@
-"""Levels, programs and games for the tests of this folder."""
+"""Levels and programs for the tests of this folder."""
 
 from __future__ import annotations
 
-import random
-from dataclasses import replace
-from typing import TYPE_CHECKING
+from functools import cache
 
-from logical_robots_tui import Game, Program
+from logical_robots_tui import Level, Program, list_levels, load_level
+from logical_robots_tui.game.robustness import play_through
 from logical_robots_tui.shipped import shipped_folder
 
-if TYPE_CHECKING:
-    from logical_robots_tui import Level
-
-FARTHEST_SHIFT = 8.0  # units
-WIDEST_TURN = 0.2  # radians
+LEVELS = list_levels()
 
 
 def program_text(name: str) -> str:
     return (shipped_folder("programs") / f"{name}.l").read_text("utf-8")
 
 
-def shifted(level: Level, seed: int) -> Level:
-    """Return the level with every robot's start moved and turned a little."""
-    chance = random.Random(seed)
-    robots = tuple(
-        replace(
-            robot,
-            x=robot.x + chance.uniform(-FARTHEST_SHIFT, FARTHEST_SHIFT),
-            y=robot.y + chance.uniform(-FARTHEST_SHIFT, FARTHEST_SHIFT),
-            angle=robot.angle + chance.uniform(-WIDEST_TURN, WIDEST_TURN),
-        )
-        for robot in level.robots
-    )
-    return replace(level, robots=robots)
+@cache
+def shipped_program(name: str) -> Program:
+    return Program.compile(program_text(name))
 
 
-async def ticks_to_win(level: Level, text: str, ticks: int) -> int | None:
-    """Return the tick of victory, or None if it isn't reached in so many ticks."""
-    game = Game(level, Program.compile(text))
-    try:
-        return (await game.run_until(tick=ticks)).after.won_at
-    finally:
-        await game.close()
+def solution_of(name: str) -> str:
+    """The name of the program that wins a level."""
+    solution = load_level(name).solution
+    assert solution, f"{name} has no solution"
+    return solution
+
+
+def ticks_to_win(level: Level, program: Program | str, ticks: int) -> int | None:
+    """The tick of victory, or None if it isn't reached in so many ticks."""
+    if isinstance(program, str):
+        program = Program.compile(program)
+    return play_through(level, program, ticks).won_at

@@ -36,12 +36,12 @@ def test_the_example_is_a_level(level: Level) -> None:
     assert [robot.name for robot in level.robots] == ["Ann", "Bob"]
 
 
-async def test_the_example_can_be_played(level: Level) -> None:
+def test_the_example_can_be_played(level: Level) -> None:
     text = """
     Robot(robot_name:, desire: {left_engine: 1, right_engine: 1}, memory: "") :-
       Sensor(robot_name:);
     """
-    assert await ticks_to_win(level, text, 20) is None
+    assert ticks_to_win(level, text, 20) is None
 
 
 EVERY_TABLE = [
