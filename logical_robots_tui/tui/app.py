@@ -82,7 +82,9 @@ class LogicalRobotsApp(CarefulApp, inherit_bindings=False):
         """Handle an event; a key or a mouse button is to be answered before all else."""
         if isinstance(event, events.Key | events.MouseDown | events.Paste):
             self.main.session.pace.give_way()
-        await super().on_event(event)
+        key = event.key if isinstance(event, events.Key) and self.screen is self.main else ""
+        if not self.main.goes_there(key):
+            await super().on_event(event)
 
     def last_words(self) -> None:
         """Write what was typed to its draft."""

@@ -43,7 +43,7 @@ class LabyrinthPane(Pane, can_focus=True):
 
     def enter(self) -> None:
         """Take the focus, so that single letters are commands."""
-        self.focus()
+        self.screen.set_focus(self)
 
 
 class Briefing(Overlay):

@@ -55,7 +55,7 @@ class Pane(Container):
             self.post_message(self.Retitled())
 
     def enter(self) -> None:
-        """Put the focus where work in this pane begins."""
+        """Put the focus where work in this pane begins, at once: the next key belongs there."""
         raise NotImplementedError
 
     def _set_border_title(self) -> None:

@@ -13,7 +13,7 @@ from textual.widgets import Input, Static, TextArea
 from logical_robots_tui.tui.actions import Actions
 from logical_robots_tui.tui.background import in_background
 from logical_robots_tui.tui.bar import CommandBar, CommandChosen, PaneTabs
-from logical_robots_tui.tui.commands import bindings
+from logical_robots_tui.tui.commands import bindings, command
 from logical_robots_tui.tui.guide import Guide
 from logical_robots_tui.tui.inspector.pane import ROBOTS, InspectorPane
 from logical_robots_tui.tui.inspector.robots import RobotsView
@@ -291,6 +291,20 @@ class MainScreen(Screen[None]):
         self._show_panes()
         pane.enter()
         self._changed()
+
+    def goes_there(self, key: str) -> bool:
+        """Go to the pane that a key is for; whether there is one, and nobody is typing.
+
+        As a binding the key would be obeyed after keys that arrive in the same moment, and a
+        letter for the editor would be a command.
+        """
+        if isinstance(self.focused, TextArea | Input):
+            return False
+        for pane in self._panes:
+            if key in command(pane.command_id).keys:
+                self.go_to(pane)
+                return True
+        return False
 
     def go_on(self, steps: int) -> None:
         """Go to the pane some steps further."""

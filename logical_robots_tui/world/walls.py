@@ -71,7 +71,9 @@ class Walls:
         room = self._room_at(np.floor(x), np.floor(y))
         room[room == _WALL] = 0
         if len(cos) <= FEW:
-            return self._at_every_step(x, y, cos.reshape(shape), sin.reshape(shape), room.min())
+            return self._at_every_step(
+                x, y, cos.reshape(shape), sin.reshape(shape), room.min(initial=self._reach - 1)
+            )
         # Steps in which a ray crosses at most one cell, per cell. Less a little, so that rounding
         # never carries a ray further than there is room.
         pace = (1 - 1e-9) / np.maximum(np.abs(cos), np.abs(sin))

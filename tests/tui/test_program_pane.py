@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+import pytest
 from textual import events
 from textual.widgets.text_area import Selection
 
@@ -44,6 +45,18 @@ async def test_a_paste_through_a_terminal_without_bracketed_paste_is_the_same(
             key = {"\n": "ctrl+j"}.get(character, character)
             game.app.post_message(events.Key(key, character))
         await game.until(lambda: game.editor.text == PAPER)
+
+
+@pytest.mark.parametrize("size", [(80, 24), (120, 40)], ids=["80x24", "120x40"])
+async def test_letters_right_behind_the_key_for_the_editor_are_typed(
+    data_dir: Path, size: tuple[int, int]
+) -> None:
+    async with opened(data_dir, text="", size=size) as game:
+        for letter in "2squid":
+            game.app.post_message(events.Key(letter, letter))
+        await game.until(lambda: game.editor.text)
+        assert game.editor.text == "squid"
+        assert game.app.screen is game.main
 
 
 async def test_a_mistake_is_marked_in_its_line_with_message_and_hint(data_dir: Path) -> None:

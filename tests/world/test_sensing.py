@@ -82,6 +82,10 @@ def test_a_ray_that_grazes_a_circle_decides_as_the_plain_one(
     assert world.look() == plain_look(world)
 
 
+def test_a_level_without_robots_has_nobody_to_see() -> None:
+    assert World(make_level([])).look() == []
+
+
 def test_more_robots_than_one_pass_takes_all_see_each_other() -> None:
     crowd = [Robot(f"R{i}", 10.3 + 13 * i, 50.5, math.pi) for i in range(20)]
     world = World(make_level(crowd))

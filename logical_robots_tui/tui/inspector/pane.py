@@ -97,7 +97,7 @@ class InspectorPane(Pane):
 
     def enter(self) -> None:
         """Put the focus on the list of predicates."""
-        self._choice.focus()
+        self.screen.set_focus(self._choice)
 
     def inspect(self, name: str) -> None:
         """Show `ROBOTS` or the rows of a predicate."""

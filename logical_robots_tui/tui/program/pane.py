@@ -58,7 +58,7 @@ class ProgramPane(Pane):
 
     def enter(self) -> None:
         """Put the focus into the text."""
-        self.editor.focus()
+        self.screen.set_focus(self.editor)
 
     @on(MistakeStrip.Chosen)
     def _mistake_chosen(self) -> None:
