@@ -51,7 +51,7 @@ async def test_a_level_is_picked_from_the_list_and_brings_its_starter(data_dir: 
         level = load_level(FIRST)
         await game.until(lambda: game.shows(level.title))
         await fill(game, FIRST)
-        await game.until(lambda: game.shows(level.briefing.splitlines()[0]))
+        await game.until(lambda: game.shows(level.idea))
         await game.press("enter")
         await game.until(lambda: game.session.level.name == FIRST)
         assert game.app.screen is game.main

@@ -150,6 +150,7 @@ class Chooser(Dialog[T], Generic[T]):
         self._shown = [
             name for name in self._all if all(word in self._searchable(name) for word in words)
         ]
+        self._shown.sort(key=lambda name: name.casefold() != text.casefold())
         if is_path(text) and text not in self._all:
             self._shown.insert(0, text)
         entries = self.query_one("#entries", OptionList)
