@@ -10,6 +10,7 @@ from logica.compiler import universe
 from logical_robots_tui.mind import builtins
 from logical_robots_tui.mind.close import closest
 from logical_robots_tui.mind.inference import Inference
+from logical_robots_tui.mind.parameters import lacking, parameters
 from logical_robots_tui.mind.program import INPUTS
 from logical_robots_tui.mind.robot_rule import MAIN, engines, main_predicate
 from logical_robots_tui.mind.rules import (
@@ -139,13 +140,14 @@ def _names(rules: list[Rule], text: str, doubtful: frozenset[str]) -> Iterator[D
     """Names that mean nothing, or nothing that a robot may use."""
     own = {*(head_name(r) for r in rules), *defined(rules), *doubtful, *_types(rules)}
     known = {*own, *defined(list(prelude_rules())), *INPUTS}
+    left_open = parameters(rules) - {lacking(rules).get(MAIN)}
     seen = set()
     values = {str(n["the_predicate"]["predicate_name"]) for n in nodes(rules) if _is_value(n)}
     values -= {str(call["predicate_name"]) for call, _ in calls(rules)} | {
         subject(rule) for rule in rules
     }
     for name in called(rules):
-        if name in seen or name in known:
+        if name in seen or name in known or name in left_open:
             continue
         seen.add(name)
         if name == "SqlExpr" or re.match(r"`\W*\w", name):

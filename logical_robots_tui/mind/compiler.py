@@ -14,6 +14,7 @@ from logical_robots_tui.mind import complaints, quicker
 from logical_robots_tui.mind.checks import MAIN, check
 from logical_robots_tui.mind.diagnostics import Diagnostic, ProgramError
 from logical_robots_tui.mind.dialect import RobotDialect
+from logical_robots_tui.mind.parameters import lacking
 from logical_robots_tui.mind.parsing import parse_statements, rewritten
 from logical_robots_tui.mind.program import INPUTS, Predicate, Program
 from logical_robots_tui.mind.recursion import growth_check
@@ -152,10 +153,13 @@ def _compile_predicates(
     problems: list[Diagnostic] = []
     own = heads(raw)
     names = {name: name for name in own}
+    left_open = lacking(raw)
     for done, name in enumerate((MAIN, *(n for n in own if n != MAIN))):
         report(done, len(own))
         try:
-            statements[name], reason = compiled.FormattedPredicateSql(name), ""
+            reason = complaints.OPEN.format(name, left_open[name]) if name in left_open else ""
+            if not reason:
+                statements[name] = compiled.FormattedPredicateSql(name)
         except complaints.COMPLAINTS as error:
             reason = complaints.FUNCTION.format(name)
             if name == MAIN or not _lacks_arguments(error, own[name]):

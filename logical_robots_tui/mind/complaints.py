@@ -39,6 +39,7 @@ COMPLAINTS = (
 """What the package raises about a program that it can't compile; it does not keep to its own."""
 
 FUNCTION = "{} is a function of its arguments; it has no rows of its own."
+OPEN = "{} leans on {}, which is left open for := to fill in; it has no rows of its own."
 
 _ANSI = re.compile(r"\x1b\[[0-9;]*m")
 _EMPHASISED = re.compile(r"\x1b\[1m(.*?)\x1b\[0m", re.DOTALL)

@@ -129,9 +129,12 @@ class Chooser(Dialog[T], Generic[T]):
 
     async def _read_all(self) -> None:
         self._all = list(await asyncio.to_thread(self._shelf.names))
-        self._list(self._current)
+        if self.is_attached:
+            self._list(self._current)
         for name in self._all:
             self._cards[name] = await asyncio.to_thread(self._shelf.card, name)
+            if not self.is_attached:
+                return  # closed meanwhile
             entries = self.query_one("#entries", OptionList)
             if name in self._shown:
                 entries.replace_option_prompt(name, self._entry(name))

@@ -1,0 +1,49 @@
+"""Predicates that a program leaves open, for ``New := Old(Open: Given)`` to fill in."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from logical_robots_tui.mind.rules import called, head_name, heads, value_of
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from logical_robots_tui.mind.rules import Rule
+
+__all__ = ["lacking", "parameters"]
+
+
+def parameters(rules: list[Rule]) -> frozenset[str]:
+    """Names of the predicates that are filled in somewhere and defined nowhere."""
+    filled = {name for rule in rules for name in _filled_in(rule)}
+    return frozenset(filled.difference(heads(rules)))
+
+
+def lacking(rules: list[Rule]) -> dict[str, str]:
+    """By name of a predicate one that it leans on and that is left open there."""
+    own, left_open = heads(rules), parameters(rules)
+
+    def first_open(name: str, filled: frozenset[str], seen: set[str]) -> Iterator[str]:
+        if name in left_open:
+            if name not in filled:
+                yield name
+        elif name in own and name not in seen:
+            seen.add(name)
+            for rule in own[name]:
+                inside = filled.union(_filled_in(rule))
+                for other in map(str, called(rule)):
+                    yield from first_open(other, inside, seen)
+
+    found = {name: next(first_open(name, frozenset(), set()), "") for name in own}
+    return {name: other for name, other in found.items() if other}
+
+
+def _filled_in(rule: Rule) -> list[str]:
+    """Names that a rule with ``:=`` fills in."""
+    if head_name(rule) != "@Make":
+        return []
+    arguments = rule["head"]["record"]["field_value"]
+    given = value_of(arguments[2]) if len(arguments) > 2 else None
+    record = (given or {}).get("record", {})
+    return [str(fv["field"]) for fv in record.get("field_value", [])]

@@ -1,0 +1,61 @@
+"""Predicates that are left open for `:=` to fill in."""
+
+from __future__ import annotations
+
+import pytest
+
+from logical_robots_tui.mind import Mind, Program, ProgramError, QueryError
+from tests.mind.rows import ROBOT, row, think
+
+PATTERN = """
+Station("Fire");
+Mine("Mine");
+Spot(robot_name:, ray:) :- Sensor(robot_name:, sensor:), ray in sensor.radar, Post(ray.label);
+Worker(robot_name:, distance: ray.distance) :- Spot(robot_name:, ray:);
+Firefighter := Worker(Post: Station);
+Miner := Worker(Post: Mine);
+"""
+ROWS = [row("Ada", sees={3: (44, "beacon", "Fire"), 4: (55, "beacon", "Mine")})]
+
+
+@pytest.mark.parametrize(("trade", "distance"), [("Firefighter", 44), ("Miner", 55)])
+def test_what_is_left_open_is_filled_in(trade: str, distance: int) -> None:
+    text = f"{PATTERN}{ROBOT} {trade}(robot_name:, distance: m);"
+    (decision,) = think(text, ROWS, {})
+    assert (decision.memory, decision.notices) == (distance, ())
+
+
+def test_a_pattern_made_from_a_pattern_is_filled_in_from_outside() -> None:
+    text = f"""{PATTERN}
+    Team(robot_name:, distance:) :- Worker(robot_name:, distance:), Allowed(distance);
+    Quick := Team(Allowed: Near);
+    QuickMiner := Quick(Post: Mine);
+    Near(x) :- x in [55, 56];
+    {ROBOT} QuickMiner(robot_name:, distance: m);"""
+    (decision,) = think(text, ROWS, {})
+    assert decision.memory == 55
+
+
+def test_a_pattern_has_no_rows_of_its_own_and_says_why() -> None:
+    program = Program.compile(f"{PATTERN}{ROBOT} Miner(robot_name:, distance: m);")
+    rows = {predicate.name: predicate.has_rows for predicate in program.predicates}
+    assert (rows["Spot"], rows["Worker"], rows["Miner"]) == (False, False, True)
+    mind = Mind(program)
+    with pytest.raises(QueryError, match="Worker leans on Post, which is left open"):
+        mind.query("Worker", ROWS, {})
+    mind.close()
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        f"{PATTERN}{ROBOT} Worker(robot_name:, distance: m);",
+        PATTERN.replace("(Post:", "(Pots:") + f"{ROBOT} Miner(robot_name:, distance: m);",
+    ],
+    ids=["the robots use the pattern", "another name is filled in"],
+)
+def test_what_nobody_fills_in_is_not_defined(text: str) -> None:
+    with pytest.raises(ProgramError) as refused:
+        Program.compile(text)
+    (problem,) = [d for d in refused.value.diagnostics if "Post is not defined" in d.message]
+    assert problem.line == 4
