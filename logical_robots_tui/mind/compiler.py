@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, cast
 
 from logica.compiler import dialects, functors, universe
 
-from logical_robots_tui.mind import complaints, quicker
+from logical_robots_tui.mind import complaints, quicker, reserved
 from logical_robots_tui.mind.checks import MAIN, check
 from logical_robots_tui.mind.diagnostics import Diagnostic, ProgramError
 from logical_robots_tui.mind.dialect import RobotDialect
@@ -255,3 +255,4 @@ def _needed(rules: list[Rule], statements: Mapping[str, str]) -> tuple[str, ...]
 
 dialects.DIALECTS["sqlite"] = RobotDialect
 quicker.install()
+reserved.install()
