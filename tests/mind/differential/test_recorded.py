@@ -18,6 +18,25 @@ if TYPE_CHECKING:
     from logical_robots_tui.game import Frame
 
 TICKS = (1, 40, 300)
+FREE_PROGRAMS_RUN_IN = "02-open-space"
+ANY_OF_EQUAL_ONES = {"lighthouse-starter", "breadcrumbs-starter"}
+"""Go for the nearest of several things; of equally near ones DuckDB may take any."""
+
+
+def pairs() -> list[tuple[str, str]]:
+    """Each level with its programs, and a level with those that belong to none.
+
+    The package's DuckDB has no TryCast.
+    """
+    levels = [load_level(name) for name in list_levels()]
+    found = [(level.name, name) for level in levels for name in (level.starter, level.solution)]
+    free = set(list_programs()).difference(name for _, name in found)
+    found += [(FREE_PROGRAMS_RUN_IN, name) for name in sorted(free)]
+    return [
+        (level, name)
+        for level, name in found
+        if name not in ANY_OF_EQUAL_ONES and "TryCast" not in load_program(name).text
+    ]
 
 
 def robot_rows(text: str, frame: Frame, name: str, folder: Path) -> dict[str, Any]:
@@ -32,15 +51,14 @@ def robot_rows(text: str, frame: Frame, name: str, folder: Path) -> dict[str, An
     return {"desire": desire, "memory": memory}
 
 
-@pytest.mark.parametrize("program_name", list_programs())
-@pytest.mark.parametrize("level_name", list_levels())
+@pytest.mark.parametrize(("level_name", "program_name"), pairs())
 async def test_a_program_decides_as_on_duckdb(
     level_name: str, program_name: str, tmp_path: Path
 ) -> None:
     text = load_program(program_name).text
     game = Game(load_level(level_name), Program.compile(text))
-    await game.run_until(tick=max(TICKS), condition=lambda _: False)
-    for tick in TICKS:
+    last = (await game.run_until(tick=max(TICKS))).tick
+    for tick in (min(tick, last) for tick in TICKS):
         frame = game.frame_at(tick)
         for decision in frame.decisions:
             theirs = robot_rows(text, frame, decision.robot_name, tmp_path)
