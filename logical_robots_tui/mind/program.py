@@ -12,7 +12,7 @@ if TYPE_CHECKING:
     from logical_robots_tui.mind.diagnostics import Diagnostic
     from logical_robots_tui.mind.limits import Limits
 
-__all__ = ["INPUTS", "Predicate", "Program", "Report", "Tuned"]
+__all__ = ["INPUTS", "Duck", "Predicate", "Program", "Report", "Tuned"]
 
 Report: TypeAlias = "Callable[[int, int], None]"
 """Told how many predicates of how many are compiled."""
@@ -44,6 +44,26 @@ class Predicate:
 
 
 @dataclass(frozen=True, slots=True)
+class Duck:
+    """A query for all robots at once in DuckDB's SQL.
+
+    Attributes:
+        columns: By name of a table the columns of it that are read, beside numbers.
+        own: The query where robots see their own sensor and their own or some memories. Like the
+            next, it has one more column, the number of the robot that the row is for.
+        memories: The query where robots see their own sensor and all memories.
+        all: The query where all see everything.
+        unlike: Why there is none, in words that go on after "It", or "".
+    """
+
+    columns: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
+    own: str = ""
+    memories: str = ""
+    all: str = ""
+    unlike: str = ""
+
+
+@dataclass(frozen=True, slots=True)
 class Tuned:
     """A query rewritten for tables that hold all robots' rows, with fields in columns.
 
@@ -57,6 +77,7 @@ class Tuned:
         together: The query for all viewers at once, where each sees its own sensor only, or "".
             It has one more column, the viewer's number, and as last parameter how much further
             the visible rows of ``Memory`` begin from one viewer to the next.
+        duck: The same for DuckDB, where it was looked for.
     """
 
     sql: str
@@ -64,6 +85,7 @@ class Tuned:
     columns: Mapping[str, tuple[str, ...]]
     result: tuple[tuple[str, tuple[str, ...]], ...]
     together: str = ""
+    duck: Duck | None = None
 
     @property
     def together_bounds(self) -> int:

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 from sqlglot import exp
 from sqlglot.errors import SqlglotError
 
+from logical_robots_tui.mind.duck.translation import in_duckdb
 from logical_robots_tui.mind.filling import KINDS
 from logical_robots_tui.mind.program import Tuned
 from logical_robots_tui.mind.tuning import aggregates, columns, records, sharing, sql
@@ -73,12 +74,13 @@ def tune(statement: str, *, for_all: bool = False) -> Tuned | None:
         aggregates.native_division(tree)
         bounds = 4 if "Memory" in read else 2 if "Sensor" in read else 0
         at_once = together(tree) if for_all else None
+        duck = in_duckdb(tree, at_once, result, read) if for_all else None
         if at_once is not None:
             read.setdefault("Sensor", ("robot_name",))
             sharing.rows_as_they_come(at_once)
         sharing.rows_as_they_come(tree)
         text = "" if at_once is None else sql.written(at_once)
-        return Tuned(sql.written(tree), bounds, read, result, text)
+        return Tuned(sql.written(tree), bounds, read, result, text, duck)
     except (SqlglotError, ValueError, RecursionError):
         return None
 
