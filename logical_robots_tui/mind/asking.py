@@ -16,9 +16,10 @@ if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
     from logical_robots_tui.mind.database import Answer as RawAnswer
+    from logical_robots_tui.mind.duck.engine import DuckTables
     from logical_robots_tui.mind.limits import Limits
     from logical_robots_tui.mind.moment import Moment, View, Within
-    from logical_robots_tui.mind.program import Program, Tuned
+    from logical_robots_tui.mind.program import Duck, Program, Tuned
     from logical_robots_tui.values import Value
 
 __all__ = ["Answer", "Asking"]
@@ -41,13 +42,17 @@ class Asking:
         program: What to ask.
         limits: Bounds on memory, on values and on results.
         plain: Whether to take the plain way only.
+        duck: DuckDB, if crowds are to think with it.
     """
 
-    def __init__(self, program: Program, limits: Limits, *, plain: bool) -> None:
+    def __init__(
+        self, program: Program, limits: Limits, *, plain: bool, duck: DuckTables | None = None
+    ) -> None:
         self._program = program
         self._limits = limits
         self._plain = PlainTables(limits)
         self._tuned = None if plain or not program.tuned else TunedTables(limits)
+        self._duck = duck
 
     def each(
         self, predicate: str, moment: Moment, within: Within
@@ -90,6 +95,8 @@ class Asking:
         self._plain.close()
         if self._tuned is not None:
             self._tuned.close()
+        if self._duck is not None:
+            self._duck.close()
 
     # -- inside --------------------------------------------------------------------------------
 
@@ -113,6 +120,10 @@ class Asking:
         tuned = self._program.tuned.get(name)
         if self._tuned is None or tuned is None:
             return ()
+        if self._duck is not None and tuned.duck is not None:
+            answers = self._duck_answers(self._duck, tuned, tuned.duck, moment, within)
+            if answers is not None:
+                return answers
         if tuned.together and moment.apart and len(moment.views) > 1:
             answers = self._joint_answers(tuned, moment, within)
             if answers is not None:
@@ -133,12 +144,38 @@ class Asking:
         assert self._tuned is not None
         try:
             columns, found = self._tuned.ask_together(tuned, moment, within)
-            rows = {row[-1]: row[:-1] for row in found}
-            if len(rows) < len(found):
-                return None
-            answer = self._finished((columns[:-1], list(rows.values())), tuned, within)
+            return self._by_viewer(columns[:-1], found, tuned, moment, within)
         except _NO_QUICK_ANSWER:
             return None
+
+    def _duck_answers(
+        self, tables: DuckTables, tuned: Tuned, duck: Duck, moment: Moment, within: Within
+    ) -> list[Answer] | None:
+        """Answers for all views by DuckDB, or None if there is more than one row for a robot."""
+        try:
+            found = tables.ask(duck, moment, within)
+            if len(moment.views) > 1:
+                return self._by_viewer(duck.names, found, tuned, moment, within)
+            if len({row[duck.names.index("robot_name")] for row in found}) < len(found):
+                return None
+            answer = self._finished((duck.names, found), tuned, within)
+        except _NO_QUICK_ANSWER:
+            return None
+        return None if answer is None else [answer]
+
+    def _by_viewer(
+        self,
+        columns: tuple[str, ...],
+        found: Sequence[tuple[Any, ...]],
+        tuned: Tuned,
+        moment: Moment,
+        within: Within,
+    ) -> list[Answer] | None:
+        """Answers for all views from rows that end with the number of their viewer."""
+        rows = {row[-1]: row[:-1] for row in found}
+        if len(rows) < len(found):
+            return None
+        answer = self._finished((columns, list(rows.values())), tuned, within)
         if answer is None:
             return None
         answers: list[Answer] = [(answer[0], [])] * len(moment.views)

@@ -10,6 +10,7 @@ from logical_robots_tui.mind.asking import Asking
 from logical_robots_tui.mind.deciding import decide, note_stranger
 from logical_robots_tui.mind.decision import Decision, Notice
 from logical_robots_tui.mind.diagnostics import QueryError
+from logical_robots_tui.mind.duck.engine import DuckTables, Engine
 from logical_robots_tui.mind.failures import FailureError
 from logical_robots_tui.mind.limits import Limits
 from logical_robots_tui.mind.moment import Moment, View, Within
@@ -51,6 +52,10 @@ class Mind:
         sensor: Whose sensors it sees: ``own`` or ``all``. A program's ``@Visible`` goes first.
         limits: Bounds on time and size.
         plain: Whether to evaluate the SQL as it was generated, which is slower and means the same.
+        engine: With ``duckdb`` crowds think with DuckDB, which is quicker and means the same.
+
+    Raises:
+        InputError: DuckDB is wanted and not installed.
     """
 
     def __init__(
@@ -61,12 +66,14 @@ class Mind:
         limits: Limits | None = None,
         *,
         plain: bool = False,
+        engine: Engine = "sqlite",
     ) -> None:
         self.program = program
         self.memory = program.memory or memory
         self.sensor = program.sensor or sensor
         self.limits = limits or Limits()
-        self._asking = Asking(program, self.limits, plain=plain)
+        duck = DuckTables(self.limits) if engine == "duckdb" else None
+        self._asking = Asking(program, self.limits, plain=plain, duck=duck)
 
     def think(
         self,

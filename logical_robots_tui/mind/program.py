@@ -48,6 +48,7 @@ class Duck:
     """A query for all robots at once in DuckDB's SQL.
 
     Attributes:
+        names: Names of the columns of the answer.
         columns: By name of a table the columns of it that are read, beside numbers.
         own: The query where robots see their own sensor and their own or some memories. Like the
             next, it has one more column, the number of the robot that the row is for.
@@ -56,6 +57,7 @@ class Duck:
         unlike: Why there is none, in words that go on after "It", or "".
     """
 
+    names: tuple[str, ...] = ()
     columns: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
     own: str = ""
     memories: str = ""

@@ -67,8 +67,7 @@ def choice(conditions: Sequence[Term], values: Sequence[Term]) -> Term:
     kind = common(value.kind for value in values)
     texts = [as_kind(value, kind).sql for value in values]
     branches = [
-        f"WHEN {condition(test)} THEN {text}"
-        for test, text in zip(conditions, texts, strict=False)
+        f"WHEN {condition(test)} THEN {text}" for test, text in zip(conditions, texts, strict=False)
     ]
     otherwise = f" ELSE {texts[-1]}" if len(texts) > len(conditions) else ""
     return Term(f"(CASE {' '.join(branches)}{otherwise} END)", kind)

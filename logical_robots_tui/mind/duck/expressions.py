@@ -95,7 +95,7 @@ class Expressions:
         value = self.write(best.expressions[0], scope)
         chosen = _best(f"arg_{function}", self.write(bare, scope), value, scope)
         extreme = calls.aggregate(function, value)
-        return [(items[0].alias.lower(), chosen), (items[1].alias.lower(), extreme)]
+        return [(items[0].alias, chosen), (items[1].alias, extreme)]
 
     # -- inside --------------------------------------------------------------------------------
 
@@ -176,7 +176,7 @@ class Expressions:
 
 def _column(node: exp.Column, scope: Scope) -> Term:
     source = scope.find(node.table)
-    found = source.columns.get(node.name.lower())
+    found = source.columns.get(node.name)
     if found is not None:
         return Term(f"{source.name}.{found[0]}", found[1])
     if source.table == "memory":

@@ -44,8 +44,8 @@ class Source:
 
     Attributes:
         name: Under which name.
-        columns: By the name that the program has for it, in lower case, each column's name and
-            the kind of its values.
+        columns: By the name that the program has for it, each column's name and the kind of its
+            values.
         table: ``sensor``, ``memory`` or ``ray`` if it is an input, else "".
     """
 

@@ -51,19 +51,20 @@ def in_duckdb(
     """
     columns = {"Sensor": ("robot_name",), **read}
     try:
-        everything = translated(tree, result, "all")
+        names, everything = translated(tree, result, "all")
         if together is None:
-            return Duck(columns, all=everything)
-        own, memories = (translated(together, result, sight) for sight in ("own", "memories"))
-        return Duck(columns, own, memories, everything)
+            return Duck(names, columns, all=everything)
+        _, own = translated(together, result, "own")
+        _, memories = translated(together, result, "memories")
+        return Duck(names, columns, own, memories, everything)
     except UnlikeError as error:
         return Duck(unlike=str(error))
 
 
 def translated(
     tree: exp.Expr, result: Sequence[tuple[str, tuple[str, ...]]], sight: Sight
-) -> str:
-    """The text of the query in DuckDB's SQL.
+) -> tuple[tuple[str, ...], str]:
+    """The names of the columns of the query, and its text in DuckDB's SQL.
 
     Args:
         tree: A tuned query, of one viewer that sees all or of all viewers at once; not changed.
@@ -88,10 +89,10 @@ def translated(
     for place, kind in enumerate(kinds):
         if kind == "number" and not (place < len(loose) and loose[place]):
             raise UnlikeError("has a number in its answer that is whole only sometimes")
-    text = f"SELECT {', '.join(term.sql for term in wider)} FROM ({text}) AS answer"
+    text = f"SELECT {', '.join(term.sql for term in wider)} FROM ({text}) AS answer"  # noqa: S608 - our own
     if len(text) > _LONGEST:
         raise UnlikeError("is too long")
-    return text
+    return tuple(source.columns), text
 
 
 class _Query:
@@ -148,7 +149,7 @@ class _Query:
         first, second = (list(source.columns.items()) for _, source in arms)
         if len(first) != len(second):
             raise UnlikeError("joins rows of different width")
-        columns = {}
+        columns: dict[str, tuple[str, Kind]] = {}
         for (name, (_, one)), (_, (_, other)) in zip(first, second, strict=True):
             columns[name] = (f"c{len(columns) + 1}", common([one, other]))
         texts = []
@@ -159,7 +160,8 @@ class _Query:
                     source.columns.values(), columns.values(), strict=True
                 )
             ]
-            texts.append(f"SELECT {', '.join(values)} FROM ({text}) AS {self._fresh('s')}")
+            name = self._fresh("s")
+            texts.append(f"SELECT {', '.join(values)} FROM ({text}) AS {name}")  # noqa: S608
         operator = " UNION " if union.args.get("distinct") else " UNION ALL "
         return f"({operator.join(texts)})", Source("", columns)
 
@@ -176,7 +178,7 @@ class _Query:
         columns: dict[str, tuple[str, Kind]] = {}
         values = []
         for name, term in self._columns(select, scope):
-            if name in columns:
+            if name.lower() in map(str.lower, columns):
                 raise UnlikeError("has two columns of one name")
             columns[name] = (f"c{len(columns) + 1}", term.kind)
             values.append(f"{term.sql} AS {columns[name][0]}")
@@ -203,7 +205,7 @@ class _Query:
         if bare is not None:
             return bare
         return [
-            (node.alias.lower() or f"unnamed {place}", self._expressions.write(node, scope))
+            (node.alias or f"unnamed {place}", self._expressions.write(node, scope))
             for place, node in enumerate(select.expressions)
         ]
 
@@ -223,19 +225,17 @@ class _Query:
 
     def _list(self, table: exp.Expr, scope: Scope, name: str) -> tuple[str, Source]:
         """A list that is written out, as rows."""
-        call = table.this
-        items = call.expressions[0] if sql.call_name(call) == "json_each" else None
-        if sql.call_name(items) != "json_array" or not items.expressions:
+        items = table.find(exp.Anonymous) if sql.call_name(table.this) == "json_each" else None
+        items = items.expressions[0] if items is not None else None
+        if items is None or sql.call_name(items) != "json_array" or not items.expressions:
             raise UnlikeError("reads the elements of a list that it was given or makes")
         terms = [self._expressions.write(item, scope) for item in items.expressions]
         kind = common(term.kind for term in terms)
         if kind in ("number", "truth", "nothing"):
             raise UnlikeError("reads a list of values of different kinds")
         rows = ", ".join(f"({as_kind(term, kind).sql})" for term in terms)
-        return (
-            f"(SELECT col0 AS value FROM (VALUES {rows}) AS items)",
-            Source(name, {"value": ("value", kind)}),
-        )
+        text = f"(SELECT col0 AS value FROM (VALUES {rows}) AS items)"  # noqa: S608 - our own
+        return text, Source(name, {"value": ("value", kind)})
 
     def _condition(self, node: exp.Expr, scope: Scope) -> str:
         if isinstance(node, exp.Between):

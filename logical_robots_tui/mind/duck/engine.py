@@ -1,0 +1,148 @@
+"""DuckDB, closed off from everything but the tables of a tick."""
+
+from __future__ import annotations
+
+from importlib import import_module
+from typing import TYPE_CHECKING, Any, Literal, TypeAlias
+
+from logical_robots_tui.errors import InputError
+from logical_robots_tui.mind.database import TooMuchError, TooSlowError
+from logical_robots_tui.mind.diagnostics import Stopped
+from logical_robots_tui.mind.duck.words import is_harmless
+from logical_robots_tui.mind.tables import UnfitError
+from logical_robots_tui.mind.watch import Work
+
+if TYPE_CHECKING:
+    import threading
+    from collections.abc import Mapping, Sequence
+
+    from logical_robots_tui.mind.limits import Limits
+    from logical_robots_tui.mind.moment import Moment, Within
+    from logical_robots_tui.mind.program import Duck
+
+__all__ = ["FEWEST", "DuckTables", "Engine", "check_installed"]
+
+Engine: TypeAlias = Literal["sqlite", "duckdb"]
+"""What minds think with."""
+
+FEWEST = 150
+"""Robots from which on DuckDB is the quicker one."""
+
+_SETTINGS = (
+    "temp_directory = ''",
+    "autoinstall_known_extensions = false",
+    "autoload_known_extensions = false",
+    "allow_community_extensions = false",
+    "python_enable_replacements = false",
+    "enable_external_access = false",
+)
+_LOCK = "lock_configuration = true"
+
+_PATIENCE = 3  # failures in a row after which a query is not tried again
+
+
+def check_installed() -> None:
+    """Make sure that DuckDB can be used.
+
+    Raises:
+        InputError: It is not installed.
+    """
+    try:
+        import_module("duckdb")
+    except ImportError:
+        raise InputError(
+            "DuckDB is not installed.",
+            hint="Install it with: pip install logical-robots-tui[duckdb]",
+        ) from None
+
+
+class DuckTables:
+    """The rows of a moment in DuckDB, asked for all robots at once.
+
+    One thread of DuckDB's computes, so that sums always come out the same.
+
+    Args:
+        limits: Bounds on memory and on results.
+
+    Raises:
+        InputError: DuckDB is not installed.
+    """
+
+    def __init__(self, limits: Limits) -> None:
+        check_installed()
+        import duckdb
+
+        self._error = duckdb.Error
+        self._limits = limits
+        self._failures: dict[str, int] = {}
+        self._connection = duckdb.connect(":memory:", config={"threads": 1})
+        for setting in (*_SETTINGS, f"memory_limit = '{limits.mind_bytes}B'", _LOCK):
+            self._connection.execute(f"SET {setting}")
+        self._work = Work(self._connection.interrupt)
+
+    def ask(self, duck: Duck, moment: Moment, within: Within) -> Sequence[tuple[Any, ...]]:
+        """Rows for all robots; each ends with the number of its robot unless all see everything.
+
+        Raises:
+            UnfitError: It is better asked of SQLite, for want of a query, because the sensors have
+                not the usual shape, or because DuckDB failed.
+            Stopped: The thought was stopped.
+            TooSlowError: It took too long.
+            TooMuchError: The result is too large.
+        """
+        query = _query_for(duck, moment) if len(moment.names) >= FEWEST else ""
+        if not query or self._failures.get(query, 0) >= _PATIENCE:
+            raise UnfitError("no query for DuckDB")
+        if not is_harmless(query):
+            raise UnfitError("a query that was not made here")
+        self._load(duck.columns, moment)
+        try:
+            rows = self._fetch(query, within)
+        except (self._error, UnicodeError) as error:
+            self._failures[query] = self._failures.get(query, 0) + 1
+            raise UnfitError(str(error)) from None
+        self._failures.pop(query, None)
+        return rows
+
+    def close(self) -> None:
+        """Free everything."""
+        self._connection.close()
+
+    # -- inside --------------------------------------------------------------------------------
+
+    def _load(self, tables: Mapping[str, tuple[str, ...]], moment: Moment) -> None:
+        from logical_robots_tui.mind.duck.loading import columns_of
+
+        for table, wanted in tables.items():
+            self._connection.register(table, columns_of(table, moment, wanted))
+
+    def _fetch(self, query: str, within: Within) -> list[tuple[Any, ...]]:
+        self._work.begin(within.deadline, within.stop)
+        try:
+            found = self._connection.execute(query)
+            rows: list[tuple[Any, ...]] = found.fetchmany(within.rows + 1)
+        except self._error:
+            if self._work.halted:
+                raise self._end(within.stop) from None
+            raise
+        finally:
+            self._work.end()
+        if self._work.halted:
+            raise self._end(within.stop)
+        size = sum(len(v.encode()) for row in rows for v in row if v.__class__ is str)
+        if size > self._limits.result_bytes:
+            raise TooMuchError(f"the result has more than {self._limits.result_bytes:,} bytes")
+        return rows
+
+    def _end(self, stop: threading.Event | None) -> Exception:
+        if stop is not None and stop.is_set():
+            return Stopped("The program was stopped while it was thinking.")
+        return TooSlowError()
+
+
+def _query_for(duck: Duck, moment: Moment) -> str:
+    if len(moment.views) == 1 and len(moment.names) > 1:
+        return duck.all
+    if not moment.apart:
+        return ""
+    return duck.own if moment.stride else duck.memories
