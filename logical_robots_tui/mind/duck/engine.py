@@ -16,6 +16,8 @@ if TYPE_CHECKING:
     import threading
     from collections.abc import Mapping, Sequence
 
+    from numpy.typing import NDArray
+
     from logical_robots_tui.mind.limits import Limits
     from logical_robots_tui.mind.moment import Moment, Within
     from logical_robots_tui.mind.program import Duck
@@ -25,7 +27,7 @@ __all__ = ["FEWEST", "DuckTables", "Engine", "check_installed"]
 Engine: TypeAlias = Literal["sqlite", "duckdb"]
 """What minds think with."""
 
-FEWEST = 150
+FEWEST = 100
 """Robots from which on DuckDB is the quicker one."""
 
 _SETTINGS = (
@@ -79,6 +81,9 @@ class DuckTables:
         for setting in (*_SETTINGS, f"memory_limit = '{limits.mind_bytes}B'", _LOCK):
             self._connection.execute(f"SET {setting}")
         self._work = Work(self._connection.interrupt)
+        self._columns: dict[str, dict[str, NDArray[Any]]] = {}
+        self._prepared = ""
+        self._is_live = self._reads_in_place()
 
     def ask(self, duck: Duck, moment: Moment, within: Within) -> Sequence[tuple[Any, ...]]:
         """Rows for all robots; each ends with the number of its robot unless all see everything.
@@ -95,9 +100,10 @@ class DuckTables:
             raise UnfitError("no query for DuckDB")
         if not is_harmless(query):
             raise UnfitError("a query that was not made here")
-        self._load(duck.columns, moment)
         try:
-            rows = self._fetch(query, within)
+            self._load(duck.columns, moment)
+            self._prepare(query)
+            rows = self._fetch(within)
         except (self._error, UnicodeError) as error:
             self._failures[query] = self._failures.get(query, 0) + 1
             raise UnfitError(str(error)) from None
@@ -111,15 +117,45 @@ class DuckTables:
     # -- inside --------------------------------------------------------------------------------
 
     def _load(self, tables: Mapping[str, tuple[str, ...]], moment: Moment) -> None:
-        from logical_robots_tui.mind.duck.loading import columns_of
+        """Let DuckDB see the columns of a moment.
+
+        It reads numpy's arrays where they are, whenever a query runs. So new values are put into
+        the same arrays: what was prepared stays, and to prepare takes longer than to compute.
+        """
+        from logical_robots_tui.mind.duck.loading import columns_of, filled
 
         for table, wanted in tables.items():
-            self._connection.register(table, columns_of(table, moment, wanted))
+            columns = columns_of(table, moment, wanted)
+            kept = self._columns.get(table)
+            if kept is None or not self._is_live or not filled(kept, columns):
+                self._connection.register(table, columns)
+                self._columns[table] = columns
+                self._prepared = ""
 
-    def _fetch(self, query: str, within: Within) -> list[tuple[Any, ...]]:
+    def _prepare(self, query: str) -> None:
+        if query != self._prepared:
+            self._connection.execute(f"PREPARE thought AS {query}")
+            self._prepared = query
+
+    def _reads_in_place(self) -> bool:
+        """Whether a prepared query sees what is put into an array later."""
+        import numpy as np
+
+        probe = {name: np.array([item], dtype=object) for name, item in (("a", "x"), ("b", "y"))}
+        probe["c"] = np.array([1.5])
+        self._connection.register("probe", probe)
+        self._connection.execute("PREPARE probing AS SELECT a, b, c FROM probe")
+        probe["a"][:] = ["z"]
+        probe["c"][:] = [2.5]
+        seen = self._connection.execute("EXECUTE probing").fetchall()
+        self._connection.execute("DEALLOCATE probing")
+        self._connection.unregister("probe")
+        return seen == [("z", "y", 2.5)]
+
+    def _fetch(self, within: Within) -> list[tuple[Any, ...]]:
         self._work.begin(within.deadline, within.stop)
         try:
-            found = self._connection.execute(query)
+            found = self._connection.execute("EXECUTE thought")
             rows: list[tuple[Any, ...]] = found.fetchmany(within.rows + 1)
         except self._error:
             if self._work.halted:

@@ -14,21 +14,23 @@ from logical_robots_tui.mind.filling import KINDS
 from logical_robots_tui.mind.tables import UnfitError
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable, Mapping, Sequence
+    from collections.abc import Callable, Mapping, Sequence
 
     from numpy.typing import NDArray
 
     from logical_robots_tui.mind.duck.terms import Kind
     from logical_robots_tui.mind.moment import Moment
 
-__all__ = ["columns_of"]
+__all__ = ["columns_of", "filled"]
 
 _MOST_RAYS = 1000  # of a radar; by their numbers the first of equal ones is told
 _IN_SELF = frozenset({"can_charge", "has_battery", "battery_level", "battery_capacity"})
 
 
 def columns_of(table: str, moment: Moment, wanted: Sequence[str]) -> dict[str, NDArray[Any]]:
-    """The columns of a table, as many items in each as the table has rows.
+    """The columns of a table.
+
+    Where their length would change from tick to tick they are longer, and the last rows nobody's.
 
     Args:
         table: One of `INPUTS`.
@@ -43,9 +45,22 @@ def columns_of(table: str, moment: Moment, wanted: Sequence[str]) -> dict[str, N
             return _sensors(moment, wanted)
         if table == "Memory":
             return _memories(moment)
-        return _rays(table, moment, wanted)
+        if table in KINDS:
+            return _rays_of_kind(table, moment, wanted)
+        return _rays(moment, wanted)
     except (TypeError, KeyError, AttributeError, ValueError, OverflowError) as error:
         raise UnfitError(str(error)) from None
+
+
+def filled(kept: Mapping[str, NDArray[Any]], new: Mapping[str, NDArray[Any]]) -> bool:
+    """Put new values into columns that are kept, if they fit; tell whether they did."""
+    if kept.keys() != new.keys():
+        return False
+    if any(len(kept[name]) != len(column) for name, column in new.items()):
+        return False
+    for name, column in new.items():
+        kept[name][:] = column
+    return True
 
 
 def _sensors(moment: Moment, wanted: Sequence[str]) -> dict[str, NDArray[Any]]:
@@ -53,7 +68,7 @@ def _sensors(moment: Moment, wanted: Sequence[str]) -> dict[str, NDArray[Any]]:
     found: dict[str, NDArray[Any]] = {"id": np.arange(len(sensors))}
     for column in wanted:
         if column == "robot_name":
-            values: list[Any] = moment.names
+            values: Sequence[Any] = moment.names
         else:
             places = [sensor["self"] for sensor in sensors] if column in _IN_SELF else sensors
             values = [place[column] for place in places]
@@ -63,35 +78,59 @@ def _sensors(moment: Moment, wanted: Sequence[str]) -> dict[str, NDArray[Any]]:
 
 def _memories(moment: Moment) -> dict[str, NDArray[Any]]:
     """Whose memories are seen by whom; where all see all of them, by nobody in particular."""
-    stride = moment.stride
-    return {
-        "viewer": np.array([n // stride if stride else 0 for n, _ in moment.memories]),
-        "robot_name": _column("text", [name for _, name in moment.memories]),
+    stride = moment.stride or len(moment.names)
+    return _with_room(
+        {
+            "viewer": np.array([number // stride for number, _ in moment.memories]),
+            "robot_name": _column("text", [name for _, name in moment.memories]),
+        },
+        "viewer",
+        exactly=not moment.stride or len(moment.memories) == len(moment.names),
+    )
+
+
+def _rays(moment: Moment, wanted: Sequence[str]) -> dict[str, NDArray[Any]]:
+    radars = [row["sensor"]["radar"] for row in moment.sensors]
+    size = len(radars[0])
+    if not 0 < size < _MOST_RAYS or any(len(radar) != size for radar in radars):
+        raise UnfitError("radars of different size")
+    count = len(radars)
+    found: dict[str, NDArray[Any]] = {
+        "sensor": np.repeat(np.arange(count), size),
+        "ray": np.tile(np.arange(size), count),
     }
+    for column in wanted:
+        values = [ray[column] for radar in radars for ray in radar]
+        found[column] = _column(INPUTS["Ray"][column], values)
+    return found
 
 
-def _rays(table: str, moment: Moment, wanted: Sequence[str]) -> dict[str, NDArray[Any]]:
-    radars: list[Sequence[Mapping[str, Any]]]
-    if table in KINDS:
-        numbered = moment.rays_to(KINDS[table])
-        radars = [[ray for _, ray in items] for items in numbered]
-        numbers: Iterable[int] = (number for items in numbered for number, _ in items)
-    else:
-        radars = [row["sensor"]["radar"] for row in moment.sensors]
-        numbers = chain.from_iterable(range(len(radar)) for radar in radars)
-    sizes = [len(radar) for radar in radars]
-    rays = list(chain.from_iterable(radars))
-    if not rays:
-        return {**_NO_RAYS, **{column: _NO_VALUES[INPUTS[table][column]] for column in wanted}}
+def _rays_of_kind(table: str, moment: Moment, wanted: Sequence[str]) -> dict[str, NDArray[Any]]:
+    numbered = moment.rays_to(KINDS[table])
+    items = [*chain.from_iterable(numbered)]
+    rays = [ray for _, ray in items]
     found = {
-        "sensor": np.repeat(np.arange(len(radars)), sizes),
-        "ray": np.fromiter(numbers, np.int64, len(rays)),
+        "sensor": np.repeat(np.arange(len(numbered)), [*map(len, numbered)]),
+        "ray": np.fromiter((number for number, _ in items), np.int64, len(items)),
     }
-    if found["ray"].max() >= _MOST_RAYS:
+    if items and found["ray"].max() >= _MOST_RAYS:
         raise UnfitError("a radar of too many rays")
     for column in wanted:
         found[column] = _column(INPUTS[table][column], [*map(itemgetter(column), rays)])
-    return found
+    return _with_room(found, "sensor")
+
+
+def _with_room(
+    columns: dict[str, NDArray[Any]], whose: str, *, exactly: bool = False
+) -> dict[str, NDArray[Any]]:
+    """Columns of a length that seldom changes, and of at least one row."""
+    count = len(columns[whose])
+    missing = 0 if exactly and count else (1 << count.bit_length()) - count
+    longer = {}
+    for name, column in columns.items():
+        nothing = np.full(missing, "" if column.dtype == object else -1, column.dtype)
+        longer[name] = np.concatenate([column, nothing])
+    return longer
 
 
 def _column(kind: Kind, values: Sequence[Any]) -> NDArray[Any]:
@@ -99,35 +138,27 @@ def _column(kind: Kind, values: Sequence[Any]) -> NDArray[Any]:
 
 
 def _whole(values: Sequence[Any]) -> NDArray[Any]:
-    return np.frombuffer(array("q", values), np.int64)  # takes no real numbers
+    return np.array(array("q", values))  # takes no real numbers
 
 
 def _real(values: Sequence[Any]) -> NDArray[Any]:
-    if set(map(type, values)) != {float}:
-        raise UnfitError("a number that is whole")
-    found = np.array(values)
+    found = np.array(array("d", values))
     if not np.isfinite(found).all():
         raise UnfitError("a number without end")
+    if any(
+        values[place].__class__ is not float for place in np.flatnonzero(found % 1 == 0).tolist()
+    ):
+        raise UnfitError("a number that is whole")
     return found
 
 
 def _text(values: Sequence[Any]) -> NDArray[Any]:
-    if set(map(type, values)) != {str}:
+    if values and set(map(type, values)) != {str}:
         raise UnfitError("not a text")
     found = np.empty(len(values), dtype=object)
     found[:] = values
     return found
 
-
-_NOBODY = np.array([-1])
-_NO_RAYS = {"sensor": _NOBODY, "ray": _NOBODY}
-"""A ray of no robot: DuckDB could not tell of which kind the values of no rows are."""
-
-_NO_VALUES: dict[Kind, NDArray[Any]] = {
-    "whole": np.array([0]),
-    "real": np.array([0.0]),
-    "text": np.array([""], dtype=object),
-}
 
 _MAKERS: dict[Kind, Callable[[Sequence[Any]], NDArray[Any]]] = {
     "whole": _whole,
