@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from importlib import import_module
 from typing import TYPE_CHECKING, Any, Literal, TypeAlias
+from weakref import WeakMethod
 
 from logical_robots_tui.errors import InputError
 from logical_robots_tui.mind.database import TooMuchError, TooSlowError
@@ -80,7 +81,9 @@ class DuckTables:
         self._connection = duckdb.connect(":memory:", config={"threads": 1})
         for setting in (*_SETTINGS, f"memory_limit = '{limits.mind_bytes}B'", _LOCK):
             self._connection.execute(f"SET {setting}")
-        self._work = Work(self._connection.interrupt)
+        # Weakly, for who looks after the work may remember it for longer than DuckDB likes.
+        interrupt = WeakMethod(self._interrupt)
+        self._work = Work(lambda: (halt := interrupt()) and halt())
         self._columns: dict[str, dict[str, NDArray[Any]]] = {}
         self._prepared = ""
         self._is_live = self._reads_in_place()
@@ -115,6 +118,9 @@ class DuckTables:
         self._connection.close()
 
     # -- inside --------------------------------------------------------------------------------
+
+    def _interrupt(self) -> None:
+        self._connection.interrupt()
 
     def _load(self, tables: Mapping[str, tuple[str, ...]], moment: Moment) -> None:
         """Let DuckDB see the columns of a moment.
