@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, TypeAlias
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-__all__ = ["Commands", "add_data_dir", "new_command"]
+__all__ = ["Commands", "add_data_dir", "add_engine", "check_engine", "new_command"]
 
 if TYPE_CHECKING:
     Commands: TypeAlias = "argparse._SubParsersAction[argparse.ArgumentParser]"
@@ -56,6 +56,29 @@ def add_data_dir(command: argparse.ArgumentParser) -> None:
         metavar="FOLDER",
         help="where your own programs, progress and unsaved texts are kept",
     )
+
+
+def add_engine(command: argparse.ArgumentParser) -> None:
+    """Add the option that says what robots think with."""
+    command.add_argument(
+        "--engine",
+        choices=("sqlite", "duckdb"),
+        default="sqlite",
+        help="what the robots think with; duckdb is quicker for a hundred and more (default: "
+        "%(default)s)",
+    )
+
+
+def check_engine(options: argparse.Namespace) -> None:
+    """Make sure that what the robots are to think with is there.
+
+    Raises:
+        InputError: It is not installed.
+    """
+    if options.engine == "duckdb":
+        from logical_robots_tui.mind import check_installed
+
+        check_installed()
 
 
 def prefers_json(options: argparse.Namespace) -> bool:

@@ -6,7 +6,7 @@ import os
 import sys
 from typing import TYPE_CHECKING
 
-from logical_robots_tui.cli.command import add_data_dir, new_command
+from logical_robots_tui.cli.command import add_data_dir, add_engine, check_engine, new_command
 from logical_robots_tui.errors import InputError
 
 if TYPE_CHECKING:
@@ -38,6 +38,7 @@ def declare(commands: Commands) -> None:
     )
     command.add_argument("level", nargs="?", metavar="LEVEL", help="a level's name or file")
     command.add_argument("program", nargs="?", metavar="PROGRAM", help="a program's name or file")
+    add_engine(command)
     add_data_dir(command)
 
 
@@ -45,7 +46,7 @@ def start(options: argparse.Namespace) -> int:
     """Open the game.
 
     Raises:
-        InputError: There is no terminal, or the level or program can't be used.
+        InputError: There is no terminal, no such engine, or the level or program can't be used.
     """
     streams = (sys.stdin, sys.stdout, sys.stderr)
     if not all(stream.isatty() for stream in streams) or os.environ.get("TERM") == "dumb":
@@ -53,9 +54,10 @@ def start(options: argparse.Namespace) -> int:
             "the game needs a terminal.",
             hint="Without one, use: logical-robots run LEVEL PROGRAM",
         )
+    check_engine(options)
     # The terminal knows its size better than a shell that once exported it.
     for name in ("COLUMNS", "LINES"):
         os.environ.pop(name, None)
     from logical_robots_tui.tui.play import play
 
-    return play(options.level, options.program, options.data_dir)
+    return play(options.level, options.program, options.data_dir, options.engine)

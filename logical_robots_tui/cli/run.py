@@ -9,7 +9,13 @@ from contextlib import nullcontext
 from time import perf_counter
 from typing import TYPE_CHECKING
 
-from logical_robots_tui.cli.command import add_data_dir, new_command, prefers_json
+from logical_robots_tui.cli.command import (
+    add_data_dir,
+    add_engine,
+    check_engine,
+    new_command,
+    prefers_json,
+)
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -18,7 +24,7 @@ if TYPE_CHECKING:
     from logical_robots_tui.cli.command import Commands
     from logical_robots_tui.cli.outcome import Outcome
     from logical_robots_tui.game import Frame
-    from logical_robots_tui.mind import Program
+    from logical_robots_tui.mind import Engine, Program
     from logical_robots_tui.world import Level
 
 __all__ = ["declare", "play_out"]
@@ -60,6 +66,7 @@ def declare(commands: Commands) -> None:
     command.add_argument(
         "--json", action="store_true", help="print JSON even when a terminal is looking"
     )
+    add_engine(command)
     add_data_dir(command)
 
 
@@ -71,6 +78,7 @@ def start(options: argparse.Namespace) -> int:
     from logical_robots_tui.mind import Program, ProgramError
     from logical_robots_tui.world import load_level
 
+    check_engine(options)
     level = load_level(options.level)
     source = load_program(options.program, own_programs(options.data_dir))
     try:
@@ -78,8 +86,12 @@ def start(options: argparse.Namespace) -> int:
     except ProgramError as error:
         place = str(source.path if options.program == str(source.path) else options.program)
         raise ProgramFileError(place, error) from error
+    if options.engine == "duckdb":
+        _say_if_not_used(program)
     with _progress(level.title, options.ticks) as show:
-        outcome = asyncio.run(play_out(level, program, options.program, options.ticks, show))
+        outcome = asyncio.run(
+            play_out(level, program, options.program, options.ticks, show, engine=options.engine)
+        )
     print(outcome.as_json() if prefers_json(options) else outcome.in_words())
     return WON if outcome.won_at is not None else NOT_WON
 
@@ -90,6 +102,8 @@ async def play_out(
     program_name: str,
     ticks: int,
     show: Callable[[int], object] = lambda _tick: None,
+    *,
+    engine: Engine = "sqlite",
 ) -> Outcome:
     """Run until the level is won or the ticks are over.
 
@@ -99,11 +113,12 @@ async def play_out(
         program_name: What to call it in the outcome.
         ticks: How many ticks to try.
         show: Told each finished tick.
+        engine: What the robots think with.
     """
     from logical_robots_tui.cli.outcome import Outcome, Tally
     from logical_robots_tui.game import Game
 
-    game = Game(level, program, history=1)
+    game = Game(level, program, history=1, engine=engine)
     tally = Tally()
 
     def look(frame: Frame) -> None:
@@ -117,6 +132,13 @@ async def play_out(
     finally:
         await game.close()
     return Outcome(level, program_name, frame, tally, perf_counter() - began)
+
+
+def _say_if_not_used(program: Program) -> None:
+    from logical_robots_tui.mind import why_not_duckdb
+
+    for warning in why_not_duckdb(program):
+        print(f"logical-robots: {warning.message}. {warning.hint}", file=sys.stderr)
 
 
 def _progress(title: str, ticks: int) -> AbstractContextManager[Callable[[int], object]]:

@@ -19,7 +19,7 @@ from logical_robots_tui.world import World
 if TYPE_CHECKING:
     import threading
 
-    from logical_robots_tui.mind import Program, Table
+    from logical_robots_tui.mind import Engine, Program, Table
     from logical_robots_tui.world import Level
 
 __all__ = ["Answer", "Game", "Superseded"]
@@ -60,6 +60,7 @@ class Game:
         program: What the robots think.
         limits: Bounds on thinking.
         history: How many ticks can be gone back.
+        engine: What robots think with, as `Mind` has it.
     """
 
     def __init__(
@@ -69,6 +70,7 @@ class Game:
         *,
         limits: Limits | None = None,
         history: int | None = None,
+        engine: Engine = "sqlite",
     ) -> None:
         self.level = level
         self.program = program
@@ -77,7 +79,7 @@ class Game:
         self.pace = Pace()
         self.history = History() if history is None else History(history)
         self._listeners: list[Listener] = []
-        self._thinker = Thinker("think")
+        self._thinker = Thinker("think", engine)
         self._asker = Thinker("ask")
         self._running = False
         self._closed = False

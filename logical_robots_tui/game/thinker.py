@@ -14,7 +14,7 @@ from logical_robots_tui.mind import Mind, Stopped
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from logical_robots_tui.mind import Limits, Program
+    from logical_robots_tui.mind import Engine, Limits, Program
     from logical_robots_tui.world import Level, World, WorldState
 
 __all__ = ["Thinker", "next_frame"]
@@ -41,7 +41,8 @@ def next_frame(world: World, mind: Mind, past: Frame, stop: threading.Event) -> 
 class Thinker:
     """One thread with one mind at a time; what runs in it can be stopped."""
 
-    def __init__(self, name: str) -> None:
+    def __init__(self, name: str, engine: Engine = "sqlite") -> None:
+        self._engine = engine
         self._pool = ThreadPoolExecutor(max_workers=1, thread_name_prefix=f"logical-robots-{name}")
         self._stop = threading.Event()
         self._mind: Mind | None = None
@@ -55,6 +56,7 @@ class Thinker:
                 memory=level.visibility.memory,
                 sensor=level.visibility.sensor,
                 limits=limits,
+                engine=self._engine,
             )
         return self._mind
 

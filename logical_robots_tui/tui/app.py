@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from textual.binding import BindingType
 
     from logical_robots_tui.game import Source
+    from logical_robots_tui.mind import Engine
     from logical_robots_tui.world import Level
 
 __all__ = ["LogicalRobotsApp"]
@@ -38,6 +39,7 @@ class LogicalRobotsApp(CarefulApp, inherit_bindings=False):
         journal: Where progress is kept, if that is open already.
         text: What the player made of the program, or None.
         welcome: Whether to begin with the tour.
+        engine: What the robots think with.
     """
 
     TITLE = "Logical Robots"
@@ -56,10 +58,13 @@ class LogicalRobotsApp(CarefulApp, inherit_bindings=False):
         journal: Journal | None = None,
         text: str | None = None,
         welcome: bool = False,
+        engine: Engine = "sqlite",
     ) -> None:
         super().__init__()
         journal = journal or Journal(data_dir / FILE_NAME)
-        self.main = MainScreen(level, source, data_dir, journal, text=text, welcome=welcome)
+        self.main = MainScreen(
+            level, source, data_dir, journal, text=text, welcome=welcome, engine=engine
+        )
         self.animation_level = "none"
         self._interrupted_at = float("-inf")
         self._event_loop: asyncio.AbstractEventLoop | None = None

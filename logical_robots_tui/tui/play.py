@@ -17,6 +17,7 @@ from logical_robots_tui.world import list_levels, load_level
 if TYPE_CHECKING:
     from pathlib import Path
 
+    from logical_robots_tui.mind import Engine
     from logical_robots_tui.progress import Progress
 
 __all__ = ["DEFAULT_PROGRAM", "play"]
@@ -26,7 +27,10 @@ DEFAULT_PROGRAM = "obstacle-avoider"
 
 
 def play(
-    level_name: str | None = None, program: str | None = None, data_dir: Path | None = None
+    level_name: str | None = None,
+    program: str | None = None,
+    data_dir: Path | None = None,
+    engine: Engine = "sqlite",
 ) -> int:
     """Open the game and return when the player leaves it.
 
@@ -37,6 +41,7 @@ def play(
             the level starts with.
         data_dir: Where drafts, the player's programs and progress are; by default the system's
             place.
+        engine: What the robots think with.
 
     Returns:
         The exit status.
@@ -57,6 +62,7 @@ def play(
         data_dir=data_dir,
         journal=journal,
         text=journal.progress.newest(level_key(level)) if goes_on else None,
+        engine=engine,
         welcome=level_name is None and journal.progress.fact(TOUR) is None,
     )
     put_back = end_on_hangup(app.last_words, app.leave_soon)

@@ -39,6 +39,7 @@ if TYPE_CHECKING:
     from textual.widget import Widget
 
     from logical_robots_tui.game import Frame, Source
+    from logical_robots_tui.mind import Engine
     from logical_robots_tui.progress import Measures
     from logical_robots_tui.tui.background import Work
     from logical_robots_tui.tui.journal import Journal
@@ -60,6 +61,7 @@ class MainScreen(Screen[None]):
         journal: Where progress is kept.
         text: What the player made of the program, or None.
         welcome: Whether to begin with the tour.
+        engine: What the robots think with.
     """
 
     BINDINGS: ClassVar[list[BindingType]] = list(bindings())
@@ -73,11 +75,17 @@ class MainScreen(Screen[None]):
         *,
         text: str | None = None,
         welcome: bool = False,
+        engine: Engine = "sqlite",
     ) -> None:
         super().__init__(id="main")
         self.journal = journal
         self.session = Session(
-            level, source, spawn=self.spawn, changed=self._changed, used=journal.used
+            level,
+            source,
+            spawn=self.spawn,
+            changed=self._changed,
+            used=journal.used,
+            engine=engine,
         )
         self.keeper = Keeper(
             data_dir / "drafts",

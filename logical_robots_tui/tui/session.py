@@ -16,13 +16,13 @@ from logical_robots_tui.game import (
     compile_program,
     start_frame,
 )
-from logical_robots_tui.mind import ProgramError
+from logical_robots_tui.mind import ProgramError, why_not_duckdb
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
     from logical_robots_tui.game import Source
-    from logical_robots_tui.mind import Diagnostic, Predicate, Program
+    from logical_robots_tui.mind import Diagnostic, Engine, Predicate, Program
     from logical_robots_tui.tui.background import Work
     from logical_robots_tui.values import Value
     from logical_robots_tui.world import Level
@@ -70,6 +70,7 @@ class Session:
         spawn: Starts work in the background.
         changed: Called after everything that the screen may want to show.
         used: Called with each program that the robots begin to think with.
+        engine: What they think with.
     """
 
     def __init__(
@@ -80,6 +81,7 @@ class Session:
         spawn: Spawn,
         changed: Callable[[], None],
         used: Callable[[Program], None],
+        engine: Engine = "sqlite",
     ) -> None:
         self.level = level
         self.source = source
@@ -90,6 +92,7 @@ class Session:
         self._spawn = spawn
         self._changed = changed
         self._used = used
+        self._engine = engine
         self.odometer = Odometer()
         self._program: Program | None = None
         self._run_when_ready = False
@@ -258,7 +261,10 @@ class Session:
             self.state = replace(self.state, phase="mistake", mistakes=error.diagnostics)
             self._changed()
             return
-        self.state = ProgramState("applied", text, text, program.warnings)
+        warnings = program.warnings
+        if self._engine == "duckdb":
+            warnings += why_not_duckdb(program)
+        self.state = ProgramState("applied", text, text, warnings)
         self._use(program)
 
     def _compiled(self, text: str, done: int, of_all: int) -> None:
@@ -270,7 +276,7 @@ class Session:
         self._program = program
         self._used(program)
         if self.game is None:
-            game = self.game = Game(self.level, program)
+            game = self.game = Game(self.level, program, engine=self._engine)
             self.odometer = Odometer()
             game.pace = self.pace
             game.listen(lambda frame: self._show(game, frame))

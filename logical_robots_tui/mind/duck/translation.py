@@ -161,7 +161,7 @@ class _Query:
                 )
             ]
             name = self._fresh("s")
-            texts.append(f"SELECT {', '.join(values)} FROM ({text}) AS {name}")  # noqa: S608
+            texts.append(f"SELECT {', '.join(values)} FROM ({text}) AS {name}")  # noqa: S608 - our own
         operator = " UNION " if union.args.get("distinct") else " UNION ALL "
         return f"({operator.join(texts)})", Source("", columns)
 
