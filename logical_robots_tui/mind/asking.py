@@ -151,12 +151,16 @@ class Asking:
     def _duck_answers(
         self, tables: DuckTables, tuned: Tuned, duck: Duck, moment: Moment, within: Within
     ) -> list[Answer] | None:
-        """Answers for all views by DuckDB, or None if there is more than one row for a robot."""
+        """Answers for all views by DuckDB, or None if there is more than one row for a robot, or
+        one for none.
+        """
         try:
             found = tables.ask(duck, moment, within)
             if len(moment.views) > 1:
                 return self._by_viewer(duck.names, found, tuned, moment, within)
-            if len({row[duck.names.index("robot_name")] for row in found}) < len(found):
+            (view,) = moment.views
+            place = duck.names.index("robot_name") if "robot_name" in duck.names else 0
+            if len({row[place] for row in found}.intersection(view.viewers)) < len(found):
                 return None
             answer = self._finished((duck.names, found), tuned, within)
         except _NO_QUICK_ANSWER:

@@ -54,7 +54,7 @@ class Duck:
             next, it has one more column, the number of the robot that the row is for.
         memories: The query where robots see their own sensor and all memories.
         all: The query where all see everything.
-        unlike: Why there is none, in words that go on after "It", or "".
+        unlike: Why there is none, or not each of them, in words that go on after "it"; or "".
     """
 
     names: tuple[str, ...] = ()

@@ -16,7 +16,8 @@ def why_not_duckdb(program: Program) -> tuple[Diagnostic, ...]:
     """A warning if a program thinks with SQLite even where DuckDB was chosen, with the reason."""
     tuned = program.tuned.get("Robot")
     duck = tuned.duck if tuned is not None else None
-    if duck is not None and (duck.own or duck.all):
+    sees_all = program.memory == program.sensor == "all"
+    if duck is not None and (duck.own or (duck.all and sees_all)):
         return ()
     reason = duck.unlike if duck is not None else "can't be computed for all robots at once"
     robot = program.predicate("Robot")

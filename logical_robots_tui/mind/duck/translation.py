@@ -26,6 +26,8 @@ Sight: TypeAlias = Literal["own", "memories", "all"]
 
 _LONGEST = 200_000  # characters of a query
 
+_ONE_BY_ONE = "can't be computed for all robots at once unless all see everything"
+
 _UNUSUAL = {
     "having": "has a condition on groups",
     "order": "sorts rows",
@@ -53,7 +55,7 @@ def in_duckdb(
     try:
         names, everything = translated(tree, result, "all")
         if together is None:
-            return Duck(names, columns, all=everything)
+            return Duck(names, columns, all=everything, unlike=_ONE_BY_ONE)
         _, own = translated(together, result, "own")
         _, memories = translated(together, result, "memories")
         return Duck(names, columns, own, memories, everything)
