@@ -16,7 +16,8 @@ from rich.table import Table
 from benchmarks.first_frame import first_frame
 from benchmarks.machine import machine
 from benchmarks.measure import Effort, Measurement
-from benchmarks.mind import compiling, swarms, thinking
+from benchmarks.mind import compiling, thinking
+from benchmarks.swarm import swarms
 from benchmarks.whole_game import whole_game
 from benchmarks.with_screen import with_screen
 from benchmarks.world import crowds, world_alone

@@ -9,9 +9,8 @@ from functools import partial
 from itertools import count
 from typing import TYPE_CHECKING
 
-from benchmarks.halls import halls
 from benchmarks.measure import Effort, Measurement, median_of, seconds_for
-from benchmarks.subjects import PROGRAMS, program_text, rows_for, rows_of
+from benchmarks.subjects import PROGRAMS, program_text, rows_for
 from logical_robots_tui import Mind, Program
 from logical_robots_tui.mind import cache
 from logical_robots_tui.mind.compilation import stop_compiling
@@ -21,11 +20,9 @@ if TYPE_CHECKING:
 
     from logical_robots_tui.values import SensorRow, Value
 
-__all__ = ["compiling", "swarms", "thinking"]
+__all__ = ["compiling", "think_milliseconds", "thinking"]
 
 THINKS = 50  # in one measurement
-ROBOTS_AT_ONCE = 300  # in one measurement of a swarm, at least
-EVERYBODY_SEES_ALL = '@Visible(Memory, "all");\n@Visible(Sensor, "all");\n'
 
 REQUIRED = {
     "steering": "<= 0.14",
@@ -59,36 +56,11 @@ def thinking(effort: Effort) -> Iterator[Measurement]:
     for group, plain in (("think", False), ("think, the plain way", True)):
         for name, robots in PROGRAMS.items():
             mind = Mind(Program.compile(program_text(name)), plain=plain)
-            once = partial(_think, mind, rows_for(name), THINKS)
+            once = partial(think_milliseconds, mind, rows_for(name), THINKS)
             subject = f"{name}, {len(robots)} robots"
             required = "" if plain else REQUIRED[name]
             yield median_of(group, subject, "ms", effort.repeats, once, required=required)
             mind.close()
-
-
-def swarms(effort: Effort) -> Iterator[Measurement]:
-    """Milliseconds for one think of many robots, and what it costs that each sees only itself."""
-    text = program_text("steering")
-    each, everybody = Program.compile(text), Program.compile(EVERYBODY_SEES_ALL + text)
-    for robots, required in ((3, ""), (30, ""), (100, "<= 4"), (400, ""), (1000, "<= 45")):
-        rows = rows_of(halls(1200, 700, robots=robots, beacons=56))
-        thinks = max(1, ROBOTS_AT_ONCE // robots)
-        found = []
-        for program in (each, everybody):
-            mind = Mind(program)
-            once = partial(_think, mind, rows, thinks)
-            subject = f"steering, {robots} robots"
-            found.append(median_of("swarm", subject, "ms", effort.repeats, once, required=required))
-            mind.close()
-        own, all_ = found
-        yield own
-        ratios = (one / all_.value for one in (own.value, own.lowest, own.highest))
-        yield Measurement("each sees itself", f"{robots} robots", *_in_order(ratios), "<= 1.3")
-
-
-def _in_order(numbers: Iterator[float]) -> tuple[float, str, float, float]:
-    value, lowest, highest = numbers
-    return value, "x all see all", lowest, highest
 
 
 def _compile(name: str) -> float:
@@ -112,7 +84,8 @@ def _find_kept(program: Program) -> float:
     return 1000 * seconds_for(partial(cache.find, program.text))
 
 
-def _think(mind: Mind, rows: list[SensorRow], thinks: int) -> float:
+def think_milliseconds(mind: Mind, rows: list[SensorRow], thinks: int) -> float:
+    """Milliseconds of one think, as the mean of several after a few that don't count."""
     memories: dict[str, Value] = {}
     for _ in range(3):
         memories = {d.robot_name: d.memory for d in mind.think(rows, memories)}

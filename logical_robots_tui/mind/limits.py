@@ -17,8 +17,9 @@ class Limits:
         program_characters: Longest program.
         think_seconds: Longest thought of all robots together in one tick.
         query_seconds: Longest query of the inspector.
-        mind_bytes: Memory of SQLite in this process, for all minds together. The smallest value
+        mind_bytes: Memory of SQLite in this process, for all minds together; the smallest value
             that a process has seen is the one that holds, because SQLite never raises it again.
+            As much again for DuckDB, in each mind that thinks with it.
         value_bytes: Largest single text, list or record while thinking, as SQLite stores it.
         think_rows: Most rows of `Robot` for one evaluation.
         rows: Most rows that a query of the inspector shows; the rest is left out.
