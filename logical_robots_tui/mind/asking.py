@@ -151,9 +151,7 @@ class Asking:
     def _duck_answers(
         self, tables: DuckTables, tuned: Tuned, duck: Duck, moment: Moment, within: Within
     ) -> list[Answer] | None:
-        """Answers for all views by DuckDB, or None if there is more than one row for a robot, or
-        one for none.
-        """
+        """Answers for all views by DuckDB, or None unless each row is for a robot of its own."""
         try:
             found = tables.ask(duck, moment, within)
             if len(moment.views) > 1:
