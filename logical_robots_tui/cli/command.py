@@ -64,7 +64,7 @@ def add_engine(command: argparse.ArgumentParser) -> None:
         "--engine",
         choices=("sqlite", "duckdb"),
         default="sqlite",
-        help="what the robots think with; duckdb is quicker for a hundred and more (default: "
+        help="what the robots think with; duckdb is quicker for 200 and more (default: "
         "%(default)s)",
     )
 

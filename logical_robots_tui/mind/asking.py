@@ -152,6 +152,8 @@ class Asking:
         self, tables: DuckTables, tuned: Tuned, duck: Duck, moment: Moment, within: Within
     ) -> list[Answer] | None:
         """Answers for all views by DuckDB, or None unless each row is for a robot of its own."""
+        if tuned.result and len(duck.names) != sum(len(f) or 1 for _, f in tuned.result):
+            return None  # these were not made together
         try:
             found = tables.ask(duck, moment, within)
             if len(moment.views) > 1:

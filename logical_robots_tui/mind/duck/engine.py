@@ -28,7 +28,7 @@ __all__ = ["FEWEST", "DuckTables", "Engine", "check_installed"]
 Engine: TypeAlias = Literal["sqlite", "duckdb"]
 """What minds think with."""
 
-FEWEST = 100
+FEWEST = 200
 """Robots from which on DuckDB is the quicker one."""
 
 _SETTINGS = (
@@ -111,6 +111,8 @@ class DuckTables:
             self._failures[query] = self._failures.get(query, 0) + 1
             raise UnfitError(str(error)) from None
         self._failures.pop(query, None)
+        if not _is_answer(rows, len(duck.names), 0 if query is duck.all else len(moment.names)):
+            raise UnfitError("an answer of another form")
         return rows
 
     def close(self) -> None:
@@ -180,6 +182,14 @@ class DuckTables:
         if stop is not None and stop.is_set():
             return Stopped("The program was stopped while it was thinking.")
         return TooSlowError()
+
+
+def _is_answer(rows: Sequence[tuple[Any, ...]], columns: int, viewers: int) -> bool:
+    """Whether rows have so many columns, and the number of a viewer if there are viewers."""
+    if not viewers:
+        return all(len(row) == columns for row in rows)
+    numbers = range(viewers)
+    return all(len(row) == columns + 1 and row[-1] in numbers for row in rows)
 
 
 def _query_for(duck: Duck, moment: Moment) -> str:

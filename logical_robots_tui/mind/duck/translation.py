@@ -61,6 +61,8 @@ def in_duckdb(
         return Duck(names, columns, own, memories, everything)
     except UnlikeError as error:
         return Duck(unlike=str(error))
+    except (ValueError, RecursionError):
+        return Duck(unlike="has an unusual form")
 
 
 def translated(

@@ -89,7 +89,7 @@ def tables(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[DuckTabl
 
 def ask(tables: DuckTables, sql: str, within: Within | None = None) -> Any:
     """What a query gives for a crowd."""
-    moment = Moment(CROWD * 30, {}, "own", "own")
+    moment = Moment(CROWD * 60, {}, "own", "own")
     duck = Duck(("robot_name",), {"Sensor": ("robot_name",), "Ray": ("distance",)}, own=sql)
     return tables.ask(duck, moment, within or Within(20, 10_000, None))
 
@@ -116,12 +116,25 @@ def test_queries_that_were_made_here_are(name: str) -> None:
     assert all(map(is_harmless, (duck.own, duck.memories, duck.all)))
 
 
+NAMES = ("robot_name", "desire_0", "desire_1", "memory")
+
+
+@pytest.mark.parametrize(
+    ("names", "sql"),
+    [
+        (NAMES, "SELECT * FROM read_text('/etc/passwd')"),
+        (NAMES, "SELECT s1.robot_name, 1, 1, 2, 999 FROM Sensor AS s1"),
+        (NAMES, "SELECT s1.robot_name, 1, 1, 2, 'x' FROM Sensor AS s1"),
+        (NAMES, "SELECT s1.robot_name, s1.id FROM Sensor AS s1"),
+        (NAMES[:2], "SELECT s1.robot_name, 1, s1.id FROM Sensor AS s1"),
+    ],
+)
 def test_a_program_from_a_cache_that_somebody_wrote_to_thinks_with_sqlite(
-    answered: Callable[[], int],
+    names: tuple[str, ...], sql: str, answered: Callable[[], int]
 ) -> None:
     program = Program.compile(ROBOT + "m = 1;")
     tuned = program.tuned["Robot"]
-    bad = Duck(("robot_name",), own="SELECT * FROM read_text('/etc/passwd')")
+    bad = Duck(names, {"Sensor": ("robot_name",)}, own=sql)
     program = replace(program, tuned={"Robot": replace(tuned, duck=bad)})
     assert {d.memory for d in decisions(program, CROWD, {}, "duckdb")} == {1}
     assert answered() == 0
@@ -136,7 +149,7 @@ def test_a_long_thought_ends_in_time(tables: DuckTables) -> None:
     with pytest.raises(TooSlowError):
         ask(tables, LONG, moment)
     assert monotonic() - began < 3  # a tenth more on a machine that is not busy
-    assert len(ask(tables, "SELECT s1.robot_name FROM Sensor AS s1")) == len(CROWD) * 30
+    assert len(ask(tables, "SELECT s1.robot_name, s1.id FROM Sensor AS s1")) == len(CROWD) * 60
 
 
 def test_a_thought_can_be_stopped(tables: DuckTables) -> None:
@@ -185,7 +198,7 @@ def test_a_query_that_fails_again_and_again_is_not_tried_any_more(tables: DuckTa
 
 
 def test_no_more_rows_are_fetched_than_a_thought_may_have(tables: DuckTables) -> None:
-    query = "SELECT s1.ray FROM Ray AS s1, Ray AS s2"
+    query = "SELECT s1.ray, s1.sensor FROM Ray AS s1, Ray AS s2"
     assert len(ask(tables, query, Within(20, 50, None))) == 51
 
 
