@@ -68,7 +68,7 @@ class DuckTables:
         limits: Bounds on memory and on results.
 
     Raises:
-        InputError: DuckDB is not installed.
+        InputError: DuckDB is not installed, or is one that can't be closed off.
     """
 
     def __init__(self, limits: Limits) -> None:
@@ -79,8 +79,15 @@ class DuckTables:
         self._limits = limits
         self._failures: dict[str, int] = {}
         self._connection = duckdb.connect(":memory:", config={"threads": 1})
-        for setting in (*_SETTINGS, f"memory_limit = '{limits.mind_bytes}B'", _LOCK):
-            self._connection.execute(f"SET {setting}")
+        try:
+            for setting in (*_SETTINGS, f"memory_limit = '{limits.mind_bytes}B'", _LOCK):
+                self._connection.execute(f"SET {setting}")
+        except duckdb.Error:
+            self._connection.close()
+            raise InputError(
+                f"DuckDB {duckdb.__version__} can't be closed off from files and the network.",
+                hint="Install another one with: pip install -U logical-robots-tui[duckdb]",
+            ) from None
         # Weakly, for who looks after the work may remember it for longer than DuckDB likes.
         interrupt = WeakMethod(self._interrupt)
         self._work = Work(lambda: (halt := interrupt()) and halt())

@@ -15,6 +15,7 @@ from logical_robots_tui.errors import InputError
 from logical_robots_tui.game import list_programs, load_program
 from logical_robots_tui.mind import Limits, Mind, Program, ProgramError, Stopped, why_not_duckdb
 from logical_robots_tui.mind.database import TooSlowError
+from logical_robots_tui.mind.duck import engine
 from logical_robots_tui.mind.duck.engine import DuckTables
 from logical_robots_tui.mind.duck.words import is_harmless
 from logical_robots_tui.mind.moment import Moment, Within
@@ -210,6 +211,12 @@ def test_without_the_package_it_is_said_how_to_get_it(monkeypatch: pytest.Monkey
     with pytest.raises(InputError, match=r"pip install logical-robots-tui\[duckdb\]"):
         Mind(program, engine="duckdb")
     Mind(program).close()
+
+
+def test_a_duckdb_that_can_not_be_closed_off_is_not_used(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(engine, "_SETTINGS", ("no_such_setting = true",))
+    with pytest.raises(InputError, match="can't be closed off"):
+        DuckTables(Limits())
 
 
 @pytest.mark.parametrize(
