@@ -24,6 +24,7 @@ if TYPE_CHECKING:
 
     from textual.pilot import Pilot
 
+    from logical_robots_tui.mind import Engine
     from logical_robots_tui.tui.screen import MainScreen
     from logical_robots_tui.tui.session import Session
 
@@ -219,13 +220,18 @@ async def opened(
     size: tuple[int, int] = (120, 40),
     name: str = "mine",
     welcome: bool = False,
+    engine: Engine = "sqlite",
 ) -> AsyncIterator[Opened]:
     """Open the game with a program in the player's folder."""
     file = level if isinstance(level, Path) else LEVELS / f"{level}.json"
     path = data_dir / "programs" / f"{name}.l"
     source = load_program(path) if path.exists() else source_of(text, path.parent, name)
     app = LogicalRobotsApp(
-        await asyncio.to_thread(load_level, file), source, data_dir=data_dir, welcome=welcome
+        await asyncio.to_thread(load_level, file),
+        source,
+        data_dir=data_dir,
+        welcome=welcome,
+        engine=engine,
     )
     async with app.run_test(size=size, notifications=True) as pilot:
         yield Opened(app, pilot, data_dir)

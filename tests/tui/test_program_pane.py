@@ -205,6 +205,12 @@ Robot(robot_name:, desire: {left_engine: 1, right_engine: 1}) :-
 """
 
 
+REMEMBERS = """\
+Robot(robot_name:, desire: {left_engine: 1, right_engine: 1}, memory:) :-
+  Memory(robot_name:, memory:);
+"""
+
+
 async def test_a_program_that_runs_though_something_is_odd_shows_a_warning(data_dir: Path) -> None:
     async with opened(data_dir) as game:
         await game.ready()
@@ -237,3 +243,11 @@ async def test_keys_that_arrive_at_once_are_obeyed_in_their_order(data_dir: Path
         line = PAPER.splitlines()[2]
         assert game.editor.document.get_line(2) == line[:-2] + "abx"
         assert game.editor.document.get_line(3) == "yc"
+
+
+async def test_who_has_chosen_duckdb_is_told_when_a_program_can_not_use_it(data_dir: Path) -> None:
+    async with opened(data_dir, text=REMEMBERS, engine="duckdb") as game:
+        await game.ready()
+        await game.press("2")
+        await game.until(lambda: game.shows("applied, 1 warning"))
+        assert game.shows("DuckDB can't compute Robot")
