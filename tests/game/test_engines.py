@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import asdict
 from typing import TYPE_CHECKING, Any
 
-from logical_robots_tui import Game, load_level
+from logical_robots_tui import Game, list_levels, load_level
 from logical_robots_tui.game import load_program
 from logical_robots_tui.mind import Program
 from logical_robots_tui.mind.duck import engine
@@ -17,12 +17,13 @@ if TYPE_CHECKING:
     from logical_robots_tui.game import Frame
     from logical_robots_tui.mind import Engine
 
+LEVEL = next(name for name in list_levels() if name.endswith("everybody-home"))
 TICKS = 40
 
 
 async def played(program: Program, wanted: Engine) -> list[Frame]:
     """The frames of some ticks, after a step back half way."""
-    game = Game(load_level("03-everybody-home"), program, engine=wanted)
+    game = Game(load_level(LEVEL), program, engine=wanted)
     try:
         await game.run_until(tick=TICKS // 2, condition=lambda _: False)
         game.back()
