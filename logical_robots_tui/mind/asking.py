@@ -177,7 +177,7 @@ class Asking:
     ) -> list[Answer] | None:
         """Answers for all views from rows that end with the number of their viewer."""
         rows = {row[-1]: row[:-1] for row in found}
-        if len(rows) < len(found):
+        if len(rows) < len(found) or not rows.keys() <= set(range(len(moment.views))):
             return None
         answer = self._finished((columns, list(rows.values())), tuned, within)
         if answer is None:

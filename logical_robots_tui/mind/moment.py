@@ -104,11 +104,11 @@ class Moment:
     def _met(self) -> list[tuple[int, str]]:
         """The memories that each robot sees when it sees those of the robots on its radar."""
         names = self.names
+        numbers = {name: number for number, name in enumerate(names)}
         found = []
         for number, rays in enumerate(self.rays_to("robot")):
-            met = {ray["label"] for _, ray in rays}
-            seen = [m for m, name in enumerate(names) if m == number or name in met]
-            found += [(number * len(names) + m, names[m]) for m in seen]
+            seen = {numbers.get(ray["label"], number) for _, ray in rays}
+            found += [(number * len(names) + m, names[m]) for m in sorted(seen | {number})]
         return found
 
 
