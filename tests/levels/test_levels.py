@@ -41,7 +41,9 @@ SOLVED = [
     Solved("01-first-steps", "first-steps", 1258),
     Solved("02-open-space", "open-space", 2063),
     Solved("03-everybody-home", "everybody-home", 1106),
+    Solved("08-formation", "formation", 2334),
     Solved("09-gate", "gate", 2595),
+    Solved("11-power-line", "power-line", 3783),
 ]
 each_level = pytest.mark.parametrize("solved", SOLVED, ids=str)
 
