@@ -43,7 +43,9 @@ SOLVED = [
     Solved("03-everybody-home", "everybody-home", 1106),
     Solved("08-formation", "formation", 2334),
     Solved("09-gate", "gate", 2595),
+    Solved("10-mapping", "mapping", 2000),
     Solved("11-power-line", "power-line", 3783),
+    Solved("12-swarm", "swarm", 737),
 ]
 each_level = pytest.mark.parametrize("solved", SOLVED, ids=str)
 
