@@ -1,0 +1,98 @@
+"""The leader of level 10 really computes distances: its map agrees with Dijkstra."""
+
+from __future__ import annotations
+
+import heapq
+from itertools import combinations
+from math import dist
+from typing import TYPE_CHECKING, Any
+
+import pytest
+
+from logical_robots_tui import Mind, Program, World, load_level
+from tests.levels.playing import program_text
+
+if TYPE_CHECKING:
+    from logical_robots_tui import Level
+
+PATIENCE = 6000
+LONGEST_ROAD = 100
+LEADER, BASE = "Atlas", "Base"
+
+
+def play(level: Level) -> tuple[list[Any], set[tuple[str, str]]]:
+    """Return what the leader remembers after each tick, and the pairs seen at once till then."""
+    world, mind = (
+        World(level),
+        Mind(Program.compile(program_text("distributed-mapping")), "all", "own"),
+    )
+    memories: dict[str, Any] = {robot.name: "" for robot in level.robots}
+    pairs: set[tuple[str, str]] = set()
+    told = []
+    while world.won_at is None and world.tick < PATIENCE:
+        rows = world.sense()
+        decisions = mind.think(rows, memories)
+        world.act({d.robot_name: d.desire for d in decisions if d.desire is not None})
+        memories = {d.robot_name: d.memory for d in decisions}
+        for row in rows:
+            seen = {ray["label"] for ray in row["sensor"]["radar"] if ray["object"] == "beacon"}
+            pairs |= set(combinations(sorted(seen), 2))
+        told.append(memories[LEADER])
+    mind.close()
+    assert world.won_at is not None
+    return told, pairs
+
+
+def dijkstra(
+    places: dict[str, tuple[float, float]], roads: set[tuple[str, str]]
+) -> dict[str, float]:
+    """Return how far every place is from the base along straight roads."""
+    beside: dict[str, set[str]] = {name: set() for name in places}
+    for one, other in roads:
+        beside[one].add(other)
+        beside[other].add(one)
+    found: dict[str, float] = {}
+    waiting = [(0.0, BASE)]
+    while waiting:
+        far, name = heapq.heappop(waiting)
+        if name not in found:
+            found[name] = far
+            for other in beside[name]:
+                heapq.heappush(waiting, (far + dist(places[name], places[other]), other))
+    return found
+
+
+@pytest.fixture(scope="module")
+def level() -> Level:
+    return load_level("10-distributed-mapping")
+
+
+@pytest.fixture(scope="module")
+def played(level: Level) -> tuple[list[Any], set[tuple[str, str]]]:
+    return play(level)
+
+
+def distances(memory: Any) -> dict[str, float]:
+    return {place["label"]: place["far"] for place in memory["places"] or []}
+
+
+def test_the_map_agrees_with_dijkstra_over_the_pairs_that_robots_have_seen(
+    level: Level, played: tuple[list[Any], set[tuple[str, str]]]
+) -> None:
+    told, pairs = played
+    places = {beacon.name: (beacon.x, beacon.y) for beacon in level.beacons}
+    roads = {(a, b) for a, b in pairs if dist(places[a], places[b]) < LONGEST_ROAD}
+    right, computed = dijkstra(places, roads), distances(told[-1])
+    assert len(computed) >= 30
+    for name, far in computed.items():
+        assert far == pytest.approx(right[name], rel=0.15), name
+
+
+def test_the_map_grows_by_one_round_a_tick(played: tuple[list[Any], set[tuple[str, str]]]) -> None:
+    told, _ = played
+    before: set[str] = {BASE}
+    for memory in told:
+        roads = memory["roads"] or []
+        reach = before | {road["finish"] for road in roads if road["start"] in before}
+        assert set(distances(memory)) <= reach
+        before = {BASE} | set(distances(memory))
