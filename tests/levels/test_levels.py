@@ -42,10 +42,10 @@ SOLVED = [
     Solved("02-open-space", "open-space", 2063),
     Solved("03-everybody-home", "everybody-home", 1106),
     Solved("08-formation", "formation", 2334),
-    Solved("09-gate", "gate", 2595),
-    Solved("10-mapping", "mapping", 2000),
+    Solved("09-gate", "gate", 2637),
+    Solved("10-mapping", "mapping", 2237),
     Solved("11-power-line", "power-line", 3783),
-    Solved("12-swarm", "swarm", 737),
+    Solved("12-swarm", "swarm", 633),
 ]
 each_level = pytest.mark.parametrize("solved", SOLVED, ids=str)
 
