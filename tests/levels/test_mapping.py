@@ -17,6 +17,7 @@ if TYPE_CHECKING:
 
 PATIENCE = 6000
 LONGEST_ROAD = 100
+FARTHEST = 250  # from a robot to both ends of a road that it believes to see
 LEADER, BASE = "Atlas", "Base"
 
 
@@ -35,8 +36,16 @@ def play(level: Level) -> tuple[list[Any], set[tuple[str, str]]]:
         world.act({d.robot_name: d.desire for d in decisions if d.desire is not None})
         memories = {d.robot_name: d.memory for d in decisions}
         for row in rows:
-            seen = {ray["label"] for ray in row["sensor"]["radar"] if ray["object"] == "beacon"}
-            pairs |= set(combinations(sorted(seen), 2))
+            radar = row["sensor"]["radar"]
+            nearest: dict[str, float] = {}
+            for ray in sorted(radar, key=lambda ray: -float(ray["distance"])):
+                if ray["object"] == "beacon":
+                    nearest[ray["label"]] = ray["distance"]
+            pairs |= {
+                (one, other)
+                for one, other in combinations(sorted(nearest), 2)
+                if nearest[one] + nearest[other] < FARTHEST
+            }
         told.append(memories[LEADER])
     mind.close()
     assert world.won_at is not None
