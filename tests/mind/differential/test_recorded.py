@@ -19,6 +19,12 @@ if TYPE_CHECKING:
 
 TICKS = (1, 40, 300)
 FREE_PROGRAMS_RUN_IN = "02-open-space"
+ROBOTS = 6
+"""Of a swarm no more are compared: there DuckDB is asked for each alone, compiling included."""
+
+NO_TYPE_FOUND = {"distributed-mapping-starter"}
+"""The package's inference of types, which its SQLite does without, gives up on it."""
+
 ANY_OF_EQUAL_ONES = {"lighthouse-starter", "breadcrumbs-starter"}
 """Go for the nearest of several things; of equally near ones DuckDB may take any."""
 
@@ -36,7 +42,8 @@ def pairs() -> list[tuple[str, str]]:
     return [
         (level, name)
         for level, name in found
-        if name not in ANY_OF_EQUAL_ONES and "Memory(" not in load_program(name).text
+        if name not in ANY_OF_EQUAL_ONES | NO_TYPE_FOUND
+        and "Memory(" not in load_program(name).text
     ]
 
 
@@ -61,7 +68,7 @@ async def test_a_program_decides_as_on_duckdb(
     last = (await game.run_until(tick=max(TICKS))).tick
     for tick in (min(tick, last) for tick in TICKS):
         frame = game.frame_at(tick)
-        for decision in frame.decisions:
+        for decision in frame.decisions[:ROBOTS]:
             theirs = robot_rows(text, frame, decision.robot_name, tmp_path)
             assert decision.desire is not None
             ours = {
