@@ -235,9 +235,9 @@ class Game:
         """
         was_won = self.won_at is not None
         while tick is None or self._frame.tick < tick:
-            await self._go_on(None if tick is None else tick - self._frame.tick, condition)
-            won_now = self.won_at is not None and not was_won
-            if won_now or (condition and condition(self._frame)):
+            most = None if tick is None else tick - self._frame.tick
+            met = await self._go_on(most, condition)
+            if met or (self.won_at is not None and not was_won):
                 break
         return self._frame
 
@@ -262,13 +262,18 @@ class Game:
 
     async def _go_on(
         self, most: int | None, condition: Callable[[Frame], bool] | None = None
-    ) -> None:
-        """Compute some ticks and show each, up to victory or one of which a condition is true."""
+    ) -> bool:
+        """Compute some ticks and show each, up to victory or one of which a condition is true.
+
+        Returns:
+            Whether the condition was true.
+        """
         run = self.run_number
         for frame in await self._compute(most):
             self._take(frame, run)
             if condition and condition(frame):
-                break
+                return True
+        return False
 
     async def _compute(self, most: int | None) -> list[Frame]:
         """The next ticks: at most so many, or as many as a fraction of a second allows.
