@@ -15,13 +15,16 @@ if TYPE_CHECKING:
     from logical_robots_tui.mind.moment import Moment
     from logical_robots_tui.values import SensorRow
 
-__all__ = ["KINDS", "RAYS", "Filling", "fillings"]
+__all__ = ["IN_SELF", "KINDS", "RAYS", "Filling", "fillings"]
 
 RAYS = 1000
 """Most rays of a radar; those of sensor row n are numbered from n * RAYS on."""
 
 KINDS = {"RobotRay": "robot", "BeaconRay": "beacon"}
 """Tables of the rays that end at a kind of thing, which few do."""
+
+IN_SELF = ("can_charge", "has_battery", "battery_level", "battery_capacity")
+"""Columns of ``Sensor`` that come from the record ``self`` of a sensor."""
 
 _MOST_VALUES = 900  # of one statement
 
@@ -139,10 +142,7 @@ _SENSOR_VALUES: dict[str, Callable[[SensorRow], Any]] = {
         name: _in_sensor(name)
         for name in ("forward_distance", "forward_object", "forward_label", "clock")
     },
-    **{
-        name: _in_self(name)
-        for name in ("can_charge", "has_battery", "battery_level", "battery_capacity")
-    },
+    **{name: _in_self(name) for name in IN_SELF},
 }
 
 

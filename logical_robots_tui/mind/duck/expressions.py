@@ -17,6 +17,7 @@ from logical_robots_tui.mind.duck.terms import (
     condition,
     number,
 )
+from logical_robots_tui.mind.filling import RAYS
 from logical_robots_tui.mind.tuning import sql
 
 if TYPE_CHECKING:
@@ -221,7 +222,7 @@ def _best(function: str, argument: Term, value: Term, scope: Scope) -> Term:
     if len(rays) != 1 or others not in ([], ["sensor"]):
         raise UnlikeError("chooses the best of rows in no certain order")
     sign = "" if function == "arg_min" else "- "
-    row = f"{rays[0]}.sensor * 1000 + {rays[0]}.ray"
+    row = f"{rays[0]}.sensor * {RAYS} + {rays[0]}.ray"
     ordered = f"row({value.sql}, {sign}({row}))"
     sql_text = f"{function}_null({argument.sql}, {ordered}) FILTER (WHERE {value.sql} IS NOT NULL)"
     return Term(f"({sql_text})", argument.kind)

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from logical_robots_tui.mind.duck.scopes import INPUTS
-from logical_robots_tui.mind.filling import KINDS
+from logical_robots_tui.mind.filling import IN_SELF, KINDS, RAYS
 from logical_robots_tui.mind.tables import UnfitError
 
 if TYPE_CHECKING:
@@ -22,9 +22,6 @@ if TYPE_CHECKING:
     from logical_robots_tui.mind.moment import Moment
 
 __all__ = ["columns_of", "filled"]
-
-_MOST_RAYS = 1000  # of a radar; by their numbers the first of equal ones is told
-_IN_SELF = frozenset({"can_charge", "has_battery", "battery_level", "battery_capacity"})
 
 
 def columns_of(table: str, moment: Moment, wanted: Sequence[str]) -> dict[str, NDArray[Any]]:
@@ -70,7 +67,7 @@ def _sensors(moment: Moment, wanted: Sequence[str]) -> dict[str, NDArray[Any]]:
         if column == "robot_name":
             values: Sequence[Any] = moment.names
         else:
-            places = [sensor["self"] for sensor in sensors] if column in _IN_SELF else sensors
+            places = [sensor["self"] for sensor in sensors] if column in IN_SELF else sensors
             values = [place[column] for place in places]
         found[column] = _column(INPUTS["Sensor"][column], values)
     return found
@@ -92,7 +89,7 @@ def _memories(moment: Moment) -> dict[str, NDArray[Any]]:
 def _rays(moment: Moment, wanted: Sequence[str]) -> dict[str, NDArray[Any]]:
     radars = [row["sensor"]["radar"] for row in moment.sensors]
     size = len(radars[0])
-    if not 0 < size < _MOST_RAYS or any(len(radar) != size for radar in radars):
+    if not 0 < size < RAYS or any(len(radar) != size for radar in radars):
         raise UnfitError("radars of different size")
     count = len(radars)
     found: dict[str, NDArray[Any]] = {
@@ -113,7 +110,7 @@ def _rays_of_kind(table: str, moment: Moment, wanted: Sequence[str]) -> dict[str
         "sensor": np.repeat(np.arange(len(numbered)), [*map(len, numbered)]),
         "ray": np.fromiter((number for number, _ in items), np.int64, len(items)),
     }
-    if items and found["ray"].max() >= _MOST_RAYS:
+    if items and found["ray"].max() >= RAYS:
         raise UnfitError("a radar of too many rays")
     for column in wanted:
         found[column] = _column(INPUTS[table][column], [*map(itemgetter(column), rays)])

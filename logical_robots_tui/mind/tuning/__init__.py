@@ -12,8 +12,7 @@ from sqlglot import exp
 from sqlglot.errors import SqlglotError
 
 from logical_robots_tui.mind.duck.translation import in_duckdb
-from logical_robots_tui.mind.filling import KINDS
-from logical_robots_tui.mind.program import Tuned
+from logical_robots_tui.mind.program import INPUTS, Tuned
 from logical_robots_tui.mind.tuning import aggregates, columns, records, sharing, sql
 from logical_robots_tui.mind.tuning.together import together
 
@@ -28,7 +27,7 @@ _MOST = 400_000  # characters of all statements of a program
 _TAKEN = frozenset({"id", "rowid", "oid", "_rowid_"})
 """Columns that the tables of a tuned query have and those of a program have not."""
 
-_OURS = frozenset({"ray", *(table.lower() for table in KINDS)})
+_OURS = frozenset(columns.TABLES).difference(name.lower() for name in INPUTS)
 """Tables that a tuned query has and those of a program have not."""
 
 

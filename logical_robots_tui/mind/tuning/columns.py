@@ -19,6 +19,7 @@ if TYPE_CHECKING:
 __all__ = [
     "RAY_FIELDS",
     "SENSOR_FIELDS",
+    "TABLES",
     "bound_to_viewer",
     "is_input",
     "one_alias_per_robot",
@@ -42,12 +43,13 @@ SENSOR_FIELDS = {
 RAY_FIELDS = ("angle", "distance", "object", "label")
 """Columns of ``Ray`` and the tables of some rays, beside ``value``, the whole ray as JSON text."""
 
-_TABLES = {
+TABLES = {
     "sensor": "Sensor",
     "memory": "Memory",
     "ray": "Ray",
     **{table.lower(): table for table in KINDS},
 }
+"""The tables that a tuned query reads, by their names in lower case."""
 
 _BOUNDS = {"sensor": ("?1", "?2"), "memory": ("?3", "?4")}
 
@@ -62,7 +64,7 @@ def one_alias_per_robot(tree: exp.Expr) -> None:
         for names in _same_robots(select):
             kept: dict[str, str] = {}
             for name in [name for name in here if name in names]:
-                table = _table_name(here[name])
+                table = sql.table_name(here[name])
                 if table in _BOUNDS and kept.setdefault(table, name) != name:
                     for column in list(_columns_of(select, name)):
                         column.set("table", exp.to_identifier(kept[table]))
@@ -118,7 +120,7 @@ def sensor_fields_as_columns(tree: exp.Expr) -> None:
 def bound_to_viewer(tree: exp.Expr) -> None:
     """Let every mention of an input see only the rows between the bounds of a viewer."""
     for table in list(tree.find_all(exp.Table)):
-        bounds = _BOUNDS.get(_table_name(table))
+        bounds = _BOUNDS.get(sql.table_name(table))
         select = sql.nearest_select(table)
         if bounds and select is not None:
             low, high = (exp.Var(this=name) for name in bounds)
@@ -132,12 +134,12 @@ def read_by(tree: exp.Expr) -> dict[str, tuple[str, ...]]:
     """The columns that a query reads of each input and each table of rays, beside ``id``."""
     read: dict[str, set[str]] = {}
     for table in tree.find_all(exp.Table):
-        name = _TABLES.get(_table_name(table))
+        name = TABLES.get(sql.table_name(table))
         if name is not None:
             read.setdefault(name, set())
     for column in tree.find_all(exp.Column):
         found = sql.source(column)
-        name = _TABLES.get(_table_name(found[1])) if found is not None else None
+        name = TABLES.get(sql.table_name(found[1])) if found is not None else None
         if name is not None and column.name.lower() != "id":
             read[name].add(column.name.lower())
     return {name: tuple(sorted(columns)) for name, columns in read.items()}
@@ -215,16 +217,9 @@ def _extracted(node: exp.Expr | None) -> str:
 
 def _is_table(column: exp.Column, name: str) -> bool:
     found = sql.source(column)
-    return found is not None and _table_name(found[1]) == name
+    return found is not None and sql.table_name(found[1]) == name
 
 
 def is_input(table: exp.Expr) -> bool:
     """Whether a source is ``Sensor`` or ``Memory``."""
-    return _table_name(table) in _BOUNDS
-
-
-def _table_name(table: exp.Expr) -> str:
-    """The name of a table in lower case, or "" if it is something else."""
-    if not isinstance(table, exp.Table) or not isinstance(table.this, exp.Identifier):
-        return ""
-    return table.name.lower()
+    return sql.table_name(table) in _BOUNDS

@@ -8,15 +8,13 @@ from __future__ import annotations
 
 from sqlglot import exp
 
-from logical_robots_tui.mind.tuning import sql
+from logical_robots_tui.mind.tuning import columns, sql
 
 __all__ = ["is_plain", "is_stored", "noted"]
 
 _MAKES_JSON = frozenset({"json_array", "json_object", "json_quote"})
 _COLLECTS_JSON = frozenset({"json_group_array", "json_group_object"})
 _PASSES_ON = frozenset({"coalesce", "iif", "if", "ifnull", "nullif", "min", "max", "any_value"})
-
-_PLAIN_TABLES = frozenset({"sensor", "memory", "ray", "robotray", "beaconray"})
 
 
 def is_plain(node: exp.Expr) -> bool:
@@ -49,13 +47,7 @@ def _is_plain_column(column: exp.Column, table: exp.Expr) -> bool:
         for made in table.this.expressions:
             if made.alias_or_name.lower() == column.name.lower():
                 return is_plain(made)
-    if not isinstance(table, exp.Table) or not isinstance(table.this, exp.Identifier):
-        return False
-    return table.name.lower() in _PLAIN_TABLES and column.name.lower() not in {
-        "memory",
-        "sensor",
-        "value",
-    }
+    return is_stored(table) and column.name.lower() not in {"memory", "sensor", "value"}
 
 
 def _is_noticed(node: exp.Expr, is_result: bool) -> bool:
@@ -100,4 +92,4 @@ def noted(value: exp.Column, place: exp.Expr, *, is_result: bool) -> exp.Expr:
 
 def is_stored(table: exp.Expr) -> bool:
     """Whether a source is a table, in which no value has the note anyway."""
-    return any(sql.is_table(table, name) for name in _PLAIN_TABLES)
+    return sql.table_name(table) in columns.TABLES

@@ -20,7 +20,6 @@ __all__ = [
     "conjuncts",
     "drop_condition",
     "drop_source",
-    "is_table",
     "nearest_select",
     "own_aggregates",
     "parse",
@@ -29,6 +28,7 @@ __all__ = [
     "selects",
     "source",
     "sources",
+    "table_name",
     "written",
 ]
 
@@ -142,13 +142,11 @@ def own_aggregates(node: exp.Expr) -> bool:
     return any(own_aggregates(child) for child in node.iter_expressions())
 
 
-def is_table(source: exp.Expr | None, name: str) -> bool:
-    """Whether a source of a select is a table of a name, given in lower case."""
-    return (
-        isinstance(source, exp.Table)
-        and isinstance(source.this, exp.Identifier)
-        and source.name.lower() == name
-    )
+def table_name(source: exp.Expr | None) -> str:
+    """The name of the table that a source of a select is, in lower case, or ""."""
+    if not isinstance(source, exp.Table) or not isinstance(source.this, exp.Identifier):
+        return ""
+    return source.name.lower()
 
 
 def conjuncts(select: exp.Select) -> list[exp.Expr]:

@@ -129,8 +129,8 @@ class _Lifting:
         group = select.args.get("group")
         if unusual or (group is None and any(map(sql.own_aggregates, select.expressions))):
             raise _UnsuitableError
-        leader = next((name for name in told if sql.is_table(sources.get(name), "sensor")), None)
-        leader = next(iter(told)) if leader is None else leader
+        sensors = (name for name in told if sql.table_name(sources.get(name)) == "sensor")
+        leader = next(sensors, next(iter(told)))
         viewer = told.pop(leader)
         self._bind(select, leader, viewer)
         for other in told.values():
@@ -142,7 +142,7 @@ class _Lifting:
 
     def _told(self, name: str, table: exp.Expr) -> exp.Column | None:
         """The column of a source that is its viewer, or None if it has none."""
-        if sql.is_table(table, "sensor"):
+        if sql.table_name(table) == "sensor":
             return exp.column("id", name)
         if self._is_lifted(table) or (isinstance(table, exp.Subquery) and self.lift(table)):
             return exp.column(_VIEWER, name)
