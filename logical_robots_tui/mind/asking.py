@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
     from logical_robots_tui.mind.database import Answer as RawAnswer
+    from logical_robots_tui.mind.database import Scalar
     from logical_robots_tui.mind.duck.engine import DuckTables
     from logical_robots_tui.mind.limits import Limits
     from logical_robots_tui.mind.moment import Moment, View, Within
@@ -98,14 +99,21 @@ class Asking:
         if self._duck is not None:
             self._duck.close()
 
-    # -- inside --------------------------------------------------------------------------------
+    def plainly(
+        self,
+        sql: str,
+        moment: Moment,
+        view: View,
+        within: Within,
+        parameters: Sequence[Scalar] = (),
+    ) -> Answer:
+        """Rows of any query over ``Sensor`` and ``Memory`` for one view.
 
-    def _ask(self, name: str, sql: str, moment: Moment, view: View, within: Within) -> Answer:
-        answer = self._quick_answer(name, moment, view, within)
-        if answer is not None:
-            return answer
+        Raises:
+            FailureError: It failed, or took too long.
+        """
         try:
-            columns, rows = self._plain.ask(sql, moment, view, within)
+            columns, rows = self._plain.ask(sql, moment, view, within, parameters)
             return columns, self._read(rows, within)
         except TooSlowError:
             message = f"thinking took longer than {within.seconds:g} seconds"
@@ -114,6 +122,12 @@ class Asking:
             raise FailureError(str(error)) from None
         except _SQLITE_ERRORS as error:
             raise FailureError(printable(in_plain_words(error))) from None
+
+    # -- inside --------------------------------------------------------------------------------
+
+    def _ask(self, name: str, sql: str, moment: Moment, view: View, within: Within) -> Answer:
+        answer = self._quick_answer(name, moment, view, within)
+        return self.plainly(sql, moment, view, within) if answer is None else answer
 
     def _quick_answers(self, name: str, moment: Moment, within: Within) -> Sequence[Answer]:
         """Answers for the first views of a moment, up to one for which there is no quick one."""

@@ -14,20 +14,23 @@ import threading
 from collections import OrderedDict
 from pathlib import Path
 from time import monotonic
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeVar
 
 from logical_robots_tui.mind import cache
-from logical_robots_tui.mind.diagnostics import Diagnostic, ProgramError, Stopped
+from logical_robots_tui.mind.diagnostics import Diagnostic, ProgramError, QueryError, Stopped
 from logical_robots_tui.mind.limits import Limits
-from logical_robots_tui.mind.program import Program
+from logical_robots_tui.mind.program import Program, Question
 from logical_robots_tui.mind.records import record
+from logical_robots_tui.mind.why.probing import Probing
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Iterator, Mapping
 
     from logical_robots_tui.mind.program import Report
 
-__all__ = ["compile_program", "stop_compiling"]
+__all__ = ["compile_program", "compile_question", "stop_compiling", "take_apart"]
+
+T = TypeVar("T")
 
 _log = logging.getLogger(__name__)
 
@@ -58,16 +61,71 @@ def compile_program(
         Stopped: `stop` was set.
     """
     limits = limits or Limits()
-    if len(text) > limits.program_characters:
-        raise _refusal(
-            f"the program has {len(text):,} characters, more than the "
-            f"{limits.program_characters:,} that a program may have",
-            "A robot's program is a short text; is this the right file?",
-        )
-    if (at := _not_text(text)) is not None:
-        line = text.count("\n", 0, at) + 1
-        raise _refusal("this is not text", "Is this the right file?", line)
-    return _compiler.compile(text, limits, stop, report)
+    _check_text(text, limits)
+    return _compiler.answer({"text": text}, "program", Program, limits, stop, report)
+
+
+def compile_question(
+    program: Program,
+    query: str,
+    *,
+    stop: threading.Event | None = None,
+    limits: Limits | None = None,
+) -> Question:
+    """Compile what is asked of a program, or return the one compiled before.
+
+    Args:
+        program: The program.
+        query: A call, an expression, conditions, or whole rules of which the last is asked for.
+        stop: Set it from another thread to give up.
+        limits: Bounds on the length of the text and on time and memory for compiling.
+
+    Raises:
+        ProgramError: The query is wrong; the diagnostics speak of its lines and columns.
+        Stopped: `stop` was set.
+    """
+    limits = limits or Limits()
+    _check_text(query, limits)
+    request = {"text": program.text, "query": query}
+    return _compiler.answer(request, "question", Question, limits, stop)
+
+
+def take_apart(
+    program: Program,
+    predicate: str,
+    within: str = "",
+    *,
+    stop: threading.Event | None = None,
+    limits: Limits | None = None,
+) -> Probing:
+    """Take the rules of a predicate apart, or return what was taken apart before.
+
+    Args:
+        program: The program.
+        predicate: One of its own predicates.
+        within: A predicate made with ``:=`` in whose rules it is asked, or "".
+        stop: Set it from another thread to give up.
+        limits: Bounds on time and memory for compiling.
+
+    Raises:
+        QueryError: The program has no such predicate, or it can't be computed.
+        Stopped: `stop` was set.
+    """
+    known = program.predicate(predicate)
+    if known is None or known.kind != "program":
+        raise QueryError(f"The program has no rules for {predicate}.")
+    request = {
+        "text": program.text,
+        "predicate": predicate,
+        "within": within,
+        "functions": [p.name for p in program.predicates if p.is_function],
+    }
+    if not (known.has_rows or known.is_function or within):
+        raise QueryError(known.reason)
+    try:
+        return _compiler.answer(request, "probing", Probing, limits or Limits(), stop)
+    except ProgramError as error:
+        raise QueryError(f"{predicate} can't be taken apart: {error}") from None
 
 
 def stop_compiling() -> None:
@@ -82,28 +140,49 @@ class _Compiler:
         self._process: subprocess.Popen[bytes] | None = None
         self._bounds = ("", "")
         self._turn = threading.Lock()
-        self._kept: OrderedDict[bytes, Program] = OrderedDict()
+        self._kept: OrderedDict[bytes, Any] = OrderedDict()
 
-    def compile(
-        self, text: str, limits: Limits, stop: threading.Event | None, report: Report | None
-    ) -> Program:
-        key = hashlib.sha256(text.encode()).digest()
+    def answer(
+        self,
+        request: Mapping[str, Any],
+        name: str,
+        kind: type[T],
+        limits: Limits,
+        stop: threading.Event | None,
+        report: Report | None = None,
+    ) -> T:
+        """What the process makes of a request, or made of it before.
+
+        Args:
+            request: What to compile.
+            name: What the answer is called.
+            kind: The dataclass that it is.
+            limits: Bounds on time and memory.
+            stop: Set it from another thread to give up.
+            report: Told of progress.
+        """
+        line = json.dumps(request).encode()
+        key = hashlib.sha256(line).digest()
         deadline = monotonic() + limits.compile_seconds
         while not self._turn.acquire(timeout=_LOOK_SECONDS):
             _check(stop)
         try:
             if key in self._kept:
                 self._kept.move_to_end(key)
-                return self._kept[key]
-            _check(stop)
-            program = cache.find(text)
-            if program is None:
-                program = self._ask(text, limits, deadline, stop, report)
-                cache.keep(program)
-            self._kept[key] = program
-            while len(self._kept) > _KEPT:
-                self._kept.popitem(last=False)
-            return program
+            else:
+                _check(stop)
+                made: T | Program | None = None
+                if kind is Program:
+                    made = cache.find(request["text"])
+                if made is None:
+                    made = self._ask(line, name, kind, limits, deadline, stop, report)
+                    if isinstance(made, Program):
+                        cache.keep(made)
+                self._kept[key] = made
+                while len(self._kept) > _KEPT:
+                    self._kept.popitem(last=False)
+            kept: T = self._kept[key]
+            return kept
         finally:
             self._turn.release()
 
@@ -118,18 +197,19 @@ class _Compiler:
 
     def _ask(
         self,
-        text: str,
+        line: bytes,
+        name: str,
+        kind: type[T],
         limits: Limits,
         deadline: float,
         stop: threading.Event | None,
         report: Report | None,
-    ) -> Program:
+    ) -> T:
         """Have it compiled. A process that was not heard to the end is ended."""
         try:
-            request = json.dumps(text).encode() + b"\n"
             found: dict[str, Any] = {}
-            for line in self._exchange(request, limits, deadline, stop):
-                found = json.loads(line)
+            for answer in self._exchange(line + b"\n", limits, deadline, stop):
+                found = json.loads(answer)
                 if "done" not in found:
                     break
                 if report is not None:
@@ -138,7 +218,7 @@ class _Compiler:
                 _log.error("The compiler stumbled over a program.\n%s", found["trace"])
             if "diagnostics" in found:
                 raise ProgramError(tuple(record(Diagnostic, d) for d in found["diagnostics"]))
-            return record(Program, found["program"])
+            return record(kind, found[name])
         except ProgramError:
             raise
         except (OSError, ValueError):
@@ -197,6 +277,23 @@ class _Compiler:
             start_new_session=True,  # an interrupt from the keyboard is for the game alone
         )
         return self._process
+
+
+def _check_text(text: str, limits: Limits) -> None:
+    """Refuse what is too long, or no text at all.
+
+    Raises:
+        ProgramError: It is.
+    """
+    if len(text) > limits.program_characters:
+        raise _refusal(
+            f"the program has {len(text):,} characters, more than the "
+            f"{limits.program_characters:,} that a program may have",
+            "A robot's program is a short text; is this the right file?",
+        )
+    if (at := _not_text(text)) is not None:
+        line = text.count("\n", 0, at) + 1
+        raise _refusal("this is not text", "Is this the right file?", line)
 
 
 def _environment() -> dict[str, str]:

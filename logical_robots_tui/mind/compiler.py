@@ -36,7 +36,7 @@ if TYPE_CHECKING:
 
     from logical_robots_tui.mind.program import Report
 
-__all__ = ["compile_text"]
+__all__ = ["RobotProgram", "compile_text", "compiled_rules", "read_rules"]
 
 _RECURSION_DEPTH = 32  # as on DuckDB; the package's SQLite default is 8
 _DEEPEST_RECURSION = 200
@@ -59,16 +59,7 @@ def compile_text(text: str, report: Report | None = None) -> Program:
     found = check(parsed, text)
     raw, visibility, invalid = _take_visibility(parsed.rules, text)
     _refuse([*found, *invalid])
-    try:
-        rules = rewritten(raw)
-        spell_out(rules, text, source)
-        compiled = _RobotProgram(
-            _with_prelude(rules), user_flags={"logica_default_engine": "sqlite"}
-        )
-    except complaints.COMPLAINTS as error:
-        raise ProgramError(
-            (_endless(error, raw, text) or complaints.explain(error, text, source),)
-        ) from None
+    compiled = compiled_rules(raw, text, source)
     statements, predicates, problems = _compile_predicates(
         compiled, raw, text, source, report or (lambda _done, _all: None)
     )
@@ -86,6 +77,34 @@ def compile_text(text: str, report: Report | None = None) -> Program:
     )
 
 
+def read_rules(text: str) -> tuple[Prepared, list[Rule]]:
+    """The text of a program that can be compiled, prepared, and its rules as written."""
+    source = prepare(text)
+    rules, _, _ = _take_visibility(parse_statements(text, source).rules, text)
+    return source, rules
+
+
+def compiled_rules(rules: list[Rule], text: str, source: Prepared) -> RobotProgram:
+    """The package's program of some rules and the prelude.
+
+    Args:
+        rules: As written.
+        text: The program that they are from.
+        source: The same, prepared.
+
+    Raises:
+        ProgramError: They can't be compiled.
+    """
+    try:
+        written = rewritten(rules)
+        spell_out(written, text, source)
+        return RobotProgram(_with_prelude(written), user_flags={"logica_default_engine": "sqlite"})
+    except complaints.COMPLAINTS as error:
+        raise ProgramError(
+            (_endless(error, rules, text) or complaints.explain(error, text, source),)
+        ) from None
+
+
 def _refuse(found: list[Diagnostic]) -> None:
     """Stop if there is an error among what was found."""
     if any(problem.severity == "error" for problem in found):
@@ -96,7 +115,7 @@ def _refuse(found: list[Diagnostic]) -> None:
         raise ProgramError(tuple(sorted(found, key=lambda p: (p.line, p.column))))
 
 
-class _RobotProgram(universe.LogicaProgram):  # type: ignore[misc]  # the package has no types
+class RobotProgram(universe.LogicaProgram):  # type: ignore[misc]  # the package has no types
     """The package's program, computed in one query that makes no tables."""
 
     def __init__(self, rules: list[Rule], **options: Any) -> None:
@@ -145,7 +164,7 @@ def _endless(error: BaseException, raw: list[Rule], text: str) -> Diagnostic | N
 
 
 def _compile_predicates(
-    compiled: _RobotProgram, raw: list[Rule], text: str, source: Prepared, report: Report
+    compiled: RobotProgram, raw: list[Rule], text: str, source: Prepared, report: Report
 ) -> tuple[dict[str, str], list[Predicate], list[Diagnostic]]:
     """SQL by predicate, all predicates, and what is wrong if `Robot` can't be compiled."""
     statements: dict[str, str] = {}
@@ -156,17 +175,19 @@ def _compile_predicates(
     left_open = lacking(raw)
     for done, name in enumerate((MAIN, *(n for n in own if n != MAIN))):
         report(done, len(own))
+        is_function = False
         try:
             reason = complaints.OPEN.format(name, left_open[name]) if name in left_open else ""
             if not reason:
                 statements[name] = compiled.FormattedPredicateSql(name)
         except complaints.COMPLAINTS as error:
             reason = complaints.FUNCTION.format(name)
-            if name == MAIN or not _lacks_arguments(error, own[name]):
+            is_function = name != MAIN and _lacks_arguments(error, own[name])
+            if not is_function:
                 reason = f"{name} can't be computed: {complaints.plain_message(error)}"
                 problems.append(complaints.explain(error, text, source))
         line = text.count("\n", 0, getattr(names[name], "start", 0)) + 1
-        predicates.append(Predicate(name, "program", line, has_rows=not reason, reason=reason))
+        predicates.append(Predicate(name, "program", line, not reason, reason, is_function))
     for name in dict.fromkeys(head_name(r) for r in prelude_rules()):
         if name not in own and name.isidentifier():
             reason = complaints.FUNCTION.format(name)

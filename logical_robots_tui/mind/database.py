@@ -25,12 +25,16 @@ __all__ = [
     "BUILT_IN",
     "Answer",
     "Database",
+    "Scalar",
     "TooMuchError",
     "TooSlowError",
 ]
 
 Answer: TypeAlias = "tuple[tuple[str, ...], Sequence[tuple[Any, ...]]]"
 """Column names and rows."""
+
+Scalar: TypeAlias = int | float | str | None
+"""A value as it stands in a table."""
 
 _ALLOWED_ACTIONS = frozenset({sqlite3.SQLITE_SELECT, sqlite3.SQLITE_RECURSIVE})
 
@@ -138,7 +142,7 @@ class Database:
     def ask(
         self,
         sql: str,
-        parameters: Sequence[int] = (),
+        parameters: Sequence[Scalar] = (),
         *,
         most: int,
         deadline: float | None = None,
@@ -202,7 +206,7 @@ class Database:
 
     # -- inside --------------------------------------------------------------------------------
 
-    def _fetch(self, sql: str, parameters: Sequence[int], most: int) -> Answer:
+    def _fetch(self, sql: str, parameters: Sequence[Scalar], most: int) -> Answer:
         try:
             cursor = self._connection.execute(sql, parameters)
         except UnicodeEncodeError:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Literal
 
@@ -14,12 +14,17 @@ from logical_robots_tui.mind.duck.engine import DuckTables, Engine
 from logical_robots_tui.mind.failures import FailureError
 from logical_robots_tui.mind.limits import Limits
 from logical_robots_tui.mind.moment import Moment, View, Within
+from logical_robots_tui.mind.why.explaining import MOST_WAYS, explain
 from logical_robots_tui.values import SensorRow, Value
 
 if TYPE_CHECKING:
     import threading
 
-    from logical_robots_tui.mind.program import Program
+    from logical_robots_tui.mind.asking import Answer
+    from logical_robots_tui.mind.database import Scalar
+    from logical_robots_tui.mind.program import Program, Question
+    from logical_robots_tui.mind.why.explanation import Explanation
+    from logical_robots_tui.mind.why.probing import Probing
 
 __all__ = ["Mind", "Table"]
 
@@ -157,6 +162,79 @@ class Mind:
             raise QueryError(known.reason)
         return self._table(predicate, rows, memories, stop)
 
+    def ask(
+        self,
+        question: Question,
+        rows: Sequence[SensorRow],
+        memories: Memories,
+        *,
+        stop: threading.Event | None = None,
+    ) -> Table:
+        """What a question about the program gives at one moment.
+
+        Args:
+            question: Compiled for the program of this mind.
+            rows: As for `think`.
+            memories: As for `think`.
+            stop: Set it from another thread to give up.
+
+        Raises:
+            QueryError: It failed.
+            Stopped: `stop` was set before the answer was there.
+        """
+        moment = Moment(rows, memories, self.memory, self.sensor)
+        within = Within(self.limits.query_seconds, self.limits.rows, stop, cut=True)
+        try:
+            return self._collected(
+                (view, self._asking.plainly(question.sql, moment, view, within))
+                for view in moment.views
+            )
+        except FailureError as failure:
+            raise QueryError(f"This failed: {failure}.") from None
+
+    def why(
+        self,
+        probing: Probing,
+        robot: str,
+        rows: Sequence[SensorRow],
+        memories: Memories,
+        *,
+        given: Mapping[str, Value] | None = None,
+        stop: threading.Event | None = None,
+    ) -> Explanation:
+        """Why a predicate has the rows that it has in a robot's reasoning, or none.
+
+        Args:
+            probing: The predicate, taken apart, of the program of this mind.
+            robot: Name of the robot.
+            rows: As for `think`.
+            memories: As for `think`.
+            given: Values of some of its columns, where only rows with these are meant; by default
+                the robot's name where there is a column ``robot_name``.
+            stop: Set it from another thread to give up.
+
+        Raises:
+            QueryError: There is no such robot, or a function was asked without its arguments.
+            Stopped: `stop` was set before the answer was there.
+        """
+        given = {} if given is None else given
+        if missing := [name for name in probing.given if name not in given]:
+            names = ", ".join(missing)
+            raise QueryError(f"{probing.predicate} is a function of {names}: give a value for it.")
+        moment = Moment(rows, memories, self.memory, self.sensor)
+        view = next((view for view in moment.views if robot in view.viewers), None)
+        if view is None:
+            raise QueryError(f"There is no robot {robot} at this tick.")
+        if "robot_name" not in probing.given:
+            given = {"robot_name": robot, **given}
+        within = Within(self.limits.query_seconds, MOST_WAYS, stop, cut=True)
+
+        def found(sql: str, parameters: Sequence[Scalar]) -> list[dict[str, Value]]:
+            columns, answers = self._asking.plainly(sql, moment, view, within, parameters)
+            return [dict(zip(columns, answer, strict=True)) for answer in answers]
+
+        return explain(probing, robot, given, found)
+
     def close(self) -> None:
         """Free the databases."""
         self._asking.close()
@@ -170,25 +248,34 @@ class Mind:
         memories: Memories,
         stop: threading.Event | None,
     ) -> Table:
-        columns: tuple[str, ...] = ()
-        collected: list[tuple[Value, ...]] = []
-        viewers: list[str] = []
         moment = Moment(rows, memories, self.memory, self.sensor)
-        most = self.limits.rows
-        within = Within(self.limits.query_seconds, most, stop, cut=True)
-        for view, answer in self._asking.each(predicate, moment, within):
-            if isinstance(answer, FailureError):
-                raise QueryError(f"{predicate} failed: {answer}")
-            columns, found = answer
-            collected += found
+        within = Within(self.limits.query_seconds, self.limits.rows, stop, cut=True)
+
+        def answers() -> Iterator[tuple[View, Answer]]:
+            for view, answer in self._asking.each(predicate, moment, within):
+                if isinstance(answer, FailureError):
+                    raise QueryError(f"{predicate} failed: {answer}")
+                yield view, answer
+
+        return self._collected(answers())
+
+    def _collected(self, answers: Iterable[tuple[View, Answer]]) -> Table:
+        """The answers for all views as one table."""
+        columns: tuple[str, ...] = ()
+        rows: list[tuple[Value, ...]] = []
+        viewers: list[str] = []
+        for view, (names, found) in answers:
+            columns = names
+            rows += found
             viewers += [view.viewers[0]] * len(found)
         if "logica_value" in columns and "value" not in columns:
             columns = tuple("value" if c == "logica_value" else c for c in columns)
+        most = self.limits.rows
         return Table(
             columns,
-            tuple(collected[:most]),
+            tuple(rows[:most]),
             tuple(viewers[:most]) if self._separate else (),
-            truncated=len(collected) > most,
+            truncated=len(rows) > most,
         )
 
     @property

@@ -12,7 +12,7 @@ if TYPE_CHECKING:
     from logical_robots_tui.mind.diagnostics import Diagnostic
     from logical_robots_tui.mind.limits import Limits
 
-__all__ = ["INPUTS", "Duck", "Predicate", "Program", "Report", "Tuned"]
+__all__ = ["INPUTS", "Duck", "Predicate", "Program", "Question", "Report", "Tuned"]
 
 Report: TypeAlias = "Callable[[int, int], None]"
 """Told how many predicates of how many are compiled."""
@@ -34,6 +34,7 @@ class Predicate:
         line: Line of its first rule in the program's text, from 1, or None.
         has_rows: False for a function of its arguments, which has no rows of its own.
         reason: Why it has no rows, one sentence, or "".
+        is_function: Whether it has rows only for given arguments.
     """
 
     name: str
@@ -41,6 +42,20 @@ class Predicate:
     line: int | None
     has_rows: bool
     reason: str = ""
+    is_function: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class Question:
+    """What is asked of a program at one tick, compiled.
+
+    Attributes:
+        text: As it was typed.
+        sql: The query.
+    """
+
+    text: str
+    sql: str
 
 
 @dataclass(frozen=True, slots=True)

@@ -11,9 +11,9 @@ from logical_robots_tui.mind.layouts import COLUMNS_LAYOUT, CROWD_LAYOUT, PLAIN_
 from logical_robots_tui.mind.stored import to_input, to_sql
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Mapping, Sequence
 
-    from logical_robots_tui.mind.database import Answer
+    from logical_robots_tui.mind.database import Answer, Scalar
     from logical_robots_tui.mind.limits import Limits
     from logical_robots_tui.mind.moment import Moment, View, Within
     from logical_robots_tui.mind.program import Tuned
@@ -36,7 +36,14 @@ class PlainTables:
         self._database = Database(limits, PLAIN_LAYOUT)
         self._loaded: tuple[Moment, View] | None = None
 
-    def ask(self, sql: str, moment: Moment, view: View, within: Within) -> Answer:
+    def ask(
+        self,
+        sql: str,
+        moment: Moment,
+        view: View,
+        within: Within,
+        parameters: Sequence[Scalar] = (),
+    ) -> Answer:
         """Rows of a query over what a view shows.
 
         Raises:
@@ -56,7 +63,7 @@ class PlainTables:
             )
             self._loaded = (moment, view)
         return self._database.ask(
-            sql, most=within.rows + 1, deadline=within.deadline, stop=within.stop
+            sql, parameters, most=within.rows + 1, deadline=within.deadline, stop=within.stop
         )
 
     def close(self) -> None:

@@ -21,7 +21,7 @@ import traceback
 from dataclasses import asdict, replace
 from functools import partial
 from time import monotonic
-from typing import IO, TYPE_CHECKING
+from typing import IO, TYPE_CHECKING, Any
 
 from logical_robots_tui.mind import compiler
 from logical_robots_tui.mind.database import Database
@@ -29,10 +29,13 @@ from logical_robots_tui.mind.diagnostics import Diagnostic, ProgramError
 from logical_robots_tui.mind.failures import in_plain_words
 from logical_robots_tui.mind.layouts import COLUMNS_LAYOUT
 from logical_robots_tui.mind.plain import printable
+from logical_robots_tui.mind.questions import compile_question
 from logical_robots_tui.mind.tuning import tune_all
+from logical_robots_tui.mind.why.taking_apart import take_apart
 
 if TYPE_CHECKING:
-    from logical_robots_tui.mind.program import Program, Report
+    from logical_robots_tui.mind.program import Program, Question, Report
+    from logical_robots_tui.mind.why.probing import Probing
 
 __all__ = ["main"]
 
@@ -66,9 +69,9 @@ def main() -> None:
     _warm_up()
     _give_up_what_is_not_needed(address_space)
     while True:
-        text = json.loads(requests.get())
+        request = json.loads(requests.get())
         _limit(resource.RLIMIT_CPU, int(_computed()) + seconds)
-        _say(answers, _answer(text, partial(_report, answers)))
+        _say(answers, _answer(request, partial(_report, answers)))
 
 
 def _say(answers: IO[str], what: dict[str, object]) -> None:
@@ -84,7 +87,9 @@ def _warm_up() -> None:
     """Load everything that compiling may need while files can still be opened."""
     sys.modules["numpy"] = None  # type: ignore[assignment]  # the package would load it for speed
     for sample in _SAMPLES:
-        _answer(sample)
+        _answer({"text": sample})
+    _answer({"text": _SAMPLES[0], "predicate": "Robot", "within": "", "functions": []})
+    _answer({"text": _SAMPLES[0], "query": "1 + 1"})
     gc.freeze()
 
 
@@ -116,11 +121,17 @@ def _read(lines: IO[str], requests: queue.Queue[str]) -> None:
     os._exit(0)
 
 
-def _answer(text: str, report: Report | None = None) -> dict[str, object]:
+def _answer(request: dict[str, Any], report: Report | None = None) -> dict[str, object]:
+    """The answer to a request: a program, a question about one, or a predicate taken apart."""
+    text = request["text"]
     try:
+        if "query" in request:
+            return {"question": asdict(_question(text, request["query"]))}
+        if "predicate" in request:
+            return {"probing": asdict(_probing(text, request))}
         program = compiler.compile_text(text, report)
         _try_out(program)
-        program = _tuned(program)
+        return {"program": asdict(_tuned(program))}
     except ProgramError as error:
         shown = error.diagnostics[:_MOST_DIAGNOSTICS]
         return {"diagnostics": [asdict(_plain(d)) for d in shown]}
@@ -131,7 +142,34 @@ def _answer(text: str, report: Report | None = None) -> dict[str, object]:
     except Exception:  # the package may raise anything; the next program is to find us alive
         refusal = _refusal("the compiler gave up on this program", "Try a simpler one.")
         return {**refusal, "trace": traceback.format_exc()}
-    return {"program": asdict(program)}
+
+
+def _question(text: str, query: str) -> Question:
+    """A question about a program.
+
+    Raises:
+        ProgramError: It is wrong, or SQLite can't prepare it in reasonable time.
+    """
+    question = compile_question(text, query)
+    database = Database()
+    try:
+        if not _is_prepared_soon(database, question.sql):
+            raise _tangled()
+    finally:
+        database.close()
+    return question
+
+
+def _probing(text: str, request: dict[str, Any]) -> Probing:
+    """The rules of a predicate, taken apart as far as SQLite can prepare it in reasonable time."""
+    predicate, within = request["predicate"], request["within"]
+    functions = frozenset(request["functions"])
+    database = Database()
+    try:
+        is_quick = partial(_is_prepared_soon, database)
+        return take_apart(text, predicate, within, functions, is_quick)
+    finally:
+        database.close()
 
 
 def _try_out(program: Program) -> None:
@@ -185,7 +223,7 @@ def _tuned(program: Program) -> Program:
     return replace(program, tuned=kept)
 
 
-def _is_prepared_soon(database: Database, sql: str, bounds: int) -> bool:
+def _is_prepared_soon(database: Database, sql: str, bounds: int = 0) -> bool:
     """Whether SQLite can prepare a query with so many parameters, and without much ado."""
     began = monotonic()
     try:

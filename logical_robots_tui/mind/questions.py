@@ -1,0 +1,167 @@
+"""A question about a program: a call, an expression, conditions, or rules. In the compile process.
+
+What is asked becomes a rule behind the program's own, on lines of its own, so that everything
+that is said about it has its place in what was typed.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+from logica.parser_py import parse
+
+from logical_robots_tui.mind import complaints
+from logical_robots_tui.mind.checks import check
+from logical_robots_tui.mind.compiler import compiled_rules, read_rules
+from logical_robots_tui.mind.diagnostics import Diagnostic, ProgramError
+from logical_robots_tui.mind.parsing import parse_statements
+from logical_robots_tui.mind.program import INPUTS, Question
+from logical_robots_tui.mind.rules import VALUE, fields, heads, nodes
+from logical_robots_tui.mind.text import diagnostic_for, prepare
+from logical_robots_tui.mind.why.scopes import names
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Mapping
+
+    from logical_robots_tui.mind.rules import Rule
+    from logical_robots_tui.mind.text import Prepared
+
+__all__ = ["compile_question"]
+
+_NAME = "Asked"
+_TRUTHS = frozenset(
+    {"==", "=", "!=", "<", "<=", ">", ">=", "&&", "||", "!", "in", "is", "is not", "IsNull"}
+)
+
+
+def compile_question(text: str, query: str) -> Question:
+    """Compile what is asked of a program.
+
+    Args:
+        text: A program that can be compiled.
+        query: What is asked.
+
+    Raises:
+        ProgramError: The query is wrong; the diagnostics speak of its lines and columns.
+    """
+    source = prepare(query)
+    if source.problems:
+        raise ProgramError(source.problems)
+    bare = source.text.strip()
+    if not bare:
+        hint = "Type a predicate, such as Robot, or an expression."
+        raise ProgramError((Diagnostic(1, 1, "nothing is asked", hint),))
+    own = heads(read_rules(text)[1])
+    before, after = "", ""
+    if source.ends or any(
+        len(parse.Split(parse.HeritageAwareString(source.text), sign)) > 1 for sign in (":-", ":=")
+    ):
+        asked = _defined(query, source, own)
+    elif bare in own:
+        asked, query = bare, ""
+    else:
+        asked = _NAME
+        if bare in INPUTS:
+            query = f"{bare}({', '.join(f'{column}:' for column in INPUTS[bare])})"
+            source = prepare(query)
+        before, after = _frame(query, source, own)
+    begin = f"{text}\n;\n{before}\n"
+    whole = f"{begin}{query}\n{after};"
+    first = begin.count("\n") + 1
+    try:
+        return Question(query or bare, _compiled(whole, asked))
+    except ProgramError as error:
+        raise ProgramError(tuple(_placed(d, first, query) for d in error.diagnostics)) from None
+
+
+def _compiled(whole: str, asked: str) -> str:
+    """The SQL of a predicate.
+
+    Raises:
+        ProgramError: The whole is wrong.
+    """
+    source = prepare(whole)
+    parsed = parse_statements(whole, source)
+    found = tuple(d for d in check(parsed, whole) if d.severity == "error")
+    if found:
+        raise ProgramError(found)
+    try:
+        sql: str = compiled_rules(read_rules(whole)[1], whole, source).FormattedPredicateSql(asked)
+    except complaints.COMPLAINTS as error:
+        if asked != _NAME and complaints.is_function(error):
+            hint = f"Call it with values, such as {asked}(1)."
+            raise ProgramError(
+                (Diagnostic(1, 1, complaints.FUNCTION.format(asked), hint),)
+            ) from None
+        raise ProgramError((complaints.explain(error, whole, source),)) from None
+    return sql
+
+
+def _placed(diagnostic: Diagnostic, first: int, query: str) -> Diagnostic:
+    """A diagnostic of the whole text at its place in the query, or at the query's start."""
+    line = diagnostic.line - first + 1
+    if 1 <= line <= query.count("\n") + 1:
+        return replace(diagnostic, line=line)
+    return replace(diagnostic, line=1, column=1, excerpt="")
+
+
+def _defined(query: str, source: Prepared, own: Mapping[str, list[Rule]]) -> str:
+    """The last predicate that a query defines.
+
+    Raises:
+        ProgramError: The query can't be read, or defines what the program has already.
+    """
+    parsed = parse_statements(query, source)
+    if parsed.problems:
+        raise ProgramError(tuple(parsed.problems))
+    defined = heads(parsed.rules)
+    for name in defined:
+        if name in own or name in INPUTS:
+            message = f"{name} is in the program already"
+            hint = "Give yours another name."
+            raise ProgramError((diagnostic_for(query, name, message, hint),))
+    if not defined:
+        raise ProgramError((Diagnostic(1, 1, "this defines no predicate that could be asked"),))
+    return str(list(defined)[-1])
+
+
+def _frame(query: str, source: Prepared, own: Mapping[str, list[Rule]]) -> tuple[str, str]:
+    """What stands before and behind a query to make a rule of it.
+
+    Raises:
+        ProgramError: It can't be read.
+    """
+    text = parse.HeritageAwareString(source.text)
+    try:
+        body = parse.ParseProposition(parse.Strip(text))
+    except complaints.COMPLAINTS as error:
+        try:
+            parse.ParseExpression(parse.Strip(text))
+        except complaints.COMPLAINTS:
+            raise ProgramError((complaints.explain(error, query, source),)) from None
+        return f"{_NAME}(value:", ")"
+    found = names(body)
+    variables = [name for name in _in_text(body) if name in found]
+    if not variables and _is_value(body, own):
+        return f"{_NAME}(value:", ")"
+    if not variables:
+        denied = f'; {_NAME}(holds: "false") :- ~({query}\n)'
+        return f'{_NAME}(holds: "true") :-', denied
+    return f"{_NAME}({', '.join(f'{name}:' for name in variables)}) :-", ""
+
+
+def _is_value(body: Rule, own: Mapping[str, list[Rule]]) -> bool:
+    """Whether what could be a condition is meant as an expression: a function, a calculation."""
+    name = str(body.get("predicate", {}).get("predicate_name", ""))
+    if name in own:
+        return any(VALUE in fields(rule["head"]["record"]) for rule in own[name])
+    return bool(name) and name not in INPUTS and name not in _TRUTHS
+
+
+def _in_text(tree: Rule) -> Iterator[str]:
+    """Names of the variables of a syntax tree in the order of the text, once each."""
+    found = (node["variable"]["var_name"] for node in nodes(tree) if "variable" in node)
+    yield from dict.fromkeys(
+        str(name) for name in sorted(found, key=lambda n: getattr(n, "start", 0))
+    )
