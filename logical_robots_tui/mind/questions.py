@@ -6,6 +6,7 @@ that is said about it has its place in what was typed.
 
 from __future__ import annotations
 
+import itertools
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
@@ -29,7 +30,6 @@ if TYPE_CHECKING:
 
 __all__ = ["compile_question"]
 
-_NAME = "Asked"
 _TRUTHS = frozenset(
     {"==", "=", "!=", "<", "<=", ">", ">=", "&&", "||", "!", "in", "is", "is not", "IsNull"}
 )
@@ -61,21 +61,27 @@ def compile_question(text: str, query: str) -> Question:
     elif bare in own:
         asked, query = bare, ""
     else:
-        asked = _NAME
+        asked = next(name for name in _names() if name not in own)
         if bare in INPUTS:
             query = f"{bare}({', '.join(f'{column}:' for column in INPUTS[bare])})"
             source = prepare(query)
-        before, after = _frame(query, source, own)
+        before, after = _frame(asked, query, source, own)
     begin = f"{text}\n;\n{before}\n"
     whole = f"{begin}{query}\n{after};"
     first = begin.count("\n") + 1
     try:
-        return Question(query or bare, _compiled(whole, asked))
+        return Question(query or bare, _compiled(whole, asked, is_bare=not query))
     except ProgramError as error:
         raise ProgramError(tuple(_placed(d, first, query) for d in error.diagnostics)) from None
 
 
-def _compiled(whole: str, asked: str) -> str:
+def _names() -> Iterator[str]:
+    """Names for what is asked, until one is free."""
+    yield "Asked"
+    yield from (f"Asked{number}" for number in itertools.count(2))
+
+
+def _compiled(whole: str, asked: str, *, is_bare: bool) -> str:
     """The SQL of a predicate.
 
     Raises:
@@ -89,7 +95,7 @@ def _compiled(whole: str, asked: str) -> str:
     try:
         sql: str = compiled_rules(read_rules(whole)[1], whole, source).FormattedPredicateSql(asked)
     except complaints.COMPLAINTS as error:
-        if asked != _NAME and complaints.is_function(error):
+        if is_bare and complaints.is_function(error):
             hint = f"Call it with values, such as {asked}(1)."
             raise ProgramError(
                 (Diagnostic(1, 1, complaints.FUNCTION.format(asked), hint),)
@@ -126,7 +132,9 @@ def _defined(query: str, source: Prepared, own: Mapping[str, list[Rule]]) -> str
     return str(list(defined)[-1])
 
 
-def _frame(query: str, source: Prepared, own: Mapping[str, list[Rule]]) -> tuple[str, str]:
+def _frame(
+    name: str, query: str, source: Prepared, own: Mapping[str, list[Rule]]
+) -> tuple[str, str]:
     """What stands before and behind a query to make a rule of it.
 
     Raises:
@@ -140,15 +148,15 @@ def _frame(query: str, source: Prepared, own: Mapping[str, list[Rule]]) -> tuple
             parse.ParseExpression(parse.Strip(text))
         except complaints.COMPLAINTS:
             raise ProgramError((complaints.explain(error, query, source),)) from None
-        return f"{_NAME}(value:", ")"
+        return f"{name}(value:", ")"
     found = names(body)
-    variables = [name for name in _in_text(body) if name in found]
+    variables = [each for each in _in_text(body) if each in found]
     if not variables and _is_value(body, own):
-        return f"{_NAME}(value:", ")"
+        return f"{name}(value:", ")"
     if not variables:
-        denied = f'; {_NAME}(holds: "false") :- ~({query}\n)'
-        return f'{_NAME}(holds: "true") :-', denied
-    return f"{_NAME}({', '.join(f'{name}:' for name in variables)}) :-", ""
+        denied = f'; {name}(holds: "false") :- ~({query}\n)'
+        return f'{name}(holds: "true") :-', denied
+    return f"{name}({', '.join(f'{each}:' for each in variables)}) :-", ""
 
 
 def _is_value(body: Rule, own: Mapping[str, list[Rule]]) -> bool:

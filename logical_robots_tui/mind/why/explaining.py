@@ -136,6 +136,7 @@ class _Asking:
 
 
 def _rule(rule: RuleParts, asking: _Asking) -> RuleFound:
+    found: tuple[PartFound, ...] = ()
     try:
         fixed = asking.unlike(rule.start) if rule.start is not None else {}
         if fixed:
@@ -150,7 +151,7 @@ def _rule(rule: RuleParts, asking: _Asking) -> RuleFound:
         )
         return RuleFound(rule, asking.ways(rule.last), rows, found)
     except FailureError as error:
-        return RuleFound(rule, None, problem=str(error))
+        return RuleFound(rule, None, found=found, problem=str(error))
 
 
 def _parts(before: Query | None, parts: Sequence[Part], asking: _Asking) -> tuple[PartFound, ...]:

@@ -26,7 +26,7 @@ def take_apart(
     predicate: str,
     within: str,
     functions: frozenset[str],
-    is_quick: Callable[[str], bool],
+    is_quick: Callable[[str, int], bool],
 ) -> Probing:
     """Take the rules of a predicate apart.
 
@@ -35,7 +35,7 @@ def take_apart(
         predicate: One of its own predicates.
         within: A predicate made with ``:=`` whose fillings-in are to hold, or "".
         functions: Names of those that have rows only for given arguments.
-        is_quick: Whether SQLite prepares a query without much ado.
+        is_quick: Whether SQLite prepares a query with so many parameters without much ado.
     """
     source, raw = read_rules(text)
     own = heads(raw)
@@ -60,7 +60,7 @@ def take_apart(
             sql = compiled.FormattedPredicateSql(asked).rstrip().removesuffix(";")
         except complaints.COMPLAINTS:
             continue  # the next part answers for this one, too
-        if is_quick(with_given(sql, given)):
+        if is_quick(with_given(sql, given), len(given)):
             statements[name] = sql
     return Probing(
         predicate,

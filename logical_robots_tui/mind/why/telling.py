@@ -143,4 +143,3 @@ def _is_news(side: Side, values: Sequence[Value]) -> bool:
 def _count(number: int, what: str) -> str:
     more = " or more" if number >= MOST_WAYS else ""
     return f"{number:,}{more} {what}{'' if number == 1 else 's'}"
-

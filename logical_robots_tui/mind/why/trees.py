@@ -59,7 +59,7 @@ def any_value(of: Rule, local: str) -> Rule:
 
 
 def rule(name: str, columns: Mapping[str | int, Rule], body: Iterable[Rule], text: str) -> Rule:
-    """A rule; its parts are copied.
+    """A rule; each of its parts is copied, so that none stands in two places.
 
     Args:
         name: The predicate that it defines.
@@ -68,12 +68,15 @@ def rule(name: str, columns: Mapping[str | int, Rule], body: Iterable[Rule], tex
         text: What to call it in a complaint.
     """
     found: Rule = {
-        "head": {"predicate_name": name, "record": _record(columns)},
+        "head": {
+            "predicate_name": name,
+            "record": _record({field: copy.deepcopy(value) for field, value in columns.items()}),
+        },
         "full_text": parse.HeritageAwareString(text),
     }
-    if conjuncts := list(body):
+    if conjuncts := [copy.deepcopy(part) for part in body]:
         found["body"] = {"conjunction": {"conjunct": conjuncts}}
-    return copy.deepcopy(found)
+    return found
 
 
 def make(name: str, base: str, given: Mapping[str | int, Rule]) -> Rule:

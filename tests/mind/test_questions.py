@@ -1,0 +1,127 @@
+"""Any query about a program: a call, an expression, conditions, whole rules."""
+
+from __future__ import annotations
+
+from contextlib import closing
+from typing import TYPE_CHECKING, Any
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from logical_robots_tui.mind import Mind, Program, ProgramError, QueryError
+from logical_robots_tui.mind.compilation import compile_question
+from tests.mind.rows import row
+
+if TYPE_CHECKING:
+    from logical_robots_tui.mind import Table
+
+PROGRAM = """\
+# The last rule of this program has no semicolon, and then there is a comment.
+Item("one", 1);
+Item("two", 2);
+Named(robot_name:, far: sensor.forward_distance) :- Sensor(robot_name:, sensor:);
+Twice(x) = 2 * x;
+Home() = "Base";
+Robot(robot_name:, desire: {left_engine: 0, right_engine: 0}, memory: "") :- Sensor(robot_name:)
+# The end"""
+
+ROWS = [row("Ada"), row("Bo")]
+
+
+def ask(query: str, text: str = PROGRAM, **visibility: Any) -> Table:
+    program = Program.compile(text)
+    with closing(Mind(program, **(visibility or {"memory": "all", "sensor": "all"}))) as mind:
+        return mind.ask(compile_question(program, query), ROWS, {"Ada": {"seen": [1]}})
+
+
+@pytest.mark.parametrize(
+    ("query", "columns", "rows"),
+    [
+        ("Item(name, number)", ("name", "number"), (("one", 1), ("two", 2))),
+        ("Item(name, 2)", ("name",), (("two",),)),
+        ("Item", ("col0", "col1"), (("one", 1), ("two", 2))),
+        ("Memory", ("robot_name", "memory"), (("Ada", {"seen": [1]}), ("Bo", None))),
+        ("Item(name, x), x > 1", ("name", "x"), (("two", 2),)),
+        ("Item(name, x), y == Twice(x)", ("name", "x", "y"), (("one", 1, 2), ("two", 2, 4))),
+        ("Item(\n  name,\n  1)", ("name",), (("one",),)),
+        ('Item("one", 1)', ("holds",), (("true",),)),
+        ('Item("one", 2)', ("holds",), (("false",),)),
+        ('~Item("one", 2)', ("holds",), (("true",),)),
+        ("1 < 2", ("holds",), (("true",),)),
+        ("1 + 1", ("value",), ((2,),)),
+        ("Twice(21)", ("value",), ((42,),)),
+        ("Home()", ("value",), (("Base",),)),
+        ("Sum{x :- Item(n, x)}", ("value",), ((3,),)),
+        ('if 1 < 2 then "a" else "b"', ("value",), (("a",),)),
+        ("{a: 1, b: [2]}", ("value",), (({"a": 1, "b": [2]},),)),
+        ("x in [1, 2], x != 1", ("x",), ((2,),)),
+        ("Big(n) :- Item(n, x), x > 1", ("col0",), (("two",),)),
+        ("A(x) :- Item(n, x); B(x) :- A(x), x < 2;", ("col0",), ((1,),)),
+        ("# only a comment\nTwice(2) # and one more", ("value",), ((4,),)),
+    ],
+)
+def test_what_is_asked_is_answered(query: str, columns: Any, rows: Any) -> None:
+    table = ask(query)
+    assert (table.columns, table.rows) == (columns, rows)
+
+
+def test_where_robots_reason_apart_each_answers_for_itself() -> None:
+    table = ask("Named(robot_name:, far:)", memory="own", sensor="own")
+    assert table.rows == (("Ada", 200), ("Bo", 200))
+    assert table.viewers == ("Ada", "Bo")
+
+
+@pytest.mark.parametrize(
+    ("query", "line", "column", "told"),
+    [
+        ("Items(x, y)", 1, 1, "Did you mean Item"),
+        ("Item(x,\n  Twoce(y))", 2, 3, "Did you mean Twice"),
+        ("Named(robot_name:, fra:)", 1, 20, "Did you mean far"),
+        ("Item(x, y", 1, 5, "never closed"),
+        ("", 1, 1, "nothing is asked"),
+        ("  # nothing", 1, 1, "nothing is asked"),
+        ("Twice(y)", 1, 1, "nothing says what y is"),
+        ("Twice", 1, 1, "function of its arguments"),
+        ("Item(x) :- Sensor(x)", 1, 1, "is in the program already"),
+        ("Sensor(x) :- Item(x, y)", 1, 1, "is in the program already"),
+        ("what this", 1, 1, "not a condition"),
+        ('ReadFile("/etc/passwd")', 1, 1, "not there for robots"),
+        ('SqlExpr("1", {})', 1, 1, "can't write SQL"),
+        ("@Ground(Item);", 1, 1, "defines no predicate"),
+        ("import a.b;", 1, 1, "import"),
+    ],
+)
+def test_a_wrong_query_is_refused_with_its_own_line_and_column(
+    query: str, line: int, column: int, told: str
+) -> None:
+    with pytest.raises(ProgramError) as caught:
+        ask(query)
+    first = caught.value.diagnostics[0]
+    assert told in str(first)
+    assert (first.line, first.column) == (line, column)
+
+
+def test_a_query_that_fails_at_this_tick_says_why() -> None:
+    with pytest.raises(QueryError, match="neither a record nor a list"):
+        ask('x in ["a"], x.field == 2')
+
+
+def test_a_program_may_have_the_name_that_questions_get() -> None:
+    text = PROGRAM + "\n;Asked(1);"
+    assert ask("Asked(x)", text).rows == ((1,),)
+    assert ask("1 + 1", text).rows == ((2,),)
+
+
+@settings(max_examples=60, deadline=None)
+@given(st.text(alphabet='Item(x, y)12:-;{}[]"~|&<=># \n', max_size=30))
+def test_nonsense_is_refused_or_answered_and_never_stumbles(query: str) -> None:
+    try:
+        assert ask(query).columns
+    except QueryError:
+        pass
+    except ProgramError as error:
+        wrong = error.diagnostics
+        lines = query.count("\n") + 1
+        told = all(1 <= d.line <= lines and "gave up" not in d.message for d in wrong)
+        assert told, wrong
