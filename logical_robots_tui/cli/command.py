@@ -10,9 +10,22 @@ from typing import TYPE_CHECKING, TypeAlias
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-__all__ = ["Commands", "add_data_dir", "add_engine", "check_engine", "new_command"]
+__all__ = [
+    "Commands",
+    "add_data_dir",
+    "add_engine",
+    "add_level_and_program",
+    "check_engine",
+    "new_command",
+    "number_from",
+    "opened",
+    "prefers_json",
+]
 
 if TYPE_CHECKING:
+    from logical_robots_tui.mind import Program
+    from logical_robots_tui.world import Level
+
     Commands: TypeAlias = "argparse._SubParsersAction[argparse.ArgumentParser]"
 
 
@@ -46,6 +59,52 @@ def new_command(
     )
     command.set_defaults(start=start, wants_json=wants_json)
     return command
+
+
+def add_level_and_program(command: argparse.ArgumentParser) -> None:
+    """Add what is to be run, and the options that go with it; `opened` reads them."""
+    command.add_argument("level", metavar="LEVEL", help="a level's name or file")
+    command.add_argument("program", metavar="PROGRAM", help="a program's name or file")
+    add_engine(command)
+    add_data_dir(command)
+
+
+def opened(options: argparse.Namespace) -> tuple[Level, Program]:
+    """The level and the compiled program that were named.
+
+    Raises:
+        InputError: One of them can't be read.
+        ProgramFileError: The program is wrong.
+    """
+    from logical_robots_tui.cli.failure import ProgramFileError
+    from logical_robots_tui.cli.folders import own_programs
+    from logical_robots_tui.game import load_program
+    from logical_robots_tui.mind import Program, ProgramError
+    from logical_robots_tui.world import load_level
+
+    check_engine(options)
+    level = load_level(options.level)
+    source = load_program(options.program, own_programs(options.data_dir))
+    try:
+        return level, Program.compile(source.text)
+    except ProgramError as error:
+        place = str(source.path if options.program == str(source.path) else options.program)
+        raise ProgramFileError(place, error) from error
+
+
+def number_from(least: int) -> Callable[[str], int]:
+    """A reader of whole numbers from `least` up, for an option."""
+
+    def read(text: str) -> int:
+        try:
+            number = int(text)
+        except ValueError:
+            number = least - 1
+        if number < least:
+            raise argparse.ArgumentTypeError(f"{text!r} is not a whole number from {least} up")
+        return number
+
+    return read
 
 
 def add_data_dir(command: argparse.ArgumentParser) -> None:

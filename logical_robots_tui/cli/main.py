@@ -9,7 +9,18 @@ import sys
 from typing import TYPE_CHECKING
 
 from logical_robots_tui import __version__
-from logical_robots_tui.cli import bench, check, crash, failure, listing, play, run
+from logical_robots_tui.cli import (
+    bench,
+    check,
+    crash,
+    failure,
+    listing,
+    play,
+    query,
+    run,
+    trace,
+    why,
+)
 from logical_robots_tui.cli import help as reference
 from logical_robots_tui.errors import LogicalRobotsError
 
@@ -29,6 +40,9 @@ examples:
   logical-robots levels                list the levels
   logical-robots play LEVEL            play one of them
   logical-robots run LEVEL PROGRAM     run without a screen
+  logical-robots trace LEVEL PROGRAM   tell every tick as JSON
+  logical-robots why LEVEL PROGRAM --tick N --robot R
+                                       say why a robot did what it did
   logical-robots check PROGRAM         say what is wrong with a program
   logical-robots help FUNCTION         explain a function of the language
   logical-robots bench                 say how fast this machine is
@@ -78,6 +92,9 @@ def parser() -> argparse.ArgumentParser:
     commands = top.add_subparsers(title="commands", metavar="COMMAND", required=True)
     play.declare(commands)
     run.declare(commands)
+    trace.declare(commands)
+    query.declare(commands)
+    why.declare(commands)
     check.declare(commands)
     reference.declare(commands)
     listing.declare(commands)

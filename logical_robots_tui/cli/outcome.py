@@ -8,7 +8,7 @@ from collections import Counter
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
-from logical_robots_tui.cli.text import columns, harmless
+from logical_robots_tui.cli.text import columns, finite, harmless
 from logical_robots_tui.game import goals
 
 if TYPE_CHECKING:
@@ -92,7 +92,7 @@ class Outcome:
             "milliseconds_per_tick": round(self.seconds * 1000 / ticks, 4),
             "think_milliseconds_per_tick": round(self.tally.think_milliseconds / ticks, 4),
         }
-        return json.dumps(_finite(found), indent=2, allow_nan=False)
+        return json.dumps(finite(found), indent=2, allow_nan=False)
 
     def in_words(self) -> str:
         """A few lines for a person."""
@@ -148,14 +148,3 @@ class Outcome:
             }
             for given, now in zip(self.level.robots, self.frame.after.robots, strict=True)
         ]
-
-
-def _finite(value: Any) -> Any:
-    """Replace what JSON has no word for (infinities, not-a-number) by null."""
-    if isinstance(value, float):
-        return value if math.isfinite(value) else None
-    if isinstance(value, dict):
-        return {str(key): _finite(inner) for key, inner in value.items()}
-    if isinstance(value, list | tuple):
-        return [_finite(inner) for inner in value]
-    return value

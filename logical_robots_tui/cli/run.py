@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import argparse
 import asyncio
 import sys
 from contextlib import nullcontext
@@ -10,14 +9,15 @@ from time import perf_counter
 from typing import TYPE_CHECKING
 
 from logical_robots_tui.cli.command import (
-    add_data_dir,
-    add_engine,
-    check_engine,
+    add_level_and_program,
     new_command,
+    number_from,
+    opened,
     prefers_json,
 )
 
 if TYPE_CHECKING:
+    import argparse
     from collections.abc import Callable
     from contextlib import AbstractContextManager
 
@@ -54,11 +54,10 @@ def declare(commands: Commands) -> None:
         description="Run a program in a level without a screen, as fast as the machine can.",
         epilog=EPILOG,
     )
-    command.add_argument("level", metavar="LEVEL", help="a level's name or file")
-    command.add_argument("program", metavar="PROGRAM", help="a program's name or file")
+    add_level_and_program(command)
     command.add_argument(
         "--ticks",
-        type=_positive,
+        type=number_from(1),
         default=DEFAULT_TICKS,
         metavar="N",
         help="give up after this many ticks (default: %(default)s)",
@@ -66,26 +65,11 @@ def declare(commands: Commands) -> None:
     command.add_argument(
         "--json", action="store_true", help="print JSON even when a terminal is looking"
     )
-    add_engine(command)
-    add_data_dir(command)
 
 
 def start(options: argparse.Namespace) -> int:
     """Run the program in the level and say how it went."""
-    from logical_robots_tui.cli.failure import ProgramFileError
-    from logical_robots_tui.cli.folders import own_programs
-    from logical_robots_tui.game import load_program
-    from logical_robots_tui.mind import Program, ProgramError
-    from logical_robots_tui.world import load_level
-
-    check_engine(options)
-    level = load_level(options.level)
-    source = load_program(options.program, own_programs(options.data_dir))
-    try:
-        program = Program.compile(source.text)
-    except ProgramError as error:
-        place = str(source.path if options.program == str(source.path) else options.program)
-        raise ProgramFileError(place, error) from error
+    level, program = opened(options)
     if options.engine == "duckdb":
         _say_if_not_used(program)
     with _progress(level.title, options.ticks) as show:
@@ -147,13 +131,3 @@ def _progress(title: str, ticks: int) -> AbstractContextManager[Callable[[int], 
 
         return progress_bar(title, ticks)
     return nullcontext(lambda _tick: None)
-
-
-def _positive(text: str) -> int:
-    try:
-        number = int(text)
-    except ValueError:
-        number = 0
-    if number < 1:
-        raise argparse.ArgumentTypeError(f"{text!r} is not a whole number from 1 up")
-    return number

@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import json
+import math
 import unicodedata
+from typing import Any
 
-__all__ = ["columns", "harmless"]
+__all__ = ["columns", "finite", "harmless", "written"]
 
 _UNPRINTABLE = {"Cc", "Cf", "Cn", "Co", "Cs", "Zl", "Zp"}
 
@@ -22,3 +25,20 @@ def columns(rows: list[tuple[str, ...]]) -> list[str]:
         "  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip()
         for row in clean
     ]
+
+
+def finite(value: Any) -> Any:
+    """Replace what JSON has no word for (infinities, not-a-number) by null."""
+    if isinstance(value, float):
+        return value if math.isfinite(value) else None
+    if isinstance(value, dict):
+        return {str(key): finite(inner) for key, inner in value.items()}
+    if isinstance(value, list | tuple):
+        return [finite(inner) for inner in value]
+    return value
+
+
+def written(value: Any, width: int | None = None) -> str:
+    """A value as JSON in one line, cut to a width in characters if one is given."""
+    text = harmless(json.dumps(finite(value), ensure_ascii=False, allow_nan=False))
+    return text if width is None or len(text) <= width else f"{text[: width - 3]}..."

@@ -5,6 +5,7 @@ from logical_robots_tui.game.frame import Frame
 from logical_robots_tui.game.game import Answer, Game, Superseded
 from logical_robots_tui.game.goal import Goal, goals
 from logical_robots_tui.game.history import History, NoSuchTickError
+from logical_robots_tui.game.inquiry import Inquiry
 from logical_robots_tui.game.odometer import Odometer
 from logical_robots_tui.game.pace import FLAT_OUT, SPEEDS, Pace
 from logical_robots_tui.game.reference import is_shipped, level_key, reference_for
@@ -20,6 +21,7 @@ __all__ = [
     "Game",
     "Goal",
     "History",
+    "Inquiry",
     "NoSuchTickError",
     "Odometer",
     "Pace",

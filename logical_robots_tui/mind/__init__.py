@@ -6,13 +6,18 @@ from logical_robots_tui.mind.duck.engine import Engine, check_installed
 from logical_robots_tui.mind.duck.notes import why_not_duckdb
 from logical_robots_tui.mind.limits import Limits
 from logical_robots_tui.mind.mind import Mind, Table
-from logical_robots_tui.mind.program import Predicate, Program, Report
+from logical_robots_tui.mind.program import Predicate, Program, Question, Report
+from logical_robots_tui.mind.why.explanation import Ask, Explanation
+from logical_robots_tui.mind.why.telling import Line, tell
 
 __all__ = [
+    "Ask",
     "Decision",
     "Diagnostic",
     "Engine",
+    "Explanation",
     "Limits",
+    "Line",
     "Mind",
     "Notice",
     "NoticeKind",
@@ -20,9 +25,11 @@ __all__ = [
     "Program",
     "ProgramError",
     "QueryError",
+    "Question",
     "Report",
     "Stopped",
     "Table",
     "check_installed",
+    "tell",
     "why_not_duckdb",
 ]

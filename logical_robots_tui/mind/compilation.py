@@ -72,18 +72,7 @@ def compile_question(
     stop: threading.Event | None = None,
     limits: Limits | None = None,
 ) -> Question:
-    """Compile what is asked of a program, or return the one compiled before.
-
-    Args:
-        program: The program.
-        query: A call, an expression, conditions, or whole rules of which the last is asked for.
-        stop: Set it from another thread to give up.
-        limits: Bounds on the length of the text and on time and memory for compiling.
-
-    Raises:
-        ProgramError: The query is wrong; the diagnostics speak of its lines and columns.
-        Stopped: `stop` was set.
-    """
+    """As `Program.question`; what was compiled before is at hand."""
     limits = limits or Limits()
     _check_text(query, limits)
     request = {"text": program.text, "query": query}
@@ -98,19 +87,7 @@ def take_apart(
     stop: threading.Event | None = None,
     limits: Limits | None = None,
 ) -> Probing:
-    """Take the rules of a predicate apart, or return what was taken apart before.
-
-    Args:
-        program: The program.
-        predicate: One of its own predicates.
-        within: A predicate made with ``:=`` in whose rules it is asked, or "".
-        stop: Set it from another thread to give up.
-        limits: Bounds on time and memory for compiling.
-
-    Raises:
-        QueryError: The program has no such predicate, or it can't be computed.
-        Stopped: `stop` was set.
-    """
+    """As `Program.take_apart`; what was taken apart before is at hand."""
     known = program.predicate(predicate)
     if known is None or known.kind != "program":
         raise QueryError(f"The program has no rules for {predicate}.")

@@ -11,6 +11,7 @@ if TYPE_CHECKING:
 
     from logical_robots_tui.mind.diagnostics import Diagnostic
     from logical_robots_tui.mind.limits import Limits
+    from logical_robots_tui.mind.why.probing import Probing
 
 __all__ = ["INPUTS", "Duck", "Predicate", "Program", "Question", "Report", "Tuned"]
 
@@ -163,6 +164,48 @@ class Program:
         from logical_robots_tui.mind.compilation import compile_program
 
         return compile_program(text, stop=stop, limits=limits, report=report)
+
+    def question(
+        self, query: str, *, stop: threading.Event | None = None, limits: Limits | None = None
+    ) -> Question:
+        """Compile a question about this program, to be answered by `Mind.ask`. Blocks.
+
+        Args:
+            query: A call, an expression, conditions, or whole rules of which the last is asked.
+            stop: Set it from another thread to give up.
+            limits: Bounds on the text and on compiling it.
+
+        Raises:
+            ProgramError: The query is wrong; the diagnostics speak of its lines and columns.
+            Stopped: `stop` was set.
+        """
+        from logical_robots_tui.mind.compilation import compile_question
+
+        return compile_question(self, query, stop=stop, limits=limits)
+
+    def take_apart(
+        self,
+        predicate: str,
+        within: str = "",
+        *,
+        stop: threading.Event | None = None,
+        limits: Limits | None = None,
+    ) -> Probing:
+        """Take the rules of a predicate apart, for `Mind.why`. Blocks.
+
+        Args:
+            predicate: One of this program's own predicates.
+            within: A predicate made with ``:=`` in whose rules it is asked, or "".
+            stop: Set it from another thread to give up.
+            limits: Bounds on compiling.
+
+        Raises:
+            QueryError: There is no such predicate, or it can't be computed.
+            Stopped: `stop` was set.
+        """
+        from logical_robots_tui.mind.compilation import take_apart
+
+        return take_apart(self, predicate, within, stop=stop, limits=limits)
 
     def predicate(self, name: str) -> Predicate | None:
         """The predicate of that name, or None."""

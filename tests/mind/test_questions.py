@@ -10,7 +10,6 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from logical_robots_tui.mind import Mind, Program, ProgramError, QueryError
-from logical_robots_tui.mind.compilation import compile_question
 from tests.mind.rows import row
 
 if TYPE_CHECKING:
@@ -32,7 +31,7 @@ ROWS = [row("Ada"), row("Bo")]
 def ask(query: str, text: str = PROGRAM, **visibility: Any) -> Table:
     program = Program.compile(text)
     with closing(Mind(program, **(visibility or {"memory": "all", "sensor": "all"}))) as mind:
-        return mind.ask(compile_question(program, query), ROWS, {"Ada": {"seen": [1]}})
+        return mind.ask(program.question(query), ROWS, {"Ada": {"seen": [1]}})
 
 
 @pytest.mark.parametrize(

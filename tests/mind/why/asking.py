@@ -6,7 +6,6 @@ from contextlib import closing
 from typing import TYPE_CHECKING, Any
 
 from logical_robots_tui.mind import Mind, Program
-from logical_robots_tui.mind.compilation import take_apart
 from tests.mind.rows import row
 
 if TYPE_CHECKING:
@@ -34,7 +33,7 @@ def why(
     """Why a predicate of a program has its rows."""
     program = Program.compile(text)
     with closing(Mind(program, **visibility)) as mind:
-        probing = take_apart(program, predicate, within)
+        probing = program.take_apart(predicate, within)
         return mind.why(probing, robot, rows or [row("Ada")], memories or {}, given=given)
 
 

@@ -8,7 +8,6 @@ import pytest
 
 from logical_robots_tui.game import list_programs, load_program
 from logical_robots_tui.mind import Mind, Program
-from logical_robots_tui.mind.compilation import take_apart
 from logical_robots_tui.mind.why.explaining import MOST_WAYS
 from logical_robots_tui.world import World, list_levels, load_level
 from tests.mind.rows import nearly_same
@@ -41,7 +40,7 @@ def test_rules_give_the_rows_of_their_predicate(name: str) -> None:
         for predicate in program.predicates:
             if predicate.kind != "program" or not predicate.has_rows:
                 continue
-            probing = take_apart(program, predicate.name)
+            probing = program.take_apart(predicate.name)
             table = mind.query(predicate.name, rows, memories)  # type: ignore[arg-type] # Values
             column = table.columns.index("robot_name") if "robot_name" in table.columns else None
             for robot in robots:

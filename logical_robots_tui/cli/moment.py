@@ -1,0 +1,53 @@
+"""A tick of a run, for commands that look at one."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from logical_robots_tui.errors import InputError
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+
+    from logical_robots_tui.game import Frame
+    from logical_robots_tui.mind import Engine, Program
+    from logical_robots_tui.world import Level
+
+__all__ = ["check_name", "frame_at"]
+
+
+async def frame_at(level: Level, program: Program, tick: int, engine: Engine) -> Frame:
+    """The frame of a tick of a run from the start; a victory on the way does not end it.
+
+    Args:
+        level: Where it happens.
+        program: What the robots think.
+        tick: Which tick; 0 is the start.
+        engine: What the robots think with.
+    """
+    from logical_robots_tui.game import Game
+
+    game = Game(level, program, history=1, engine=engine)
+    try:
+        while game.frame.tick < tick:
+            await game.run_until(tick=tick)
+        return game.frame
+    finally:
+        await game.close()
+
+
+def check_name(what: str, name: str, known: Iterable[str]) -> None:
+    """Make sure that a name is one of those there are.
+
+    Args:
+        what: What it names: robot, predicate.
+        name: As it was typed.
+        known: Those there are.
+
+    Raises:
+        InputError: It is not; says which there are.
+    """
+    there = list(known)
+    if name not in there:
+        listed = ", ".join(there[:20]) + (", ..." if len(there) > 20 else "")
+        raise InputError(f"there is no {what} {name}.", hint=f"There are {listed}.")

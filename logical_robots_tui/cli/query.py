@@ -1,0 +1,114 @@
+"""``logical-robots query``: any question about one tick of a run."""
+
+from __future__ import annotations
+
+import asyncio
+import json
+import sys
+from typing import TYPE_CHECKING
+
+from logical_robots_tui.cli.command import (
+    add_level_and_program,
+    new_command,
+    number_from,
+    opened,
+    prefers_json,
+)
+from logical_robots_tui.cli.moment import check_name, frame_at
+from logical_robots_tui.cli.text import columns, finite, written
+
+if TYPE_CHECKING:
+    import argparse
+
+    from logical_robots_tui.cli.command import Commands
+    from logical_robots_tui.mind import Engine, Program, Table
+    from logical_robots_tui.world import Level
+
+__all__ = ["declare"]
+
+FOUND, NOTHING = 0, 1
+WIDEST = 60  # characters of a value in a table
+
+EPILOG = """\
+examples:
+  logical-robots query LEVEL PROGRAM --tick 90 Robot                    all rows of a predicate
+  logical-robots query LEVEL PROGRAM --tick 90 'Near(robot_name:, d:)'  a call
+  logical-robots query LEVEL PROGRAM --tick 90 'Freedom([]) + 1'        an expression
+  logical-robots query LEVEL PROGRAM --tick 90 \\
+    'Sensor(robot_name:, sensor:), ray in sensor.radar, ray.distance < 20'
+
+exit status: 0 there are rows, 1 there are none, 2 bad level, program or query
+"""
+
+
+def declare(commands: Commands) -> None:
+    """Add the command to the list."""
+    command = new_command(
+        commands,
+        "query",
+        start=start,
+        wants_json=prefers_json,
+        summary="ask anything about one tick of a run",
+        description="Run a program to a tick, then answer a question in Logica about that tick.",
+        epilog=EPILOG,
+    )
+    add_level_and_program(command)
+    command.add_argument("query", metavar="QUERY", help="a call, an expression, or whole rules")
+    command.add_argument(
+        "--tick", type=number_from(0), required=True, metavar="N", help="the tick; 0 is the start"
+    )
+    command.add_argument("--robot", metavar="R", help="only what holds in this robot's mind")
+    command.add_argument(
+        "--json", action="store_true", help="print JSON even when a terminal is looking"
+    )
+
+
+def start(options: argparse.Namespace) -> int:
+    """Answer the question."""
+    from logical_robots_tui.cli.failure import ProgramFileError
+    from logical_robots_tui.mind import ProgramError
+
+    level, program = opened(options)
+    if options.robot is not None:
+        check_name("robot", options.robot, (robot.name for robot in level.robots))
+    try:
+        table = asyncio.run(_ask(level, program, options.query, options.tick, options.engine))
+    except ProgramError as error:
+        raise ProgramFileError("query", error) from error
+    viewers = table.viewers or ("",) * len(table.rows)
+    found = [
+        (viewer, row)
+        for viewer, row in zip(viewers, table.rows, strict=True)
+        if options.robot is None or not viewer or viewer == options.robot
+    ]
+    if prefers_json(options):
+        told = {
+            "tick": options.tick,
+            "columns": table.columns,
+            "rows": [row for _, row in found],
+            "minds": [viewer for viewer, _ in found] if table.viewers else None,
+            "truncated": table.truncated,
+        }
+        print(json.dumps(finite(told), ensure_ascii=False, allow_nan=False))
+    elif found:
+        head = ("IN THE MIND OF", *table.columns) if table.viewers else table.columns
+        lines = [
+            ((viewer,) if table.viewers else ()) + tuple(written(value, WIDEST) for value in row)
+            for viewer, row in found
+        ]
+        print(*columns([head, *lines]), sep="\n")
+    else:
+        print("No rows.", file=sys.stderr)
+    return FOUND if found else NOTHING
+
+
+async def _ask(level: Level, program: Program, query: str, tick: int, engine: Engine) -> Table:
+    from logical_robots_tui.game import Inquiry
+
+    await asyncio.to_thread(program.question, query)  # a mistake in it is told before the run
+    frame = await frame_at(level, program, tick, engine)
+    inquiry = Inquiry(level)
+    try:
+        return await inquiry.ask(program, query, frame)
+    finally:
+        await inquiry.close()

@@ -1,0 +1,173 @@
+"""``logical-robots trace``: everything about every tick, one JSON object per line."""
+
+from __future__ import annotations
+
+import asyncio
+import json
+from typing import TYPE_CHECKING, Any
+
+from logical_robots_tui.cli.command import (
+    add_level_and_program,
+    new_command,
+    number_from,
+    opened,
+)
+from logical_robots_tui.cli.moment import check_name
+from logical_robots_tui.cli.text import finite
+
+if TYPE_CHECKING:
+    import argparse
+
+    from logical_robots_tui.cli.command import Commands
+    from logical_robots_tui.game import Frame
+    from logical_robots_tui.mind import Engine, Program, QueryError, Table
+    from logical_robots_tui.world import Level
+
+__all__ = ["declare"]
+
+WON, NOT_WON = 0, 1
+DEFAULT_TICKS = 5000
+
+EPILOG = """\
+examples:
+  logical-robots trace LEVEL PROGRAM > run.jsonl
+  logical-robots trace LEVEL PROGRAM --ticks 100 --robot Pip | jq .decisions
+  logical-robots trace LEVEL PROGRAM --predicates Near,Next | jq -c .predicates.Near.rows
+
+A line holds: tick, won, robots (after the tick), sensors and memories (as the program saw them),
+decisions (desire, memory, notices), areas, and the rows of the predicates that were asked for.
+
+exit status: 0 won, 1 not won within the ticks, 2 bad level or program
+"""
+
+
+def declare(commands: Commands) -> None:
+    """Add the command to the list."""
+    command = new_command(
+        commands,
+        "trace",
+        start=start,
+        summary="tell every tick of a run as JSON, one line each",
+        description="Tell every tick of a run, up to victory, as one line of JSON each.",
+        epilog=EPILOG,
+        wants_json=lambda _options: True,
+    )
+    command.add_argument(
+        "--ticks",
+        type=number_from(1),
+        default=DEFAULT_TICKS,
+        metavar="N",
+        help="end after this many ticks (default: %(default)s)",
+    )
+    command.add_argument(
+        "--predicates",
+        type=lambda text: tuple(name.strip() for name in text.split(",") if name.strip()),
+        default=(),
+        metavar="A,B",
+        help="also tell the rows of these predicates",
+    )
+    command.add_argument("--robot", metavar="R", help="tell of this robot only")
+    add_level_and_program(command)
+
+
+def start(options: argparse.Namespace) -> int:
+    """Run the program in the level and print every tick."""
+    level, program = opened(options)
+    for name in options.predicates:
+        check_name("predicate", name, (p.name for p in program.predicates if p.has_rows))
+    if options.robot is not None:
+        check_name("robot", options.robot, (robot.name for robot in level.robots))
+    won = asyncio.run(_trace(level, program, options, options.engine))
+    return WON if won else NOT_WON
+
+
+async def _trace(
+    level: Level, program: Program, options: argparse.Namespace, engine: Engine
+) -> bool:
+    from logical_robots_tui.game import Game, Inquiry
+
+    game = Game(level, program, history=1, engine=engine)
+    inquiry = Inquiry(level)
+    try:
+        while game.frame.tick < options.ticks and game.won_at is None:
+            frame = await game.step()
+            tables = {}
+            if options.predicates:
+                tables = await inquiry.survey(program, frame, options.predicates)
+            told = _told(level, frame, options.robot, tables)
+            print(json.dumps(finite(told), ensure_ascii=False, allow_nan=False))
+        return game.won_at is not None
+    finally:
+        await inquiry.close()
+        await game.close()
+
+
+def _told(
+    level: Level, frame: Frame, robot: str | None, tables: dict[str, Table | QueryError]
+) -> dict[str, Any]:
+    """What is told of a tick, of all robots or of one."""
+    mine = frozenset([robot] if robot is not None else [each.name for each in level.robots])
+    after = frame.after
+    return {
+        "tick": frame.tick,
+        "won": after.won_at is not None,
+        "robots": [
+            {
+                "name": now.name,
+                "x": now.x,
+                "y": now.y,
+                "angle": now.angle,
+                "battery_level": now.battery_level if given.has_battery else None,
+                "left_engine": now.left_engine,
+                "right_engine": now.right_engine,
+                "blocked": now.blocked,
+                "dead": now.dead,
+            }
+            for given, now in zip(level.robots, after.robots, strict=True)
+            if now.name in mine
+        ],
+        "sensors": {
+            row["robot_name"]: row["sensor"] for row in frame.sensors if row["robot_name"] in mine
+        },
+        "memories": {name: frame.memories_before.get(name) for name in sorted(mine)},
+        "decisions": [
+            {
+                "robot": decision.robot_name,
+                "desire": decision.desire
+                and {
+                    "left_engine": decision.desire.left_engine,
+                    "right_engine": decision.desire.right_engine,
+                },
+                "memory": decision.memory,
+                "notices": [
+                    {"kind": notice.kind, "message": notice.message} for notice in decision.notices
+                ],
+            }
+            for decision in frame.decisions
+            if decision.robot_name in mine
+        ],
+        "areas": [
+            {"name": area.name, "active": area.active, "visitors": area.visitors}
+            for area in after.areas
+        ],
+        "predicates": {name: _rows(table, robot) for name, table in tables.items()},
+    }
+
+
+def _rows(table: Table | QueryError, robot: str | None) -> dict[str, Any]:
+    if isinstance(table, Exception):
+        return {"error": str(table)}
+    chosen = [
+        number
+        for number in range(len(table.rows))
+        if robot is None or not table.viewers or table.viewers[number] == robot
+    ]
+    told: dict[str, Any] = {
+        "columns": table.columns,
+        "rows": [table.rows[number] for number in chosen],
+    }
+    if table.viewers:
+        told["minds"] = [table.viewers[number] for number in chosen]
+    if table.truncated:
+        told["truncated"] = True
+    return told

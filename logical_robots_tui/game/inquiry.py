@@ -1,0 +1,137 @@
+"""Questions about a tick that is over: any query, and why a robot did what it did."""
+
+from __future__ import annotations
+
+import asyncio
+from typing import TYPE_CHECKING, TypeVar
+
+from logical_robots_tui.game.game import Superseded
+from logical_robots_tui.game.thinker import Thinker
+from logical_robots_tui.mind import Limits, QueryError, Stopped, Table
+
+if TYPE_CHECKING:
+    import threading
+    from collections.abc import Callable, Mapping
+
+    from logical_robots_tui.game.frame import Frame
+    from logical_robots_tui.mind import Explanation, Mind, Program
+    from logical_robots_tui.values import Value
+    from logical_robots_tui.world import Level
+
+__all__ = ["Inquiry"]
+
+T = TypeVar("T")
+
+
+class Inquiry:
+    """Answers about frames of a level, beside a game that may go on meanwhile.
+
+    Nothing that is asked changes anything. A newer question of the same kind ends an older one.
+
+    Args:
+        level: Where the frames are from.
+        limits: Bounds on compiling and thinking.
+    """
+
+    def __init__(self, level: Level, limits: Limits | None = None) -> None:
+        self._level = level
+        self._limits = limits or Limits()
+        self._asker = Thinker("ask")
+        self._explainer = Thinker("explain")
+        self._surveyor = Thinker("survey")
+
+    async def ask(self, program: Program, query: str, frame: Frame) -> Table:
+        """What any query gives at a frame.
+
+        Args:
+            program: The program that it is about.
+            query: A call, an expression, conditions, or whole rules of which the last is asked.
+            frame: The tick.
+
+        Raises:
+            ProgramError: The query is wrong; the diagnostics speak of its lines and columns.
+            QueryError: It failed at this tick.
+            Superseded: A newer question came before the answer was there.
+        """
+
+        def work(mind: Mind, stop: threading.Event) -> Table:
+            question = program.question(query, stop=stop, limits=self._limits)
+            return mind.ask(question, frame.sensors, frame.memories_before, stop=stop)
+
+        return await self._do(self._asker, program, work)
+
+    async def why(
+        self,
+        program: Program,
+        robot: str,
+        frame: Frame,
+        *,
+        predicate: str = "Robot",
+        given: Mapping[str, Value] | None = None,
+        within: str = "",
+    ) -> Explanation:
+        """Why a predicate has the rows that it has in a robot's reasoning at a frame, or none.
+
+        Args:
+            program: The program.
+            robot: Name of the robot.
+            frame: The tick.
+            predicate: One of the program's own predicates.
+            given: Values of some of its columns, where only rows with these are meant.
+            within: A predicate made with ``:=`` in whose rules it is asked, or "".
+
+        Raises:
+            QueryError: There is no such predicate or robot, or a function lacks its arguments.
+            Superseded: A newer question came before the answer was there.
+        """
+
+        def work(mind: Mind, stop: threading.Event) -> Explanation:
+            probing = program.take_apart(predicate, within, stop=stop, limits=self._limits)
+            sensors, memories = frame.sensors, frame.memories_before
+            return mind.why(probing, robot, sensors, memories, given=given, stop=stop)
+
+        return await self._do(self._explainer, program, work)
+
+    async def survey(
+        self, program: Program, frame: Frame, predicates: tuple[str, ...] | None = None
+    ) -> dict[str, Table | QueryError]:
+        """The rows of many predicates at a frame, or why one has none.
+
+        Args:
+            program: The program.
+            frame: The tick.
+            predicates: Their names; by default all that have rows.
+
+        Raises:
+            Superseded: A newer survey began before this one was done.
+        """
+        wanted = predicates
+        if wanted is None:
+            wanted = tuple(each.name for each in program.predicates if each.has_rows)
+
+        def work(mind: Mind, stop: threading.Event) -> dict[str, Table | QueryError]:
+            found: dict[str, Table | QueryError] = {}
+            for name in wanted:
+                try:
+                    sensors, memories = frame.sensors, frame.memories_before
+                    found[name] = mind.query(name, sensors, memories, stop=stop)
+                except QueryError as error:
+                    found[name] = error
+            return found
+
+        return await self._do(self._surveyor, program, work)
+
+    async def close(self) -> None:
+        """Stop all work and free the minds."""
+        await asyncio.gather(self._asker.close(), self._explainer.close(), self._surveyor.close())
+
+    async def _do(
+        self, thinker: Thinker, program: Program, work: Callable[[Mind, threading.Event], T]
+    ) -> T:
+        thinker.stop()
+        try:
+            return await thinker.do(
+                lambda stop: work(thinker.mind(program, self._level, self._limits), stop)
+            )
+        except Stopped:
+            raise Superseded from None

@@ -1,0 +1,98 @@
+"""``logical-robots why``: which rule gave a decision, and what stopped the others."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import pytest
+
+from tests.cli.running import in_terminal
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from tests.cli.running import Command
+
+TWO_RULES = """\
+Speed(d) = 1 :- d > 20;
+Robot(robot_name:, desire: {left_engine: Speed(d), right_engine: 1}, memory: "far") :-
+  Sensor(robot_name:, sensor:), d == sensor.forward_distance, d > 20;
+Robot(robot_name:, desire: {left_engine: 0, right_engine: 0}, memory: "near") :-
+  Sensor(robot_name:, sensor:), d == sensor.forward_distance, d <= 20;
+"""
+
+
+@pytest.fixture
+def two(tmp_path: Path) -> Path:
+    path = tmp_path / "two.l"
+    path.write_text(TWO_RULES)
+    return path
+
+
+def test_each_rule_says_whether_it_gave_a_row_and_what_stopped_it(
+    command: Command, level: Path, two: Path
+) -> None:
+    told = command("why", level, two, "--tick", 3, "--robot", "Pip")
+    assert told.status == 0
+    far, near = told.data["rules"]
+    assert (far["line"], far["rows"], far["stopped_by"]) == (2, 1, None)
+    assert far["examples"][0]["memory"] == "far"
+    assert (near["line"], near["rows"], near["stopped_by"]) == (4, 0, "d <= 20")
+    assert near["stopped_at_line"] == 5
+
+
+def test_one_step_deeper(command: Command, level: Path, two: Path) -> None:
+    asked = [
+        line["asked"]
+        for line in command("why", level, two, "--tick", 3, "--robot", "Pip").data["lines"]
+        if line["asked"]
+    ]
+    assert asked[0]["predicate"] == "Speed"
+    given = f"col0={asked[0]['given']['col0']}"
+    told = command(
+        "why", level, two, "--tick", 3, "--robot", "Pip", "--predicate", "Speed", "--given", given
+    )
+    assert told.data["rules"][0]["rows"] == 1
+    told = command(
+        "why",
+        level,
+        two,
+        "--tick",
+        3,
+        "--robot",
+        "Pip",
+        "--predicate",
+        "Speed",
+        "--given",
+        "col0=9",
+    )
+    assert told.status == 1
+    assert told.data["rules"][0]["stopped_by"] == "d > 20"
+
+
+@pytest.mark.parametrize(
+    ("more", "message"),
+    [
+        (["--robot", "Pop"], "there is no robot Pop. There are Pip."),
+        (["--robot", "Pip", "--predicate", "Robbot"], "there is no predicate Robbot."),
+        (["--robot", "Pip", "--predicate", "Speed"], "Speed is a function of col0"),
+        (["--robot", "Pip", "--given", "nonsense"], "'nonsense' is not COLUMN=VALUE"),
+        (["--robot", "Pip", "--tick", "0"], "'0' is not a whole number from 1 up"),
+    ],
+)
+def test_what_is_not_there_is_named(
+    command: Command, level: Path, two: Path, more: list[str], message: str
+) -> None:
+    told = command("why", level, two, "--tick", 2, *more)
+    assert told.status == 2
+    assert message in told.err
+
+
+def test_in_a_terminal_it_is_told_line_by_line(level: Path, two: Path) -> None:
+    with in_terminal("why", level, two, "--tick", 3, "--robot", "Pip") as terminal:
+        assert terminal.finish() == 0
+        shown = terminal.text
+    assert "Robot for Pip at tick 3" in shown
+    assert "(gave 1 row)" in shown
+    assert "- d <= 20  (in no way)" in shown
+    assert "--predicate Speed --given" in shown
