@@ -127,6 +127,16 @@ class Actions:
         """Go to the inspector."""
         self._screen.go_to(self._screen.inspector)
 
+    def why(self) -> None:
+        """Say why."""
+        self._screen.go_to(self._screen.inspector)
+        self._screen.inspector.why()
+
+    def ask(self) -> None:
+        """Type a query."""
+        self._screen.go_to(self._screen.inspector)
+        self._screen.inspector.ask()
+
     def leave(self) -> None:
         """Go to the labyrinth and close what lies over it."""
         if self._screen.active is self._screen.labyrinth:

@@ -215,7 +215,7 @@ COMMANDS: tuple[Command, ...] = (
         "Reference program",
         "Read the program that wins the level as its lesson says; asks before you have won.",
         _LEARN,
-        ("w",),
+        ("W",),
     ),
     Command(
         "stop_measuring",
@@ -227,6 +227,25 @@ COMMANDS: tuple[Command, ...] = (
     Command("labyrinth", "Labyrinth", "Go to the labyrinth.", _VIEW, ("1",)),
     Command("editor", "Editor", "Go to the program's text.", _VIEW, ("2", "e"), bar="Edit"),
     Command("inspector", "Inspector", "Go to the inspector.", _VIEW, ("3", "i")),
+    Command(
+        "why",
+        "Why",
+        "Say why the robot did what it did at this tick, rule by rule, or why a predicate has its "
+        "rows.",
+        _VIEW,
+        ("w",),
+        bar="Why",
+        spare=2,
+    ),
+    Command(
+        "ask",
+        "Ask",
+        "Ask anything in Logica about this tick.",
+        _VIEW,
+        ("slash",),
+        bar="Ask",
+        spare=4,
+    ),
     Command(
         "leave",
         "Leave the editor",
@@ -297,6 +316,7 @@ _NAMES = {
     "equals_sign": "=",
     "greater_than_sign": ">",
     "question_mark": "?",
+    "slash": "/",
     "left_square_bracket": "[",
     "right_square_bracket": "]",
     "escape": "esc",

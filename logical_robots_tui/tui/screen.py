@@ -15,7 +15,7 @@ from logical_robots_tui.tui.background import in_background
 from logical_robots_tui.tui.bar import CommandBar, CommandChosen, PaneTabs
 from logical_robots_tui.tui.commands import bindings, command
 from logical_robots_tui.tui.guide import Guide
-from logical_robots_tui.tui.inspector.pane import ROBOTS, InspectorPane
+from logical_robots_tui.tui.inspector.pane import ROBOTS, WHY, InspectorPane
 from logical_robots_tui.tui.inspector.robots import RobotsView
 from logical_robots_tui.tui.keeper import Keeper
 from logical_robots_tui.tui.labyrinth import LabyrinthView
@@ -349,7 +349,13 @@ class MainScreen(Screen[None]):
     @on(LabyrinthView.RobotPicked)
     def _robot_picked(self, event: LabyrinthView.RobotPicked) -> None:
         self._select(event.name)
-        self.inspector.inspect(ROBOTS)
+        if self.inspector.inspected != WHY:
+            self.inspector.inspect(ROBOTS)
+
+    @on(InspectorPane.Placed)
+    def _place_pointed(self, event: InspectorPane.Placed) -> None:
+        if event.program == self.text and not self.program.has_focus_within:
+            self.program.show_place(*event.place)
 
     @on(RobotsView.Chosen)
     def _robot_chosen(self, event: RobotsView.Chosen) -> None:
@@ -357,7 +363,7 @@ class MainScreen(Screen[None]):
 
     def _select(self, robot_name: str) -> None:
         self.labyrinth.view.selected = robot_name
-        self.inspector.robots.choose(robot_name)
+        self.inspector.choose(robot_name)
 
     def action_command(self, command_id: str) -> None:
         """Do what a command says."""

@@ -22,9 +22,8 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
     from logical_robots_tui.game import Source
-    from logical_robots_tui.mind import Diagnostic, Engine, Predicate, Program
+    from logical_robots_tui.mind import Diagnostic, Engine, Predicate, Program, Table
     from logical_robots_tui.tui.background import Work
-    from logical_robots_tui.values import Value
     from logical_robots_tui.world import Level
 
 __all__ = ["ProgramState", "Session", "Spawn"]
@@ -230,8 +229,8 @@ class Session:
         self.pace.slower()
         self._changed()
 
-    async def query(self, predicate: str, frame: Frame) -> tuple[tuple[str, ...], Rows, bool]:
-        """Columns and rows of a predicate at a frame, and whether rows are missing at the end.
+    async def query(self, predicate: str, frame: Frame) -> Table:
+        """Rows of a predicate at a frame.
 
         Raises:
             Superseded: The program changed meanwhile, or there is none yet.
@@ -239,11 +238,11 @@ class Session:
         """
         if self.game is None:
             raise Superseded
-        table = (await self.game.query(predicate, frame)).table
-        if len(set(table.viewers)) < 2 or "robot_name" in table.columns:
-            return table.columns, table.rows, table.truncated
-        rows = tuple((who, *row) for who, row in zip(table.viewers, table.rows, strict=True))
-        return ("in the mind of", *table.columns), rows, table.truncated
+        return (await self.game.query(predicate, frame)).table
+
+    def release(self, close: Work) -> None:
+        """Free something in the background."""
+        self._spawn(close, "close", exclusive=False)
 
     async def close(self) -> None:
         """Stop all work."""
@@ -319,9 +318,6 @@ class Session:
         game, self.game = self.game, None
         if game is not None:
             self._spawn(game.close, "close", exclusive=False)
-
-
-Rows: TypeAlias = "tuple[tuple[Value, ...], ...]"
 
 
 async def _nothing() -> None:

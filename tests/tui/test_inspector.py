@@ -53,14 +53,50 @@ async def test_the_robots_come_first(data_dir: Path) -> None:
         await game.until(lambda: game.shows("Robots · tick 1"))
 
 
+async def test_each_predicate_has_its_number_of_rows_and_a_mark_if_they_changed(
+    data_dir: Path,
+) -> None:
+    text = MORE + "Late(x) :- Sensor(sensor:), sensor.clock > 0, x in [1, 2];"
+    async with opened(data_dir, text=text) as game:
+        await game.ready()
+        await game.until(lambda: any(_is_counted(each, "Late", "0 ") for each in listed(game)))
+        await game.press("n")
+        await game.until(lambda: any(_is_counted(each, "Late", "2•") for each in listed(game)))
+        assert any(_is_counted(each, "Names", "1 ") for each in listed(game))
+
+
+def _is_counted(entry: str, name: str, count: str) -> bool:
+    return entry.startswith(f"• {name} ") and entry.endswith(f" {count}")
+
+
+async def test_values_that_changed_are_brought_out(data_dir: Path) -> None:
+    async with opened(data_dir, text=MORE) as game:
+        await game.ready()
+        await inspect(game, "Seen")
+        await game.press("n", "n")
+        table = game.main.query_one("#rows", ValueTable)
+        # Memory is empty in tick 1, and what the program made of it in tick 2.
+        await game.until(lambda: game.tick == 2)
+        await game.until(lambda: table.changed == {(0, 1)})
+        await game.press("n")
+        await game.until(lambda: game.tick == 3 and not table.changed)
+
+
+async def test_the_definition_of_a_predicate_is_shown_in_the_program(data_dir: Path) -> None:
+    async with opened(data_dir, text=MORE) as game:
+        await game.ready()
+        await inspect(game, "Names")
+        await game.until(lambda: game.editor.selected_text == "Names")
+
+
 async def test_inputs_and_predicates_are_listed_with_their_kind(data_dir: Path) -> None:
     async with opened(data_dir, text=MORE) as game:
         await game.ready()
-        await game.until(lambda: "• Robot :4" in listed(game))
+        await game.until(lambda: any(each.startswith("• Robot :4") for each in listed(game)))
         entries = listed(game)
-        assert entries[0] == "Robots"
-        assert "◂ Sensor" in entries
-        assert "◂ Memory" in entries
+        assert entries[:3] == ["Robots", "Why", "Ask"]
+        assert entries[3].startswith("◂ Sensor")
+        assert entries[4].startswith("◂ Memory")
         assert "• FreedomMotion ƒ :1" in entries
         assert not [entry for entry in entries if "WeightedAverage" in entry]
 

@@ -66,7 +66,7 @@ async def test_a_level_without_texts_says_so(data_dir: Path) -> None:
         for key, words in (
             ("h", "has no hints"),
             ("t", "has no lesson"),
-            ("w", "has no reference program"),
+            ("W", "has no reference program"),
             ("x", "has no starter program"),
         ):
             await game.press(key)
@@ -97,17 +97,17 @@ async def test_the_reference_program_is_shown_to_those_who_have_won_or_insist(
     solution = load_program("first-steps-starter").text.splitlines()[0]
     async with opened(data_dir, level=short, text=AHEAD) as game:
         await game.ready()
-        await game.press("w")
+        await game.press("W")
         await game.until(lambda: isinstance(game.app.screen, Question))
         await game.press("n")
         await game.until(lambda: game.app.screen is game.main)
-        await game.press("w")
+        await game.press("W")
         await game.until(lambda: isinstance(game.app.screen, Question))
         await game.press("y")
         await game.until(lambda: game.shows(solution[:40]))
         await game.press("escape")
         await win(game)
-        await game.press("w")
+        await game.press("W")
         await game.until(lambda: game.shows(solution[:40]))
         assert isinstance(game.app.screen, Reader)
 

@@ -1,4 +1,4 @@
-"""The inspector: the robots, or the rows of any predicate, at the tick on the screen."""
+"""The inspector: the robots, why they did it, answers, or the rows of any predicate, at a tick."""
 
 from __future__ import annotations
 
@@ -8,30 +8,45 @@ from typing import TYPE_CHECKING, ClassVar
 from textual import on
 from textual.containers import Horizontal, Vertical, VerticalScroll
 from textual.content import Content
-from textual.widgets import OptionList, Static
+from textual.message import Message
+from textual.widgets import Input, OptionList, Static
 from textual.widgets.option_list import Option
 
 from logical_robots_tui.game import Superseded
-from logical_robots_tui.mind import QueryError
+from logical_robots_tui.mind import Ask, ProgramError, QueryError, Table
 from logical_robots_tui.tui.background import in_background
+from logical_robots_tui.tui.inspector.asking import AskView, shown_rows
 from logical_robots_tui.tui.inspector.cells import written
+from logical_robots_tui.tui.inspector.questions import Questions
+from logical_robots_tui.tui.inspector.reasons import MAIN, ReasonsPage
 from logical_robots_tui.tui.inspector.robots import RobotsView
 from logical_robots_tui.tui.inspector.table import ValueTable
+from logical_robots_tui.tui.inspector.why import WhyView
 from logical_robots_tui.tui.pane import Pane
 from logical_robots_tui.tui.plain import one_line
 from logical_robots_tui.tui.theme import INK
 
 if TYPE_CHECKING:
+    from collections.abc import Iterable, Iterator
+
+    from textual.widget import Widget
     from textual.worker import Worker
 
     from logical_robots_tui.game import Frame
     from logical_robots_tui.mind import Predicate
+    from logical_robots_tui.tui.inspector.questions import Survey
     from logical_robots_tui.tui.session import Session
 
-__all__ = ["ROBOTS", "InspectorPane"]
+__all__ = ["ASK", "ROBOTS", "WHY", "InspectorPane"]
 
-ROBOTS = "(robots)"
-"""The first choice of the inspector; no predicate can have this name."""
+ROBOTS, WHY, ASK = "(robots)", "(why)", "(ask)"
+"""The first choices of the inspector; no predicate can have these names."""
+
+_PAGES = {ROBOTS: "Robots", WHY: "Why", ASK: "Ask"}
+
+_NO_PROGRAM = "There is no program yet that could be asked."
+_CHANGED = "•"
+_WIDTH = 22  # columns of an entry
 
 _ROBOTS_PAUSE, _ROWS_PAUSE = 0.1, 0.25  # seconds between two pictures while the game runs
 _MARKS = {"input": ("◂", INK.robot), "program": ("•", INK.key), "prelude": ("◦", INK.dim)}
@@ -45,6 +60,18 @@ class InspectorPane(Pane):
     """
 
     command_id: ClassVar[str] = "inspector"
+
+    class Placed(Message):
+        """What the cursor is on stands at a place in the program.
+
+        Attributes:
+            program: The program's text.
+            place: Offset of its first character, and offset behind its last one.
+        """
+
+        def __init__(self, program: str, place: tuple[int, int]) -> None:
+            super().__init__()
+            self.program, self.place = program, place
 
     DEFAULT_CSS = """
     InspectorPane #choice {
@@ -67,15 +94,28 @@ class InspectorPane(Pane):
         self._subject = Static(id="subject")
         self.robots = RobotsView()
         self.table = ValueTable()
+        self._questions = Questions(session)
+        self.reasons = ReasonsPage(self._questions)
+        self.asking = AskView()
         self._value = Static(id="value-text")
         self._value_box = VerticalScroll(self._value, id="value", can_focus=False)
         self._said = Static(id="said")
         views = Vertical(
-            self._subject, self.robots, self.table, self._said, self._value_box, id="views"
+            self._subject,
+            self.robots,
+            self.reasons,
+            self.asking,
+            self.table,
+            self._said,
+            self._value_box,
+            id="views",
         )
         super().__init__(Horizontal(self._choice, views), title="Inspector")
         self._predicates: tuple[Predicate, ...] | None = None
         self._inspected = ROBOTS
+        self._robot: str | None = None
+        self._query = ""
+        self._survey: Survey | None = None
         self._told = Content("")
         self._stale = False
         self._follower: Worker[None] | None = None
@@ -95,9 +135,32 @@ class InspectorPane(Pane):
         """Catch up after having been hidden."""
         self.follow()
 
+    async def on_unmount(self) -> None:
+        """Stop asking."""
+        await self._questions.close()
+
     def enter(self) -> None:
         """Put the focus on the list of predicates."""
         self.screen.set_focus(self._choice)
+
+    def choose(self, robot_name: str) -> None:
+        """Tell of a robot from now on, where one is told of."""
+        self._robot = robot_name
+        self.robots.choose(robot_name)
+        if self._inspected == WHY:
+            self.follow()
+
+    def why(self) -> None:
+        """Go to why the predicate that is inspected has its rows, or why the robot did it."""
+        own = {p.name for p in self._session.predicates if p.kind == "program"}
+        self.reasons.begin(Ask(self._inspected, {}) if self._inspected in own else MAIN)
+        self._go_to_page(WHY)
+        self.screen.set_focus(self.reasons.view)
+
+    def ask(self) -> None:
+        """Go to the line for queries."""
+        self._go_to_page(ASK)
+        self.screen.set_focus(self.asking.line)
 
     def inspect(self, name: str) -> None:
         """Show `ROBOTS` or the rows of a predicate."""
@@ -118,24 +181,79 @@ class InspectorPane(Pane):
     async def _catch_up(self) -> None:
         while self._stale and self.display:
             self._stale = False
+            frame = self._session.frame
             if self._inspected == ROBOTS:
-                self._show_robots(self._session.frame)
+                self._show_robots(frame)
+            elif self._inspected == WHY:
+                await self._show_reasons(frame)
+            elif self._inspected == ASK:
+                await self._show_answer(frame)
             else:
-                await self._show_rows(self._inspected, self._session.frame)
+                await self._show_rows(self._inspected, frame)
             if self._session.running:
                 await asyncio.sleep(_ROBOTS_PAUSE if self._inspected == ROBOTS else _ROWS_PAUSE)
+            else:
+                await self._take_survey(frame)
 
     def _show_robots(self, frame: Frame) -> None:
         self._say_subject("Robots", frame.tick, "")
         self._show_only(self.robots)
         self.robots.show(self._session.level, frame)
 
-    async def _show_rows(self, name: str, frame: Frame) -> None:
+    async def _show_reasons(self, frame: Frame) -> None:
+        if self._session.game is None:
+            self._say("Why", frame.tick, _NO_PROGRAM)
+            return
+        robot = self._robot or self._session.level.robots[0].name
+        self._say_subject("Why", frame.tick, "" if frame.tick else "nobody has thought yet")
+        self._show_only(self.reasons)
+        await self.reasons.follow(robot, frame)
+
+    async def _show_answer(self, frame: Frame) -> None:
+        query = self._query
+        self._say_subject("Ask", frame.tick, "")
+        self._show_only(self.asking)
+        if not query:
+            return
         try:
-            columns, rows, truncated = await self._session.query(name, frame)
+            table = await self._questions.ask(query, frame)
         except Superseded:
             if self._session.game is None:
-                self._say(name, frame.tick, "There is no program yet that could be asked.")
+                self.asking.say(_NO_PROGRAM)
+        except ProgramError as error:
+            self.asking.refuse(query, error)
+        except QueryError as error:
+            self.asking.say(str(error))
+        else:
+            self._say_subject("Ask", frame.tick, _counted(table))
+            self.asking.show(table)
+
+    async def _take_survey(self, frame: Frame) -> None:
+        """Count the rows of every predicate, and see which differ from those of the tick before."""
+        if not self.display:
+            return
+        try:
+            survey = await self._questions.survey(frame)
+        except Superseded:
+            return
+        is_late = survey.frame is not self._session.frame
+        listed = self._predicates
+        if survey is self._survey or is_late or survey.program.predicates != listed:
+            return
+        self._survey = survey
+        for predicate in listed:
+            if predicate.has_rows:
+                entry = _entry(predicate, survey)
+                self._choice.replace_option_prompt(predicate.name, entry)
+        if self.table.display:
+            await self._show_rows(self._inspected, frame)
+
+    async def _show_rows(self, name: str, frame: Frame) -> None:
+        try:
+            table = await self._session.query(name, frame)
+        except Superseded:
+            if self._session.game is None:
+                self._say(name, frame.tick, _NO_PROGRAM)
             return
         except QueryError as error:
             if name == self._inspected:
@@ -143,10 +261,12 @@ class InspectorPane(Pane):
             return
         if name != self._inspected:
             return
-        more = " and more" if truncated else ""
-        self._say_subject(name, frame.tick, f"{len(rows)}{more} {_rows_word(len(rows))}")
+        self._say_subject(name, frame.tick, _counted(table))
         self._show_only(self.table)
-        self.table.show(columns, rows)
+        columns, rows = shown_rows(table)
+        survey = self._survey
+        known = survey.before.get(name) if survey is not None and survey.frame is frame else None
+        self.table.show(columns, rows, shown_rows(known)[1] if isinstance(known, Table) else None)
 
     def _say(self, name: str, tick: int, message: str) -> None:
         self._say_subject(name, tick, "")
@@ -159,8 +279,12 @@ class InspectorPane(Pane):
             parts.append(Content(more))
         self._subject.update(Content(" · ").join(parts), layout=False)
 
-    def _show_only(self, view: RobotsView | ValueTable | Static) -> None:
-        for each in (self.robots, self.table, self._said):
+    def _go_to_page(self, page: str) -> None:
+        self._choice.highlighted = self._choice.get_option_index(page)
+        self.inspect(page)
+
+    def _show_only(self, view: Widget) -> None:
+        for each in (self.robots, self.reasons, self.asking, self.table, self._said):
             each.display = each is view
         self._value_box.display = view is self.table and self.table.pointed is not None
 
@@ -168,10 +292,15 @@ class InspectorPane(Pane):
         self._predicates = self._session.predicates
         # The prelude's functions have nothing to show in any tick; the program's own may surprise.
         listed = [each for each in self._predicates if each.has_rows or each.kind != "prelude"]
-        names = [ROBOTS, *(predicate.name for predicate in listed)]
+        names = [*_PAGES, *(predicate.name for predicate in listed)]
+        self.asking.line.knows(_words(self._predicates))
+        self._survey = None
         self._choice.clear_options()
         self._choice.add_options(
-            [Option(Content.styled("Robots", f"bold {INK.title}"), id=ROBOTS)]
+            [
+                Option(Content.styled(title, f"bold {INK.title}"), id=page)
+                for page, title in _PAGES.items()
+            ]
             + [Option(_entry(predicate), id=predicate.name) for predicate in listed]
         )
         self._choice.highlighted = (
@@ -183,13 +312,50 @@ class InspectorPane(Pane):
         event.stop()
         if event.option_id is not None and event.option_id != self._inspected:
             self.inspect(event.option_id)
+            self._place_definition(event.option_id)
 
     @on(OptionList.OptionSelected)
     def _choice_made(self, event: OptionList.OptionSelected) -> None:
         event.stop()
-        view = self.robots if self._inspected == ROBOTS else self.table
+        views: dict[str, Widget] = {
+            ROBOTS: self.robots,
+            WHY: self.reasons.view,
+            ASK: self.asking.line,
+        }
+        view = views.get(self._inspected, self.table)
         if view.display:
             view.focus()
+
+    @on(WhyView.Pointed)
+    def _reason_pointed(self, event: WhyView.Pointed) -> None:
+        event.stop()
+        if event.line.span is not None:
+            self._place(event.line.span.start, event.line.span.stop)
+
+    def _place_definition(self, name: str) -> None:
+        """Show where a predicate is defined."""
+        program = self._session.program
+        predicate = program.predicate(name) if program is not None else None
+        if program is not None and predicate is not None and predicate.line is not None:
+            lines = program.text.split("\n")
+            start = sum(len(line) + 1 for line in lines[: predicate.line - 1])
+            self._place(start, start + len(name))
+
+    def _place(self, start: int, stop: int) -> None:
+        if self._session.program is not None:
+            self.post_message(self.Placed(self._session.program.text, (start, stop)))
+
+    @on(ReasonsPage.Asked)
+    def _reason_asked(self, event: ReasonsPage.Asked) -> None:
+        event.stop()
+        self.follow()
+
+    @on(Input.Submitted)
+    def _query_typed(self, event: Input.Submitted) -> None:
+        event.stop()
+        self._query = event.value.strip()
+        self.asking.line.remember(self._query)
+        self.follow()
 
     @on(ValueTable.Pointed)
     def _value_pointed(self, event: ValueTable.Pointed) -> None:
@@ -203,10 +369,12 @@ class InspectorPane(Pane):
                 self._value.update(told)
 
 
-def _entry(predicate: Predicate) -> Content:
+def _entry(predicate: Predicate, survey: Survey | None = None) -> Content:
     mark, colour = _MARKS[predicate.kind]
     name = INK.text if predicate.has_rows else INK.dim
     entry = Content.assemble((f"{mark} ", colour), (one_line(predicate.name), name))
+    if survey is not None:
+        return _with_count(entry, predicate, survey)
     if not predicate.has_rows:
         entry = entry.append(Content.styled(" ƒ", INK.dim))
     if predicate.line is not None:
@@ -214,5 +382,29 @@ def _entry(predicate: Predicate) -> Content:
     return entry
 
 
-def _rows_word(count: int) -> str:
-    return "row" if count == 1 else "rows"
+def _with_count(entry: Content, predicate: Predicate, survey: Survey) -> Content:
+    """An entry with the line of the definition, and at its right end the number of rows."""
+    if predicate.line is not None:
+        entry = entry.append(Content.styled(f" :{predicate.line}", INK.faint))
+    differs = survey.differs(predicate.name)
+    count = f"{survey.count(predicate.name)}{_CHANGED if differs else ' '}"
+    gap = " " * max(1, _WIDTH - entry.cell_length - len(count))
+    return entry.truncate(_WIDTH - len(count) - 1, ellipsis=True).append(
+        Content.styled(f"{gap}{count}", INK.key if differs else INK.dim)
+    )
+
+
+def _words(predicates: Iterable[Predicate]) -> Iterator[str]:
+    """What a query may be made of."""
+    from logical_robots_tui.mind.reference import REFERENCE
+
+    yield from (predicate.name for predicate in predicates)
+    yield from (entry.name for entry in REFERENCE if entry.name.isidentifier())
+    yield from ("robot_name", "sensor", "memory", "radar", "distance", "angle", "object", "label")
+    yield from ("forward_distance", "forward_object", "forward_label", "clock")
+
+
+def _counted(table: Table) -> str:
+    count = len(table.rows)
+    more = " and more" if table.truncated else ""
+    return f"{count}{more} {'row' if count == 1 else 'rows'}"

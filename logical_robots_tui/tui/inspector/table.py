@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
     from logical_robots_tui.values import Value
 
-__all__ = ["ValueTable"]
+__all__ = ["ValueTable", "changed_cells"]
 
 Row: TypeAlias = "tuple[Value, ...]"
 
@@ -33,6 +33,7 @@ _NARROWEST, _WIDEST = 4, 60
 _HEAD = Style(color=INK.title, bold=True)
 _HERE = Style(bgcolor="#2c3760", color="#eef1ff")
 _ROW = Style(bgcolor="#151b2a")
+_CHANGED = Style(underline=True, bold=True)
 
 
 class ValueTable(ScrollView, can_focus=True):
@@ -56,12 +57,18 @@ class ValueTable(ScrollView, can_focus=True):
     class Pointed(Message):
         """The cursor is on another value, or the value under it is another one."""
 
-    def __init__(self) -> None:
-        super().__init__(id="rows")
+    def __init__(self, id: str = "rows") -> None:  # noqa: A002 - the name that widgets have
+        super().__init__(id=id)
+        self._changed: frozenset[tuple[int, int]] = frozenset()
         self._columns: tuple[str, ...] = ()
         self._rows: tuple[Row, ...] = ()
         self._widths: list[int] = []
         self._at = (0, 0)
+
+    @property
+    def changed(self) -> frozenset[tuple[int, int]]:
+        """Row and column of each value that differs from the tick before."""
+        return self._changed
 
     @property
     def pointed(self) -> tuple[str, Value] | None:
@@ -71,8 +78,20 @@ class ValueTable(ScrollView, can_focus=True):
             return None
         return self._columns[column], self._rows[row][column]
 
-    def show(self, columns: tuple[str, ...], rows: tuple[Row, ...]) -> None:
-        """Show other rows; the cursor stays where it is as far as they reach."""
+    def show(
+        self,
+        columns: tuple[str, ...],
+        rows: tuple[Row, ...],
+        before: tuple[Row, ...] | None = None,
+    ) -> None:
+        """Show other rows; the cursor stays where it is as far as they reach.
+
+        Args:
+            columns: Names of the columns.
+            rows: The rows.
+            before: The rows of the tick before; values that differ from it are brought out.
+        """
+        self._changed = frozenset() if before is None else changed_cells(rows, before)
         if columns != self._columns:
             self._at = (self._at[0], 0)
         self._columns, self._rows = columns, rows
@@ -146,6 +165,8 @@ class ValueTable(ScrollView, can_focus=True):
         for column, (value, width) in enumerate(zip(self._rows[number], self._widths, strict=True)):
             text, colour = cell(value, width)
             style = row_style + Style(color=colour)
+            if (number, column) in self._changed:
+                style += _CHANGED
             if (number, column) == self._at and self.has_focus:
                 style = base + _HERE
             fitted = _fit(text, width, is_number(value))
@@ -169,6 +190,25 @@ class ValueTable(ScrollView, can_focus=True):
             wanted[widest] = max(12, wanted[widest] - (sum(wanted) - spare))
         self._widths = wanted
         self.virtual_size = Size(sum(wanted) + _GAP * len(wanted), len(self._rows) + 1)
+
+
+def changed_cells(rows: tuple[Row, ...], before: tuple[Row, ...]) -> frozenset[tuple[int, int]]:
+    """Row and column of each value that is not that of the tick before.
+
+    Rows that are in both are the same; what is left is compared in its order.
+    """
+    left = [row for row in before if row not in rows]
+    found: set[tuple[int, int]] = set()
+    for number, row in enumerate(rows):
+        if row in before:
+            continue
+        other = left.pop(0) if left else ()
+        found.update(
+            (number, column)
+            for column, value in enumerate(row)
+            if column >= len(other) or value != other[column]
+        )
+    return frozenset(found)
 
 
 def _fit(text: str, width: int, right: bool) -> str:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, ClassVar
 
 from textual import on
+from textual.widgets.text_area import Selection
 
 from logical_robots_tui.tui.pane import Pane
 from logical_robots_tui.tui.plain import clip, one_line
@@ -55,6 +56,15 @@ class ProgramPane(Pane):
             mistake = self._state.mistakes[0]
             self.editor.move_cursor((mistake.line - 1, mistake.column - 1), center=True)
         self.enter()
+
+    def show_place(self, start: int, stop: int) -> None:
+        """Select a piece of the text, given by its offsets, and bring it into sight."""
+        places = []
+        for offset in (start, stop):
+            before = self.text[:offset]
+            places.append((before.count("\n"), offset - before.rfind("\n") - 1))
+        self.editor.selection = Selection(places[1], places[0])
+        self.editor.scroll_cursor_visible(center=True)
 
     def enter(self) -> None:
         """Put the focus into the text."""
