@@ -15,7 +15,8 @@ from logical_robots_tui.tui.background import in_background
 from logical_robots_tui.tui.bar import CommandBar, CommandChosen, PaneTabs
 from logical_robots_tui.tui.commands import bindings, command
 from logical_robots_tui.tui.guide import Guide
-from logical_robots_tui.tui.inspector.pane import ROBOTS, WHY, InspectorPane
+from logical_robots_tui.tui.inspector.choice import ROBOTS, WHY
+from logical_robots_tui.tui.inspector.pane import InspectorPane
 from logical_robots_tui.tui.inspector.robots import RobotsView
 from logical_robots_tui.tui.keeper import Keeper
 from logical_robots_tui.tui.labyrinth import LabyrinthView

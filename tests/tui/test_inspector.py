@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import pytest
 from textual.widgets import OptionList
 
-from logical_robots_tui.tui.inspector.pane import ROBOTS
+from logical_robots_tui.tui.inspector.choice import ROBOTS
 from logical_robots_tui.tui.inspector.table import ValueTable
 from tests.tui.conftest import PAPER, SLOW, opened
 

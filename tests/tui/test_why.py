@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from logical_robots_tui.tui.inspector.pane import WHY
+from logical_robots_tui.tui.inspector.choice import WHY
 from logical_robots_tui.tui.inspector.why import WhyView
 from tests.tui.conftest import AHEAD, opened
 

@@ -5,11 +5,15 @@ from __future__ import annotations
 import re
 from typing import TYPE_CHECKING
 
+from textual import on
 from textual.containers import Vertical
 from textual.content import Content
+from textual.message import Message
 from textual.suggester import Suggester
 from textual.widgets import Input, Static
 
+from logical_robots_tui.game import Superseded
+from logical_robots_tui.mind import ProgramError, QueryError
 from logical_robots_tui.tui.inspector.table import ValueTable
 from logical_robots_tui.tui.plain import one_line
 from logical_robots_tui.tui.theme import INK
@@ -19,11 +23,19 @@ if TYPE_CHECKING:
 
     from textual import events
 
-    from logical_robots_tui.mind import ProgramError, Table
+    from logical_robots_tui.game import Frame
+    from logical_robots_tui.mind import Predicate, Table
+    from logical_robots_tui.tui.inspector.questions import Questions
     from logical_robots_tui.values import Value
 
-__all__ = ["AskView", "QueryLine", "shown_rows"]
+__all__ = ["NO_PROGRAM", "AskView", "QueryLine", "counted", "shown_rows"]
 
+NO_PROGRAM = "There is no program yet that could be asked."
+
+_FIELDS = (
+    *("robot_name", "sensor", "memory", "radar", "distance", "angle", "object", "label"),
+    *("forward_distance", "forward_object", "forward_label", "clock"),
+)
 _MOST_REMEMBERED = 100
 _LAST_WORD = re.compile(r"[A-Za-z_]\w*$")
 _RECALLS = {"up": -1, "down": 1}
@@ -36,6 +48,13 @@ def shown_rows(table: Table) -> tuple[tuple[str, ...], tuple[tuple[Value, ...], 
         return table.columns, table.rows
     rows = tuple((who, *row) for who, row in zip(table.viewers, table.rows, strict=True))
     return ("in the mind of", *table.columns), rows
+
+
+def counted(table: Table) -> str:
+    """How many rows a table has, in words."""
+    count = len(table.rows)
+    more = " and more" if table.truncated else ""
+    return f"{count}{more} {'row' if count == 1 else 'rows'}"
 
 
 class QueryLine(Input):
@@ -83,7 +102,11 @@ class QueryLine(Input):
 
 
 class AskView(Vertical):
-    """The query line, what is wrong with it, and the answer."""
+    """The query line, what is wrong with it, and the answer.
+
+    Args:
+        questions: Whom to ask.
+    """
 
     DEFAULT_CSS = """
     AskView { height: 1fr; }
@@ -92,23 +115,50 @@ class AskView(Vertical):
     AskView ValueTable { margin: 0 1; }
     """
 
-    def __init__(self) -> None:
+    class Asked(Message):
+        """There is another query to answer."""
+
+    def __init__(self, questions: Questions) -> None:
+        self._questions = questions
+        self._query = ""
         self.line = QueryLine()
         self._said = Static(id="answer-said")
         self.table = ValueTable(id="answer")
         super().__init__(self.line, self._said, self.table, id="ask")
 
-    def show(self, table: Table) -> None:
-        """Show an answer."""
-        self._said.update(Content.styled("No rows." if not table.rows else "", INK.dim))
-        self._said.display = not table.rows
-        self.table.show(*shown_rows(table))
+    def knows(self, predicates: Iterable[Predicate]) -> None:
+        """Suggest the names of these predicates, and everything else a query may be made of."""
+        from logical_robots_tui.mind.reference import REFERENCE
 
-    def refuse(self, query: str, error: ProgramError) -> None:
+        functions = (entry.name for entry in REFERENCE if entry.name.isidentifier())
+        self.line.knows([*(predicate.name for predicate in predicates), *functions, *_FIELDS])
+
+    async def follow(self, frame: Frame) -> Table | None:
+        """Answer the query at a tick; return the answer if there is one."""
+        query = self._query
+        if not query:
+            return None
+        try:
+            table = await self._questions.ask(query, frame)
+        except Superseded:
+            if not self._questions.has_program:
+                self._say(NO_PROGRAM)
+        except ProgramError as error:
+            self._refuse(query, error)
+        except QueryError as error:
+            self._say(str(error))
+        else:
+            self._said.update(Content.styled("No rows." if not table.rows else "", INK.dim))
+            self._said.display = not table.rows
+            self.table.show(*shown_rows(table))
+            return table
+        return None
+
+    def _refuse(self, query: str, error: ProgramError) -> None:
         """Show what is wrong with a query, under its place in the line."""
         first = error.diagnostics[0]
         mark = " " * (first.column - 1) + "^" * max(1, len(first.excerpt))
-        self.say(
+        self._say(
             Content.assemble(
                 (f"{mark[: len(query) + 1]}\n", INK.bad),
                 (f"{one_line(first.message)}. ", INK.warn),
@@ -116,12 +166,19 @@ class AskView(Vertical):
             )
         )
 
-    def say(self, words: Content | str) -> None:
+    def _say(self, words: Content | str) -> None:
         """Show words instead of rows."""
         content = words if isinstance(words, Content) else Content.styled(one_line(words), INK.warn)
         self._said.update(content)
         self._said.display = True
         self.table.show((), ())
+
+    @on(Input.Submitted)
+    def _typed(self, event: Input.Submitted) -> None:
+        event.stop()
+        self._query = event.value.strip()
+        self.line.remember(self._query)
+        self.post_message(self.Asked())
 
 
 class _Words(Suggester):

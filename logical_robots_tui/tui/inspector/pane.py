@@ -9,14 +9,14 @@ from textual import on
 from textual.containers import Horizontal, Vertical, VerticalScroll
 from textual.content import Content
 from textual.message import Message
-from textual.widgets import Input, OptionList, Static
-from textual.widgets.option_list import Option
+from textual.widgets import OptionList, Static
 
 from logical_robots_tui.game import Superseded
-from logical_robots_tui.mind import Ask, ProgramError, QueryError, Table
+from logical_robots_tui.mind import Ask, QueryError, Table
 from logical_robots_tui.tui.background import in_background
-from logical_robots_tui.tui.inspector.asking import AskView, shown_rows
+from logical_robots_tui.tui.inspector.asking import NO_PROGRAM, AskView, counted, shown_rows
 from logical_robots_tui.tui.inspector.cells import written
+from logical_robots_tui.tui.inspector.choice import ASK, ROBOTS, WHY, Choice
 from logical_robots_tui.tui.inspector.questions import Questions
 from logical_robots_tui.tui.inspector.reasons import MAIN, ReasonsPage
 from logical_robots_tui.tui.inspector.robots import RobotsView
@@ -27,29 +27,16 @@ from logical_robots_tui.tui.plain import one_line
 from logical_robots_tui.tui.theme import INK
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator
-
     from textual.widget import Widget
     from textual.worker import Worker
 
     from logical_robots_tui.game import Frame
-    from logical_robots_tui.mind import Predicate
     from logical_robots_tui.tui.inspector.questions import Survey
     from logical_robots_tui.tui.session import Session
 
-__all__ = ["ASK", "ROBOTS", "WHY", "InspectorPane"]
-
-ROBOTS, WHY, ASK = "(robots)", "(why)", "(ask)"
-"""The first choices of the inspector; no predicate can have these names."""
-
-_PAGES = {ROBOTS: "Robots", WHY: "Why", ASK: "Ask"}
-
-_NO_PROGRAM = "There is no program yet that could be asked."
-_CHANGED = "•"
-_WIDTH = 22  # columns of an entry
+__all__ = ["InspectorPane"]
 
 _ROBOTS_PAUSE, _ROWS_PAUSE = 0.1, 0.25  # seconds between two pictures while the game runs
-_MARKS = {"input": ("◂", INK.robot), "program": ("•", INK.key), "prelude": ("◦", INK.dim)}
 
 
 class InspectorPane(Pane):
@@ -74,11 +61,6 @@ class InspectorPane(Pane):
             self.program, self.place = program, place
 
     DEFAULT_CSS = """
-    InspectorPane #choice {
-        width: 24; height: 1fr; border: none; padding: 0; background: $surface;
-        border-right: solid $faint;
-        text-wrap: nowrap; text-overflow: ellipsis;
-    }
     InspectorPane #subject { height: 1; padding: 0 1; color: $dim; text-wrap: nowrap; }
     InspectorPane #views { width: 1fr; }
     InspectorPane #said { padding: 1 2; }
@@ -90,13 +72,13 @@ class InspectorPane(Pane):
 
     def __init__(self, session: Session) -> None:
         self._session = session
-        self._choice = OptionList(id="choice", markup=False, compact=True)
+        self._choice = Choice()
         self._subject = Static(id="subject")
         self.robots = RobotsView()
         self.table = ValueTable()
         self._questions = Questions(session)
         self.reasons = ReasonsPage(self._questions)
-        self.asking = AskView()
+        self.asking = AskView(self._questions)
         self._value = Static(id="value-text")
         self._value_box = VerticalScroll(self._value, id="value", can_focus=False)
         self._said = Static(id="said")
@@ -111,10 +93,8 @@ class InspectorPane(Pane):
             id="views",
         )
         super().__init__(Horizontal(self._choice, views), title="Inspector")
-        self._predicates: tuple[Predicate, ...] | None = None
         self._inspected = ROBOTS
         self._robot: str | None = None
-        self._query = ""
         self._survey: Survey | None = None
         self._told = Content("")
         self._stale = False
@@ -172,7 +152,7 @@ class InspectorPane(Pane):
 
     def follow(self) -> None:
         """Show the present tick, at once or, while the game runs, within a moment."""
-        if self._predicates != self._session.predicates:
+        if self._choice.predicates != self._session.predicates:
             self._list_predicates()
         self._stale = True
         if self.display and (self._follower is None or self._follower.is_finished):
@@ -202,7 +182,7 @@ class InspectorPane(Pane):
 
     async def _show_reasons(self, frame: Frame) -> None:
         if self._session.game is None:
-            self._say("Why", frame.tick, _NO_PROGRAM)
+            self._say("Why", frame.tick, NO_PROGRAM)
             return
         robot = self._robot or self._session.level.robots[0].name
         self._say_subject("Why", frame.tick, "" if frame.tick else "nobody has thought yet")
@@ -210,23 +190,11 @@ class InspectorPane(Pane):
         await self.reasons.follow(robot, frame)
 
     async def _show_answer(self, frame: Frame) -> None:
-        query = self._query
         self._say_subject("Ask", frame.tick, "")
         self._show_only(self.asking)
-        if not query:
-            return
-        try:
-            table = await self._questions.ask(query, frame)
-        except Superseded:
-            if self._session.game is None:
-                self.asking.say(_NO_PROGRAM)
-        except ProgramError as error:
-            self.asking.refuse(query, error)
-        except QueryError as error:
-            self.asking.say(str(error))
-        else:
-            self._say_subject("Ask", frame.tick, _counted(table))
-            self.asking.show(table)
+        table = await self.asking.follow(frame)
+        if table is not None:
+            self._say_subject("Ask", frame.tick, counted(table))
 
     async def _take_survey(self, frame: Frame) -> None:
         """Count the rows of every predicate, and see which differ from those of the tick before."""
@@ -236,24 +204,18 @@ class InspectorPane(Pane):
             survey = await self._questions.survey(frame)
         except Superseded:
             return
-        is_late = survey.frame is not self._session.frame
-        listed = self._predicates
-        if survey is self._survey or is_late or survey.program.predicates != listed:
-            return
-        self._survey = survey
-        for predicate in listed:
-            if predicate.has_rows:
-                entry = _entry(predicate, survey)
-                self._choice.replace_option_prompt(predicate.name, entry)
-        if self.table.display:
-            await self._show_rows(self._inspected, frame)
+        if survey is not self._survey and survey.frame is self._session.frame:
+            self._survey = survey
+            self._choice.count(survey)
+            if self.table.display:
+                await self._show_rows(self._inspected, frame)
 
     async def _show_rows(self, name: str, frame: Frame) -> None:
         try:
             table = await self._session.query(name, frame)
         except Superseded:
             if self._session.game is None:
-                self._say(name, frame.tick, _NO_PROGRAM)
+                self._say(name, frame.tick, NO_PROGRAM)
             return
         except QueryError as error:
             if name == self._inspected:
@@ -261,7 +223,7 @@ class InspectorPane(Pane):
             return
         if name != self._inspected:
             return
-        self._say_subject(name, frame.tick, _counted(table))
+        self._say_subject(name, frame.tick, counted(table))
         self._show_only(self.table)
         columns, rows = shown_rows(table)
         survey = self._survey
@@ -280,7 +242,7 @@ class InspectorPane(Pane):
         self._subject.update(Content(" · ").join(parts), layout=False)
 
     def _go_to_page(self, page: str) -> None:
-        self._choice.highlighted = self._choice.get_option_index(page)
+        self._choice.go_to(page)
         self.inspect(page)
 
     def _show_only(self, view: Widget) -> None:
@@ -289,23 +251,9 @@ class InspectorPane(Pane):
         self._value_box.display = view is self.table and self.table.pointed is not None
 
     def _list_predicates(self) -> None:
-        self._predicates = self._session.predicates
-        # The prelude's functions have nothing to show in any tick; the program's own may surprise.
-        listed = [each for each in self._predicates if each.has_rows or each.kind != "prelude"]
-        names = [*_PAGES, *(predicate.name for predicate in listed)]
-        self.asking.line.knows(_words(self._predicates))
         self._survey = None
-        self._choice.clear_options()
-        self._choice.add_options(
-            [
-                Option(Content.styled(title, f"bold {INK.title}"), id=page)
-                for page, title in _PAGES.items()
-            ]
-            + [Option(_entry(predicate), id=predicate.name) for predicate in listed]
-        )
-        self._choice.highlighted = (
-            names.index(self._inspected) if self._inspected in names else None
-        )
+        self._choice.list(self._session.predicates, self._inspected)
+        self.asking.knows(self._session.predicates)
 
     @on(OptionList.OptionHighlighted)
     def _choice_moved(self, event: OptionList.OptionHighlighted) -> None:
@@ -346,15 +294,9 @@ class InspectorPane(Pane):
             self.post_message(self.Placed(self._session.program.text, (start, stop)))
 
     @on(ReasonsPage.Asked)
-    def _reason_asked(self, event: ReasonsPage.Asked) -> None:
+    @on(AskView.Asked)
+    def _asked(self, event: ReasonsPage.Asked | AskView.Asked) -> None:
         event.stop()
-        self.follow()
-
-    @on(Input.Submitted)
-    def _query_typed(self, event: Input.Submitted) -> None:
-        event.stop()
-        self._query = event.value.strip()
-        self.asking.line.remember(self._query)
         self.follow()
 
     @on(ValueTable.Pointed)
@@ -367,44 +309,3 @@ class InspectorPane(Pane):
             if told != self._told:
                 self._told = told
                 self._value.update(told)
-
-
-def _entry(predicate: Predicate, survey: Survey | None = None) -> Content:
-    mark, colour = _MARKS[predicate.kind]
-    name = INK.text if predicate.has_rows else INK.dim
-    entry = Content.assemble((f"{mark} ", colour), (one_line(predicate.name), name))
-    if survey is not None:
-        return _with_count(entry, predicate, survey)
-    if not predicate.has_rows:
-        entry = entry.append(Content.styled(" ƒ", INK.dim))
-    if predicate.line is not None:
-        entry = entry.append(Content.styled(f" :{predicate.line}", INK.faint))
-    return entry
-
-
-def _with_count(entry: Content, predicate: Predicate, survey: Survey) -> Content:
-    """An entry with the line of the definition, and at its right end the number of rows."""
-    if predicate.line is not None:
-        entry = entry.append(Content.styled(f" :{predicate.line}", INK.faint))
-    differs = survey.differs(predicate.name)
-    count = f"{survey.count(predicate.name)}{_CHANGED if differs else ' '}"
-    gap = " " * max(1, _WIDTH - entry.cell_length - len(count))
-    return entry.truncate(_WIDTH - len(count) - 1, ellipsis=True).append(
-        Content.styled(f"{gap}{count}", INK.key if differs else INK.dim)
-    )
-
-
-def _words(predicates: Iterable[Predicate]) -> Iterator[str]:
-    """What a query may be made of."""
-    from logical_robots_tui.mind.reference import REFERENCE
-
-    yield from (predicate.name for predicate in predicates)
-    yield from (entry.name for entry in REFERENCE if entry.name.isidentifier())
-    yield from ("robot_name", "sensor", "memory", "radar", "distance", "angle", "object", "label")
-    yield from ("forward_distance", "forward_object", "forward_label", "clock")
-
-
-def _counted(table: Table) -> str:
-    count = len(table.rows)
-    more = " and more" if table.truncated else ""
-    return f"{count}{more} {'row' if count == 1 else 'rows'}"

@@ -61,6 +61,11 @@ class Questions:
         self._inquiry: Inquiry | None = None
         self._surveyed: Survey | None = None
 
+    @property
+    def has_program(self) -> bool:
+        """Whether there is a program that could be asked."""
+        return self._session.game is not None
+
     async def ask(self, query: str, frame: Frame) -> Table:
         """What a query gives at a frame.
 

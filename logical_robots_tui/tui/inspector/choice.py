@@ -1,0 +1,98 @@
+"""What can be inspected: a few pages, then the predicates with the number of their rows."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from textual.content import Content
+from textual.widgets import OptionList
+from textual.widgets.option_list import Option
+
+from logical_robots_tui.tui.plain import one_line
+from logical_robots_tui.tui.theme import INK
+
+if TYPE_CHECKING:
+    from logical_robots_tui.mind import Predicate
+    from logical_robots_tui.tui.inspector.questions import Survey
+
+__all__ = ["ASK", "ROBOTS", "WHY", "Choice"]
+
+ROBOTS, WHY, ASK = "(robots)", "(why)", "(ask)"
+"""The pages; no predicate can have these names."""
+
+_PAGES = {ROBOTS: "Robots", WHY: "Why", ASK: "Ask"}
+_MARKS = {"input": ("◂", INK.robot), "program": ("•", INK.key), "prelude": ("◦", INK.dim)}
+_CHANGED = "•"
+_WIDTH = 22  # columns of an entry
+
+
+class Choice(OptionList):
+    """The list at the left of the inspector."""
+
+    DEFAULT_CSS = """
+    Choice {
+        width: 24; height: 1fr; border: none; padding: 0; background: $surface;
+        border-right: solid $faint;
+        text-wrap: nowrap; text-overflow: ellipsis;
+    }
+    """
+
+    def __init__(self) -> None:
+        super().__init__(id="choice", markup=False, compact=True)
+        self._predicates: tuple[Predicate, ...] | None = None
+
+    @property
+    def predicates(self) -> tuple[Predicate, ...] | None:
+        """The predicates of the program that is listed, or None before the first one."""
+        return self._predicates
+
+    def list(self, predicates: tuple[Predicate, ...], inspected: str) -> None:
+        """List the predicates of a program.
+
+        Args:
+            predicates: All of them.
+            inspected: What is being inspected.
+        """
+        self._predicates = predicates
+        # The prelude's functions have nothing to show in any tick; the program's own may surprise.
+        listed = [each for each in predicates if each.has_rows or each.kind != "prelude"]
+        names = [*_PAGES, *(predicate.name for predicate in listed)]
+        self.clear_options()
+        self.add_options(
+            [
+                Option(Content.styled(title, f"bold {INK.title}"), id=page)
+                for page, title in _PAGES.items()
+            ]
+            + [Option(_entry(predicate), id=predicate.name) for predicate in listed]
+        )
+        self.highlighted = names.index(inspected) if inspected in names else None
+
+    def count(self, survey: Survey) -> None:
+        """Show how many rows each predicate has, if these are the predicates that are listed."""
+        if survey.program.predicates != self._predicates:
+            return
+        for predicate in self._predicates:
+            if predicate.has_rows:
+                self.replace_option_prompt(predicate.name, _entry(predicate, survey))
+
+    def go_to(self, name: str) -> None:
+        """Highlight a page or a predicate."""
+        self.highlighted = self.get_option_index(name)
+
+
+def _entry(predicate: Predicate, survey: Survey | None = None) -> Content:
+    mark, colour = _MARKS[predicate.kind]
+    name = INK.text if predicate.has_rows else INK.dim
+    entry = Content.assemble((f"{mark} ", colour), (one_line(predicate.name), name))
+    if not predicate.has_rows:
+        entry = entry.append(Content.styled(" ƒ", INK.dim))
+    if predicate.line is not None:
+        entry = entry.append(Content.styled(f" :{predicate.line}", INK.faint))
+    if survey is None:
+        return entry
+    differs = survey.differs(predicate.name)
+    count = f"{survey.count(predicate.name)}{_CHANGED if differs else ' '}"
+    gap = " " * max(1, _WIDTH - entry.cell_length - len(count))
+    return entry.truncate(_WIDTH - len(count) - 1, ellipsis=True).append(
+        Content.styled(f"{gap}{count}", INK.key if differs else INK.dim)
+    )
