@@ -6,13 +6,13 @@ from pathlib import Path
 
 from logical_robots_tui.shipped import did_you_mean, shipped_folder, shipped_names
 from logical_robots_tui.world.level import Level, LevelError
+from logical_robots_tui.world.limits import MOST_BYTES
 from logical_robots_tui.world.native import read_native
 from logical_robots_tui.world.web import read_web
 
 __all__ = ["list_levels", "load_level"]
 
 _SUFFIXES = (".toml", ".json")
-_MOST_BYTES = 64 * 2**20
 _FORMATS = "A level is a .toml file of this game or a .json file of the web platform."
 
 
@@ -66,12 +66,12 @@ def _text(path: Path) -> str:
         if not path.is_file():
             raise _not_there(path)
         with path.open("rb") as file:
-            content = file.read(_MOST_BYTES + 1)
+            content = file.read(MOST_BYTES + 1)
     except (OSError, ValueError) as error:
         reason = getattr(error, "strerror", None) or str(error)
         raise LevelError(f"The file can't be read: {reason}.", place=str(path)) from None
-    if len(content) > _MOST_BYTES:
-        message = f"The file is larger than {_MOST_BYTES // 2**20} MB."
+    if len(content) > MOST_BYTES:
+        message = f"The file is larger than {MOST_BYTES // 2**20} MB."
         raise LevelError(message, place=str(path), hint=_FORMATS)
     try:
         text = content.decode("utf-8-sig")
