@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import tomllib
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypedDict
 
 from logical_robots_tui.shipped import did_you_mean
 from logical_robots_tui.world.drawing import read_drawing
@@ -23,7 +23,15 @@ from logical_robots_tui.world.level import (
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-__all__ = ["oddities", "read_area", "read_beacon", "read_native", "read_robot"]
+__all__ = [
+    "Words",
+    "oddities",
+    "read_area",
+    "read_beacon",
+    "read_native",
+    "read_robot",
+    "read_words",
+]
 
 _TOP_KEYS = (
     "title",
@@ -73,7 +81,7 @@ def read_native(text: str, name: str, source: str) -> Level:
     text = text.replace("\r\n", "\n")
     top = Fields(_parsed(text, source), source)
     top.refuse_unknown(_TOP_KEYS)
-    title = top.name("title")
+    words = read_words(top)
     walls = read_drawing(top, text)
     height, width = walls.shape
     robots = top.each("robots", read_robot)
@@ -82,14 +90,39 @@ def read_native(text: str, name: str, source: str) -> Level:
     areas = top.each("areas", read_area)
     level = Level(
         name=name,
-        title=title,
         width=width,
         height=height,
         walls=walls,
         robots=robots,
         beacons=beacons,
         areas=areas,
-        visibility=_visibility(top.table("visibility")),
+        source=source,
+        **words,
+    )
+    if not top.flag("lenient"):
+        for key, message, hint in oddities(level):
+            raise top.error(key, message, hint)
+    return level
+
+
+class Words(TypedDict):
+    """What a level tells the player, and what its programs may see."""
+
+    title: str
+    idea: str
+    briefing: str
+    hints: tuple[str, ...]
+    lesson: str
+    further: str
+    starter: str
+    solution: str
+    visibility: Visibility
+
+
+def read_words(top: Fields) -> Words:
+    """Read what is neither drawn nor stands in the labyrinth."""
+    return Words(
+        title=top.name("title"),
         idea=top.name("idea", ""),
         briefing=top.text("briefing", "").strip("\n"),
         hints=top.texts("hints"),
@@ -97,12 +130,8 @@ def read_native(text: str, name: str, source: str) -> Level:
         further=top.text("further", "").strip("\n"),
         starter=top.name("starter", ""),
         solution=top.name("solution", ""),
-        source=source,
+        visibility=_visibility(top.table("visibility")),
     )
-    if not top.flag("lenient"):
-        for key, message, hint in oddities(level):
-            raise top.error(key, message, hint)
-    return level
 
 
 def oddities(level: Level) -> Iterator[tuple[str, str, str]]:

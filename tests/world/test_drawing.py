@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
@@ -37,6 +37,7 @@ def written_short(walls: NDArray[np.bool_]) -> list[str]:
     return draw_rows(wide, 1)
 
 
+@settings(deadline=None)
 @given(WALLS, CELLS)
 def test_walls_are_read_as_they_were_drawn(cells: NDArray[np.bool_], cell: int) -> None:
     walls = scaled(cells, cell)
@@ -44,6 +45,7 @@ def test_walls_are_read_as_they_were_drawn(cells: NDArray[np.bool_], cell: int) 
     assert (read(draw_rows(walls, cell), cell) == walls).all()
 
 
+@settings(deadline=None)
 @given(WALLS)
 def test_walls_are_read_as_they_were_shortened(walls: NDArray[np.bool_]) -> None:
     lines = written_short(walls)
@@ -52,6 +54,7 @@ def test_walls_are_read_as_they_were_shortened(walls: NDArray[np.bool_]) -> None
     assert not found[:, walls.shape[1] :].any()
 
 
+@settings(deadline=None)
 @given(WALLS, CELLS)
 def test_the_coarsest_cell_expresses_and_no_larger_one_of_twenty_does(
     cells: NDArray[np.bool_], cell: int
@@ -61,6 +64,7 @@ def test_the_coarsest_cell_expresses_and_no_larger_one_of_twenty_does(
     assert [size for size in range(1, 21) if expresses(walls, size)][-1] == coarsest
 
 
+@settings(deadline=None)
 @given(SMALL.flatmap(lambda shape: st.tuples(*[arrays(np.bool_, shape)] * 2)), st.booleans())
 def test_only_rows_that_changed_are_drawn_anew(
     both: tuple[NDArray[np.bool_], NDArray[np.bool_]], short: bool
