@@ -23,7 +23,18 @@ if TYPE_CHECKING:
 
     from logical_robots_tui.world.level import Level
 
-__all__ = ["Kind", "Ref", "add", "change", "duplicate", "ref_at", "remove", "thing"]
+__all__ = [
+    "KINDS",
+    "Kind",
+    "Ref",
+    "add",
+    "change",
+    "duplicate",
+    "ref_at",
+    "remove",
+    "reread",
+    "thing",
+]
 
 Kind: TypeAlias = Literal["robots", "beacons", "areas"]
 
@@ -170,11 +181,20 @@ def _with(level: Level, kind: Kind, things: tuple[Thing, ...]) -> Level:
     return replace(level, **changes)
 
 
-def _checked(level: Level, ref: Ref, some: Thing) -> Thing:
-    """Return a thing as it will be when it is loaded again."""
-    top = Fields({}, level.name)
+def reread(level: Level, ref: Ref, some: Thing) -> Thing:
+    """Return a thing as it will be when it is loaded again.
+
+    Raises:
+        LevelError: It couldn't be loaded.
+    """
     place = Fields(record_of(some), level.name, f"{ref.kind}[{ref.index}]")
-    found = _READ[ref.kind](place)
+    return _READ[ref.kind](place)
+
+
+def _checked(level: Level, ref: Ref, some: Thing) -> Thing:
+    """Return a thing as it will be when it is loaded again, with a name of its own."""
+    top = Fields({}, level.name)
+    found = reread(level, ref, some)
     if ref.kind == "robots":
         names = [robot.name for robot in level.robots]
         names[ref.index : ref.index + 1] = [found.name]

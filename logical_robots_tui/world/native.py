@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import tomllib
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, TypedDict
 
 from logical_robots_tui.shipped import did_you_mean
@@ -100,8 +101,8 @@ def read_native(text: str, name: str, source: str) -> Level:
         **words,
     )
     if not top.flag("lenient"):
-        for key, message, hint in oddities(level):
-            raise top.error(key, message, hint)
+        for found in oddities(level):
+            raise top.error(found.path, found.message, found.hint)
     return level
 
 
@@ -134,30 +135,47 @@ def read_words(top: Fields) -> Words:
     )
 
 
-def oddities(level: Level) -> Iterator[tuple[str, str, str]]:
-    """Return what a level may have only if its file says that it is lenient.
+@dataclass(frozen=True, slots=True)
+class Oddity:
+    """What a level may have only if its file says that it is lenient.
 
-    Args:
-        level: The level.
-
-    Yields:
-        The key's place such as ``areas[2].goal_for``, what is wrong, and a hint.
+    Attributes:
+        kind: ``robots`` or ``areas``.
+        index: Place in that list.
+        key: What is odd about it, or "" if it is all of it.
+        message: What is wrong.
+        hint: What to do about it, or "".
     """
+
+    kind: str
+    index: int
+    key: str
+    message: str
+    hint: str
+
+    @property
+    def path(self) -> str:
+        """The key's place in the file, such as ``areas[2].goal_for``."""
+        return f"{self.kind}[{self.index}]{'.' if self.key else ''}{self.key}"
+
+
+def oddities(level: Level) -> Iterator[Oddity]:
+    """Return robots outside the map, and robots and beacons that areas name in vain."""
+    size = f"The map is {level.width} x {level.height} units."
     for i, robot in enumerate(level.robots):
         if not (0 <= robot.x < level.width and 0 <= robot.y < level.height):
-            message = f'Robot "{robot.name}" stands outside the map.'
-            yield f"robots[{i}]", message, f"The map is {level.width} x {level.height} units."
+            yield Oddity("robots", i, "", f'Robot "{robot.name}" stands outside the map.', size)
     robots = {robot.name for robot in level.robots}
     beacons = {beacon.name for beacon in level.beacons}
     for i, area in enumerate(level.areas):
         for name in area.victory_robots:
             if name not in robots:
                 message = f'Area "{area.name}" is a goal for "{name}", which is no robot here.'
-                yield f"areas[{i}].goal_for", message, did_you_mean(name, robots)
+                yield Oddity("areas", i, "goal_for", message, did_you_mean(name, robots))
         for key, name in (("on_beacon", area.on_beacon), ("off_beacon", area.off_beacon)):
             if name and name not in beacons:
                 message = f'Area "{area.name}" is switched by "{name}", which is no beacon here.'
-                yield f"areas[{i}].{key}", message, did_you_mean(name, beacons)
+                yield Oddity("areas", i, key, message, did_you_mean(name, beacons))
 
 
 def _parsed(text: str, source: str) -> dict[str, object]:
