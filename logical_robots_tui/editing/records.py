@@ -13,7 +13,7 @@ if TYPE_CHECKING:
 
     from logical_robots_tui.world.level import Level
 
-__all__ = ["Record", "Thing", "all_things", "record_of", "words_of"]
+__all__ = ["Record", "Thing", "all_things", "record_of", "words_of", "written_number"]
 
 Thing = Robot | Beacon | Area
 """What stands in a labyrinth."""
@@ -57,13 +57,17 @@ def words_of(level: Level) -> Record:
 
 
 def _robot(robot: Robot) -> Record:
-    record: Record = {"name": robot.name, "x": _number(robot.x), "y": _number(robot.y)}
+    record: Record = {
+        "name": robot.name,
+        "x": written_number(robot.x),
+        "y": written_number(robot.y),
+    }
     record |= _heading(robot.angle)
     if robot.color != ROBOT_COLOR:
         record["color"] = robot.color
-    battery: Record = {"capacity": _number(robot.battery_capacity)}
+    battery: Record = {"capacity": written_number(robot.battery_capacity)}
     if robot.battery_consumption_rate:
-        battery["consumption"] = _number(robot.battery_consumption_rate)
+        battery["consumption"] = written_number(robot.battery_consumption_rate)
     if robot.can_charge:
         battery["charges_others"] = True
     if not robot.has_battery:
@@ -74,7 +78,11 @@ def _robot(robot: Robot) -> Record:
 
 
 def _beacon(beacon: Beacon) -> Record:
-    record: Record = {"name": beacon.name, "x": _number(beacon.x), "y": _number(beacon.y)}
+    record: Record = {
+        "name": beacon.name,
+        "x": written_number(beacon.x),
+        "y": written_number(beacon.y),
+    }
     if beacon.charging_station:
         record["charging_station"] = True
     return record
@@ -83,9 +91,9 @@ def _beacon(beacon: Beacon) -> Record:
 def _area(area: Area) -> Record:
     record: Record = {
         "name": area.name,
-        "x": _number(area.x),
-        "y": _number(area.y),
-        "radius": _number(area.radius),
+        "x": written_number(area.x),
+        "y": written_number(area.y),
+        "radius": written_number(area.radius),
         "color": area.color,
         "solid": area.impenetrable,
         "goal_for": list(area.victory_robots),
@@ -99,7 +107,7 @@ def _area(area: Area) -> Record:
     return {key: value for key, value in record.items() if value or key in needed}
 
 
-def _number(value: float) -> float | int:
+def written_number(value: float) -> float | int:
     """Return a number as one would write it."""
     return int(value) if isinstance(value, float) and value.is_integer() else value
 
@@ -112,5 +120,5 @@ def _heading(angle: float) -> Record:
     for digits in range(15):
         written = round(degrees, digits)
         if abs(written) <= MOST_OF_A_NUMBER and math.radians(written) == angle:
-            return {"heading": _number(written)}
+            return {"heading": written_number(written)}
     return {"angle": angle}

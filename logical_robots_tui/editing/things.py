@@ -76,7 +76,7 @@ def add(level: Level, new: Thing) -> tuple[Level, Ref]:
     Raises:
         LevelError: There are too many of them, or something of it is out of bounds.
     """
-    kind = _kind(new)
+    kind = kind_of(new)
     things = _list(level, kind)
     if len(things) >= MOST_OF_A_KIND:
         raise LevelError(f"There are {MOST_OF_A_KIND} {kind} already; more would be too many.")
@@ -165,7 +165,8 @@ def ref_at(level: Level, x: float, y: float, reach: float = 0.0) -> Ref | None:
     return min(around)[1] if around else None
 
 
-def _kind(some: Thing) -> Kind:
+def kind_of(some: Thing) -> Kind:
+    """Return which list of a level a thing belongs to."""
     return (
         "robots" if isinstance(some, Robot) else "beacons" if isinstance(some, Beacon) else "areas"
     )
