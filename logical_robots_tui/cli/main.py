@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 from logical_robots_tui import __version__
 from logical_robots_tui.cli import bench, check, crash, failure, listing, play, run
 from logical_robots_tui.cli import help as reference
+from logical_robots_tui.cli.level import command as level
 from logical_robots_tui.errors import LogicalRobotsError
 
 if TYPE_CHECKING:
@@ -31,6 +32,7 @@ examples:
   logical-robots run LEVEL PROGRAM     run without a screen
   logical-robots check PROGRAM         say what is wrong with a program
   logical-robots help FUNCTION         explain a function of the language
+  logical-robots level new FILE        make a level
   logical-robots bench                 say how fast this machine is
 
 A LEVEL or PROGRAM is a name from these lists or the path of a file.
@@ -81,6 +83,7 @@ def parser() -> argparse.ArgumentParser:
     check.declare(commands)
     reference.declare(commands)
     listing.declare(commands)
+    level.declare(commands)
     bench.declare(commands)
     return top
 

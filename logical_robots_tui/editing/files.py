@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 __all__ = ["save_level"]
 
 
-def save_level(level: Level, path: Path) -> Level:
+def save_level(level: Level, path: Path, *, anew: bool = False) -> Level:
     """Write a level to a file, in the format that its ending says.
 
     A file of this game that is there already is changed where the levels differ; one that says
@@ -32,6 +32,7 @@ def save_level(level: Level, path: Path) -> Level:
     Args:
         level: What to write.
         path: The file; missing folders are made.
+        anew: Whether nothing of a file that is there already is kept.
 
     Returns:
         The level with the name and source of the file.
@@ -52,7 +53,7 @@ def save_level(level: Level, path: Path) -> Level:
         raise LevelError(finding.text, place=place)
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
-        before, text = _texts(level, path)
+        before, text = _texts(level, path, anew)
         if len(text.encode()) > MOST_BYTES:
             message = f"The file would be larger than {MOST_BYTES // 2**20} MB."
             raise LevelError(message, place=place)
@@ -65,14 +66,16 @@ def save_level(level: Level, path: Path) -> Level:
     return replace(level, name=path.stem, source=place)
 
 
-def _texts(level: Level, path: Path) -> tuple[str, str]:
+def _texts(level: Level, path: Path, anew: bool) -> tuple[str, str]:
     """Return the text that a file has, or "", and the text that it is to have."""
     is_web = path.suffix.lower() == WEB
+    if anew:
+        return "", write_web(level) if is_web else write_native(level)
     try:
         earlier = load_level(path)
         before = read_text(path)
     except LevelError:  # there is none, or it is no level
-        return "", write_web(level) if is_web else write_native(level)
+        return _texts(level, path, anew=True)
     if not is_web:
         return before, rewritten(before, level)
     same = write_web(earlier) == write_web(level)
