@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any
 from rich.console import Console
 from rich.table import Table
 
+from benchmarks.editing import editing
 from benchmarks.first_frame import first_frame
 from benchmarks.machine import machine
 from benchmarks.measure import Effort, Measurement
@@ -32,6 +33,7 @@ BENCHMARKS = {
     "think": thinking,
     "swarms": swarms,
     "game": whole_game,
+    "editing": editing,
     "screen": with_screen,
     "first-frame": first_frame,
 }

@@ -22,6 +22,7 @@ from logical_robots_tui.cli import (
     why,
 )
 from logical_robots_tui.cli import help as reference
+from logical_robots_tui.cli.level import command as level
 from logical_robots_tui.errors import LogicalRobotsError
 
 if TYPE_CHECKING:
@@ -45,6 +46,7 @@ examples:
                                        say why a robot did what it did
   logical-robots check PROGRAM         say what is wrong with a program
   logical-robots help FUNCTION         explain a function of the language
+  logical-robots level new FILE        make a level
   logical-robots bench                 say how fast this machine is
 
 A LEVEL or PROGRAM is a name from these lists or the path of a file.
@@ -98,6 +100,7 @@ def parser() -> argparse.ArgumentParser:
     check.declare(commands)
     reference.declare(commands)
     listing.declare(commands)
+    level.declare(commands)
     bench.declare(commands)
     return top
 

@@ -13,7 +13,7 @@ from dataclasses import dataclass, field
 from datetime import UTC, datetime
 from typing import TYPE_CHECKING, Any
 
-from logical_robots_tui.game.source import write_atomically
+from logical_robots_tui.writing import write_atomically
 
 if TYPE_CHECKING:
     from pathlib import Path

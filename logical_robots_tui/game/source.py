@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import os
-import tempfile
 from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
@@ -11,6 +9,7 @@ from typing import TYPE_CHECKING
 
 from logical_robots_tui.errors import InputError
 from logical_robots_tui.shipped import did_you_mean, shipped_folder, shipped_names
+from logical_robots_tui.writing import write_atomically
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -23,7 +22,6 @@ __all__ = [
     "load_program",
     "save_program",
     "shipped_texts",
-    "write_atomically",
 ]
 
 SUFFIX = ".l"
@@ -104,22 +102,6 @@ def save_program(path: Path, text: str) -> None:
             place=str(path),
             hint="Save it under another name or in another folder.",
         ) from error
-
-
-def write_atomically(path: Path, text: str) -> None:
-    """Replace a file's content in one step, keeping its permissions."""
-    mode = path.stat().st_mode & 0o777 if path.exists() else 0o644
-    handle, temporary = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.")
-    try:
-        with os.fdopen(handle, "w", encoding="utf-8", newline="") as file:
-            file.write(text)
-            file.flush()
-            os.fsync(file.fileno())
-        Path(temporary).chmod(mode)
-        Path(temporary).replace(path)
-    except BaseException:
-        Path(temporary).unlink(missing_ok=True)
-        raise
 
 
 def _read(path: Path) -> Source:

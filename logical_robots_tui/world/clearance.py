@@ -10,7 +10,7 @@ import numpy as np
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-__all__ = ["clearances"]
+__all__ = ["clearances", "row_clearances"]
 
 _ROWS_AT_ONCE = 64  # bounds the memory for distances along rows
 
@@ -27,14 +27,28 @@ def clearances(walls: NDArray[np.bool_], most: int) -> NDArray[np.uint8]:
     Returns:
         An array of the shape of ``walls``: 0 in a wall, 1 beside one, ``most`` far from all.
     """
-    found = np.empty(walls.shape, dtype=np.uint8)
-    for start in range(0, len(walls), _ROWS_AT_ONCE):
-        some = slice(start, start + _ROWS_AT_ONCE)
-        found[some] = _along_rows(walls[some], most)
+    found = row_clearances(walls, most)
     # A shortest way to a wall goes to the wall's row first, aslant as far as that helps, and then
     # along the row.
     _carry_over(found)
     _carry_over(found[::-1])
+    return found
+
+
+def row_clearances(walls: NDArray[np.bool_], most: int) -> NDArray[np.uint8]:
+    """Return for every cell how many cells away the nearest wall in the same row is.
+
+    Args:
+        walls: Of shape (height, width); True is wall.
+        most: Distances are capped here; 1 to 254.
+
+    Returns:
+        An array of the shape of ``walls``: 0 in a wall, 1 beside one, ``most`` far from all.
+    """
+    found = np.empty(walls.shape, dtype=np.uint8)
+    for start in range(0, len(walls), _ROWS_AT_ONCE):
+        some = slice(start, start + _ROWS_AT_ONCE)
+        found[some] = _along_rows(walls[some], most)
     return found
 
 

@@ -9,6 +9,13 @@ from typing import TYPE_CHECKING, TypeVar
 
 from logical_robots_tui.shipped import did_you_mean
 from logical_robots_tui.world.level import LevelError
+from logical_robots_tui.world.limits import (
+    LONGEST_NAME,
+    LONGEST_TEXT,
+    MOST_OF_A_KIND,
+    MOST_OF_A_NUMBER,
+    MOST_SIDE,
+)
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Collection, Mapping
@@ -17,11 +24,6 @@ __all__ = ["Fields", "check_robot_names"]
 
 _T = TypeVar("_T")
 
-_MOST_SIDE = 4000  # map units
-_MOST_OF_A_KIND = 1000
-_MOST_OF_A_NUMBER = 1_000_000
-_LONGEST_NAME = 60
-_LONGEST_TEXT = 20_000
 _COLOR = re.compile(r"#[0-9a-fA-F]{3}(?:[0-9a-fA-F]{3})?|[A-Za-z]{3,30}")
 
 
@@ -68,8 +70,8 @@ class Fields:
             raise self.error(key, f'"{key}" must be a finite number, not {value}.')
         if value < least:
             raise self.error(key, f'"{key}" must be {least:g} or more, not {value:.12g}.')
-        if abs(value) > _MOST_OF_A_NUMBER:
-            raise self.error(key, f'"{key}" is too large; {_MOST_OF_A_NUMBER} is the most.')
+        if abs(value) > MOST_OF_A_NUMBER:
+            raise self.error(key, f'"{key}" is too large; {MOST_OF_A_NUMBER} is the most.')
         return float(value)
 
     def whole(self, key: str, *, least: int) -> int:
@@ -79,12 +81,12 @@ class Fields:
             raise self.error(key, f'"{key}" must be a whole number, not {value:g}.')
         return int(value)
 
-    def flag(self, key: str) -> bool:
-        """Return true or false; false if missing."""
+    def flag(self, key: str, default: bool = False) -> bool:
+        """Return true or false; the default if missing."""
         value = self.record.get(key)
         if value is not None and not isinstance(value, bool):
             raise self._wrong(key, "true or false")
-        return bool(value)
+        return default if value is None else value
 
     def text(self, key: str, default: str | None = None) -> str:
         """Return text of any number of lines; required if there is no default."""
@@ -93,8 +95,8 @@ class Fields:
         value = self._required(key)
         if not isinstance(value, str):
             raise self._wrong(key, "text")
-        if len(value) > _LONGEST_TEXT:
-            raise self.error(key, f'"{key}" is longer than {_LONGEST_TEXT} characters.')
+        if len(value) > LONGEST_TEXT:
+            raise self.error(key, f'"{key}" is longer than {LONGEST_TEXT} characters.')
         if not all(line.isprintable() for line in re.split(r"[\n\t]", value)):
             raise self.error(key, f'"{key}" has a character that can\'t be shown.')
         return value
@@ -150,8 +152,8 @@ class Fields:
     def each(self, key: str, read: Callable[[Fields], _T]) -> tuple[_T, ...]:
         """Return what ``read`` makes of every record of a list; () if missing."""
         items = self._list(key)
-        if len(items) > _MOST_OF_A_KIND:
-            raise self.error(key, f"There are {len(items)} {key}; {_MOST_OF_A_KIND} is the most.")
+        if len(items) > MOST_OF_A_KIND:
+            raise self.error(key, f"There are {len(items)} {key}; {MOST_OF_A_KIND} is the most.")
         for i, item in enumerate(items):
             if not isinstance(item, dict):
                 raise self.error(f"{key}[{i}]", f"This must be a record, not {_kind(item)}.")
@@ -163,8 +165,8 @@ class Fields:
 
     def check_size(self, key: str, width: int, height: int) -> None:
         """Refuse a labyrinth that is too large."""
-        if max(width, height) > _MOST_SIDE:
-            limit = f"{_MOST_SIDE} x {_MOST_SIDE}"
+        if max(width, height) > MOST_SIDE:
+            limit = f"{MOST_SIDE} x {MOST_SIDE}"
             raise self.error(key, f"The map is {width} x {height} units; {limit} is the most.")
 
     def _required(self, key: str) -> object:
@@ -194,8 +196,8 @@ class Fields:
     def _checked_name(self, key: str, value: str) -> str:
         if not value.strip():
             raise self.error(key, f'"{key}" is empty.')
-        if len(value) > _LONGEST_NAME:
-            raise self.error(key, f'"{key}" is longer than {_LONGEST_NAME} characters.')
+        if len(value) > LONGEST_NAME:
+            raise self.error(key, f'"{key}" is longer than {LONGEST_NAME} characters.')
         if not value.isprintable():
             raise self.error(key, f'"{key}" has a character that can\'t be shown.')
         return value
@@ -221,7 +223,7 @@ def check_robot_names(top: Fields, names: tuple[str, ...]) -> None:
 
 def _shown(key: str) -> str:
     """Return a key as it can be shown in a message."""
-    return "".join(c if c.isprintable() else "?" for c in key)[:_LONGEST_NAME]
+    return "".join(c if c.isprintable() else "?" for c in key)[:LONGEST_NAME]
 
 
 def _kind(value: object) -> str:

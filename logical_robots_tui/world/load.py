@@ -6,19 +6,21 @@ from pathlib import Path
 
 from logical_robots_tui.shipped import did_you_mean, shipped_folder, shipped_names
 from logical_robots_tui.world.level import Level, LevelError
+from logical_robots_tui.world.limits import MOST_BYTES
 from logical_robots_tui.world.native import read_native
 from logical_robots_tui.world.web import read_web
 
-__all__ = ["list_levels", "load_level"]
+__all__ = ["NATIVE", "SUFFIXES", "WEB", "list_levels", "load_level", "read_text"]
 
-_SUFFIXES = (".toml", ".json")
-_MOST_BYTES = 64 * 2**20
+NATIVE, WEB = SUFFIXES = (".toml", ".json")
+"""The endings of files of this game and of the web platform."""
+
 _FORMATS = "A level is a .toml file of this game or a .json file of the web platform."
 
 
 def list_levels() -> list[str]:
     """Return the names of the levels that come with the game, sorted by file name."""
-    return sorted({name for suffix in _SUFFIXES for name in shipped_names("levels", suffix)})
+    return sorted({name for suffix in SUFFIXES for name in shipped_names("levels", suffix)})
 
 
 def load_level(path_or_name: str | Path) -> Level:
@@ -38,9 +40,9 @@ def load_level(path_or_name: str | Path) -> Level:
     else:
         path = Path(path_or_name)
     source = str(path)
-    text = _text(path)
-    is_web = path.suffix.lower() == ".json" or (
-        path.suffix.lower() != ".toml" and text.lstrip().startswith("{")
+    text = read_text(path).removeprefix("\ufeff")
+    is_web = path.suffix.lower() == WEB or (
+        path.suffix.lower() != NATIVE and text.lstrip().startswith("{")
     )
     return (read_web if is_web else read_native)(text, path.stem, source)
 
@@ -50,7 +52,7 @@ def _is_name(text: str) -> bool:
 
 
 def _shipped(name: str) -> Path:
-    for suffix in _SUFFIXES:
+    for suffix in SUFFIXES:
         path = shipped_folder("levels") / f"{name}{suffix}"
         if name in list_levels() and path.is_file():
             return path
@@ -58,23 +60,27 @@ def _shipped(name: str) -> Path:
     raise LevelError(f'There is no level called "{name}".', hint=hint)
 
 
-def _text(path: Path) -> str:
-    """Return a file's text."""
+def read_text(path: Path) -> str:
+    """Return the text of a level's file exactly as it is, with line ends and byte order mark.
+
+    Raises:
+        LevelError: There is no such file, or it can't be read, or it is no text.
+    """
     try:
         if path.is_dir():
             raise LevelError("This is a folder, not a level.", place=str(path), hint=_FORMATS)
         if not path.is_file():
             raise _not_there(path)
         with path.open("rb") as file:
-            content = file.read(_MOST_BYTES + 1)
+            content = file.read(MOST_BYTES + 1)
     except (OSError, ValueError) as error:
         reason = getattr(error, "strerror", None) or str(error)
         raise LevelError(f"The file can't be read: {reason}.", place=str(path)) from None
-    if len(content) > _MOST_BYTES:
-        message = f"The file is larger than {_MOST_BYTES // 2**20} MB."
+    if len(content) > MOST_BYTES:
+        message = f"The file is larger than {MOST_BYTES // 2**20} MB."
         raise LevelError(message, place=str(path), hint=_FORMATS)
     try:
-        text = content.decode("utf-8-sig")
+        text = content.decode("utf-8")
     except UnicodeDecodeError as error:
         line = content.count(b"\n", 0, error.start) + 1
         place = f"{path}, line {line}"
@@ -86,5 +92,5 @@ def _not_there(path: Path) -> LevelError:
     if path.exists():
         return LevelError("This is no ordinary file.", place=str(path), hint=_FORMATS)
     siblings = path.parent.iterdir() if path.parent.is_dir() else ()
-    hint = did_you_mean(path.name, [p.name for p in siblings if p.suffix in _SUFFIXES])
+    hint = did_you_mean(path.name, [p.name for p in siblings if p.suffix in SUFFIXES])
     return LevelError("There is no such file.", place=str(path), hint=hint)

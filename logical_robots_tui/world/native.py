@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 import math
-import re
 import tomllib
-from typing import TYPE_CHECKING
-
-import numpy as np
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, TypedDict
 
 from logical_robots_tui.shipped import did_you_mean
+from logical_robots_tui.world.drawing import read_drawing
 from logical_robots_tui.world.fields import Fields, check_robot_names
 from logical_robots_tui.world.level import (
     AREA_COLOR,
@@ -23,16 +22,21 @@ from logical_robots_tui.world.level import (
 )
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable
+    from collections.abc import Iterator
 
-    from numpy.typing import NDArray
-
-__all__ = ["read_native"]
-
-_WALL, _FREE = "#", (".", " ")
+__all__ = [
+    "Words",
+    "oddities",
+    "read_area",
+    "read_beacon",
+    "read_native",
+    "read_robot",
+    "read_words",
+]
 
 _TOP_KEYS = (
     "title",
+    "lenient",
     "cell",
     "walls",
     "idea",
@@ -47,8 +51,8 @@ _TOP_KEYS = (
     "beacons",
     "areas",
 )
-_ROBOT_KEYS = ("name", "x", "y", "heading", "color", "battery")
-_BATTERY_KEYS = ("capacity", "consumption", "charges_others")
+_ROBOT_KEYS = ("name", "x", "y", "heading", "angle", "color", "battery")
+_BATTERY_KEYS = ("capacity", "consumption", "charges_others", "used")
 _BEACON_KEYS = ("name", "x", "y", "charging_station")
 _AREA_KEYS = (
     "name",
@@ -78,32 +82,48 @@ def read_native(text: str, name: str, source: str) -> Level:
     text = text.replace("\r\n", "\n")
     top = Fields(_parsed(text, source), source)
     top.refuse_unknown(_TOP_KEYS)
-    title = top.name("title")
-    walls = _walls(top, text)
+    words = read_words(top)
+    walls = read_drawing(top, text)
     height, width = walls.shape
-    robots = top.each("robots", _robot)
-    robot_names = tuple(robot.name for robot in robots)
-    check_robot_names(top, robot_names)
-    for i, robot in enumerate(robots):
-        if not (0 <= robot.x < width and 0 <= robot.y < height):
-            raise top.error(
-                f"robots[{i}]",
-                f'Robot "{robot.name}" stands outside the map.',
-                f"The map is {width} x {height} units.",
-            )
-    beacons = top.each("beacons", _beacon)
-    areas = top.each("areas", _area)
-    _check_areas(top, areas, robot_names, tuple(beacon.name for beacon in beacons))
-    return Level(
+    robots = top.each("robots", read_robot)
+    check_robot_names(top, tuple(robot.name for robot in robots))
+    beacons = top.each("beacons", read_beacon)
+    areas = top.each("areas", read_area)
+    level = Level(
         name=name,
-        title=title,
         width=width,
         height=height,
         walls=walls,
         robots=robots,
         beacons=beacons,
         areas=areas,
-        visibility=_visibility(top.table("visibility")),
+        source=source,
+        **words,
+    )
+    if not top.flag("lenient"):
+        for found in oddities(level):
+            raise top.error(found.path, found.message, found.hint)
+    return level
+
+
+class Words(TypedDict):
+    """What a level tells the player, and what its programs may see."""
+
+    title: str
+    idea: str
+    briefing: str
+    hints: tuple[str, ...]
+    lesson: str
+    further: str
+    starter: str
+    solution: str
+    visibility: Visibility
+
+
+def read_words(top: Fields) -> Words:
+    """Read what is neither drawn nor stands in the labyrinth."""
+    return Words(
+        title=top.name("title"),
         idea=top.name("idea", ""),
         briefing=top.text("briefing", "").strip("\n"),
         hints=top.texts("hints"),
@@ -111,8 +131,51 @@ def read_native(text: str, name: str, source: str) -> Level:
         further=top.text("further", "").strip("\n"),
         starter=top.name("starter", ""),
         solution=top.name("solution", ""),
-        source=source,
+        visibility=_visibility(top.table("visibility")),
     )
+
+
+@dataclass(frozen=True, slots=True)
+class Oddity:
+    """What a level may have only if its file says that it is lenient.
+
+    Attributes:
+        kind: ``robots`` or ``areas``.
+        index: Place in that list.
+        key: What is odd about it, or "" if it is all of it.
+        message: What is wrong.
+        hint: What to do about it, or "".
+    """
+
+    kind: str
+    index: int
+    key: str
+    message: str
+    hint: str
+
+    @property
+    def path(self) -> str:
+        """The key's place in the file, such as ``areas[2].goal_for``."""
+        return f"{self.kind}[{self.index}]{'.' if self.key else ''}{self.key}"
+
+
+def oddities(level: Level) -> Iterator[Oddity]:
+    """Return robots outside the map, and robots and beacons that areas name in vain."""
+    size = f"The map is {level.width} x {level.height} units."
+    for i, robot in enumerate(level.robots):
+        if not (0 <= robot.x < level.width and 0 <= robot.y < level.height):
+            yield Oddity("robots", i, "", f'Robot "{robot.name}" stands outside the map.', size)
+    robots = {robot.name for robot in level.robots}
+    beacons = {beacon.name for beacon in level.beacons}
+    for i, area in enumerate(level.areas):
+        for name in area.victory_robots:
+            if name not in robots:
+                message = f'Area "{area.name}" is a goal for "{name}", which is no robot here.'
+                yield Oddity("areas", i, "goal_for", message, did_you_mean(name, robots))
+        for key, name in (("on_beacon", area.on_beacon), ("off_beacon", area.off_beacon)):
+            if name and name not in beacons:
+                message = f'Area "{area.name}" is switched by "{name}", which is no beacon here.'
+                yield Oddity("areas", i, key, message, did_you_mean(name, beacons))
 
 
 def _parsed(text: str, source: str) -> dict[str, object]:
@@ -133,68 +196,30 @@ def _parsed(text: str, source: str) -> dict[str, object]:
         raise LevelError(message, place=source, hint=hint) from None
 
 
-def _walls(top: Fields, text: str) -> NDArray[np.bool_]:
-    cell = top.whole("cell", least=1)
-    drawing = top.record.get("walls")
-    if not isinstance(drawing, str):
-        raise top.error("walls", '"walls" must be a text that draws the map.', _drawing_hint())
-    rows = drawing.removesuffix("\n").split("\n")
-    columns = len(rows[0])
-    if not columns:
-        raise top.error("walls", "The first row of the map is empty.", _drawing_hint())
-    top.check_size("walls", columns * cell, len(rows) * cell)
-
-    first_line = _first_line(drawing, text)
-    for i, row in enumerate(rows, 1):
-        place = f"{top.file}, row {i} of walls"
-        if first_line:
-            place += f" (line {first_line + i - 1})"
-        if len(row) != columns:
-            message = f"This row has {len(row)} characters, the first one has {columns}."
-            raise LevelError(message, place=place, hint="All rows must be of one length.")
-        for column, character in enumerate(row, 1):
-            if character != _WALL and character not in _FREE:
-                shown = f'"{character}"' if character.isprintable() else f"U+{ord(character):04X}"
-                message = f"Character {column} is {shown}, which is neither wall nor free."
-                raise LevelError(message, place=place, hint=_drawing_hint())
-
-    cells = np.array([[character == _WALL for character in row] for row in rows], dtype=np.bool_)
-    walls = cells.repeat(cell, axis=0).repeat(cell, axis=1)
-    walls.flags.writeable = False
-    return walls
-
-
-def _drawing_hint() -> str:
-    return "Draw walls as # and free cells as . or space, one row per line, between ''' and '''."
-
-
-def _first_line(drawing: str, text: str) -> int | None:
-    """Return the line of the file in which the drawing starts, or None if it can't be told."""
-    for found in re.finditer(r"^[ \t]*walls[ \t]*=[ \t]*('''|\"\"\")\n?", text, re.MULTILINE):
-        if text.startswith(drawing, found.end()):
-            return text.count("\n", 0, found.end()) + 1
-    return None
-
-
-def _robot(fields: Fields) -> Robot:
+def read_robot(fields: Fields) -> Robot:
+    """Read a record of ``robots``."""
     fields.refuse_unknown(_ROBOT_KEYS)
     battery = fields.table("battery")
     battery.refuse_unknown(_BATTERY_KEYS)
     has_battery = fields.has("battery")
+    used = battery.flag("used", True)
+    if fields.has("angle") and fields.has("heading"):
+        raise fields.error("angle", '"heading" and "angle" say the same in degrees and radians.')
     return Robot(
         name=fields.name("name"),
         x=fields.number("x"),
         y=fields.number("y"),
-        angle=math.radians(fields.number("heading", 0.0)),
+        angle=fields.number("angle", math.radians(fields.number("heading", 0.0))),
         color=fields.color("color", ROBOT_COLOR),
-        has_battery=has_battery,
-        can_charge=battery.flag("charges_others"),
+        has_battery=has_battery and used,
+        can_charge=used and battery.flag("charges_others"),
         battery_capacity=battery.number("capacity", least=0) if has_battery else 0.0,
         battery_consumption_rate=battery.number("consumption", 0.0, least=0),
     )
 
 
-def _beacon(fields: Fields) -> Beacon:
+def read_beacon(fields: Fields) -> Beacon:
+    """Read a record of ``beacons``."""
     fields.refuse_unknown(_BEACON_KEYS)
     return Beacon(
         name=fields.name("name"),
@@ -204,7 +229,8 @@ def _beacon(fields: Fields) -> Beacon:
     )
 
 
-def _area(fields: Fields) -> Area:
+def read_area(fields: Fields) -> Area:
+    """Read a record of ``areas``."""
     fields.refuse_unknown(_AREA_KEYS)
     return Area(
         name=fields.name("name"),
@@ -218,21 +244,6 @@ def _area(fields: Fields) -> Area:
         sticky_switch=fields.flag("sticky"),
         impenetrable=fields.flag("solid"),
     )
-
-
-def _check_areas(
-    top: Fields, areas: Iterable[Area], robots: tuple[str, ...], beacons: tuple[str, ...]
-) -> None:
-    """Refuse an area that names a robot or beacon that isn't there."""
-    for i, area in enumerate(areas):
-        for robot in area.victory_robots:
-            if robot not in robots:
-                message = f'Area "{area.name}" is a goal for "{robot}", which is no robot here.'
-                raise top.error(f"areas[{i}].goal_for", message, did_you_mean(robot, robots))
-        for key, beacon in (("on_beacon", area.on_beacon), ("off_beacon", area.off_beacon)):
-            if beacon and beacon not in beacons:
-                message = f'Area "{area.name}" is switched by "{beacon}", which is no beacon here.'
-                raise top.error(f"areas[{i}].{key}", message, did_you_mean(beacon, beacons))
 
 
 def _visibility(fields: Fields) -> Visibility:

@@ -18,6 +18,7 @@ from logical_robots_tui.world.level import (
     Robot,
     Visibility,
 )
+from logical_robots_tui.world.limits import LONGEST_NAME
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -49,7 +50,7 @@ def read_web(text: str, name: str, source: str) -> Level:
     check_robot_names(top, tuple(robot.name for robot in robots))
     return Level(
         name=name,
-        title=name,
+        title=_title(name),
         width=width,
         height=height,
         walls=walls,
@@ -77,6 +78,11 @@ def _parsed(text: str, source: str) -> dict[str, object]:
     if not isinstance(value, dict):
         raise LevelError("The file must hold one JSON object.", place=source, hint=hint)
     return value
+
+
+def _title(name: str) -> str:
+    """Return a file's name as a title that can be shown."""
+    return "".join(c for c in name if c.isprintable())[:LONGEST_NAME].strip() or "Level"
 
 
 def _walls(top: Fields, width: int, height: int) -> NDArray[np.bool_]:

@@ -16,7 +16,7 @@ from tests.cli.running import Command, in_terminal
 if TYPE_CHECKING:
     from pathlib import Path
 
-COMMANDS = ("play", "run", "levels", "programs")
+COMMANDS = ("play", "run", "levels", "programs", "level")
 
 
 def test_the_help_names_every_command(command: Command) -> None:

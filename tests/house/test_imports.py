@@ -11,15 +11,17 @@ import pytest
 import logical_robots_tui
 
 SCREEN = {"textual", "rich"}
-WORLD, MIND, PROGRESS, GAME, TUI, CLI = (
-    f"logical_robots_tui.{part}" for part in ("world", "mind", "progress", "game", "tui", "cli")
+WORLD, MIND, PROGRESS, EDITING, GAME, TUI, CLI = (
+    f"logical_robots_tui.{part}"
+    for part in ("world", "mind", "progress", "editing", "game", "tui", "cli")
 )
 
 MUST_NOT_LOAD = {
     "logical_robots_tui": {WORLD, MIND, GAME, TUI, CLI, "numpy", "logica", "sqlite3"} | SCREEN,
-    WORLD: {MIND, PROGRESS, GAME, TUI, CLI, "logica", "sqlite3"} | SCREEN,
+    WORLD: {MIND, PROGRESS, EDITING, GAME, TUI, CLI, "logica", "sqlite3"} | SCREEN,
     MIND: {WORLD, PROGRESS, GAME, TUI, CLI, "numpy", "logica", "sqlglot"} | SCREEN,
     PROGRESS: {WORLD, MIND, GAME, TUI, CLI, "numpy", "logica"} | SCREEN,
+    f"{EDITING}.edits": {MIND, PROGRESS, GAME, TUI, CLI, "logica", "sqlite3"} | SCREEN,
     GAME: {TUI, CLI, "logica", "sqlglot"} | SCREEN,
     "logical_robots_tui.tui.play": {CLI},
     "logical_robots_tui.cli.main": {WORLD, MIND, GAME, TUI, "numpy", "logica", "sqlite3"} | SCREEN,

@@ -132,7 +132,7 @@ def test_a_file_that_is_not_text_is_refused_at_its_line(tmp_path: Path) -> None:
 
 
 def test_a_huge_file_is_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(load, "_MOST_BYTES", 2**20)
+    monkeypatch.setattr(load, "MOST_BYTES", 2**20)
     path = tmp_path / "maze.toml"
     path.write_bytes(b"#" * (2**20 + 1))
     assert refusal(path).message == "The file is larger than 1 MB."

@@ -172,6 +172,54 @@ def test_a_strange_character_of_the_map_is_named_with_its_line(
     assert "# and free cells as . or space" in error.hint
 
 
+def test_rows_may_be_shortened(tmp_path: Path) -> None:
+    long = load_level(write(tmp_path, FULL)).walls
+    drawing = "6#\n#..  #\n1# 1. 2#1. 1#\n6#"
+    short = FULL.replace("######\n#..  #\n#.##.#\n######", drawing)
+    assert (load_level(write(tmp_path, short)).walls == long).all()
+    high = SMALL.replace("#..#", " 3*  1# 2. 1# ")
+    assert load_level(write(tmp_path, high)).walls.shape == (50, 40)
+
+
+@pytest.mark.parametrize("row", ["1#2", "0* 4#", "2*", "4x", "12345#", "3 4#", "1# 2. 1# 2*", "٣#"])
+def test_a_shortened_row_that_makes_no_sense_is_named_with_its_line(
+    tmp_path: Path, row: str
+) -> None:
+    error = refusal(tmp_path, SMALL.replace("#..#", row))
+    assert place(error) == "row 2 of walls (line 5)"
+    assert error.message == "This shortened row can't be read."
+    assert "6# 94. 6#" in error.hint
+
+
+def test_a_short_text_can_not_ask_for_a_huge_map(tmp_path: Path) -> None:
+    high = refusal(tmp_path, SMALL.replace("#..#", "\n".join(["9999* 4#"] * 100)))
+    assert high.message == "The map is 40 x 9999020 units; 4000 x 4000 is the most."
+    wide = refusal(tmp_path, SMALL.replace("####", "9999# 9999."))
+    assert wide.message == "The map is 199980 x 30 units; 4000 x 4000 is the most."
+    many = refusal(tmp_path, SMALL.replace("#..#", "#..#\n" * 4000))
+    assert many.message == "The map has 4003 rows; 4000 is the most."
+
+
+def test_a_heading_can_be_given_in_radians(tmp_path: Path) -> None:
+    text = SMALL.replace("y = 15", "y = 15\nangle = -20.1")
+    assert load_level(write(tmp_path, text)).robots[0].angle == -20.1
+
+
+def test_a_battery_that_is_not_used_is_only_reported(tmp_path: Path) -> None:
+    battery = "battery = {capacity = 9, consumption = 1, charges_others = true, used = false}"
+    robot = load_level(write(tmp_path, SMALL.replace("y = 15", f"y = 15\n{battery}"))).robots[0]
+    assert robot == Robot("Ann", 15, 15, battery_capacity=9, battery_consumption_rate=1)
+
+
+def test_a_lenient_level_may_be_as_odd_as_one_of_the_web_platform(tmp_path: Path) -> None:
+    area = '[[areas]]\nname = "a"\nx = 1\ny = 1\nradius = 5\ngoal_for = ["Zoe"]\non_beacon = "b"\n'
+    text = SMALL.replace("x = 15", "x = -5").replace("cell =", "lenient = true\ncell =") + area
+    level = load_level(write(tmp_path, text))
+    assert level.robots[0].x == -5
+    assert level.areas[0].victory_robots == ("Zoe",)
+    assert level.areas[0].on_beacon == "b"
+
+
 def test_broken_toml_is_placed_by_line_and_column(tmp_path: Path) -> None:
     error = refusal(tmp_path, SMALL.replace("cell = 10", "cell = = 10"))
     assert place(error) == "line 2, column 8"
@@ -234,7 +282,8 @@ BAD_VALUES = [
     ("x = 15", "x = 1" + "0" * 400, "robots[0].x", '"x" is too large; 1000000 is the most.'),
     ("x = 15", "x = 40", "robots[0]", 'Robot "Ann" stands outside the map.'),
     ("y = 15", "y = -1", "robots[0]", 'Robot "Ann" stands outside the map.'),
-    ("y = 15", "y = 15\nangle = 3", "robots[0].angle", '"angle" means nothing here.'),
+    ("y = 15", "y = 15\nage = 3", "robots[0].age", '"age" means nothing here.'),
+    ("y = 15", "y = 15\nheading = 90\nangle = 3", "robots[0].angle", "say the same"),
     ("y = 15", 'y = 15\nheading = "up"', "robots[0].heading", "must be a number, not text."),
     ("y = 15", 'y = 15\ncolor = "#12345"', "robots[0].color", '"color" is no colour.'),
     ("y = 15", "y = 15\ncolor = 12", "robots[0].color", '"color" must be text, not a number.'),
@@ -338,7 +387,7 @@ def test_a_mistyped_key_asks_which_one_was_meant(tmp_path: Path) -> None:
 
 def test_a_key_that_is_like_no_other_lists_what_is_known(tmp_path: Path) -> None:
     error = refusal(tmp_path, SMALL + "battery = {capacity = 1, zzz = 1}\n")
-    assert error.hint == "Known here: capacity, consumption, charges_others."
+    assert error.hint == "Known here: capacity, consumption, charges_others, used."
 
 
 def test_a_level_without_a_map_tells_how_to_draw_one(tmp_path: Path) -> None:

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from logical_robots_tui.tui.drawing.walls import WallTable
     from logical_robots_tui.world.level import Beacon, Level
 
-__all__ = ["ASCII_KINDS", "Ground", "lay_ground"]
+__all__ = ["ASCII_KINDS", "Ground", "lay_ground", "touch_up"]
 
 ASCII_KINDS = " #:%,"
 """The characters for ``Ground.kinds``: floor, wall, area, solid area, area switched off."""
@@ -86,6 +86,36 @@ def lay_ground(
     return Ground(image, (1 - stone + 1.1 * rim) * inside, kinds)
 
 
+def touch_up(
+    ground: Ground,
+    level: Level,
+    walls: WallTable,
+    changed: tuple[int, int, int, int],
+    active: Sequence[bool],
+    raster: Raster,
+    palette: Palette,
+) -> None:
+    """Paint that part of a still layer anew where walls changed.
+
+    Args:
+        ground: What was painted with the walls before, changed in place.
+        level: The level.
+        walls: Its walls.
+        changed: Map units (left, right, top, bottom) that hold all that changed.
+        active: For each area whether it is switched on.
+        raster: The dots that were painted.
+        palette: Their colours.
+    """
+    left, right, top, bottom = changed
+    reach = _far_reach(raster)
+    window = raster.window(left - reach, right + reach, top - reach, bottom + reach)
+    if window is not None:
+        part = lay_ground(level, walls, active, raster.only(window), palette)
+        ground.image[window] = part.image
+        ground.gleam[window] = part.gleam
+        ground.kinds[window] = part.kinds
+
+
 def beacon_colour(beacon: Beacon, palette: Palette) -> RGB:
     """Return the colour in which a beacon shines."""
     return palette.charger if beacon.charging_station else palette.beacon
@@ -94,9 +124,14 @@ def beacon_colour(beacon: Beacon, palette: Palette) -> RGB:
 def _rim(walls: WallTable, raster: Raster, stone: Floats) -> Floats:
     """Return how lit the walls are: bright next to the floor, then fading into the rock."""
     near = walls.openness(raster, max(1.5 * raster.dot, 3.0))
-    far = walls.openness(raster, max(3.5 * raster.dot, 10.0))
+    far = walls.openness(raster, _far_reach(raster))
     lit: Floats = (2.2 * near).clip(0, 0.8) + 0.45 * (2 * far).clip(0, 1)
     return stone * lit.clip(0, 1).astype(np.float32)
+
+
+def _far_reach(raster: Raster) -> float:
+    """Return how many map units away from it a wall can change how a dot is lit."""
+    return max(3.5 * raster.dot, 10.0)
 
 
 def _grid(raster: Raster) -> Floats:

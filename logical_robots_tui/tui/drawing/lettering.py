@@ -89,6 +89,13 @@ class StillLettering:
                 paper = self._paper(plate, place, ground, look)
                 self.plates.append((plate, packed(colour) << 24 | packed(paper), place))
 
+    def lay_on(self, look: Look, ground: Floats) -> None:
+        """Let another ground shine through behind the names."""
+        self.plates = [
+            (plate, style >> 24 << 24 | packed(self._paper(plate, place, ground, look)), place)
+            for plate, style, place in self.plates
+        ]
+
     @staticmethod
     def _paper(plate: Plate, place: tuple[int, int], ground: Floats, look: Look) -> RGB:
         """Return what shows through behind a name."""

@@ -9,7 +9,7 @@ import numpy as np
 from logical_robots_tui.tui.drawing.cells import Cells, text_id
 from logical_robots_tui.tui.drawing.dots import BLOCKS, fit, pack, split
 from logical_robots_tui.tui.drawing.glyphs import Drawing
-from logical_robots_tui.tui.drawing.ground import ASCII_KINDS, Ground, lay_ground
+from logical_robots_tui.tui.drawing.ground import ASCII_KINDS, Ground, lay_ground, touch_up
 from logical_robots_tui.tui.drawing.lettering import StillLettering, letter, robot_colour
 from logical_robots_tui.tui.drawing.palette import RGB, Palette, packed
 from logical_robots_tui.tui.drawing.rays import Fan, fans, shine
@@ -106,14 +106,30 @@ class Picture:
         self, level: Level, active: tuple[bool, ...], raster: Raster, look: Look
     ) -> None:
         """Paint what stands still, unless that is what was painted last."""
-        if level is not self._level:
-            self._level, self._walls, self._still_key = level, WallTable(level.walls), None
+        changed = self._take(level)
         key = active, raster, look.drawing, look.palette, look.names
-        if key == self._still_key:
-            return
-        self._still_key = key
-        self._ground = lay_ground(level, self._walls, active, raster, look.palette)
-        self._lettering = StillLettering(level, active, raster.viewport, look, self._ground.image)
+        if key != self._still_key:
+            self._still_key = key
+            self._ground = lay_ground(level, self._walls, active, raster, look.palette)
+            ground = self._ground.image
+            self._lettering = StillLettering(level, active, raster.viewport, look, ground)
+        elif changed is not None:
+            touch_up(self._ground, level, self._walls, changed, active, raster, look.palette)
+            self._lettering.lay_on(look, self._ground.image)
+
+    def _take(self, level: Level) -> tuple[int, int, int, int] | None:
+        """Take a level; return where its walls differ if they are all that does."""
+        before = self._level
+        if level is before:
+            return None
+        self._level = level
+        if before is None or before.walls.shape != level.walls.shape:
+            self._walls, self._still_key = WallTable(level.walls), None
+            return None
+        changed = self._walls.change(level.walls)
+        if (before.areas, before.beacons) != (level.areas, level.beacons):
+            self._still_key = None
+        return changed
 
     def _fitted(self, image: Floats, raster: Raster) -> Cells:
         """Fit the cells whose dots changed, and return them with the rest."""

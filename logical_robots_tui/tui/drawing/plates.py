@@ -6,7 +6,6 @@ import unicodedata
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-import numpy as np
 from rich.cells import cell_len
 
 if TYPE_CHECKING:
@@ -90,24 +89,26 @@ class Plate:
 
 
 class Room:
-    """The cells that are still free for names."""
+    """The cells that are still free for names; of each row a number has one bit for each cell."""
 
     def __init__(self, rows: int, columns: int) -> None:
-        self._taken = np.zeros((rows, columns), dtype=np.bool_)
+        self._taken = [0] * rows
+        self._columns = columns
 
     def take(self, row: int, first: int, stop: int) -> None:
         """Take cells of a row; what lies outside doesn't matter."""
-        if 0 <= row < self._taken.shape[0]:
-            self._taken[row, max(first, 0) : max(stop, 0)] = True
+        first, stop = max(first, 0), min(stop, self._columns)
+        if 0 <= row < len(self._taken) and first < stop:
+            self._taken[row] |= (1 << stop) - (1 << first)
 
     def is_free(self, row: int, first: int, stop: int) -> bool:
         """Return whether cells of a row, and one to each side, are free."""
-        return not self._taken[row, max(first - 1, 0) : stop + 1].any()
+        return not self._taken[row] & ((1 << stop + 1) - (1 << max(first - 1, 0)))
 
     def place(self, plate: Plate) -> tuple[int, int] | None:
         """Find a place for a plate and take it; None if there is none."""
         width = len(plate.cells)
-        for row, column in plate.places(*self._taken.shape):
+        for row, column in plate.places(len(self._taken), self._columns):
             if self.is_free(row, column, column + width):
                 self.take(row, column, column + width)
                 return row, column

@@ -89,28 +89,42 @@ class Viewport:
 
 @dataclass(frozen=True)
 class Raster:
-    """The dots of a viewport: each cell is ``across`` dots wide and ``down`` dots high."""
+    """The dots of a viewport: each cell is ``across`` dots wide and ``down`` dots high.
+
+    Attributes:
+        viewport: What it shows.
+        across: Dots of a cell, across.
+        down: Dots of a cell, down.
+        part: (top, bottom, left, right) of the dots if these are only some of them, or None.
+    """
 
     viewport: Viewport
     across: int
     down: int
+    part: tuple[int, int, int, int] | None = None
+
+    def only(self, window: tuple[slice, slice]) -> Self:
+        """Return some of the dots, (down, across), at exactly the same places."""
+        down, across = window
+        return replace(self, part=(down.start, down.stop, across.start, across.stop))
 
     @property
     def shape(self) -> tuple[int, int]:
-        """Dots (down, across) of the whole viewport."""
-        return self.viewport.rows * self.down, self.viewport.columns * self.across
+        """Dots (down, across)."""
+        top, bottom, left, right = self._bounds
+        return bottom - top, right - left
 
     @cached_property
     def x_edges(self) -> Floats:
         """Map units of the dots' left edges, and the last one's right edge."""
-        view = self.viewport
-        return view.left + np.arange(self.shape[1] + 1) * (view.units / self.across)
+        view, (_, _, left, right) = self.viewport, self._bounds
+        return view.left + np.arange(left, right + 1) * (view.units / self.across)
 
     @cached_property
     def y_edges(self) -> Floats:
         """Map units of the dots' upper edges, and the last one's lower edge."""
-        view = self.viewport
-        return view.top + np.arange(self.shape[0] + 1) * (view.units * CELL_ASPECT / self.down)
+        view, (top, bottom, _, _) = self.viewport, self._bounds
+        return view.top + np.arange(top, bottom + 1) * (view.units * CELL_ASPECT / self.down)
 
     @cached_property
     def x(self) -> Floats:
@@ -134,7 +148,10 @@ class Raster:
 
         None if there are none.
         """
-        if not (left <= right and top <= bottom):
+        far_left, far_right, far_top, far_bottom = self._far
+        if not (far_left <= right and left <= far_right and left <= right):
+            return None
+        if not (far_top <= bottom and top <= far_bottom and top <= bottom):
             return None
         first_x, last_x = np.searchsorted(self.x_edges, (left, right)).tolist()
         first_y, last_y = np.searchsorted(self.y_edges, (top, bottom)).tolist()
@@ -143,6 +160,17 @@ class Raster:
         if down.start >= down.stop or across.start >= across.stop:
             return None
         return down, across
+
+    @property
+    def _bounds(self) -> tuple[int, int, int, int]:
+        view = self.viewport
+        return self.part or (0, view.rows * self.down, 0, view.columns * self.across)
+
+    @cached_property
+    def _far(self) -> tuple[float, float, float, float]:
+        """Map units of the outermost edges: left, right, top, bottom."""
+        x, y = self.x_edges, self.y_edges
+        return float(x[0]), float(x[-1]), float(y[0]), float(y[-1])
 
     def offsets(self, window: tuple[slice, slice], x: float, y: float) -> tuple[Floats, Floats]:
         """Return map units from a point to the dots of a window: a row dx and a column dy."""

@@ -33,13 +33,19 @@ def miniature(name: str, columns: int, rows: int, drawing: Drawing, palette: Pal
 
 
 def draw_miniature(
-    level: Level, columns: int, rows: int, drawing: Drawing, palette: Palette
+    level: Level,
+    columns: int,
+    rows: int,
+    drawing: Drawing,
+    palette: Palette,
+    *,
+    names: bool = False,
 ) -> Cells:
-    """A level at its start, without rays and names."""
+    """A level at its start, without rays, and without names unless they are wanted."""
     state = World(level).save()
     start = Frame(0, state, state, (), {}, (), {}, 0.0)
     picture = Picture()
     viewport = Viewport.fit(level.width, level.height, columns, rows)
-    look = Look(drawing=drawing, palette=palette, rays=False, marks=False, names=False)
+    look = Look(drawing=drawing, palette=palette, rays=False, marks=False, names=names)
     picture.draw(level, start, viewport, look)
     return picture.cells

@@ -1,0 +1,58 @@
+"""Editing the largest level: from a stroke of the brush to the new level and its picture."""
+
+from __future__ import annotations
+
+from functools import partial
+from time import process_time
+from typing import TYPE_CHECKING
+
+from benchmarks.halls import halls
+from benchmarks.measure import Effort, Measurement, median_of
+from logical_robots_tui.editing.edits import Edits
+from logical_robots_tui.editing.walls import paint
+from logical_robots_tui.game import Frame
+from logical_robots_tui.tui.drawing import Look, Picture, Viewport
+from logical_robots_tui.world import AreaState, RobotState, WorldState
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from logical_robots_tui.world import Level
+
+__all__ = ["editing"]
+
+SIDE = 4000
+COLUMNS, ROWS = 120, 40
+VIEWS = {
+    "whole": Viewport.fit(SIDE, SIDE, COLUMNS, ROWS),
+    "near": Viewport(COLUMNS, ROWS, 1000, 1000, 2.0),
+}
+STROKES = 20  # in one measurement
+
+
+def editing(effort: Effort) -> Iterator[Measurement]:
+    """Milliseconds of processor time from a stroke to its picture."""
+    for count in (10, 100, 1000):
+        level = halls(SIDE, SIDE, robots=count, beacons=count, areas=count)
+        for name, view in VIEWS.items():
+            subject = f"{SIDE:,}x{SIDE:,}, {count} of each, {name} view"
+            once = partial(_stroke_milliseconds, level, view)
+            yield median_of("brush stroke", subject, "ms", effort.repeats, once, required="<= 50")
+
+
+def _stroke_milliseconds(level: Level, view: Viewport) -> float:
+    frame, look, picture, edits = _start(level), Look(), Picture(), Edits(level)
+    picture.draw(level, frame, view, look)
+    began = process_time()
+    for i in range(STROKES):
+        points = [(1000.0 + 9 * i, 1010.0 + 3 * i), (1020.0 + 9 * i, 1015.0 + 3 * i)]
+        edits.do(f"stroke {i}", paint(edits.level, points, width=8, wall=i % 2 == 0))
+        picture.draw(edits.level, frame, view, look)
+    return 1000 * (process_time() - began) / STROKES
+
+
+def _start(level: Level) -> Frame:
+    """The frame before the first tick; a world would look around first, which isn't measured."""
+    robots = tuple(RobotState(r.name, r.x, r.y, r.angle, r.battery_capacity) for r in level.robots)
+    state = WorldState(0, robots, tuple(AreaState(area.name, True) for area in level.areas))
+    return Frame(0, state, state, (), {}, (), {}, 0.0)

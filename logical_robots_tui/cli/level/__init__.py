@@ -1,0 +1,1 @@
+"""``logical-robots level``: making, checking, converting and showing levels."""

@@ -1,0 +1,1 @@
+"""Editing levels without a screen: operations, undo, checks, files and generated labyrinths."""

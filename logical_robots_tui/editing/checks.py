@@ -1,0 +1,188 @@
+"""What looks wrong with a level: each finding says what and where."""
+
+from __future__ import annotations
+
+import math
+from collections import defaultdict
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from logical_robots_tui.editing.reach import Reach, always_solid, units_of
+from logical_robots_tui.editing.records import all_things, words_of
+from logical_robots_tui.editing.things import KINDS, Ref, reread
+from logical_robots_tui.world.fields import Fields
+from logical_robots_tui.world.level import Beacon, LevelError, Robot
+from logical_robots_tui.world.limits import MOST_OF_A_KIND
+from logical_robots_tui.world.native import oddities, read_words
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Sequence
+
+    from numpy.typing import NDArray
+
+    from logical_robots_tui.world.level import Level
+
+__all__ = ["Finding", "check", "refusals"]
+
+_UNTOLD = {
+    "robots": "; each needs a name of its own",
+    "beacons": "; a radar can't tell them apart",
+    "areas": "",
+}
+_MOST_NAMES = 3  # listed in one finding
+
+
+@dataclass(frozen=True, slots=True)
+class Finding:
+    """Something that looks wrong.
+
+    Attributes:
+        text: What, in a sentence.
+        x: Where, map units, or None if it is nowhere in particular.
+        y: Map units.
+        forbids: Whether the level can't be loaded because of it.
+    """
+
+    text: str
+    x: float | None = None
+    y: float | None = None
+    forbids: bool = False
+
+
+def check(level: Level) -> list[Finding]:
+    """Return all that looks wrong with a level, or only what forbids loading it if there is any.
+
+    The largest level takes about a second.
+    """
+    return refusals(level) or [
+        *_in_vain(level),
+        *_misplaced(level),
+        *_goals(level),
+        *_open_rim(level.walls),
+        *_names_used_twice(level),
+    ]
+
+
+def refusals(level: Level) -> list[Finding]:
+    """Return what forbids loading a level; that takes little time."""
+    twice = [finding for finding in _names_used_twice(level) if finding.forbids]
+    return [*_refused(level), *twice]
+
+
+def _refused(level: Level) -> Iterator[Finding]:
+    """What the reader of levels would refuse."""
+    top = Fields(words_of(level), level.name)
+    try:
+        read_words(top)
+        top.check_size("walls", level.width, level.height)
+    except LevelError as error:
+        yield Finding(error.message, forbids=True)
+    if not level.robots:
+        yield Finding("The level has no robots.", forbids=True)
+    for kind in KINDS:
+        things = getattr(level, kind)
+        if len(things) > MOST_OF_A_KIND:
+            text = f"There are {len(things)} {kind}; {MOST_OF_A_KIND} is the most."
+            yield Finding(text, forbids=True)
+        for index, some in enumerate(things):
+            try:
+                reread(level, Ref(kind, index), some)
+            except LevelError as error:
+                finite = math.isfinite(some.x) and math.isfinite(some.y)
+                x, y = (some.x, some.y) if finite else (None, None)
+                yield Finding(f'"{some.name}": {error.message}', x, y, forbids=True)
+
+
+def _names_used_twice(level: Level) -> Iterator[Finding]:
+    for kind in KINDS:
+        same = defaultdict(list)
+        for some in getattr(level, kind):
+            same[some.name].append(some)
+        for name, things in same.items():
+            if len(things) > 1:
+                text = f'{len(things)} {kind} are called "{name}"{_UNTOLD[kind]}.'
+                yield Finding(text, things[1].x, things[1].y, forbids=kind == "robots")
+
+
+def _in_vain(level: Level) -> Iterator[Finding]:
+    """Robots outside the map, and areas that name nothing."""
+    for odd in oddities(level):
+        some = getattr(level, odd.kind)[odd.index]
+        yield Finding(f"{odd.message} {odd.hint}".rstrip(), some.x, some.y)
+
+
+def _misplaced(level: Level) -> Iterator[Finding]:
+    """What stands inside walls; beacons and areas that lie outside the map."""
+    for some in all_things(level):
+        if isinstance(some, Robot | Beacon):
+            what = "Robot" if isinstance(some, Robot) else "Beacon"
+            if 0 <= some.x < level.width and 0 <= some.y < level.height:
+                if level.walls[math.floor(some.y), math.floor(some.x)]:
+                    yield Finding(f'{what} "{some.name}" is inside a wall.', some.x, some.y)
+            elif what == "Beacon":
+                yield Finding(f'Beacon "{some.name}" is outside the map.', some.x, some.y)
+            continue
+        window, disc = units_of(some, level)
+        if not disc.any():
+            where = "has no room" if some.radius < 1 else "is outside the map"
+            yield Finding(f'Area "{some.name}" {where}.', some.x, some.y)
+        elif level.walls[window][disc].all():
+            yield Finding(f'Area "{some.name}" is inside walls.', some.x, some.y)
+
+
+def _goals(level: Level) -> Iterator[Finding]:
+    """Goals that robots don't get to."""
+    goals = [area for area in level.areas if area.victory_robots]
+    if not goals:
+        return
+    reach = Reach(level)
+    beacons = {beacon.name for beacon in level.beacons}
+    for area in goals:
+        if always_solid(area, beacons):
+            text = f'Nobody can be inside the goal "{area.name}": it is solid.'
+            yield Finding(text, area.x, area.y)
+            continue
+        never, hardly = reach.to(area)
+        if never:
+            text = f'{_listed(never)} can\'t get to the goal "{area.name}".'
+            yield Finding(text, area.x, area.y)
+        if hardly:
+            way = "only through gaps narrower than a robot"
+            text = f'The way of {_listed(hardly)} to the goal "{area.name}" leads {way}.'
+            yield Finding(text, area.x, area.y)
+
+
+def _open_rim(walls: NDArray[np.bool_]) -> Iterator[Finding]:
+    """Gaps through which robots can leave the map."""
+    height, width = walls.shape
+    for side, rim in (("top", walls[0]), ("bottom", walls[-1])):
+        y = 0.5 if side == "top" else height - 0.5
+        for middle, size in _gaps(rim):
+            yield Finding(_open(side, size), middle, y)
+    for side, rim in (("left", walls[:, 0]), ("right", walls[:, -1])):
+        x = 0.5 if side == "left" else width - 0.5
+        for middle, size in _gaps(rim):
+            yield Finding(_open(side, size), x, middle)
+
+
+def _gaps(rim: NDArray[np.bool_]) -> list[tuple[float, int]]:
+    """Return the middle and the size of each gap."""
+    edges = np.diff(np.pad(~rim, 1).astype(np.int8))
+    starts, stops = np.flatnonzero(edges == 1).tolist(), np.flatnonzero(edges == -1).tolist()
+    return [((start + stop) / 2, stop - start) for start, stop in zip(starts, stops, strict=True)]
+
+
+def _open(side: str, size: int) -> str:
+    units = "1 unit" if size == 1 else f"{size} units"
+    return f"The rim is open on the {side}, for {units}."
+
+
+def _listed(names: Sequence[str]) -> str:
+    """Return names as one says them."""
+    shown = list(names[:_MOST_NAMES])
+    more = len(names) - len(shown)
+    if more:
+        return f"{', '.join(shown)} and {more} more"
+    return " and ".join([", ".join(shown[:-1]), shown[-1]] if len(shown) > 1 else shown)

@@ -1,0 +1,167 @@
+"""The difference between two levels, kept small: what undoing and redoing is made of."""
+
+from __future__ import annotations
+
+import zlib
+from dataclasses import dataclass, fields, replace
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+
+from logical_robots_tui.world.level import Level
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+__all__ = ["Delta", "alike", "changed_box"]
+
+_LISTS = ("robots", "beacons", "areas")
+_APART = {*_LISTS, "walls", "name", "source"}
+_VALUES = tuple(field.name for field in fields(Level) if field.name not in _APART)
+
+
+def alike(one: Level, other: Level) -> bool:
+    """Return whether two levels are the same, whatever file they came from."""
+    return Delta.between(one, other).empty
+
+
+def changed_box(before: NDArray[np.bool_], after: NDArray[np.bool_]) -> tuple[slice, slice] | None:
+    """Return the smallest rows and columns that hold all differences of walls of one shape."""
+    if before is after:
+        return None
+    rows = np.flatnonzero(_unequal_rows(before, after))
+    if not len(rows):
+        return None
+    down = slice(int(rows[0]), int(rows[-1]) + 1)
+    columns = np.flatnonzero((before[down] != after[down]).any(axis=0))
+    return down, slice(int(columns[0]), int(columns[-1]) + 1)
+
+
+@dataclass(frozen=True, slots=True)
+class Delta:
+    """How one level becomes another, and back.
+
+    Attributes:
+        values: (attribute, before, after) of the plain ones that differ.
+        lists: What differs of robots, beacons and areas.
+        walls: What differs of the walls.
+    """
+
+    values: tuple[tuple[str, Any, Any], ...]
+    lists: tuple[_Splice, ...]
+    walls: _Flips | _Redrawn | None
+
+    @classmethod
+    def between(cls, before: Level, after: Level) -> Delta:
+        """Return the difference; names and sources of the levels don't count."""
+        pairs = [(name, getattr(before, name), getattr(after, name)) for name in _VALUES]
+        lists = [_Splice.between(n, getattr(before, n), getattr(after, n)) for n in _LISTS]
+        return cls(
+            tuple((name, old, new) for name, old, new in pairs if old != new),
+            tuple(splice for splice in lists if splice.old or splice.new),
+            _walls_between(before.walls, after.walls),
+        )
+
+    @property
+    def empty(self) -> bool:
+        """Whether there is no difference."""
+        return not (self.values or self.lists or self.walls)
+
+    def apply(self, level: Level) -> Level:
+        """Return the level after, from the one before."""
+        return self._change(level, forward=True)
+
+    def revert(self, level: Level) -> Level:
+        """Return the level before, from the one after."""
+        return self._change(level, forward=False)
+
+    def _change(self, level: Level, *, forward: bool) -> Level:
+        changes = {name: new if forward else old for name, old, new in self.values}
+        for splice in self.lists:
+            changes[splice.name] = splice.change(getattr(level, splice.name), forward=forward)
+        if self.walls is not None:
+            changes["walls"] = self.walls.change(level.walls, forward=forward)
+        return replace(level, **changes)
+
+
+class _Splice(NamedTuple):
+    """What one list has in place of a part of another."""
+
+    name: str
+    start: int
+    old: tuple[Any, ...]
+    new: tuple[Any, ...]
+
+    @classmethod
+    def between(cls, name: str, old: tuple[Any, ...], new: tuple[Any, ...]) -> _Splice:
+        most = min(len(old), len(new))
+        start = next((i for i in range(most) if old[i] != new[i]), most)
+        most -= start
+        end = next((i for i in range(most) if old[-1 - i] != new[-1 - i]), most)
+        return cls(name, start, old[start : len(old) - end], new[start : len(new) - end])
+
+    def change(self, items: tuple[Any, ...], *, forward: bool) -> tuple[Any, ...]:
+        there, wanted = (self.old, self.new) if forward else (self.new, self.old)
+        return (*items[: self.start], *wanted, *items[self.start + len(there) :])
+
+
+class _Packed(NamedTuple):
+    """A bool array, compressed."""
+
+    shape: tuple[int, int]
+    data: bytes
+
+    @classmethod
+    def of(cls, bits: NDArray[np.bool_]) -> _Packed:
+        height, width = bits.shape
+        return cls((height, width), zlib.compress(np.packbits(bits).tobytes(), 1))
+
+    def bits(self) -> NDArray[np.bool_]:
+        height, width = self.shape
+        packed = np.frombuffer(zlib.decompress(self.data), np.uint8)
+        return np.unpackbits(packed, count=height * width).reshape(self.shape).view(np.bool_)
+
+
+class _Flips(NamedTuple):
+    """Units of a part of the walls that are turned over."""
+
+    top: int
+    left: int
+    flipped: _Packed
+
+    def change(self, walls: NDArray[np.bool_], *, forward: bool) -> NDArray[np.bool_]:
+        height, width = self.flipped.shape
+        changed = walls.copy()
+        changed[self.top : self.top + height, self.left : self.left + width] ^= self.flipped.bits()
+        changed.flags.writeable = False
+        return changed
+
+
+class _Redrawn(NamedTuple):
+    """Walls of another size."""
+
+    old: _Packed
+    new: _Packed
+
+    def change(self, walls: NDArray[np.bool_], *, forward: bool) -> NDArray[np.bool_]:
+        changed = (self.new if forward else self.old).bits()
+        changed.flags.writeable = False
+        return changed
+
+
+def _walls_between(before: NDArray[np.bool_], after: NDArray[np.bool_]) -> _Flips | _Redrawn | None:
+    if before.shape != after.shape:
+        return _Redrawn(_Packed.of(before), _Packed.of(after))
+    box = changed_box(before, after)
+    if box is None:
+        return None
+    down, across = box
+    return _Flips(down.start, across.start, _Packed.of(before[box] ^ after[box]))
+
+
+def _unequal_rows(before: NDArray[Any], after: NDArray[Any]) -> NDArray[np.bool_]:
+    """Return which rows differ; eight units at a time where the width allows."""
+    if before.shape[1] % 8 == 0 and before.flags.c_contiguous and after.flags.c_contiguous:
+        before, after = before.view(np.uint64), after.view(np.uint64)
+    unequal: NDArray[np.bool_] = (before != after).any(axis=1)
+    return unequal

@@ -1,0 +1,82 @@
+"""Saving levels in either format."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+from logical_robots_tui.editing.checks import refusals
+from logical_robots_tui.editing.native_text import write_native
+from logical_robots_tui.editing.rewriting import rewritten
+from logical_robots_tui.editing.web_text import write_web
+from logical_robots_tui.shipped import shipped_folder
+from logical_robots_tui.world.level import LevelError
+from logical_robots_tui.world.limits import MOST_BYTES
+from logical_robots_tui.world.load import SUFFIXES, WEB, load_level, read_text
+from logical_robots_tui.writing import write_atomically
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from logical_robots_tui.world.level import Level
+
+__all__ = ["save_level"]
+
+
+def save_level(level: Level, path: Path, *, anew: bool = False) -> Level:
+    """Write a level to a file, in the format that its ending says.
+
+    A file of this game that is there already is changed where the levels differ; one that says
+    the same is not touched. The file is always either the old or the new one.
+
+    Args:
+        level: What to write.
+        path: The file; missing folders are made.
+        anew: Whether nothing of a file that is there already is kept.
+
+    Returns:
+        The level with the name and source of the file.
+
+    Raises:
+        LevelError: It can't be loaded as it is, or the file can't be written.
+    """
+    place = str(path)
+    if path.suffix.lower() not in SUFFIXES:
+        hint = "End it with .toml, or with .json for the web platform."
+        raise LevelError(
+            "The ending of the file says no format of a level.", place=place, hint=hint
+        )
+    if path.resolve().parent == shipped_folder("levels").resolve():
+        message = "The levels that came with the game stay as they are."
+        raise LevelError(message, place=place, hint="Save it in another folder.")
+    for finding in refusals(level):
+        raise LevelError(finding.text, place=place)
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        before, text = _texts(level, path, anew)
+        if len(text.encode()) > MOST_BYTES:
+            message = f"The file would be larger than {MOST_BYTES // 2**20} MB."
+            raise LevelError(message, place=place)
+        if text != before:
+            write_atomically(path, text)
+    except OSError as error:
+        reason = error.strerror or str(error)
+        hint = "Save it under another name or in another folder."
+        raise LevelError(f"The file can't be written: {reason}.", place=place, hint=hint) from error
+    return replace(level, name=path.stem, source=place)
+
+
+def _texts(level: Level, path: Path, anew: bool) -> tuple[str, str]:
+    """Return the text that a file has, or "", and the text that it is to have."""
+    is_web = path.suffix.lower() == WEB
+    if anew:
+        return "", write_web(level) if is_web else write_native(level)
+    try:
+        earlier = load_level(path)
+        before = read_text(path)
+    except LevelError:  # there is none, or it is no level
+        return _texts(level, path, anew=True)
+    if not is_web:
+        return before, rewritten(before, level)
+    same = write_web(earlier) == write_web(level)
+    return before, before if same else write_web(level)

@@ -1,0 +1,85 @@
+"""What belongs to a level as a whole: its size, its texts, what its programs may see."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from logical_robots_tui.editing.records import all_things, words_of
+from logical_robots_tui.world.fields import Fields
+from logical_robots_tui.world.level import LevelError
+from logical_robots_tui.world.limits import MOST_OF_A_NUMBER
+from logical_robots_tui.world.native import Words, read_words
+
+if TYPE_CHECKING:
+    from logical_robots_tui.world.level import Level
+
+__all__ = ["resize", "set_words"]
+
+
+def set_words(level: Level, **values: Any) -> Level:
+    """Set texts, or what programs may see.
+
+    Args:
+        level: The level.
+        **values: By the names of the attributes of ``Level``: ``title``, ``idea``, ``briefing``,
+            ``hints``, ``lesson``, ``further``, ``starter``, ``solution``, ``visibility``.
+
+    Raises:
+        LevelError: A text is too long or can't be shown, or a value is none for this.
+    """
+    for name in values:
+        if name not in Words.__annotations__:
+            raise LevelError(f"A level has no {name} to set.")
+    words = read_words(Fields(words_of(replace(level, **values)), level.name))
+    changed = replace(level, **words)
+    return level if words_of(changed) == words_of(level) else changed
+
+
+def resize(
+    level: Level, width: int, height: int, *, left: int = 0, top: int = 0, wall: bool = False
+) -> Level:
+    """Give a level another size; what stood in it moves along.
+
+    Args:
+        level: The level.
+        width: New map units across.
+        height: New map units down.
+        left: Map units to put in before the first column; negative ones cut.
+        top: Map units to put in before the first row; negative ones cut.
+        wall: Whether the new room is wall.
+
+    Raises:
+        LevelError: The size is out of bounds, or something would stand too far from the map.
+    """
+    sizes = Fields({"width": width, "height": height}, level.name)
+    width, height = sizes.whole("width", least=1), sizes.whole("height", least=1)
+    sizes.check_size("width", width, height)
+    if (width, height, left, top) == (level.width, level.height, 0, 0):
+        return level
+    for some in all_things(level):
+        if max(abs(some.x + left), abs(some.y + top)) > MOST_OF_A_NUMBER:
+            raise LevelError(f'"{some.name}" would stand too far from the map.')
+    walls = np.full((height, width), wall, np.bool_)
+    new_rows, old_rows = _overlap(height, level.height, top)
+    new_columns, old_columns = _overlap(width, level.width, left)
+    walls[new_rows, new_columns] = level.walls[old_rows, old_columns]
+    walls.flags.writeable = False
+    return replace(
+        level,
+        width=width,
+        height=height,
+        walls=walls,
+        robots=tuple(replace(robot, x=robot.x + left, y=robot.y + top) for robot in level.robots),
+        beacons=tuple(replace(one, x=one.x + left, y=one.y + top) for one in level.beacons),
+        areas=tuple(replace(area, x=area.x + left, y=area.y + top) for area in level.areas),
+    )
+
+
+def _overlap(new: int, old: int, shift: int) -> tuple[slice, slice]:
+    """Return what the new and the old size have in common, as places in either."""
+    first, last = max(shift, 0), min(old + shift, new)
+    last = max(last, first)
+    return slice(first, last), slice(first - shift, last - shift)

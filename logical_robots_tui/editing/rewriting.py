@@ -1,0 +1,190 @@
+"""Changing the file of a level: what stays the same in the level keeps its bytes in the file."""
+
+from __future__ import annotations
+
+import tomllib
+from difflib import SequenceMatcher
+from typing import TYPE_CHECKING, Any
+
+import tomlkit
+from tomlkit.exceptions import TOMLKitError
+from tomlkit.items import AoT, Item
+
+from logical_robots_tui.editing.blocks import Block, Blocks
+from logical_robots_tui.editing.delta import alike
+from logical_robots_tui.editing.native_text import (
+    block_text,
+    needs_leniency,
+    toml_text,
+    write_native,
+)
+from logical_robots_tui.editing.records import Record, Thing, record_of, words_of
+from logical_robots_tui.editing.things import KINDS, Kind, kind_of
+from logical_robots_tui.world.drawing import coarsest_cell, draw_rows, expresses, find_drawing
+from logical_robots_tui.world.level import LevelError
+from logical_robots_tui.world.native import read_native
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from logical_robots_tui.world.level import Level
+
+__all__ = ["rewritten"]
+
+_MARK = "the drawing goes here"
+_INSTEAD = {"angle": "heading", "heading": "angle"}
+
+
+def rewritten(text: str, level: Level) -> str:
+    """Return the text of a level's file with another level in it.
+
+    Comments, the order of keys and everything that is the same in both levels stay as they are. A
+    file that is laid out so that this can't be done is written anew.
+
+    Args:
+        text: The file's text as it is now.
+        level: What it is to say.
+
+    Raises:
+        LevelError: The text is no level.
+    """
+    mark = "\ufeff" if text.startswith("\ufeff") else ""
+    of_windows = text.count("\r\n") * 2 > text.count("\n")
+    plain = text.removeprefix(mark).replace("\r\n", "\n")
+    before = read_native(plain, level.name, level.source)
+    if alike(before, level):
+        return text
+    new = _changed(plain, before, level)
+    if new is None:
+        new = write_native(level)
+    return mark + (new.replace("\n", "\r\n") if of_windows else new)
+
+
+def _changed(text: str, before: Level, level: Level) -> str | None:
+    """Return a changed text, or None if that doesn't lead to the level."""
+    try:
+        blocks = Blocks(text)
+        inline = []
+        for kind in KINDS:
+            old, new = getattr(before, kind), getattr(level, kind)
+            if old == new:
+                continue
+            if len(blocks.of(kind)) == len(old):
+                blocks.replace(kind, _blocks(blocks.of(kind), old, new))
+            else:
+                inline.append(kind)
+        blocks.head = _head(blocks.head, before, level, inline)
+        changed = blocks.text()
+        return changed if alike(read_native(changed, "", ""), level) else None
+    except (ValueError, KeyError, TOMLKitError, LevelError):
+        return None
+
+
+def _blocks(blocks: list[Block], old: Sequence[Thing], new: Sequence[Thing]) -> list[Block]:
+    """Return the blocks of things, the known ones with what changed of them."""
+    found: list[Block] = []
+    matcher = SequenceMatcher(None, old, new, autojunk=False)
+    for _, start, stop, new_start, new_stop in matcher.get_opcodes():
+        pairs = _pairs(old[start:stop], new[new_start:new_stop])
+        for thing, index in zip(new[new_start:new_stop], pairs, strict=True):
+            if index is None:
+                kind = kind_of(thing)
+                found.append(Block(kind, block_text(kind, record_of(thing)), new=True))
+                continue
+            block = blocks[start + index]
+            earlier = old[start + index]
+            if earlier != thing:
+                block.text = _table(block, record_of(earlier), record_of(thing))
+            found.append(block)
+    return found
+
+
+def _pairs(old: Sequence[Thing], new: Sequence[Thing]) -> list[int | None]:
+    """Return for each new thing which old one it was, ascending; by name where that tells."""
+    names = {thing.name for thing in old} & {thing.name for thing in new}
+    if len(old) == len(new) or not names:
+        return [i if i < len(old) else None for i in range(len(new))]
+    pairs: list[int | None] = []
+    free = 0
+    for thing in new:
+        match = next((i for i in range(free, len(old)) if old[i].name == thing.name), None)
+        pairs.append(match)
+        free = free if match is None else match + 1
+    return pairs
+
+
+def _table(block: Block, before: Record, after: Record) -> str:
+    document = tomlkit.parse(block.text)
+    tables = document[block.kind]
+    assert isinstance(tables, AoT)
+    _update(tables[0], before, after)
+    return document.as_string()
+
+
+def _update(table: Any, before: Record, after: Record) -> None:
+    """Change those keys of a table of TOML that differ between two records."""
+    for key in before:
+        if key not in after and key in table:
+            del table[key]
+    for key, value in after.items():
+        if key in before and before[key] == value:
+            continue
+        if key in _INSTEAD and _INSTEAD[key] in table:
+            del table[_INSTEAD[key]]
+        there = table.get(key)
+        if isinstance(value, dict) and isinstance(there, dict):
+            _update(there, _as_record(before.get(key)), value)
+        else:
+            table[key] = tomlkit.value(toml_text(key, value))
+
+
+def _as_record(value: object) -> Record:
+    return value if isinstance(value, dict) else {}
+
+
+def _head(head: str, before: Level, level: Level, inline: Sequence[Kind]) -> str:
+    """Return the part of a file above its blocks, changed.
+
+    Args:
+        head: As it is.
+        before: What the file says.
+        level: What it is to say.
+        inline: Kinds of things that are listed in it, not in blocks, and differ.
+    """
+    same_walls = before.walls.shape == level.walls.shape and (before.walls == level.walls).all()
+    old, new = words_of(before), words_of(level)
+    lenient = needs_leniency(level) and not needs_leniency(before)
+    if same_walls and old == new and not inline and not lenient:
+        return head
+    drawing: str = tomllib.loads(head)["walls"]
+    place = find_drawing(drawing, head)
+    if place is not None:  # tomlkit is slow at long texts, and rows that stay shall stay
+        head = head[:place] + _MARK + head[place + len(drawing) :]
+    body = head.rstrip("\n")
+    document = tomlkit.parse(body)
+    _update(document, old, new)
+    if lenient:
+        document["lenient"] = True
+    for kind in inline:
+        document[kind] = _inline([record_of(some) for some in getattr(level, kind)])
+    if not same_walls:
+        drawing = _drawing(document, drawing, level)
+        if place is None:
+            document["walls"] = tomlkit.value(f"'''\n{drawing}'''")
+    changed = document.as_string().rstrip("\n") + (head[len(body) :] or "\n")
+    return changed if place is None else changed.replace(_MARK, drawing, 1)
+
+
+def _drawing(document: tomlkit.TOMLDocument, drawing: str, level: Level) -> str:
+    """Return a drawing of other walls, finer than before if it must be."""
+    cell = int(str(document["cell"]))
+    earlier = drawing.removesuffix("\n").split("\n")
+    if not expresses(level.walls, cell):
+        document["cell"] = cell = coarsest_cell(level.walls)
+        earlier = []
+    lines = "\n".join(draw_rows(level.walls, cell, earlier))
+    return lines + ("\n" if drawing.endswith("\n") else "")
+
+
+def _inline(records: Sequence[Record]) -> Item:
+    return tomlkit.value(f"[{', '.join(toml_text('', record) for record in records)}]")

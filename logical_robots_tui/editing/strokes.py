@@ -1,0 +1,195 @@
+"""What a stroke covers: brushes, lines and rectangles, as masks of map units.
+
+Strokes snap to a grid. On a grid of 1 every map unit counts; on a coarser one whole squares are
+covered, so that a level drawn in coarse characters stays one.
+"""
+
+from __future__ import annotations
+
+import math
+from itertools import pairwise
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+
+from logical_robots_tui.world.level import LevelError
+from logical_robots_tui.world.limits import MOST_OF_A_NUMBER, MOST_SIDE
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from numpy.typing import NDArray
+
+__all__ = ["Patch", "Point", "rectangle", "stroke"]
+
+Point = tuple[float, float]
+"""Map units (x, y)."""
+
+_PIECE = 64.0  # squares of the grid; a long line is drawn in pieces, each with its small box
+
+
+class Patch(NamedTuple):
+    """Part of a map.
+
+    Attributes:
+        top: Map units to its first row.
+        left: Map units to its first column.
+        mask: Bool array of shape (height, width), which units belong to it.
+    """
+
+    top: int
+    left: int
+    mask: NDArray[np.bool_]
+
+    @property
+    def window(self) -> tuple[slice, slice]:
+        """The rows and columns of the map."""
+        height, width = self.mask.shape
+        return slice(self.top, self.top + height), slice(self.left, self.left + width)
+
+
+def stroke(points: Sequence[Point], width: int, grid: int, shape: tuple[int, int]) -> Patch | None:
+    """Return what a round brush covers on its way from point to point.
+
+    Its way is without gaps, also diagonal ones, which a robot could slip through.
+
+    Args:
+        points: Where the brush goes, at least one.
+        width: Of the brush, in squares of the grid.
+        grid: Map units of a square.
+        shape: Of the map (height, width).
+
+    Returns:
+        The patch, or None if no unit of the map is covered.
+
+    Raises:
+        LevelError: A width, grid or point is out of bounds.
+    """
+    _check(width, grid, points)
+    way = [(_snapped(x / grid, width), _snapped(y / grid, width)) for x, y in points]
+    reach = width / 2 + 1
+    box = _Box.around(way, reach, grid, shape)
+    if box is None:
+        return None
+    mask = np.zeros((box.bottom - box.top, box.right - box.left), np.bool_)
+    for start, stop in zip(way, way[1:] or way, strict=False):
+        length = math.hypot(stop[0] - start[0], stop[1] - start[1])
+        pieces = max(math.ceil(length / _PIECE), 1)
+        ends = [_between(start, stop, i / pieces) for i in range(pieces + 1)]
+        for one, other in pairwise(ends):
+            part = _Box.around((one, other), reach, grid, shape)
+            if part is not None:
+                window = part.within(box)
+                mask[window] |= part.distances(one, other) <= _reach(start, stop, width)
+    return box.patch(mask, grid, shape)
+
+
+def rectangle(
+    corner: Point, opposite: Point, border: int, grid: int, shape: tuple[int, int]
+) -> Patch | None:
+    """Return what a rectangle covers; the squares of both corners belong to it.
+
+    Args:
+        corner: One corner.
+        opposite: The corner across.
+        border: Squares of the grid that its border is wide inwards; 0 covers all of it.
+        grid: Map units of a square.
+        shape: Of the map (height, width).
+
+    Raises:
+        LevelError: A border, grid or corner is out of bounds.
+    """
+    _check(max(border, 1), grid, (corner, opposite))
+    xs = sorted(math.floor(x / grid) for x, _ in (corner, opposite))
+    ys = sorted(math.floor(y / grid) for _, y in (corner, opposite))
+    box = _Box(ys[0], xs[0], ys[1] + 1, xs[1] + 1).clipped(grid, shape)
+    if box is None:
+        return None
+    rows, columns = np.arange(box.top, box.bottom), np.arange(box.left, box.right)
+    if not border:
+        mask = np.ones((len(rows), len(columns)), np.bool_)
+    else:
+        near_y = np.minimum(rows - ys[0], ys[1] - rows) < border
+        near_x = np.minimum(columns - xs[0], xs[1] - columns) < border
+        mask = near_y[:, None] | near_x[None, :]
+    return box.patch(mask, grid, shape)
+
+
+class _Box(NamedTuple):
+    """Squares of the grid, from the first to the one after the last."""
+
+    top: int
+    left: int
+    bottom: int
+    right: int
+
+    @classmethod
+    def around(
+        cls, points: Sequence[Point], reach: float, grid: int, shape: tuple[int, int]
+    ) -> _Box | None:
+        xs, ys = [x for x, _ in points], [y for _, y in points]
+        return cls(
+            math.floor(min(ys) - reach),
+            math.floor(min(xs) - reach),
+            math.ceil(max(ys) + reach),
+            math.ceil(max(xs) + reach),
+        ).clipped(grid, shape)
+
+    def clipped(self, grid: int, shape: tuple[int, int]) -> _Box | None:
+        box = _Box(
+            max(self.top, 0),
+            max(self.left, 0),
+            min(self.bottom, -(-shape[0] // grid)),
+            min(self.right, -(-shape[1] // grid)),
+        )
+        return box if box.top < box.bottom and box.left < box.right else None
+
+    def within(self, outer: _Box) -> tuple[slice, slice]:
+        return (
+            slice(self.top - outer.top, self.bottom - outer.top),
+            slice(self.left - outer.left, self.right - outer.left),
+        )
+
+    def distances(self, start: Point, stop: Point) -> NDArray[np.float64]:
+        """Return how far the squares' centres are from a line."""
+        dx, dy = stop[0] - start[0], stop[1] - start[1]
+        x = (np.arange(self.left, self.right) + 0.5 - start[0])[None, :]
+        y = (np.arange(self.top, self.bottom) + 0.5 - start[1])[:, None]
+        along = (x * dx + y * dy) / max(dx * dx + dy * dy, 1e-12)
+        along = along.clip(0, 1)
+        distances: NDArray[np.float64] = np.hypot(x - along * dx, y - along * dy)
+        return distances
+
+    def patch(self, mask: NDArray[np.bool_], grid: int, shape: tuple[int, int]) -> Patch:
+        """Return squares as map units; the last ones may be cut by the rim."""
+        top, left = self.top * grid, self.left * grid
+        units = mask.repeat(grid, axis=0).repeat(grid, axis=1)
+        return Patch(top, left, units[: shape[0] - top, : shape[1] - left])
+
+
+def _check(width: int, grid: int, points: Sequence[Point]) -> None:
+    for what, size in (("brush", width), ("grid", grid)):
+        if not 1 <= size <= MOST_SIDE:
+            raise LevelError(f"The {what} must be from 1 to {MOST_SIDE} wide, not {size}.")
+    for point in points:
+        if not all(abs(number) <= MOST_OF_A_NUMBER for number in point):
+            raise LevelError("This point is too far from the map.")
+
+
+def _snapped(place: float, width: int) -> float:
+    """Return the place of a brush at which it covers whole squares."""
+    return math.floor(place) + 0.5 if width % 2 else float(math.floor(place + 0.5))
+
+
+def _between(start: Point, stop: Point, share: float) -> Point:
+    return start[0] + (stop[0] - start[0]) * share, start[1] + (stop[1] - start[1]) * share
+
+
+def _reach(start: Point, stop: Point, width: int) -> float:
+    """Return how far from its middle a line covers squares.
+
+    A line of one square needs as much as makes neighbours share a side (Reveillès' standard line).
+    """
+    dx, dy = abs(stop[0] - start[0]), abs(stop[1] - start[1])
+    thinnest = (dx + dy) / (2 * math.hypot(dx, dy)) if dx or dy else 0.5
+    return max(width / 2, thinnest) + 1e-9

@@ -1,0 +1,260 @@
+"""``logical-robots level``: making, checking, converting and showing levels."""
+
+from __future__ import annotations
+
+import re
+import struct
+import zlib
+from typing import TYPE_CHECKING
+from xml.etree import ElementTree as ET
+
+import numpy as np
+import pytest
+
+from logical_robots_tui import load_level
+from logical_robots_tui.editing.delta import alike
+from logical_robots_tui.shipped import shipped_folder
+from tests.cli.running import in_terminal
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from tests.cli.running import Command
+
+SUBCOMMANDS = ("new", "check", "convert", "show")
+
+
+@pytest.mark.parametrize("name", SUBCOMMANDS)
+def test_each_help_fits_a_terminal_and_has_examples_and_exit_statuses(
+    name: str, command: Command, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("COLUMNS", "80")
+    told = command("level", name, "--help").out
+    assert max(map(len, told.splitlines())) <= 80
+    assert "examples:" in told
+    assert "exit status:" in told
+    assert f"    {name} " in command("level", "--help").out
+
+
+# -- new -----------------------------------------------------------------------------------------
+
+
+def test_a_room_is_made_and_nothing_looks_wrong_with_it(command: Command, tmp_path: Path) -> None:
+    path = tmp_path / "mine" / "room.toml"
+    told = command("level", "new", path, "--room", "300x200", "--wall", "5", "--title", "Hall")
+    assert (told.status, told.err) == (0, "")
+    assert told.out == f"{path}: Hall, 300 x 200 units.\nPlay it: logical-robots play {path}\n"
+    assert not load_level(path).walls[5:-5, 5:-5].any()
+    assert command("level", "check", path).out == ""
+
+
+def test_a_labyrinth_of_one_seed_is_always_the_same(command: Command, tmp_path: Path) -> None:
+    paths = [tmp_path / name for name in ("a.toml", "b.toml", "c.toml", "d.json")]
+    for path, seed in zip(paths, (7, 7, 8, 7), strict=True):
+        told = command("level", "new", path, "--labyrinth", "9x6", "--seed", seed)
+        assert told.status == 0
+    assert paths[0].read_text() == paths[1].read_text() != paths[2].read_text()
+    assert (load_level(paths[0]).walls == load_level(paths[3]).walls).all()
+    assert command("level", "check", *paths).out == ""
+
+
+def test_a_copy_keeps_its_comments_and_can_be_called_otherwise(
+    command: Command, level: Path, tmp_path: Path
+) -> None:
+    level.write_text("# Mine.\n" + level.read_text())
+    same, other = tmp_path / "same.toml", tmp_path / "other.toml"
+    assert command("level", "new", same, "--copy", level).status == 0
+    assert same.read_text() == level.read_text()
+    assert command("level", "new", other, "--copy", level, "--title", "Mine").status == 0
+    assert other.read_text() == level.read_text().replace("A short way", "Mine")
+    shipped = tmp_path / "shipped.toml"
+    assert command("level", "new", shipped, "--copy", "01-first-steps").status == 0
+    assert shipped.read_text() == (shipped_folder("levels") / "01-first-steps.toml").read_text()
+    web = tmp_path / "web.json"
+    assert command("level", "new", web, "--copy", level).status == 0
+    assert load_level(web).robots == load_level(level).robots
+
+
+def test_a_file_that_is_there_is_kept_unless_forced(command: Command, level: Path) -> None:
+    before = level.read_text()
+    told = command("level", "new", level)
+    assert told.status == 2
+    assert "is there already" in told.err
+    told = command("level", "new", level, "--labyrinth", "99x99", "--force")
+    assert told.status == 2
+    assert level.read_text() == before
+    assert command("level", "new", level, "--copy", level, "--force").status == 0
+    assert level.read_text() == before
+    assert command("level", "new", level, "--force").status == 0
+    assert load_level(level).title == "Room"
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (("--room", "9"), "is no size such as 8x6"),
+        (("--room", "50x5000"), "The map would be 50 x 5000 units; 4000 x 4000 is the most."),
+        (("--room", "30x30"), "has no room for a robot"),
+        (("--room", "90x90", "--wall", "0"), "A wall must be 1 to 4000 units thick, not 0."),
+        (("--labyrinth", "1x1"), "at least 2 places, not 1 x 1"),
+        (("--labyrinth", "80x8"), "The map would be 5610 x 570 units; 4000 x 4000 is the most."),
+        (("--labyrinth", "8x8", "--loops", "2"), "The share of loops must be from 0 to 1, not 2."),
+        (("--labyrinth", "8x8", "--loops", "nan"), "The share of loops must be from 0 to 1"),
+        (("--labyrinth", "8x8", "--corridor", "9"), "A corridor must be 20 to 4000 units wide"),
+        (("--copy", "nothing"), "There is no level called"),
+        (("--title", ""), '"title" is empty.'),
+    ],
+)
+def test_what_makes_no_level_is_refused(
+    arguments: tuple[str, ...], message: str, command: Command, tmp_path: Path
+) -> None:
+    path = tmp_path / "new.toml"
+    told = command("level", "new", path, *arguments)
+    assert told.status == 2
+    assert message in told.err
+    assert not path.exists()
+
+
+def test_a_file_of_no_format_is_refused(command: Command, tmp_path: Path) -> None:
+    told = command("level", "new", tmp_path / "new.txt")
+    assert told.status == 2
+    assert "End it with .toml" in told.err
+
+
+# -- check ---------------------------------------------------------------------------------------
+
+
+def test_what_looks_wrong_is_told_with_its_place(command: Command, level: Path) -> None:
+    level.write_text(level.read_text().replace("#..........#", "#....#.....#"))
+    told = command("level", "check", level)
+    assert told.status == 0
+    assert told.out == f'{level}:42:12: warning: Pip can\'t get to the goal "Door".\n'
+
+
+def test_a_level_that_can_not_be_loaded_is_told_with_its_line(
+    command: Command, level: Path
+) -> None:
+    level.write_text(level.read_text().replace("#..........#", "#...X......#", 1))
+    told = command("level", "check", level, "01-first-steps", "--json")
+    assert told.status == 2
+    assert told.data["ok"] is False
+    broken, fine = told.data["levels"]
+    (finding,) = broken["findings"]
+    assert finding["forbids"]
+    assert finding["text"].startswith('row 2 of walls (line 5): Character 5 is "X"')
+    assert fine == {"file": "01-first-steps", "findings": []}
+    words = command("level", "check", level).out
+    assert words.startswith(f"{level}: error: row 2 of walls (line 5): ")
+
+
+def test_names_can_not_reach_the_terminal_as_codes(command: Command, tmp_path: Path) -> None:
+    told = command("level", "check", f"{tmp_path}/\x1b[31m.toml")
+    assert told.status == 2
+    assert "\x1b" not in told.out + told.err
+
+
+# -- convert -------------------------------------------------------------------------------------
+
+
+def test_a_level_goes_to_the_platform_and_comes_back(
+    command: Command, level: Path, tmp_path: Path
+) -> None:
+    web, back = tmp_path / "short.json", tmp_path / "back.toml"
+    told = command("level", "convert", level, web)
+    assert told.status == 0
+    assert told.out.splitlines() == [
+        "Left out, for the web platform has no place for it: title, visibility.",
+        f"Wrote {web}.",
+    ]
+    assert command("level", "convert", web, back).out == f"Wrote {back}.\n"
+    assert alike(load_level(web), load_level(back))
+    assert load_level(back).areas == load_level(level).areas
+
+
+def test_a_file_is_only_replaced_when_forced(command: Command, level: Path, tmp_path: Path) -> None:
+    other = tmp_path / "other.toml"
+    other.write_text("# precious")
+    assert command("level", "convert", level, other).status == 2
+    assert other.read_text() == "# precious"
+    assert command("level", "convert", level, other, "--force").status == 0
+    assert alike(load_level(other), load_level(level))
+
+
+# -- show ----------------------------------------------------------------------------------------
+
+
+def test_into_a_pipe_a_level_is_drawn_with_plain_characters(command: Command) -> None:
+    told = command("level", "show", "05-lighthouse")
+    assert told.status == 0
+    assert told.out.isascii()
+    assert "Otter" in told.out
+    assert len({len(line) for line in told.out.splitlines()}) == 1
+
+
+def test_a_terminal_shows_a_level_in_colours_as_large_as_fits() -> None:
+    with in_terminal("level", "show", "05-lighthouse") as terminal:
+        assert terminal.finish() == 0
+        shown = terminal.screen
+    colours = {cell.bg for row in shown.buffer.values() for cell in row.values()}
+    assert len(colours) > 3
+    assert any("Otter" in line for line in shown.display)
+
+
+def test_a_drawing_is_well_formed_and_shows_everything(
+    command: Command, level: Path, tmp_path: Path
+) -> None:
+    level.write_text(level.read_text().replace('"Door"', '"<Tür & Tor>"'))
+    path = tmp_path / "short.svg"
+    assert command("level", "show", level, "--svg", path).out == f"Wrote {path}.\n"
+    root = ET.fromstring(path.read_text())
+    assert root.get("viewBox") == "0 0 60 25"
+    texts = [element.text for element in root.iter("{http://www.w3.org/2000/svg}text")]
+    assert texts == ["<Tür & Tor>", "Pip"]
+    walls = next(root.iter("{http://www.w3.org/2000/svg}path")).get("d")
+    assert walls is not None
+    sizes = re.findall(r"h(\d+)v(\d+)", walls)
+    assert sum(int(w) * int(h) for w, h in sizes) == load_level(level).walls.sum()
+
+
+def test_an_image_is_a_whole_png(command: Command, level: Path, tmp_path: Path) -> None:
+    path = tmp_path / "short.png"
+    assert command("level", "show", level, "--png", path, "--pixels", 240).status == 0
+    pixels = decoded(path.read_bytes())
+    assert pixels.shape == (100, 240, 3)
+    wall, floor, robot = pixels[4, 4], pixels[30, 120], pixels[50, 40]
+    assert len({tuple(colour.tolist()) for colour in (wall, floor, robot)}) == 3
+
+
+def decoded(png: bytes) -> np.ndarray[tuple[int, ...], np.dtype[np.uint8]]:
+    """The pixels of a PNG whose rows are not filtered."""
+    assert png[:8] == b"\x89PNG\r\n\x1a\n"
+    chunks, rest = {}, png[8:]
+    while rest:
+        (length,) = struct.unpack(">I", rest[:4])
+        kind, data, check = rest[4:8], rest[8 : 8 + length], rest[8 + length : 12 + length]
+        assert struct.unpack(">I", check)[0] == zlib.crc32(kind + data)
+        chunks[kind] = data
+        rest = rest[12 + length :]
+    assert list(chunks) == [b"IHDR", b"IDAT", b"IEND"]
+    width, height, *how = struct.unpack(">IIBBBBB", chunks[b"IHDR"])
+    assert how == [8, 2, 0, 0, 0]
+    rows = np.frombuffer(zlib.decompress(chunks[b"IDAT"]), np.uint8).reshape(height, -1)
+    assert not rows[:, 0].any()
+    return rows[:, 1:].reshape(height, width, 3)
+
+
+@pytest.mark.parametrize("pixels", ["0", "9001", "many"])
+def test_a_number_of_pixels_out_of_bounds_is_refused(
+    pixels: str, command: Command, level: Path, tmp_path: Path
+) -> None:
+    told = command("level", "show", level, "--png", tmp_path / "a.png", "--pixels", pixels)
+    assert told.status == 2
+    assert "is no number of pixels up to 8000" in told.err
+
+
+def test_a_picture_that_can_not_be_written_says_so(
+    command: Command, level: Path, tmp_path: Path
+) -> None:
+    told = command("level", "show", level, "--svg", tmp_path / "nowhere" / "a.svg")
+    assert told.status == 2
+    assert "can't be written" in told.err

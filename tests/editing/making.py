@@ -1,0 +1,162 @@
+"""Levels and edits for tests."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+from hypothesis import strategies as st
+
+from logical_robots_tui.editing.properties import resize, set_words
+from logical_robots_tui.editing.things import KINDS, Kind, Ref, add, change, duplicate, remove
+from logical_robots_tui.editing.walls import fill, paint, paint_rectangle
+from logical_robots_tui.world import Area, Beacon, Level, LevelError, Robot, Visibility
+from tests.world.making import make_level
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+__all__ = ["EDITS", "Edit", "drawn", "room", "sketch"]
+
+NAMES = st.sampled_from(["Ann", "Bob", "lamp", "gate", "机器人", "ü", "n" * 60, 'a "b" \\c', "#"])
+TEXTS = st.text("ab #\n\t'\"\\.[]=", max_size=20)
+PLACES = st.one_of(st.integers(-5, 130).map(float), st.floats(-200, 300))
+COLORS = st.sampled_from(["orange", "#abc", "#012345"])
+
+
+def room(width: int = 120, height: int = 80, **more: Any) -> Level:
+    """An open room without a rim and with one robot."""
+    return make_level((Robot("Ann", 20.5, 20.5),), width=width, height=height, **more)
+
+
+def drawn(*rows: str) -> Level:
+    """A level whose units are drawn as characters; one robot stands in the first free one."""
+    walls = [(x, y) for y, row in enumerate(rows) for x, unit in enumerate(row) if unit == "#"]
+    x, y = next((x, y) for y, row in enumerate(rows) for x, u in enumerate(row) if u == ".")
+    robot = Robot("Ann", x + 0.5, y + 0.5)
+    return make_level((robot,), width=len(rows[0]), height=len(rows), walls=walls)
+
+
+def sketch(level: Level) -> list[str]:
+    """The walls of a small level, as ``drawn`` takes them."""
+    return ["".join("#" if wall else "." for wall in row) for row in level.walls.tolist()]
+
+
+@dataclass(frozen=True)
+class Edit:
+    """Something to do to a level; if the level refuses it, it stays as it is."""
+
+    what: str
+    work: Callable[[Level], Level]
+
+    def __call__(self, level: Level) -> Level:
+        try:
+            return self.work(level)
+        except LevelError:
+            return level
+
+    def __repr__(self) -> str:
+        return self.what
+
+
+def _edit(what: str, work: Callable[..., Level], **arguments: Any) -> Edit:
+    return Edit(f"{what} {arguments}", lambda level: work(level, **arguments))
+
+
+def _on(level: Level, kind: Kind, index: int, work: Callable[[Level, Ref], Level]) -> Level:
+    things = getattr(level, kind)
+    return work(level, Ref(kind, index % len(things))) if things else level
+
+
+def _change(level: Level, kind: Kind, index: int, values: dict[str, Any]) -> Level:
+    return _on(level, kind, index, lambda level, ref: change(level, ref, **values))
+
+
+def _duplicate(level: Level, kind: Kind, index: int) -> Level:
+    return _on(level, kind, index, lambda level, ref: duplicate(level, ref, 3.5, 4)[0])
+
+
+def _remove(level: Level, kind: Kind, index: int) -> Level:
+    return _on(level, kind, index, remove)
+
+
+_POINTS = st.tuples(PLACES, PLACES)
+_BOTH = st.booleans()
+_NUMBERS = st.one_of(st.integers(0, 50).map(float), st.floats(0, 1e6), st.just(-1.0))
+_THINGS = st.one_of(
+    st.builds(
+        Robot,
+        *(NAMES, PLACES, PLACES, st.floats(-20, 20), COLORS),
+        *(_BOTH, _BOTH, _NUMBERS, _NUMBERS),
+    ),
+    st.builds(Beacon, NAMES, PLACES, PLACES, _BOTH),
+    st.builds(
+        Area,
+        *(NAMES, PLACES, PLACES, _NUMBERS, COLORS, st.lists(NAMES, max_size=2).map(tuple)),
+        *(st.one_of(st.just(""), NAMES), st.one_of(st.just(""), NAMES), _BOTH, _BOTH),
+    ),
+)
+_VALUES: dict[Kind, dict[str, st.SearchStrategy[Any]]] = {
+    "robots": {"angle": st.floats(-20, 20), "has_battery": _BOTH, "battery_capacity": _NUMBERS},
+    "beacons": {"charging_station": _BOTH},
+    "areas": {"radius": _NUMBERS, "on_beacon": NAMES, "sticky_switch": _BOTH, "color": COLORS},
+}
+_ALL = {"name": NAMES, "x": PLACES, "y": PLACES}
+_WORDS = st.fixed_dictionaries(
+    {},
+    optional={
+        "title": NAMES,
+        "idea": NAMES,
+        "briefing": TEXTS,
+        "lesson": TEXTS,
+        "hints": st.lists(TEXTS, max_size=3).map(tuple),
+        "visibility": st.sampled_from([Visibility(), Visibility("seen", "all")]),
+    },
+)
+_GRIDS = st.sampled_from([1, 1, 3, 10])
+_INDEX = st.integers(0, 5)
+_KINDS = st.sampled_from(KINDS)
+
+EDITS = st.one_of(
+    st.builds(
+        lambda points, width, grid, wall: _edit(
+            "paint", paint, points=points, width=width, grid=grid, wall=wall
+        ),
+        *(st.lists(_POINTS, min_size=1, max_size=3), st.integers(0, 9), _GRIDS, _BOTH),
+    ),
+    st.builds(
+        lambda one, other, border, grid, wall: _edit(
+            "rectangle",
+            paint_rectangle,
+            corner=one,
+            opposite=other,
+            border=border,
+            grid=grid,
+            wall=wall,
+        ),
+        *(_POINTS, _POINTS, st.integers(0, 4), _GRIDS, _BOTH),
+    ),
+    st.builds(
+        lambda at, wall: _edit("fill", fill, x=at[0], y=at[1], wall=wall),
+        *(_POINTS, _BOTH),
+    ),
+    _THINGS.map(lambda new: Edit(f"add {new}", lambda level: add(level, new)[0])),
+    _KINDS.flatmap(
+        lambda kind: st.builds(
+            lambda index, values: _edit("change", _change, kind=kind, index=index, values=values),
+            _INDEX,
+            st.fixed_dictionaries({}, optional=_ALL | _VALUES[kind]),
+        )
+    ),
+    st.builds(lambda kind, i: _edit("duplicate", _duplicate, kind=kind, index=i), _KINDS, _INDEX),
+    st.builds(lambda kind, i: _edit("remove", _remove, kind=kind, index=i), _KINDS, _INDEX),
+    _WORDS.map(lambda values: _edit("set_words", set_words, **values)),
+    st.builds(
+        lambda width, height, left, top, wall: _edit(
+            "resize", resize, width=width, height=height, left=left, top=top, wall=wall
+        ),
+        *(st.integers(0, 150), st.integers(1, 150)),
+        *(st.integers(-9, 9), st.integers(-200, 99), _BOTH),
+    ),
+)
+"""Any edit that a player can do, and some that a level refuses."""

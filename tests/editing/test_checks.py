@@ -1,0 +1,224 @@
+"""What looks wrong with a level is found, with its place."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from logical_robots_tui import World
+from logical_robots_tui.editing.checks import Finding, check
+from logical_robots_tui.editing.walls import paint, paint_rectangle
+from logical_robots_tui.world import Area, Beacon, Level, Robot, Visibility, list_levels, load_level
+from tests.editing.making import EDITS, Edit, room
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+
+CONFORMANCE = Path(__file__).parents[1] / "conformance" / "levels"
+RADIUS = 9
+
+
+def hall(**more: Any) -> Level:
+    """A room with a rim, 400 x 200 units, one robot on the left and a goal on the right."""
+    level = room(400, 200, **{"areas": (goal(),), **more})
+    level = paint_rectangle(level, (0, 0), (399, 199), border=5)
+    return replace(level, robots=(Robot("Ann", 50.5, 100.5),))
+
+
+def goal(**more: Any) -> Area:
+    return replace(Area("home", 350, 100, 20, victory_robots=("Ann",)), **more)
+
+
+def wall_with_gap(level: Level, gap: int) -> Level:
+    """A wall across the hall, with a gap in it."""
+    level = paint_rectangle(level, (200, 0), (209, 199))
+    return paint_rectangle(level, (200, 100), (209, 99 + gap), wall=False) if gap else level
+
+
+def texts(found: Iterable[Finding]) -> list[str]:
+    return [finding.text for finding in found]
+
+
+def test_nothing_is_wrong_with_a_closed_hall() -> None:
+    assert check(hall()) == []
+    assert check(wall_with_gap(hall(), 2 * RADIUS)) == []
+
+
+@pytest.mark.parametrize("name", list_levels())
+def test_of_our_own_levels_only_beacons_share_names(name: str) -> None:
+    assert [text for text in texts(check(load_level(name))) if "tell them apart" not in text] == []
+
+
+def test_a_goal_behind_a_wall_can_not_be_reached() -> None:
+    found = check(wall_with_gap(hall(), 0))
+    assert found == [Finding('Ann can\'t get to the goal "home".', 350, 100)]
+
+
+def test_a_goal_behind_a_gap_that_a_robot_does_not_fit_through_is_told() -> None:
+    text = 'The way of Ann to the goal "home" leads only through gaps narrower than a robot.'
+    assert check(wall_with_gap(hall(), 2 * RADIUS - 2)) == [Finding(text, 350, 100)]
+    assert check(wall_with_gap(hall(), 1)) == [Finding(text, 350, 100)]
+
+
+def test_a_point_slips_between_walls_that_touch_at_a_corner() -> None:
+    level = wall_with_gap(hall(), 1)
+    walls = level.walls.copy()
+    walls[100, 205] = True
+    walls[101, 205] = False
+    level = replace(level, walls=walls)
+    assert "narrower" in check(level)[0].text
+
+
+def test_a_solid_area_is_in_the_way_unless_something_switches_it_off() -> None:
+    plug = Area("plug", 205, 109, 20, impenetrable=True)
+    for on, off, is_open in [
+        ("", "", False),
+        ("", "lamp", True),
+        ("", "nothing", False),
+        ("lamp", "", True),
+    ]:
+        area = replace(plug, on_beacon=on, off_beacon=off)
+        level = hall(beacons=(Beacon("lamp", 60, 60),), areas=(goal(), area))
+        found = texts(check(wall_with_gap(level, 18)))
+        assert ('Ann can\'t get to the goal "home".' not in found) == is_open
+
+
+def test_nobody_can_be_inside_a_goal_that_is_always_solid() -> None:
+    found = check(hall(areas=(goal(impenetrable=True),)))
+    assert texts(found) == ['Nobody can be inside the goal "home": it is solid.']
+
+
+def test_an_open_rim_lets_robots_drive_round_walls() -> None:
+    level = wall_with_gap(hall(), 0)
+    level = paint_rectangle(level, (0, 80), (9, 119), wall=False)
+    level = paint_rectangle(level, (390, 150), (399, 150), wall=False)
+    assert texts(check(level)) == [
+        'The way of Ann to the goal "home" leads only through gaps narrower than a robot.',
+        "The rim is open on the left, for 40 units.",
+        "The rim is open on the right, for 1 unit.",
+    ]
+    assert [(finding.x, finding.y) for finding in check(level)[1:]] == [(0.5, 100), (399.5, 150.5)]
+
+
+def test_every_robot_that_a_goal_is_for_is_asked() -> None:
+    names = ("Ann", "Bob", "Cid", "Dot", "Eve")
+    robots = tuple(Robot(name, 50.5 + 3 * i, 50.5) for i, name in enumerate(names))
+    level = replace(wall_with_gap(hall(), 0), robots=robots, areas=(goal(victory_robots=names),))
+    assert texts(check(level)) == ['Ann, Bob, Cid and 2 more can\'t get to the goal "home".']
+    level = replace(level, robots=(*robots[:2], replace(robots[2], x=300.0), *robots[3:]))
+    level = replace(level, areas=(goal(victory_robots=names[:3]),))
+    assert texts(check(level)) == ['Ann and Bob can\'t get to the goal "home".']
+
+
+def test_what_is_inside_walls_or_outside_the_map_is_told() -> None:
+    level = hall(
+        beacons=(Beacon("lamp", 2, 50), Beacon("star", 500, 50), Beacon("moon", 50, 50)),
+        areas=(Area("cave", 3, 3, 2), Area("sky", 900, 3, 9), Area("dot", 50, 50, 0)),
+    )
+    level = replace(level, robots=(Robot("Ann", 398, 50), Robot("Bob", -1, 50)))
+    assert [(finding.text, finding.x) for finding in check(level)] == [
+        ('Robot "Bob" stands outside the map. The map is 400 x 200 units.', -1),
+        ('Robot "Ann" is inside a wall.', 398),
+        ('Beacon "lamp" is inside a wall.', 2),
+        ('Beacon "star" is outside the map.', 500),
+        ('Area "cave" is inside walls.', 3),
+        ('Area "sky" is outside the map.', 900),
+        ('Area "dot" has no room.', 50),
+    ]
+
+
+def test_switches_and_goals_that_name_nothing_are_told() -> None:
+    area = goal(victory_robots=("Ann", "ann"), on_beacon="lamb", off_beacon="xyz")
+    assert texts(check(hall(beacons=(Beacon("lamp", 60, 60),), areas=(area,)))) == [
+        'Area "home" is a goal for "ann", which is no robot here. Did you mean "Ann"?',
+        'Area "home" is switched by "lamb", which is no beacon here. Did you mean "lamp"?',
+        'Area "home" is switched by "xyz", which is no beacon here.',
+    ]
+
+
+def test_names_used_twice_are_told_and_those_of_robots_forbid_loading() -> None:
+    level = hall(
+        beacons=(Beacon("lamp", 60, 60), Beacon("lamp", 70, 60), Beacon("lamp", 80, 60)),
+        areas=(goal(), goal(x=300)),
+    )
+    assert check(level) == [
+        Finding('3 beacons are called "lamp"; a radar can\'t tell them apart.', 70, 60),
+        Finding('2 areas are called "home".', 300, 100),
+    ]
+    twins = replace(level, robots=level.robots * 2)
+    text = '2 robots are called "Ann"; each needs a name of its own.'
+    assert check(twins)[0] == Finding(text, 50.5, 100.5, forbids=True)
+
+
+@pytest.mark.parametrize(
+    ("changes", "finding"),
+    [
+        ({"robots": ()}, Finding("The level has no robots.", forbids=True)),
+        ({"title": ""}, Finding('"title" is empty.', forbids=True)),
+        (
+            {"visibility": Visibility("none")},  # type: ignore[arg-type] # as it is tested
+            Finding('"memory" must be "own" or "seen" or "all".', forbids=True),
+        ),
+        (
+            {"robots": (Robot("n" * 61, 5, 6),)},
+            Finding(f'"{"n" * 61}": "name" is longer than 60 characters.', 5, 6, True),
+        ),
+        (
+            {"robots": (Robot("Ann", math.nan, 6),)},
+            Finding('"Ann": "x" must be a finite number, not nan.', forbids=True),
+        ),
+        (
+            {"areas": (goal(radius=-1),)},
+            Finding('"home": "radius" must be 0 or more, not -1.', 350, 100, True),
+        ),
+        (
+            {"beacons": tuple(Beacon(f"b{i}", 60, 60) for i in range(1001))},
+            Finding("There are 1001 beacons; 1000 is the most.", forbids=True),
+        ),
+        (
+            {"width": 4001, "walls": np.zeros((200, 4001), np.bool_)},
+            Finding("The map is 4001 x 200 units; 4000 x 4000 is the most.", forbids=True),
+        ),
+    ],
+)
+def test_what_no_file_could_say_forbids_loading(changes: dict[str, Any], finding: Finding) -> None:
+    assert check(replace(hall(), **changes)) == [finding]
+
+
+@pytest.mark.parametrize("path", sorted(CONFORMANCE.glob("*.json")), ids=lambda path: path.stem)
+def test_nothing_forbids_loading_a_level_that_was_loaded(path: Path) -> None:
+    assert not any(finding.forbids for finding in check(load_level(path)))
+
+
+@settings(deadline=None)
+@given(st.lists(EDITS, max_size=8))
+def test_a_level_that_was_edited_can_be_loaded_and_run(steps: list[Edit]) -> None:
+    level = room()
+    for step in steps:
+        level = step(level)
+    assert not any(finding.forbids for finding in check(level))
+    assert World(level).tick == 0
+
+
+@settings(deadline=None)
+@given(st.lists(st.tuples(st.integers(0, 399), st.integers(0, 199)), min_size=2, max_size=4))
+def test_walls_between_robot_and_goal_never_make_it_easier_to_get_there(
+    points: list[tuple[int, int]],
+) -> None:
+    ranks = {"": 0, "narrower than a robot": 1, "can't get": 2}
+
+    def rank(level: Level) -> int:
+        found = texts(check(level))
+        return max(r for words, r in ranks.items() if not words or any(words in t for t in found))
+
+    level = wall_with_gap(hall(), 30)
+    harder = paint(level, points, width=8)
+    if not harder.walls[100, 50]:
+        assert rank(harder) >= rank(level)

@@ -1,0 +1,137 @@
+"""Undoing and redoing without limit."""
+
+from __future__ import annotations
+
+import tracemalloc
+from dataclasses import replace
+
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from logical_robots_tui.editing.delta import Delta, alike, changed_box
+from logical_robots_tui.editing.edits import Edits
+from logical_robots_tui.editing.properties import resize
+from logical_robots_tui.editing.walls import paint
+from tests.editing.making import EDITS, Edit, room
+
+
+@settings(deadline=None)
+@given(st.lists(EDITS, max_size=12))
+def test_every_edit_is_undone_and_redone_exactly(steps: list[Edit]) -> None:
+    edits = Edits(room())
+    steps_taken = sum(edits.do("edit", step(edits.level)) for step in steps)
+    last = edits.level
+    undone = [edits.level]
+    while edits.undo():
+        undone.append(edits.level)
+    # A step may change a level to one that is the same in all but identity; it leaves no trace.
+    assert len(undone) <= 1 + steps_taken
+    assert alike(undone[-1], room())
+    for level in reversed(undone[:-1]):
+        assert edits.redo()
+        assert alike(edits.level, level)
+    assert alike(edits.level, last)
+    assert not edits.redo()
+
+
+@settings(deadline=None)
+@given(st.lists(EDITS, min_size=1, max_size=5))
+def test_a_delta_leads_from_one_level_to_the_other_and_back(steps: list[Edit]) -> None:
+    before = after = room()
+    for step in steps:
+        after = step(after)
+    delta = Delta.between(before, after)
+    assert alike(delta.apply(before), after)
+    assert alike(delta.revert(after), before)
+    assert delta.empty == alike(before, after)
+
+
+@settings(deadline=None)
+@given(st.lists(EDITS, min_size=1, max_size=3))
+def test_levels_that_differ_anywhere_are_not_alike(steps: list[Edit]) -> None:
+    before = after = room()
+    for step in steps:
+        after = step(after)
+    same = (before.walls.shape == after.walls.shape) and bool((before.walls == after.walls).all())
+    rest = [
+        {name: value for name, value in vars(level).items() if name != "walls"}
+        for level in (before, after)
+    ]
+    assert alike(before, after) == (same and rest[0] == rest[1])
+
+
+def test_a_name_and_a_source_are_no_difference() -> None:
+    level = room()
+    assert alike(level, replace(level, name="other", source="other.toml"))
+
+
+def test_what_is_undone_is_called_by_its_name() -> None:
+    edits = Edits(room())
+    assert (edits.undo(), edits.redo(), edits.can_undo, edits.can_redo) == ("", "", "", "")
+    edits.do("paint", paint(edits.level, [(5, 5)]))
+    edits.do("erase", paint(edits.level, [(5, 5)], wall=False))
+    assert edits.can_undo == "erase"
+    assert edits.undo() == "erase"
+    assert (edits.can_undo, edits.can_redo) == ("paint", "erase")
+    assert edits.redo() == "erase"
+
+
+def test_a_stroke_that_goes_on_is_one_step() -> None:
+    edits = Edits(room())
+    for x in range(5, 50):
+        edits.do("paint", paint(edits.level, [(x, 5)]), goes_on=x > 5)
+    edits.do("paint", paint(edits.level, [(5, 40)]))
+    edits.undo()
+    assert edits.level.walls.sum() == 45
+    edits.undo()
+    assert not edits.level.walls.any()
+
+
+def test_something_new_ends_what_could_be_redone() -> None:
+    edits = Edits(room())
+    edits.do("paint", paint(edits.level, [(5, 5)]))
+    edits.undo()
+    edits.do("paint", paint(edits.level, [(9, 9)]))
+    assert edits.redo() == ""
+
+
+def test_it_knows_whether_it_is_as_it_was_saved() -> None:
+    edits = Edits(room())
+    assert not edits.changed
+    edits.do("paint", paint(edits.level, [(5, 5)]))
+    assert edits.changed
+    edits.saved()
+    assert not edits.changed
+    edits.do("paint", paint(edits.level, [(6, 5)]), goes_on=True)
+    assert edits.changed
+    edits.undo()
+    assert not edits.changed
+    edits.undo()
+    assert edits.changed
+    edits.do("paint", paint(edits.level, [(9, 9)]))
+    assert edits.changed
+
+
+def test_the_box_of_a_change_is_the_smallest() -> None:
+    for width in (120, 121):
+        level = room(width)
+        after = paint(paint(level, [(30, 20)]), [(50, 60)])
+        assert changed_box(level.walls, after.walls) == (slice(20, 61), slice(30, 51))
+        assert changed_box(level.walls, level.walls.copy()) is None
+
+
+def test_hundreds_of_strokes_on_the_largest_level_take_little_memory() -> None:
+    level = resize(room(), 4000, 4000)
+    edits = Edits(level)
+    tracemalloc.start()
+    try:
+        start = tracemalloc.get_traced_memory()[0]
+        for i in range(200):
+            edits.do(
+                "paint", paint(edits.level, [(i * 15, i * 5), (i * 15 + 200, i * 5 + 90)], width=12)
+            )
+        held = tracemalloc.get_traced_memory()[0] - start
+    finally:
+        tracemalloc.stop()
+    two_levels = 2 * level.walls.nbytes
+    assert held < two_levels + 500_000

@@ -1,0 +1,402 @@
+"""Saving levels: nothing is lost, and what didn't change keeps its bytes."""
+
+from __future__ import annotations
+
+import difflib
+import json
+import math
+import re
+import tempfile
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from logical_robots_tui.editing.delta import alike
+from logical_robots_tui.editing.edits import Edits
+from logical_robots_tui.editing.files import save_level
+from logical_robots_tui.editing.native_text import write_native
+from logical_robots_tui.editing.properties import resize, set_words
+from logical_robots_tui.editing.records import record_of
+from logical_robots_tui.editing.rewriting import rewritten
+from logical_robots_tui.editing.things import Ref, add, change, remove
+from logical_robots_tui.editing.walls import paint, paint_rectangle
+from logical_robots_tui.editing.web_text import lost_in_web, write_web
+from logical_robots_tui.shipped import shipped_folder
+from logical_robots_tui.world import (
+    Area,
+    Beacon,
+    Level,
+    LevelError,
+    Robot,
+    Visibility,
+    list_levels,
+    load_level,
+)
+from logical_robots_tui.world.native import read_native
+from logical_robots_tui.world.web import read_web
+from tests.editing.making import EDITS, Edit, room
+from tests.world.making import levels
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+CONFORMANCE = sorted((Path(__file__).parents[1] / "conformance" / "levels").glob("*.json"))
+SHIPPED = [shipped_folder("levels") / f"{name}.toml" for name in list_levels()]
+
+BY_HAND = """\
+# A level made by hand.
+title   =   'Mixed'          # in many ways
+"cell" = 10
+lenient = false
+
+walls = '''
+########
+#.. ...#
+#  ....#
+2* 1# 6. 1#
+########'''      # five rows
+
+hints = ["one",
+  # the second one is better
+  "two"]
+
+# Ann is the first.
+[[robots]]
+x = 1_5.50 # in the corner
+y = 15
+name = "Ann"
+heading = 0
+
+  # Everybody goes home.
+  [[areas]]
+  name = "home" # sweet home
+  x = 60
+  y = 20
+  radius = 7.0
+  sticky = false
+  goal_for = [ "Ann", 'Bob' ]
+
+[[robots]]
+# Bob has a battery.
+name = "Bob"
+x = 3e1
+y = 30
+[robots.battery]
+# He is the only one.
+capacity = 100 # units
+
+[[beacons]]
+name = "lamp"
+x = 50
+y = 30"""
+
+INLINE = """\
+title = "Inline" # on one line
+cell = 10
+walls = "####\\n#..#\\n####"
+robots = [{name = "Ann", x = 15, y = 15}]
+areas = [{name = "home", x = 25, y = 15, radius = 5}] # only one
+"""
+
+IN_NO_DEGREES = next(
+    angle
+    for angle in (1.15 + i / 2**52 for i in range(10_000))
+    if "angle" in record_of(Robot("Ann", 0, 0, angle))
+)
+
+
+def read(text: str) -> Level:
+    return read_native(text.replace("\r\n", "\n"), "level", "level.toml")
+
+
+def changed_lines(before: str, after: str) -> list[str]:
+    """The lines that a diff shows, without context."""
+    lines = difflib.unified_diff(before.splitlines(), after.splitlines(), n=0, lineterm="")
+    return [line for line in lines if not line.startswith(("---", "+++", "@@"))]
+
+
+def after(text: str, level: Level) -> str:
+    new = rewritten(text, level)
+    assert alike(read(new.removeprefix("\ufeff")), level)
+    return new
+
+
+# -- the whole way -------------------------------------------------------------------------------
+
+
+@settings(deadline=None)
+@given(
+    st.lists(st.one_of(EDITS, st.sampled_from(["undo", "redo", "save"])), max_size=15),
+    st.sampled_from([BY_HAND, INLINE, SHIPPED[0].read_text()]),
+)
+def test_any_sequence_of_edits_undos_and_saves_loads_back(
+    steps: Sequence[Edit | str], text: str
+) -> None:
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "level.toml"
+        path.write_text(text, encoding="utf-8")
+        edits = Edits(load_level(path))
+        for step in [*steps, "save"]:
+            if step == "undo":
+                edits.undo()
+            elif step == "redo":
+                edits.redo()
+            elif step == "save":
+                save_level(edits.level, path)
+                edits.saved()
+                assert alike(load_level(path), edits.level)
+                assert not edits.changed
+            elif isinstance(step, Edit):
+                edits.do(step.what, step(edits.level))
+
+
+@settings(deadline=None)
+@given(levels())
+def test_a_level_of_the_web_platform_becomes_one_of_this_game_and_comes_back(level: Level) -> None:
+    web = read_web(write_web(level), "level", "")
+    native = read_native(write_native(web), "level", "")
+    assert alike(native, web)
+    assert alike(read_web(write_web(native), "level", ""), web)
+    assert web.walls.tobytes() == level.walls.tobytes()
+    assert (web.robots, web.beacons, web.areas) == (level.robots, level.beacons, level.areas)
+
+
+@pytest.mark.parametrize("path", CONFORMANCE, ids=lambda path: path.stem)
+def test_levels_of_the_platform_pass_through_both_formats(path: Path) -> None:
+    level = load_level(path)
+    native = read_native(write_native(level), path.stem, "")
+    assert alike(native, level)
+    again = json.loads(write_web(native))
+    original = json.loads(path.read_text())
+    assert again["walls"] == original["walls"].replace("2", "0")
+    assert [robot["x"] for robot in again["robots"]] == [r["x"] for r in original["robots"]]
+
+
+@pytest.mark.parametrize("path", SHIPPED, ids=lambda path: path.stem)
+def test_our_own_levels_are_written_anew_without_loss(path: Path) -> None:
+    level = load_level(path)
+    text = write_native(level)
+    assert alike(read(text), level)
+    drawing = path.read_text().split("'''")[1]
+    assert text.split("'''")[1] == drawing
+    assert write_native(read(text)) == text
+
+
+# -- small changes -------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("text", [BY_HAND, INLINE, *(path.read_text() for path in SHIPPED)])
+@pytest.mark.parametrize("ends", ["\n", "\r\n"])
+@pytest.mark.parametrize("mark", ["", "\ufeff"])
+def test_a_save_without_a_change_changes_no_byte(
+    text: str, ends: str, mark: str, tmp_path: Path
+) -> None:
+    path = tmp_path / "level.toml"
+    content = (mark + text.replace("\n", ends)).encode()
+    path.write_bytes(content)
+    before = path.stat()
+    save_level(load_level(path), path)
+    assert path.read_bytes() == content
+    assert path.stat().st_ino == before.st_ino
+
+
+def hand() -> Level:
+    return read(BY_HAND)
+
+
+@pytest.mark.parametrize(
+    ("level", "expected"),
+    [
+        (
+            change(hand(), Ref("robots", 0), x=20.5),
+            ["-x = 1_5.50 # in the corner", "+x = 20.5 # in the corner"],
+        ),
+        (
+            change(hand(), Ref("areas", 0), radius=9.0, victory_robots=("Bob",)),
+            [
+                "-  radius = 7.0",
+                "+  radius = 9",
+                "-  goal_for = [ \"Ann\", 'Bob' ]",
+                '+  goal_for = ["Bob"]',
+            ],
+        ),
+        (
+            change(hand(), Ref("areas", 0), sticky_switch=True),
+            ["-  sticky = false", "+  sticky = true"],
+        ),
+        (
+            change(hand(), Ref("robots", 1), battery_capacity=90.0),
+            ["-capacity = 100 # units", "+capacity = 90 # units"],
+        ),
+        (
+            change(hand(), Ref("robots", 0), angle=math.radians(-30)),
+            ["-heading = 0", "+heading = -30"],
+        ),
+        (
+            change(hand(), Ref("robots", 0), angle=IN_NO_DEGREES),
+            ["-heading = 0", f"+angle = {IN_NO_DEGREES!r}"],
+        ),
+        (
+            add(hand(), Beacon("bell", 5, 6))[0],
+            ["+", "+[[beacons]]", '+name = "bell"', "+x = 5", "+y = 6"],
+        ),
+        (
+            add(hand(), Robot("Cid", 5, 6))[0],
+            ["+[[robots]]", '+name = "Cid"', "+x = 5", "+y = 6", "+"],
+        ),
+        (
+            remove(hand(), Ref("beacons", 0)),
+            ["-[[beacons]]", '-name = "lamp"', "-x = 50", "-y = 30"],
+        ),
+        (
+            set_words(hand(), title="Other"),
+            [
+                "-title   =   'Mixed'          # in many ways",
+                '+title   =   "Other"          # in many ways',
+            ],
+        ),
+        (set_words(hand(), idea="New."), ['+idea = "New."']),
+        (
+            paint(hand(), [(35, 15)], width=1, grid=10),
+            ["-#.. ...#", "+#..#...#"],
+        ),
+        (
+            paint(hand(), [(35, 35)], width=1, grid=10, wall=True),
+            ["-2* 1# 6. 1#", "+1# 2. 1# 3. 1#", "+1# 6. 1#"],
+        ),
+    ],
+)
+def test_a_small_change_is_a_small_difference(level: Level, expected: list[str]) -> None:
+    assert changed_lines(BY_HAND, after(BY_HAND, level)) == expected
+
+
+def test_line_ends_and_mark_of_another_system_stay() -> None:
+    text = "\ufeff" + BY_HAND.replace("\n", "\r\n")
+    level = paint(change(hand(), Ref("robots", 0), x=20.0), [(35, 15)], grid=10)
+    new = after(text, level)
+    assert new.startswith("\ufeff")
+    assert new.count("\r\n") == new.count("\n") == text.count("\n")
+
+
+def test_walls_finer_than_the_drawing_make_a_finer_drawing() -> None:
+    level = paint(hand(), [(35.5, 15.5)])
+    new = after(BY_HAND, level)
+    assert '"cell" = 1\n' in new
+    assert "# five rows" in new
+    assert "# Ann is the first." in new
+
+
+def test_every_comment_survives_many_changes() -> None:
+    level = hand()
+    for ref in (Ref("robots", 0), Ref("robots", 1), Ref("areas", 0), Ref("beacons", 0)):
+        level = change(level, ref, name=f"new {ref.kind} {ref.index}", x=33.25, y=21.0)
+    level = set_words(level, title="Other", visibility=Visibility("all", "all"), briefing="Go.")
+    level = add(resize(level, 90, 50), Area("far", 80, 20, 5))[0]
+    new = after(BY_HAND, level)
+    comments = re.findall(r"# [A-Za-z].*$", BY_HAND, re.MULTILINE)
+    assert len(comments) > 8
+    assert [comment for comment in comments if comment not in new] == []
+
+
+def test_what_is_written_on_one_line_is_changed_there() -> None:
+    level = change(read(INLINE), Ref("areas", 0), radius=6.0)
+    assert changed_lines(INLINE, after(INLINE, level)) == [
+        '-areas = [{name = "home", x = 25, y = 15, radius = 5}] # only one',
+        '+areas = [{name = "home", x = 25, y = 15, radius = 6}] # only one',
+    ]
+    assert "# only one" in after(INLINE, paint(level, [(15, 15)], grid=5))
+
+
+def test_a_level_that_becomes_odd_says_that_it_is_lenient() -> None:
+    new = after(BY_HAND, change(hand(), Ref("areas", 0), on_beacon="nothing"))
+    assert "lenient = true" in new
+
+
+@pytest.mark.parametrize("old", ["[[robots]]", "[[areas]]"])
+def test_a_file_laid_out_very_differently_is_written_anew(old: str) -> None:
+    text = BY_HAND.replace(old, f'[["{old[2:-2]}"]]')
+    level = change(read(text), Ref("robots", 0), x=20.0)
+    assert alike(read(rewritten(text, level)), level)
+
+
+# -- files ---------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("ending", [".toml", ".json"])
+def test_a_new_file_is_made_with_its_folders(ending: str, tmp_path: Path) -> None:
+    path = tmp_path / "mine" / f"maze{ending}"
+    saved = save_level(room(), path)
+    assert (saved.name, saved.source) == ("maze", str(path))
+    assert (load_level(path).walls == room().walls).all()
+    assert [file.name for file in path.parent.iterdir()] == [path.name]
+
+
+def test_a_file_of_the_web_platform_that_says_the_same_is_not_touched(tmp_path: Path) -> None:
+    path = tmp_path / "garden.json"
+    text = CONFORMANCE[0].read_text()
+    path.write_text(text)
+    level = load_level(path)
+    save_level(level, path)
+    assert path.read_text() == text
+    save_level(change(level, Ref("robots", 0), x=7.0), path)
+    assert load_level(path).robots[0].x == 7
+
+
+def test_a_broken_file_is_replaced(tmp_path: Path) -> None:
+    path = tmp_path / "level.toml"
+    path.write_text("walls = 3")
+    save_level(room(), path)
+    assert alike(load_level(path), room())
+
+
+@pytest.mark.parametrize(
+    ("name", "changes", "message"),
+    [
+        ("level.txt", {}, "no format of a level"),
+        ("level.toml", {"robots": ()}, "The level has no robots."),
+        ("level.toml", {"robots": (Robot("A", 1, 1),) * 2}, 'robots are called "A"'),
+        ("level.json", {"beacons": (Beacon("n" * 61, 1, 1),)}, "longer than 60"),
+    ],
+)
+def test_what_could_not_be_loaded_is_not_saved(
+    name: str, changes: dict[str, Any], message: str, tmp_path: Path
+) -> None:
+    path = tmp_path / name
+    with pytest.raises(LevelError, match=message) as caught:
+        save_level(replace(room(), **changes), path)
+    assert caught.value.place == str(path)
+    assert not path.exists()
+
+
+def test_our_own_levels_are_not_overwritten() -> None:
+    with pytest.raises(LevelError, match="stay as they are"):
+        save_level(room(), SHIPPED[0])
+
+
+def test_a_file_that_can_not_be_written_says_so(tmp_path: Path) -> None:
+    (tmp_path / "file").write_text("")
+    with pytest.raises(LevelError, match="can't be written"):
+        save_level(room(), tmp_path / "file" / "level.toml")
+
+
+def test_a_web_level_with_fine_walls_is_stored_compactly() -> None:
+    level = resize(room(), 4000, 4000)
+    level = paint_rectangle(level, (0, 0), (3999, 3999), border=1)
+    for x in range(0, 4000, 97):
+        level = paint(level, [(x, 0), (x, 3000)])
+    text = write_native(level)
+    assert len(text) < 2_000
+    assert alike(read(text), level)
+
+
+def test_what_the_web_platform_can_not_say_is_named() -> None:
+    assert lost_in_web(load_level(CONFORMANCE[0])) == []
+    level = load_level("01-first-steps")
+    assert lost_in_web(level) == [
+        *("title", "idea", "briefing", "hints", "lesson", "further", "starter", "solution"),
+        "visibility",
+    ]

@@ -1,0 +1,146 @@
+"""Placing, changing and removing robots, beacons and areas."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from typing import Any
+
+import pytest
+
+from logical_robots_tui.editing.things import (
+    Ref,
+    add,
+    change,
+    duplicate,
+    ref_at,
+    remove,
+    thing,
+)
+from logical_robots_tui.world import Area, Beacon, Level, LevelError, Robot
+from tests.editing.making import room
+
+ANN, LAMP, GATE = Ref("robots", 0), Ref("beacons", 0), Ref("areas", 0)
+
+
+def furnished() -> Level:
+    return room(
+        beacons=(Beacon("lamp", 60, 20), Beacon("lamp", 90, 20)),
+        areas=(
+            Area("gate", 40, 40, 20, victory_robots=("Ann",), on_beacon="lamp", off_beacon="lamp"),
+            Area("home", 44, 40, 6),
+        ),
+    )
+
+
+def test_a_new_thing_is_the_last_of_its_kind() -> None:
+    level, ref = add(furnished(), Beacon("bell", 5, 6, True))
+    assert ref == Ref("beacons", 2)
+    assert thing(level, ref) == Beacon("bell", 5, 6, True)
+
+
+def test_a_robot_whose_name_is_taken_counts_on() -> None:
+    level, _ = add(room(), Robot("Ann", 1, 1))
+    level, _ = add(level, Robot("Ann 2", 1, 1))
+    level, _ = duplicate(level, ANN, 5, -5)
+    assert [robot.name for robot in level.robots] == ["Ann", "Ann 2", "Ann 3", "Ann 4"]
+    assert (level.robots[3].x, level.robots[3].y) == (25.5, 15.5)
+    long, _ = add(add(level, Robot("n" * 60, 1, 1))[0], Robot("n" * 60, 1, 1))
+    assert long.robots[-1].name == "n" * 58 + " 2"
+
+
+def test_every_property_can_be_set() -> None:
+    level = change(furnished(), ANN, x=3, angle=math.pi / 3, has_battery=True, can_charge=True)
+    level = change(level, ANN, battery_capacity=7.5, battery_consumption_rate=0.1, color="#123")
+    assert level.robots[0] == Robot("Ann", 3, 20.5, math.pi / 3, "#123", True, True, 7.5, 0.1)
+    level = change(level, LAMP, charging_station=True, y=9.25)
+    assert level.beacons[0] == Beacon("lamp", 60, 9.25, True)
+    level = change(level, GATE, radius=9, sticky_switch=True, impenetrable=True, off_beacon="")
+    level = change(level, GATE, victory_robots=(), on_beacon="bell", color="red", name="door")
+    assert level.areas[0] == Area("door", 40, 40, 9, "red", (), "bell", "", True, True)
+
+
+def test_areas_follow_a_robot_that_is_called_otherwise() -> None:
+    assert change(furnished(), ANN, name="Zoe").areas[0].victory_robots == ("Zoe",)
+
+
+def test_areas_follow_the_last_beacon_of_a_name() -> None:
+    once = change(furnished(), LAMP, name="bell")
+    assert (once.areas[0].on_beacon, once.areas[0].off_beacon) == ("lamp", "lamp")
+    twice = change(once, Ref("beacons", 1), name="bell")
+    assert (twice.areas[0].on_beacon, twice.areas[0].off_beacon) == ("bell", "bell")
+
+
+def test_an_area_that_is_called_otherwise_changes_nothing_else() -> None:
+    before = furnished()
+    after = change(before, GATE, name="door")
+    assert after.areas == (replace(before.areas[0], name="door"), before.areas[1])
+
+
+def test_setting_what_is_so_already_is_the_level_itself() -> None:
+    level = furnished()
+    assert change(level, GATE, radius=20.0, name="gate") is level
+
+
+def test_what_is_removed_goes_on_being_named() -> None:
+    level = remove(furnished(), LAMP)
+    level = remove(level, LAMP)
+    assert level.beacons == ()
+    assert level.areas[0].on_beacon == "lamp"
+    assert remove(level, GATE).areas == (level.areas[1],)
+
+
+def test_the_last_robot_stays() -> None:
+    with pytest.raises(LevelError, match="at least one"):
+        remove(room(), ANN)
+
+
+@pytest.mark.parametrize(
+    ("ref", "values", "message"),
+    [
+        (ANN, {"name": "n" * 61}, '"name" is longer than 60 characters.'),
+        (ANN, {"name": " "}, '"name" is empty.'),
+        (ANN, {"name": "A\nnn"}, "can't be shown"),
+        (ANN, {"x": math.nan}, "finite"),
+        (ANN, {"x": 1e7}, "too large"),
+        (ANN, {"angle": math.inf}, "finite"),
+        (ANN, {"color": "#12"}, "no colour"),
+        (ANN, {"battery_capacity": -1.0}, '"capacity" must be 0 or more, not -1.'),
+        (ANN, {"radius": 3}, "Robots have no radius."),
+        (LAMP, {"name": ""}, '"name" is empty.'),
+        (GATE, {"radius": -2}, '"radius" must be 0 or more, not -2.'),
+        (GATE, {"victory_robots": ("",)}, "is empty"),
+    ],
+)
+def test_a_value_out_of_bounds_is_refused(
+    ref: Ref, values: dict[str, object], message: str
+) -> None:
+    with pytest.raises(LevelError, match=message):
+        change(furnished(), ref, **values)
+
+
+def test_two_robots_can_not_have_one_name() -> None:
+    level, bob = add(room(), Robot("Bob", 1, 1))
+    with pytest.raises(LevelError, match='Two robots are called "Ann"'):
+        change(level, bob, name="Ann")
+
+
+@pytest.mark.parametrize("new", [Robot("R", 1, 1), Beacon("b", 1, 1), Area("a", 1, 1, 5)])
+def test_a_thousand_of_a_kind_are_the_most(new: Robot | Beacon | Area) -> None:
+    kind = f"{type(new).__name__.lower()}s"
+    full = [replace(new, name=f"{new.name}{i}") for i in range(1000)]
+    things: dict[str, Any] = {kind: tuple(full)}
+    level = replace(room(), **things)
+    with pytest.raises(LevelError, match=f"There are 1000 {kind} already"):
+        add(level, new)
+
+
+def test_what_is_at_a_point_is_the_nearest_robot_or_beacon_else_the_smallest_area() -> None:
+    level = furnished()
+    assert ref_at(level, 28, 20) == ANN
+    assert ref_at(level, 67.9, 20) == LAMP
+    assert ref_at(level, 69, 20) is None
+    assert ref_at(level, 69, 20, reach=2) == LAMP
+    assert ref_at(level, 41, 40) == Ref("areas", 1)
+    assert ref_at(level, 30, 45) == GATE
+    assert ref_at(level, 110, 70) is None

@@ -1,0 +1,133 @@
+"""Painting walls."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from logical_robots_tui.editing.regions import Regions
+from logical_robots_tui.editing.walls import fill, paint, paint_rectangle
+from logical_robots_tui.world import LevelError
+from logical_robots_tui.world.drawing import expresses
+from tests.editing.making import drawn, room, sketch
+
+INSIDE = st.floats(0, 79.9)
+
+
+def test_a_dab_of_the_brush_is_as_wide_as_the_brush() -> None:
+    for width in range(1, 9):
+        walls = paint(room(), [(40.2, 30.7)], width=width).walls
+        assert walls.any(axis=0).sum() == walls.any(axis=1).sum() == width
+
+
+def test_a_wide_brush_is_round() -> None:
+    level = paint(drawn("." * 7, *["." * 7] * 6), [(3.5, 3.5)], width=5)
+    assert sketch(level)[1:6] == ["..###..", ".#####.", ".#####.", ".#####.", "..###.."]
+
+
+def test_a_line_of_one_unit_is_straight_and_one_wide() -> None:
+    level = paint(room(), [(10, 40.9), (90, 40.1)])
+    assert level.walls.sum() == 81
+    assert level.walls[40, 10:91].all()
+
+
+@settings(deadline=None)
+@given(st.tuples(INSIDE, INSIDE), st.tuples(INSIDE, INSIDE), st.integers(1, 6))
+def test_no_robot_slips_through_a_line(
+    one: tuple[float, float], other: tuple[float, float], width: int
+) -> None:
+    level = paint(room(80, 80), [one, other], width=width)
+    painted = Regions(level.walls, corners=False)
+    ends = [painted.at(math.floor(y), math.floor(x)) for x, y in (one, other)]
+    assert ends[0] == ends[1]
+    assert ends[0] >= 0 or width % 2 == 0
+    assert len({painted.at(*unit) for unit in np.argwhere(level.walls).tolist()}) == 1
+
+
+@settings(deadline=None)
+@given(st.tuples(INSIDE, INSIDE), st.tuples(INSIDE, INSIDE), st.integers(1, 9))
+def test_a_line_covers_what_is_near_it_and_nothing_else(
+    one: tuple[float, float], other: tuple[float, float], width: int
+) -> None:
+    walls = paint(room(80, 80), [one, other], width=width).walls
+    y, x = np.mgrid[:80, :80] + 0.5
+    dx, dy = other[0] - one[0], other[1] - one[1]
+    share = ((x - one[0]) * dx + (y - one[1]) * dy) / max(dx * dx + dy * dy, 1e-9)
+    share = share.clip(0, 1)
+    away = np.hypot(x - one[0] - share * dx, y - one[1] - share * dy)
+    snapping = 0.75
+    assert not walls[away > max(width / 2, 0.71) + snapping].any()
+    assert walls[away < width / 2 - snapping].all()
+
+
+def test_on_a_coarse_grid_whole_squares_are_painted() -> None:
+    level = paint(room(), [(14, 14), (97, 55)], width=2, grid=10)
+    assert expresses(level.walls, 10)
+    level = paint(room(125, 80), [(1, 75), (124, 79)], grid=10)
+    assert level.walls[70:, :].all()
+    assert level.walls.sum() == 1250
+
+
+def test_a_rectangle_has_both_corners_and_a_border_inwards() -> None:
+    ring = paint_rectangle(room(), (59.5, 30.2), (20.0, 10.9), border=3).walls
+    assert ring.sum() == 40 * 21 - 34 * 15
+    assert ring[10:31, 20:60].any(axis=1).all()
+    assert not ring[13:28, 23:57].any()
+    assert paint_rectangle(room(), (59, 30), (20, 10)).walls.sum() == 40 * 21
+
+
+def test_a_rectangle_that_reaches_out_of_the_map_has_no_border_at_the_rim() -> None:
+    walls = paint_rectangle(room(), (-50, 20), (500, 40), border=2).walls
+    assert walls[20:22].all()
+    assert walls[39:41].all()
+    assert not walls[22:39].any()
+
+
+def test_filling_stops_at_walls_also_where_they_only_touch_at_corners() -> None:
+    level = drawn("..#..", ".#...", "#....")
+    assert sketch(fill(level, 0.5, 0.5)) == ["###..", "##...", "#...."]
+    assert sketch(fill(level, 4.5, 0.5)) == ["..###", ".####", "#####"]
+    assert sketch(fill(level, 2.5, 0.5, wall=False)) == [".....", ".#...", "#...."]
+
+
+def test_the_eraser_takes_walls_away() -> None:
+    full = paint_rectangle(room(), (0, 0), (119, 79))
+    assert full.walls.all()
+    assert (~paint(full, [(40, 40)], width=3, wall=False).walls).sum() == 9
+    assert not paint_rectangle(full, (0, 0), (119, 79), wall=False).walls.any()
+
+
+def test_what_changes_nothing_is_the_level_itself() -> None:
+    level = paint(room(), [(5, 5)])
+    assert paint(level, [(5, 5)]) is level
+    assert paint(level, [(-50, 5)]) is level
+    assert paint_rectangle(level, (-9, -9), (-2, -2)) is level
+    assert fill(level, -1, 5) is level
+    assert fill(level, 5, 5) is level
+    assert fill(level, 50, 5, wall=False) is level
+
+
+def test_the_level_before_stays_as_it_was() -> None:
+    before = room()
+    after = paint(before, [(5, 5)])
+    assert not before.walls.any()
+    assert not after.walls.flags.writeable
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        ({"width": 0}, "The brush must be from 1 to 4000 wide, not 0."),
+        ({"width": 5000}, "The brush must be from 1 to 4000 wide, not 5000."),
+        ({"grid": 0}, "The grid must be from 1 to 4000 wide, not 0."),
+        ({"points": [(math.nan, 3)]}, "This point is too far from the map."),
+        ({"points": [(3, 1e9)]}, "This point is too far from the map."),
+    ],
+)
+def test_what_makes_no_sense_is_refused(arguments: dict[str, object], message: str) -> None:
+    with pytest.raises(LevelError, match=message):
+        paint(room(), **({"points": [(1, 1)]} | arguments))  # type: ignore[arg-type] # as it is tested
