@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from logical_robots_tui.tui.drawing.glyphs import Drawing
+from logical_robots_tui.tui.sparing import SparingApp
 
 if TYPE_CHECKING:
     from logical_robots_tui.tui.screen import MainScreen
@@ -176,6 +177,8 @@ class Actions:
 
     def redraw(self) -> None:
         """Paint the whole screen again."""
+        if isinstance(self._screen.app, SparingApp):
+            self._screen.app.forget_terminal()
         self._screen.refresh(layout=True, repaint=True)
 
     def quit(self) -> None:

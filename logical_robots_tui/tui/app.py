@@ -10,9 +10,9 @@ from textual import events
 from textual.binding import Binding
 
 from logical_robots_tui.progress import FILE_NAME
-from logical_robots_tui.tui.crash import CarefulApp
 from logical_robots_tui.tui.journal import Journal
 from logical_robots_tui.tui.screen import MainScreen
+from logical_robots_tui.tui.sparing import SparingApp
 from logical_robots_tui.tui.theme import EXTRA_VARIABLES, NIGHT
 
 if TYPE_CHECKING:
@@ -29,7 +29,7 @@ __all__ = ["LogicalRobotsApp"]
 _TWICE = 2.0  # seconds between two presses that are meant as one wish
 
 
-class LogicalRobotsApp(CarefulApp, inherit_bindings=False):
+class LogicalRobotsApp(SparingApp, inherit_bindings=False):
     """The game in a terminal.
 
     Args:

@@ -92,6 +92,7 @@ class LabyrinthView(Widget):
         super().__init__(name=name, id=id, classes=classes)
         self._level: Level | None = None
         self._frame: Frame | None = None
+        self._hurried = False
         self._picture = Picture()
         self._strips: dict[int, Strip] = {}
 
@@ -107,14 +108,15 @@ class LabyrinthView(Widget):
         x, y = wanted.left + wanted.width / 2, wanted.top + wanted.height / 2
         return replace(wanted, columns=columns, rows=rows).centred(x, y)
 
-    def show(self, level: Level, frame: Frame) -> None:
+    def show(self, level: Level, frame: Frame, *, hurried: bool = False) -> None:
         """Show a frame.
 
         Args:
             level: The level that it belongs to.
             frame: What to show.
+            hurried: Whether the next frame follows at once, so that less need be sent.
         """
-        self._level, self._frame = level, frame
+        self._level, self._frame, self._hurried = level, frame, hurried
         self._redraw()
 
     def robot_at(self, column: int, row: int) -> str | None:
@@ -165,7 +167,7 @@ class LabyrinthView(Widget):
             names=self.names,
             selected=self.selected,
         )
-        changes = self._picture.draw(self._level, self._frame, view, look)
+        changes = self._picture.draw(self._level, self._frame, view, look, hurried=self._hurried)
         for row, _, _ in changes:
             self._strips.pop(row, None)
         return [Region(first, row, stop - first, 1) for row, first, stop in changes]

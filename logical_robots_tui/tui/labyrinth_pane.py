@@ -37,9 +37,9 @@ class LabyrinthPane(Pane, can_focus=True):
         self.banner = VictoryBanner()
         super().__init__(self.view, self.briefing, self.banner, title="Labyrinth")
 
-    def show(self, level: Level, frame: Frame) -> None:
-        """Show a tick."""
-        self.view.show(level, frame)
+    def show(self, level: Level, frame: Frame, *, hurried: bool = False) -> None:
+        """Show a tick; in a hurry if the next one follows at once."""
+        self.view.show(level, frame, hurried=hurried)
 
     def enter(self) -> None:
         """Take the focus, so that single letters are commands."""

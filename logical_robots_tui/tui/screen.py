@@ -109,7 +109,7 @@ class MainScreen(Screen[None]):
         self._layout = Layout.WIDE
         self._active: Pane = self.labyrinth
         self._focus_before: Widget | None = None
-        self._drawn: tuple[Level, Frame] | None = None
+        self._drawn: tuple[Level, Frame, bool] | None = None
         self._drawn_at = 0.0
         self._is_draw_due = False
         self._is_celebrated = False
@@ -212,9 +212,10 @@ class MainScreen(Screen[None]):
         self._is_draw_due = False
         self._drawn_at = perf_counter()
         session = self.session
-        if self._layout is not Layout.TINY and self._drawn != (session.level, session.frame):
-            self._drawn = (session.level, session.frame)
-            self.labyrinth.show(session.level, session.frame)
+        now = (session.level, session.frame, session.running)
+        if self._layout is not Layout.TINY and self._drawn != now:
+            self._drawn = now
+            self.labyrinth.show(session.level, session.frame, hurried=session.running)
         saved = self.text == session.source.text
         self.program.show(session.state, session.source.name, saved=saved)
         self.inspector.follow()

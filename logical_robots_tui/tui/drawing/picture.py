@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -31,11 +32,33 @@ __all__ = ["Picture"]
 _STRENGTH, _SELECTED, _OTHERS = 0.34, 0.5, 0.2
 """Light of a fan: without a selection, of the selected robot, of the others then."""
 
+_UNSEEN = 12
+"""By how much a channel of a dot may be wrong for a moment, of 255."""
+
 _BLOCK_IDS = {
     count: np.array([text_id(char) for char in chars], np.int64) for count, chars in BLOCKS.items()
 }
 _KIND_IDS = np.array([text_id(char) for char in ASCII_KINDS], np.int64)
 _LIT_ID = text_id(".")
+
+
+@dataclass(frozen=True, eq=False)
+class _Light:
+    """The ground under the light of robots.
+
+    Attributes:
+        look: How it was painted.
+        image: Colours of the dots.
+        lit: Which dots the light reaches.
+        fans: Where it comes from.
+        fresh: Whether only one picture was made of it so far.
+    """
+
+    look: Look
+    image: Floats
+    lit: NDArray[np.bool_]
+    fans: list[Fan]
+    fresh: bool = True
 
 
 class Picture:
@@ -53,10 +76,11 @@ class Picture:
         self._level: Level | None = None
         self._still_key: object = None
         self._dots: NDArray[np.uint8] | None = None
+        self._light: _Light | None = None
         self._base = self.cells
 
     def draw(
-        self, level: Level, frame: Frame, viewport: Viewport, look: Look
+        self, level: Level, frame: Frame, viewport: Viewport, look: Look, *, hurried: bool = False
     ) -> list[tuple[int, int, int]]:
         """Draw a frame.
 
@@ -65,6 +89,8 @@ class Picture:
             frame: What to draw: robots as they are afterwards, rays from where they sensed.
             viewport: The part of the map to show.
             look: How to draw it.
+            hurried: Whether the next frame follows at once, so that less need change: light then
+                moves in every second picture, and colours may be a little off.
 
         Returns:
             (row, first column, column after the last) of each row that changed.
@@ -82,20 +108,15 @@ class Picture:
             (robot, _state_colour(robot, colours, look.palette)) for robot in frame.after.robots
         ]
         robots.sort(key=lambda pair: pair[0].name == look.selected)
-        seen = fans(frame) if look.rays or look.marks else []
-
-        image = self._ground.image.copy()
-        lit = np.zeros(raster.shape, np.bool_)
-        for fan in seen if look.rays else []:
-            colour = colours.get(fan.name, look.palette.dead)
-            _light_up(image, lit, fan, colour, self._ground, raster, look)
+        light = self._shed_light(frame, raster, look, colours, hurried=hurried)
+        image = light.image.copy()
         if look.drawing is Drawing.ASCII:
-            cells = _plain_cells(self._ground, image, lit, look.palette)
+            cells = _plain_cells(self._ground, image, light.lit, look.palette)
         else:
             for robot, colour in robots:
                 paint_robot(image, raster, robot, colour, look.palette)
-            cells = self._fitted(image, raster)
-        letter(cells, self._lettering, robots, seen, viewport, look)
+            cells = self._fitted(image, raster, _UNSEEN if hurried else 0)
+        letter(cells, self._lettering, robots, light.fans, viewport, look)
 
         self.cells = cells
         if earlier.text.shape != cells.text.shape:
@@ -111,22 +132,46 @@ class Picture:
         key = active, raster, look.drawing, look.palette, look.names
         if key == self._still_key:
             return
-        self._still_key = key
+        self._still_key, self._light = key, None
         self._ground = lay_ground(level, self._walls, active, raster, look.palette)
         self._lettering = StillLettering(level, active, raster.viewport, look, self._ground.image)
 
-    def _fitted(self, image: Floats, raster: Raster) -> Cells:
-        """Fit the cells whose dots changed, and return them with the rest."""
+    def _shed_light(
+        self,
+        frame: Frame,
+        raster: Raster,
+        look: Look,
+        colours: dict[str, RGB],
+        *,
+        hurried: bool,
+    ) -> _Light:
+        """Return the ground under the robots' light, in a hurry that of the frame before."""
+        if hurried and self._light and self._light.fresh and self._light.look == look:
+            self._light = replace(self._light, fresh=False)
+            return self._light
+        image = self._ground.image.copy()
+        lit = np.zeros(raster.shape, np.bool_)
+        seen = fans(frame) if look.rays or look.marks else []
+        for fan in seen if look.rays else []:
+            colour = colours.get(fan.name, look.palette.dead)
+            _light_up(image, lit, fan, colour, self._ground, raster, look)
+        self._light = _Light(look, image, lit, seen)
+        return self._light
+
+    def _fitted(self, image: Floats, raster: Raster, tolerance: int) -> Cells:
+        """Fit the cells whose dots changed by more than a tolerance; return them with the rest."""
         # Steps of 4 keep faint changes of light from changing cells.
         coarse = np.clip(image, 0, 255, out=image).astype(np.uint8) & np.uint8(0xFC)
         dots = split(coarse, raster.across, raster.down)
         shape = raster.viewport.rows, raster.viewport.columns
         if self._dots is None or self._dots.shape != dots.shape or self._base.text.shape != shape:
             self._base = Cells.blank(*shape)
+            self._dots = dots
             changed = np.arange(len(dots))
         else:
-            changed = np.flatnonzero((dots != self._dots).any(axis=(1, 2)))
-        self._dots = dots
+            apart = np.maximum(dots, self._dots) - np.minimum(dots, self._dots)
+            changed = np.flatnonzero((apart > tolerance).any(axis=(1, 2)))
+            self._dots[changed] = dots[changed]
         pattern, ink, paper = fit(dots[changed])
         self._base.text.ravel()[changed] = _BLOCK_IDS[dots.shape[1]][pattern]
         self._base.style.ravel()[changed] = pack(ink) << 24 | pack(paper)
