@@ -131,6 +131,7 @@ class Actions:
     def leave(self) -> None:
         """Go to the labyrinth and close what lies over it."""
         if self._screen.active is self._screen.labyrinth:
+            self._screen.labyrinth.select(None)
             self._screen.labyrinth.banner.display = False
             self._screen.labyrinth.briefing.display = False
         self._screen.go_to(self._screen.labyrinth)
@@ -142,6 +143,22 @@ class Actions:
     def previous_pane(self) -> None:
         """Go to the pane before."""
         self._screen.go_on(-1)
+
+    def view(self) -> None:
+        """Look at the next thing."""
+        self._screen.labyrinth.view.look_at_next()
+
+    def zoom_in(self) -> None:
+        """Show less, larger."""
+        self._screen.labyrinth.view.zoom(1)
+
+    def zoom_out(self) -> None:
+        """Show more."""
+        self._screen.labyrinth.view.zoom(-1)
+
+    def next_robot(self) -> None:
+        """Select the next robot."""
+        self._screen.labyrinth.view.select_next()
 
     def rays(self) -> None:
         """Show or hide what the radars reach."""

@@ -248,6 +248,24 @@ COMMANDS: tuple[Command, ...] = (
     Command(
         "previous_pane", "Previous pane", "Go to the pane before.", _VIEW, ("left_square_bracket",)
     ),
+    Command(
+        "view",
+        "View",
+        "Look at the whole labyrinth, follow a robot, or see only what the robots sense.",
+        _VIEW,
+        ("f",),
+        bar="View",
+        spare=2,
+    ),
+    Command("zoom_in", "Zoom in", "Show less of the labyrinth, larger.", _VIEW, ("z",)),
+    Command("zoom_out", "Zoom out", "Show more of the labyrinth.", _VIEW, ("Z",)),
+    Command(
+        "next_robot",
+        "Next robot",
+        "Select the next robot: its light is brought out, and a card tells of it.",
+        _VIEW,
+        ("g",),
+    ),
     Command("rays", "Rays", "Show or hide what the robots' radars reach.", _VIEW, ("y",)),
     Command(
         "drawing",

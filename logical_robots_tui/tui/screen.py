@@ -187,7 +187,7 @@ class MainScreen(Screen[None]):
 
     def begin_level(self) -> None:
         """Show what the level asks for."""
-        self.labyrinth.view.selected = None
+        self.labyrinth.select(None)
         self.labyrinth.briefing.tell(self.session.level)
         self.forget_victory()
         self._changed()
@@ -357,7 +357,7 @@ class MainScreen(Screen[None]):
         self._select(event.robot_name)
 
     def _select(self, robot_name: str) -> None:
-        self.labyrinth.view.selected = robot_name
+        self.labyrinth.select(robot_name)
         self.inspector.robots.choose(robot_name)
 
     def action_command(self, command_id: str) -> None:

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from logical_robots_tui.world.level import Level
     from logical_robots_tui.world.state import RobotState
 
-__all__ = ["StillLettering", "letter", "robot_colour"]
+__all__ = ["StillLettering", "letter", "robot_colour", "write"]
 
 _MIN_COLUMNS, _MIN_ROWS = 24, 8
 """Below this a view is too small for names."""
@@ -142,7 +142,7 @@ def letter(
     for plate, style, (row, column) in still.plates:
         if room.is_free(row, column, column + len(plate.cells)):
             room.take(row, column, column + len(plate.cells))
-            _put_plate(cells, row, column, plate, style)
+            write(cells, row, column, plate.cells, style)
         else:
             moved.append((plate, style))
     for robot, colour, cell in reversed(placed):
@@ -150,7 +150,7 @@ def letter(
     for plate, style in moved:
         place = room.place(plate)
         if place:
-            _put_plate(cells, *place, plate, style)
+            write(cells, *place, plate.cells, style)
 
 
 def _mark_ends(
@@ -229,15 +229,16 @@ def _put_robot_name(
         ink, paper = text_on(colour), colour
     else:
         ink, paper = palette.strong(colour), mix(palette.plate, colour, 0.2)
-    _put_plate(cells, *place, plate, BOLD | packed(ink) << 24 | packed(paper))
+    write(cells, *place, plate.cells, BOLD | packed(ink) << 24 | packed(paper))
     if robot.blocked and robot.name != look.selected:
         row, column = place[0], place[1] + len(name) - 1
         cells.put(row, column, name[-1], packed(palette.alarm), packed(paper), bold=True)
 
 
-def _put_plate(cells: Cells, row: int, column: int, plate: Plate, style: int) -> None:
-    part = slice(column, column + len(plate.cells))
-    cells.text[row, part] = [text_id(text) for text in plate.cells]
+def write(cells: Cells, row: int, column: int, texts: Sequence[str], style: int) -> None:
+    """Write the texts of cells, as ``fit_name`` gives them, in one style."""
+    part = slice(column, column + len(texts))
+    cells.text[row, part] = [text_id(text) for text in texts]
     cells.style[row, part] = style
 
 

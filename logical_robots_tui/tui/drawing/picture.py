@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from logical_robots_tui.tui.drawing.cells import Cells, text_id
-from logical_robots_tui.tui.drawing.dots import BLOCKS, fit, pack, split
+from logical_robots_tui.tui.drawing.dots import pack, split
+from logical_robots_tui.tui.drawing.fitting import refit
 from logical_robots_tui.tui.drawing.glyphs import Drawing
 from logical_robots_tui.tui.drawing.ground import ASCII_KINDS, Ground, lay_ground
 from logical_robots_tui.tui.drawing.lettering import StillLettering, letter, robot_colour
@@ -35,9 +36,6 @@ _STRENGTH, _SELECTED, _OTHERS = 0.34, 0.5, 0.2
 _UNSEEN = 12
 """By how much a channel of a dot may be wrong for a moment, of 255."""
 
-_BLOCK_IDS = {
-    count: np.array([text_id(char) for char in chars], np.int64) for count, chars in BLOCKS.items()
-}
 _KIND_IDS = np.array([text_id(char) for char in ASCII_KINDS], np.int64)
 _LIT_ID = text_id(".")
 
@@ -119,8 +117,6 @@ class Picture:
         letter(cells, self._lettering, robots, light.fans, viewport, look)
 
         self.cells = cells
-        if earlier.text.shape != cells.text.shape:
-            return [(row, 0, viewport.columns) for row in range(viewport.rows)]
         return cells.changes(earlier)
 
     def _keep_still(
@@ -172,10 +168,7 @@ class Picture:
             apart = np.maximum(dots, self._dots) - np.minimum(dots, self._dots)
             changed = np.flatnonzero((apart > tolerance).any(axis=(1, 2)))
             self._dots[changed] = dots[changed]
-        pattern, ink, paper = fit(dots[changed])
-        self._base.text.ravel()[changed] = _BLOCK_IDS[dots.shape[1]][pattern]
-        self._base.style.ravel()[changed] = pack(ink) << 24 | pack(paper)
-        self._base.tone.ravel()[changed] = pack(dots[changed].mean(axis=1, dtype=np.float32))
+        refit(self._base, dots, changed)
         return self._base.copy()
 
 
