@@ -164,6 +164,17 @@ class Actions:
         """Show or hide what the radars reach."""
         self._screen.labyrinth.view.rays = not self._screen.labyrinth.view.rays
 
+    def ray_lines(self) -> None:
+        """Draw each ray of the selected robot, or none."""
+        view = self._screen.labyrinth.view
+        view.lines = not view.lines
+        if view.lines and view.selected is None:
+            view.select_next()
+
+    def trails(self) -> None:
+        """Show or hide where the robots came from."""
+        self._screen.labyrinth.view.trails = not self._screen.labyrinth.view.trails
+
     def drawing(self) -> None:
         """Draw in the next way."""
         ways = list(Drawing)

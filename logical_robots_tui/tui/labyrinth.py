@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from time import monotonic
 from typing import TYPE_CHECKING, ClassVar
 
 from rich.color import Color
@@ -19,6 +20,7 @@ from logical_robots_tui.tui.drawing.look import Look
 from logical_robots_tui.tui.drawing.palette import DARK, LIGHT, Palette
 from logical_robots_tui.tui.drawing.picture import Picture
 from logical_robots_tui.tui.drawing.senses import draw_senses
+from logical_robots_tui.tui.drawing.traces import Traces
 from logical_robots_tui.tui.drawing.viewport import CELL_ASPECT, Viewport
 from logical_robots_tui.world.sensing import ROBOT_RADIUS
 
@@ -35,6 +37,10 @@ _PICK_REACH = 2.5
 """Columns beside a robot at which a click still means it."""
 
 
+_BEAT = 0.35
+"""Seconds for which a beacon keeps its brightness while the robots run."""
+
+
 class LabyrinthView(Widget):
     """Shows one frame of a level.
 
@@ -43,6 +49,8 @@ class LabyrinthView(Widget):
     Attributes:
         rays: Whether the robots' radar is shown as light.
         marks: Whether the ends of rays are marked.
+        lines: Whether the rays of the selected robot are drawn one by one.
+        trails: Whether the ways that robots came are shown.
         names: Whether names are shown.
         drawing: Which characters draw the labyrinth.
         selected: Name of the robot to bring out, or None.
@@ -61,6 +69,8 @@ class LabyrinthView(Widget):
 
     rays: reactive[bool] = reactive(True, repaint=False)
     marks: reactive[bool] = reactive(True, repaint=False)
+    lines: reactive[bool] = reactive(False, repaint=False)
+    trails: reactive[bool] = reactive(True, repaint=False)
     names: reactive[bool] = reactive(True, repaint=False)
     drawing: reactive[Drawing] = reactive(Drawing.QUADRANTS, repaint=False)
     selected: reactive[str | None] = reactive[str | None](None, repaint=False)
@@ -113,6 +123,7 @@ class LabyrinthView(Widget):
         self._frame: Frame | None = None
         self._hurried = False
         self._picture = Picture()
+        self._traces = Traces()
         self._cells = self._picture.cells
         self._strips: dict[int, Strip] = {}
         self._held: Offset | None = None
@@ -133,6 +144,8 @@ class LabyrinthView(Widget):
         """
         if level is not self._level:
             self.set_reactive(LabyrinthView.camera, Camera())
+            self._traces.forget()
+        self._traces.record(frame)
         self._level, self._frame, self._hurried = level, frame, hurried
         self._follow()
         self._redraw()
@@ -148,8 +161,19 @@ class LabyrinthView(Widget):
             self._follow(at_once=True)
 
     def zoom(self, steps: int, at: tuple[float, float] | None = None) -> None:
-        """Zoom in, or out with negative steps, keeping a point in map units where it is."""
-        if self.view is not None:
+        """Zoom in, or out with negative steps.
+
+        Args:
+            steps: How far.
+            at: The point, in map units, that stays where it is; without one a selected robot is
+                followed.
+        """
+        if self.view is None:
+            return
+        if at is None and steps > 0 and self.selected and self.camera.sight is Sight.WHOLE:
+            self.camera = Camera(Sight.FOLLOW, steps)
+            self._follow(at_once=True)
+        else:
             self.camera = self.camera.zoomed(steps, self.view, at)
 
     def pan(self, columns: float, rows: float) -> None:
@@ -219,13 +243,17 @@ class LabyrinthView(Widget):
             palette=self._palette,
             rays=self.rays,
             marks=self.marks,
+            lines=self.lines,
+            trails=self.trails,
             names=self.names,
             selected=self.selected,
+            pulse=int(monotonic() / _BEAT) if self._hurried else 0,
         )
         if self.camera.sight is Sight.SENSES:
             cells = draw_senses(self._level, self._frame, *self.size, look)
         else:
-            self._picture.draw(self._level, self._frame, view, look, hurried=self._hurried)
+            now, traces = self._frame, self._traces
+            self._picture.draw(self._level, now, view, look, traces, hurried=self._hurried)
             cells = self._picture.cells
         changes = cells.changes(self._cells)
         self._cells = cells
@@ -304,4 +332,6 @@ class LabyrinthView(Widget):
         """Show it."""
         self._redraw()
 
-    watch_marks = watch_names = watch_drawing = watch_palette = watch_rays
+    watch_marks = watch_lines = watch_trails = watch_names = watch_drawing = watch_palette = (
+        watch_rays
+    )

@@ -12,7 +12,7 @@ from logical_robots_tui.tui.drawing.palette import RGB, Palette, parse
 from logical_robots_tui.world.sensing import BEACON_RADIUS
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Container, Sequence
 
     from numpy.typing import NDArray
 
@@ -44,7 +44,12 @@ class Ground:
 
 
 def lay_ground(
-    level: Level, walls: WallTable, active: Sequence[bool], raster: Raster, palette: Palette
+    level: Level,
+    walls: WallTable,
+    active: Sequence[bool],
+    raster: Raster,
+    palette: Palette,
+    switched: Container[int] = (),
 ) -> Ground:
     """Paint what stands still.
 
@@ -54,6 +59,7 @@ def lay_ground(
         active: For each area whether it is switched on.
         raster: The dots to paint.
         palette: Their colours.
+        switched: Numbers of the areas for which that has just changed.
     """
     # A thin wall must not vanish between the dots, so little counts for more.
     stone = walls.coverage(raster).astype(np.float32) ** np.float32(0.6)
@@ -66,8 +72,8 @@ def lay_ground(
     blend(image, everywhere, palette.rim, rim)
 
     kinds = np.where(stone >= 0.55, _WALL, _FLOOR).astype(np.uint8)
-    for area, is_active in zip(level.areas, active, strict=False):
-        found = area_weights(raster, area, is_active)
+    for number, (area, is_active) in enumerate(zip(level.areas, active, strict=False)):
+        found = area_weights(raster, area, is_active, flash=number in switched)
         if found is None:
             continue
         window, disc, edge = found

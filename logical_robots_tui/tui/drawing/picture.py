@@ -16,6 +16,8 @@ from logical_robots_tui.tui.drawing.lettering import StillLettering, letter, rob
 from logical_robots_tui.tui.drawing.palette import RGB, Palette, packed
 from logical_robots_tui.tui.drawing.rays import Fan, fans, shine
 from logical_robots_tui.tui.drawing.robots import paint_robot
+from logical_robots_tui.tui.drawing.threads import draw_rays, draw_trails
+from logical_robots_tui.tui.drawing.traces import Traces
 from logical_robots_tui.tui.drawing.viewport import Floats, Raster
 from logical_robots_tui.tui.drawing.walls import WallTable
 
@@ -78,7 +80,14 @@ class Picture:
         self._base = self.cells
 
     def draw(
-        self, level: Level, frame: Frame, viewport: Viewport, look: Look, *, hurried: bool = False
+        self,
+        level: Level,
+        frame: Frame,
+        viewport: Viewport,
+        look: Look,
+        traces: Traces | None = None,
+        *,
+        hurried: bool = False,
     ) -> list[tuple[int, int, int]]:
         """Draw a frame.
 
@@ -87,6 +96,7 @@ class Picture:
             frame: What to draw: robots as they are afterwards, rays from where they sensed.
             viewport: The part of the map to show.
             look: How to draw it.
+            traces: What is known of the past, to be seen in trails and areas just switched.
             hurried: Whether the next frame follows at once, so that less need change: light then
                 moves in every second picture, and colours may be a little off.
 
@@ -98,9 +108,9 @@ class Picture:
             self.cells = Cells.blank(max(viewport.rows, 0), max(viewport.columns, 0))
             self._still_key = None
             return []
-        active = tuple(area.active for area in frame.after.areas)
+        traces = traces or Traces()
         raster = Raster(viewport, *look.drawing.dots)
-        self._keep_still(level, active, raster, look)
+        self._keep_still(level, frame, traces, raster, look)
         colours = {robot.name: robot_colour(robot.color, look.palette) for robot in level.robots}
         robots = [
             (robot, _state_colour(robot, colours, look.palette)) for robot in frame.after.robots
@@ -114,22 +124,32 @@ class Picture:
             for robot, colour in robots:
                 paint_robot(image, raster, robot, colour, look.palette)
             cells = self._fitted(image, raster, _UNSEEN if hurried else 0)
-        letter(cells, self._lettering, robots, light.fans, viewport, look)
+        if look.trails:
+            inks = [colours[robot.name] for robot in level.robots]
+            draw_trails(cells, *traces.trails(frame.tick), inks, viewport, look)
+        if look.lines:
+            for fan in light.fans:
+                if fan.name == look.selected:
+                    draw_rays(cells, fan, colours[fan.name], viewport, look)
+        undecided = frozenset(d.robot_name for d in frame.decisions if d.desire is None)
+        letter(cells, self._lettering, robots, undecided, light.fans, viewport, look)
 
         self.cells = cells
         return cells.changes(earlier)
 
     def _keep_still(
-        self, level: Level, active: tuple[bool, ...], raster: Raster, look: Look
+        self, level: Level, frame: Frame, traces: Traces, raster: Raster, look: Look
     ) -> None:
         """Paint what stands still, unless that is what was painted last."""
+        active = tuple(area.active for area in frame.after.areas)
+        switched = traces.switched(frame.tick)
         if level is not self._level:
             self._level, self._walls, self._still_key = level, WallTable(level.walls), None
-        key = active, raster, look.drawing, look.palette, look.names
+        key = active, switched, raster, look.drawing, look.palette, look.names
         if key == self._still_key:
             return
         self._still_key, self._light = key, None
-        self._ground = lay_ground(level, self._walls, active, raster, look.palette)
+        self._ground = lay_ground(level, self._walls, active, raster, look.palette, switched)
         self._lettering = StillLettering(level, active, raster.viewport, look, self._ground.image)
 
     def _shed_light(
@@ -147,7 +167,7 @@ class Picture:
             return self._light
         image = self._ground.image.copy()
         lit = np.zeros(raster.shape, np.bool_)
-        seen = fans(frame) if look.rays or look.marks else []
+        seen = fans(frame) if look.rays or look.marks or look.lines else []
         for fan in seen if look.rays else []:
             colour = colours.get(fan.name, look.palette.dead)
             _light_up(image, lit, fan, colour, self._ground, raster, look)
