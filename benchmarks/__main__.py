@@ -20,7 +20,7 @@ from benchmarks.measure import Effort, Measurement
 from benchmarks.mind import compiling, thinking
 from benchmarks.swarm import swarms
 from benchmarks.whole_game import whole_game
-from benchmarks.with_screen import with_screen
+from benchmarks.with_screen import traffic, with_screen
 from benchmarks.world import crowds, world_alone
 
 if TYPE_CHECKING:
@@ -35,6 +35,7 @@ BENCHMARKS = {
     "game": whole_game,
     "editing": editing,
     "screen": with_screen,
+    "traffic": traffic,
     "first-frame": first_frame,
 }
 THOROUGH = Effort(repeats=7, ticks=400)

@@ -1,4 +1,4 @@
-"""Running flat out with the screen open, in a real pseudo-terminal: ticks, and answers to keys."""
+"""Running with the screen open, in a real pseudo-terminal: ticks, answers to keys, traffic."""
 
 from __future__ import annotations
 
@@ -20,12 +20,18 @@ from tests.terminal import Terminal
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-__all__ = ["with_screen"]
+__all__ = ["traffic", "with_screen"]
 
 SIZE = (120, 40)
 LEVEL, PROGRAM = "02-open-space", "open-space-starter"  # which never wins
 FIRST = "# Open space"  # is where the cursor stands in the editor
 FASTEST = 12  # presses of "faster" that are enough to run flat out
+TRAFFIC = (
+    ("07-station-management", "station-management", "3 robots", (120, 40), 60),
+    ("10-distributed-mapping", "distributed-mapping", "6 robots", (120, 40), 100),
+    ("07-station-management", "station-management", "3 robots", (80, 24), 30),
+)
+"""Level, program, its robots, size, and the kB a second that are allowed."""
 SECONDS = 0.01  # of running, for each repeat and each tick that is to be measured
 
 
@@ -50,22 +56,63 @@ def with_screen(effort: Effort) -> Iterator[Measurement]:
     )
 
 
+def traffic(effort: Effort) -> Iterator[Measurement]:
+    """Bytes a second that a running game with cones sends to its terminal, and a paused one."""
+    seconds = SECONDS * effort.ticks
+    for level, program, robots, size, allowed in TRAFFIC:
+        running, paused = [], []
+        for _ in range(effort.repeats):
+            with _opened(level, program, size) as terminal:
+                terminal.send(" ")
+                terminal.wait_for("RUNNING")
+                running.append(_kilobytes_per_second(terminal, seconds))
+                terminal.send(" ")
+                terminal.wait_for("PAUSED")
+                terminal.wait_for_quiet()
+                paused.append(_kilobytes_per_second(terminal, 1.0))
+        columns, rows = size
+        for state, found, required in (("running", running, allowed), ("paused", paused, 0)):
+            yield Measurement(
+                "traffic",
+                f"{columns}x{rows}, {robots}, {state}",
+                statistics.median(found),
+                "kB/s",
+                min(found),
+                max(found),
+                f"<= {required}",
+            )
+
+
+def _kilobytes_per_second(terminal: Terminal, seconds: float) -> float:
+    """Of what is written while a time passes; the status line tells the speed meanwhile."""
+    terminal.read_for(0.0)
+    before, began = terminal.traffic, perf_counter()
+    terminal.read_for(seconds)
+    return (terminal.traffic - before) / 1000 / (perf_counter() - began)
+
+
+@contextmanager
+def _opened(level: str, program: str, size: tuple[int, int]) -> Iterator[Terminal]:
+    """The game in a terminal, with the keyboard in the labyrinth."""
+    with tempfile.TemporaryDirectory() as data_dir:
+        game = [sys.executable, "-m", "logical_robots_tui", "play", level, program]
+        with Terminal([*game, "--data-dir", data_dir], size=size) as terminal:
+            terminal.wait_for("· applied")
+            terminal.wait_for_quiet()
+            yield terminal
+
+
 @contextmanager
 def _running() -> Iterator[Terminal]:
     """The game in a terminal, running flat out, with the keyboard in the editor."""
-    with tempfile.TemporaryDirectory() as data_dir:
-        game = [sys.executable, "-m", "logical_robots_tui", "play", LEVEL, PROGRAM]
-        with Terminal([*game, "--data-dir", data_dir], size=SIZE) as terminal:
-            terminal.wait_for("· applied")
-            terminal.send("\x1b")  # leaves the tour
-            terminal.wait_for_quiet()
-            terminal.send("+" * FASTEST)
-            terminal.wait_for("flat out")
-            terminal.send("1 ")
-            terminal.wait_for("RUNNING")
-            terminal.send("2")
-            terminal.wait_for("Leave")
-            yield terminal
+    with _opened(LEVEL, PROGRAM, SIZE) as terminal:
+        terminal.send("+" * FASTEST)
+        terminal.wait_for("flat out")
+        terminal.send("1 ")
+        terminal.wait_for("RUNNING")
+        terminal.send("2")
+        terminal.wait_for("Leave")
+        yield terminal
 
 
 def _ticks_per_second(terminal: Terminal, seconds: float) -> float:

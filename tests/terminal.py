@@ -18,7 +18,7 @@ from tests.waiting import PATIENCE
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping, Sequence
 
-__all__ = ["Terminal"]
+__all__ = ["Terminal", "looks"]
 
 CHUNK = 65536
 
@@ -80,6 +80,11 @@ class Terminal:
         """All that was ever written to the screen."""
         return self._raw.decode("utf-8", "replace")
 
+    @property
+    def traffic(self) -> int:
+        """How many bytes were ever written to the screen."""
+        return len(self._raw)
+
     def send(self, keys: str) -> None:
         """Type."""
         os.write(self._ours, keys.encode())
@@ -94,6 +99,12 @@ class Terminal:
     def wait_for_quiet(self, seconds: float = 1.0) -> None:
         """Read on until nothing has been written for some time."""
         while select.select([self._ours], [], [], seconds)[0] and self._read(monotonic() + 1):
+            pass
+
+    def read_for(self, seconds: float) -> None:
+        """Read on for some time, whether anything is written or not."""
+        end = monotonic() + seconds
+        while self._read(end) and monotonic() < end:
             pass
 
     def finish(self) -> int:
@@ -126,3 +137,19 @@ class _AnsweringScreen(pyte.Screen):
 
     def write_process_input(self, data: str) -> None:
         self.answer(data)
+
+
+def looks(screen: pyte.Screen) -> list[list[tuple[object, ...]]]:
+    """All that can be seen of a screen, cell by cell; the ink of a blank can't."""
+    shown = []
+    for row in range(screen.lines):
+        line: list[tuple[object, ...]] = []
+        for column in range(screen.columns):
+            cell = screen.buffer[row][column]
+            if cell.data == " " and not (cell.reverse or cell.underscore):
+                line.append((" ", cell.bg))
+            else:
+                marks = cell.bold, cell.reverse, cell.underscore
+                line.append((cell.data, cell.bg, cell.fg, *marks))
+        shown.append(line)
+    return shown

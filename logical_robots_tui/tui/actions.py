@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from logical_robots_tui.tui.drawing.glyphs import Drawing
+from logical_robots_tui.tui.sparing import SparingApp
 
 if TYPE_CHECKING:
     from logical_robots_tui.tui.screen import MainScreen
@@ -140,6 +141,7 @@ class Actions:
     def leave(self) -> None:
         """Go to the labyrinth and close what lies over it."""
         if self._screen.active is self._screen.labyrinth:
+            self._screen.labyrinth.select(None)
             self._screen.labyrinth.banner.display = False
             self._screen.labyrinth.briefing.display = False
         self._screen.go_to(self._screen.labyrinth)
@@ -152,9 +154,36 @@ class Actions:
         """Go to the pane before."""
         self._screen.go_on(-1)
 
+    def view(self) -> None:
+        """Look at the next thing."""
+        self._screen.labyrinth.view.look_at_next()
+
+    def zoom_in(self) -> None:
+        """Show less, larger."""
+        self._screen.labyrinth.view.zoom(1)
+
+    def zoom_out(self) -> None:
+        """Show more."""
+        self._screen.labyrinth.view.zoom(-1)
+
+    def next_robot(self) -> None:
+        """Select the next robot."""
+        self._screen.labyrinth.view.select_next()
+
     def rays(self) -> None:
         """Show or hide what the radars reach."""
         self._screen.labyrinth.view.rays = not self._screen.labyrinth.view.rays
+
+    def ray_lines(self) -> None:
+        """Draw each ray of the selected robot, or none."""
+        view = self._screen.labyrinth.view
+        view.lines = not view.lines
+        if view.lines and view.selected is None:
+            view.select_next()
+
+    def trails(self) -> None:
+        """Show or hide where the robots came from."""
+        self._screen.labyrinth.view.trails = not self._screen.labyrinth.view.trails
 
     def drawing(self) -> None:
         """Draw in the next way."""
@@ -186,6 +215,8 @@ class Actions:
 
     def redraw(self) -> None:
         """Paint the whole screen again."""
+        if isinstance(self._screen.app, SparingApp):
+            self._screen.app.forget_terminal()
         self._screen.refresh(layout=True, repaint=True)
 
     def quit(self) -> None:

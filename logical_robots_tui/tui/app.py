@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import os
 from time import monotonic
 from typing import TYPE_CHECKING, ClassVar
 
@@ -10,9 +11,10 @@ from textual import events
 from textual.binding import Binding
 
 from logical_robots_tui.progress import FILE_NAME
-from logical_robots_tui.tui.crash import CarefulApp
 from logical_robots_tui.tui.journal import Journal
 from logical_robots_tui.tui.screen import MainScreen
+from logical_robots_tui.tui.sparing import SparingApp
+from logical_robots_tui.tui.terminal import drawing_for
 from logical_robots_tui.tui.theme import EXTRA_VARIABLES, NIGHT
 
 if TYPE_CHECKING:
@@ -29,7 +31,7 @@ __all__ = ["LogicalRobotsApp"]
 _TWICE = 2.0  # seconds between two presses that are meant as one wish
 
 
-class LogicalRobotsApp(CarefulApp, inherit_bindings=False):
+class LogicalRobotsApp(SparingApp, inherit_bindings=False):
     """The game in a terminal.
 
     Args:
@@ -90,6 +92,15 @@ class LogicalRobotsApp(CarefulApp, inherit_bindings=False):
         key = event.key if isinstance(event, events.Key) and self.screen is self.main else ""
         if not self.main.goes_there(key):
             await super().on_event(event)
+
+    def suit_terminal(self) -> None:
+        """Draw the labyrinth in the way that suits the terminal of this process."""
+        self.main.labyrinth.view.drawing = drawing_for(
+            os.environ,
+            self.console.color_system,
+            self.console.encoding,
+            colourless=self.no_color,
+        )
 
     def last_words(self) -> None:
         """Write what was typed to its draft."""

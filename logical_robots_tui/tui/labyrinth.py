@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import replace
+from time import monotonic
 from typing import TYPE_CHECKING, ClassVar
 
 from rich.color import Color
@@ -14,15 +14,19 @@ from textual.reactive import reactive
 from textual.strip import Strip
 from textual.widget import Widget
 
+from logical_robots_tui.tui.camera import Camera, Sight
 from logical_robots_tui.tui.drawing.glyphs import Drawing
 from logical_robots_tui.tui.drawing.look import Look
 from logical_robots_tui.tui.drawing.palette import DARK, LIGHT, Palette
 from logical_robots_tui.tui.drawing.picture import Picture
+from logical_robots_tui.tui.drawing.senses import draw_senses
+from logical_robots_tui.tui.drawing.traces import Traces
 from logical_robots_tui.tui.drawing.viewport import CELL_ASPECT, Viewport
 from logical_robots_tui.world.sensing import ROBOT_RADIUS
 
 if TYPE_CHECKING:
     from textual import events
+    from textual.geometry import Offset
 
     from logical_robots_tui.game.frame import Frame
     from logical_robots_tui.world.level import Level
@@ -33,6 +37,10 @@ _PICK_REACH = 2.5
 """Columns beside a robot at which a click still means it."""
 
 
+_BEAT = 0.35
+"""Seconds for which a beacon keeps its brightness while the robots run."""
+
+
 class LabyrinthView(Widget):
     """Shows one frame of a level.
 
@@ -41,10 +49,13 @@ class LabyrinthView(Widget):
     Attributes:
         rays: Whether the robots' radar is shown as light.
         marks: Whether the ends of rays are marked.
+        lines: Whether the rays of the selected robot are drawn one by one.
+        trails: Whether the ways that robots came are shown.
         names: Whether names are shown.
         drawing: Which characters draw the labyrinth.
         selected: Name of the robot to bring out, or None.
-        viewport: The part of the map to show, whatever its number of cells; None is all of it.
+        camera: What is looked at. ``view`` tells which part of the map that comes to, and turns
+            cells of this widget into map units and back.
         palette: Colours, or None for those that suit the theme.
     """
 
@@ -58,10 +69,12 @@ class LabyrinthView(Widget):
 
     rays: reactive[bool] = reactive(True, repaint=False)
     marks: reactive[bool] = reactive(True, repaint=False)
+    lines: reactive[bool] = reactive(False, repaint=False)
+    trails: reactive[bool] = reactive(True, repaint=False)
     names: reactive[bool] = reactive(True, repaint=False)
     drawing: reactive[Drawing] = reactive(Drawing.QUADRANTS, repaint=False)
     selected: reactive[str | None] = reactive[str | None](None, repaint=False)
-    viewport: reactive[Viewport | None] = reactive[Viewport | None](None, repaint=False)
+    camera: reactive[Camera] = reactive(Camera(), repaint=False)
     palette: reactive[Palette | None] = reactive[Palette | None](None, repaint=False)
 
     class RobotPicked(Message):
@@ -82,6 +95,22 @@ class LabyrinthView(Widget):
             """The view, for handlers that select by it."""
             return self.view
 
+    class Looked(Message):
+        """The player looks at something else.
+
+        Attributes:
+            view: Where.
+        """
+
+        def __init__(self, view: LabyrinthView) -> None:
+            super().__init__()
+            self.view = view
+
+        @property
+        def control(self) -> LabyrinthView:
+            """The view, for handlers that select by it."""
+            return self.view
+
     def __init__(
         self,
         *,
@@ -92,35 +121,87 @@ class LabyrinthView(Widget):
         super().__init__(name=name, id=id, classes=classes)
         self._level: Level | None = None
         self._frame: Frame | None = None
+        self._hurried = False
         self._picture = Picture()
+        self._traces = Traces()
+        self._cells = self._picture.cells
         self._strips: dict[int, Strip] = {}
+        self._held: Offset | None = None
+        self._is_dragged = False
 
     @property
     def view(self) -> Viewport | None:
         """What is shown at present; None before the first frame."""
-        level, (columns, rows) = self._level, self.size
-        if level is None:
-            return None
-        if self.viewport is None:
-            return Viewport.fit(level.width, level.height, columns, rows)
-        wanted = self.viewport
-        x, y = wanted.left + wanted.width / 2, wanted.top + wanted.height / 2
-        return replace(wanted, columns=columns, rows=rows).centred(x, y)
+        return None if self._level is None else self.camera.viewport(self._level, *self.size)
 
-    def show(self, level: Level, frame: Frame) -> None:
+    def show(self, level: Level, frame: Frame, *, hurried: bool = False) -> None:
         """Show a frame.
 
         Args:
             level: The level that it belongs to.
             frame: What to show.
+            hurried: Whether the next frame follows at once, so that less need be sent.
         """
-        self._level, self._frame = level, frame
+        if level is not self._level:
+            self.set_reactive(LabyrinthView.camera, Camera())
+            self._traces.forget()
+        self._traces.record(frame)
+        self._level, self._frame, self._hurried = level, frame, hurried
+        self._follow()
         self._redraw()
+
+    # -- looking elsewhere ---------------------------------------------------------------------
+
+    def look_at_next(self) -> None:
+        """Look at the next thing: all, one robot, what robots sense, and all again."""
+        self.camera = self.camera.next_sight()
+        if self.camera.sight is Sight.FOLLOW:
+            if self.selected is None:
+                self.select_next()
+            self._follow(at_once=True)
+
+    def zoom(self, steps: int, at: tuple[float, float] | None = None) -> None:
+        """Zoom in, or out with negative steps.
+
+        Args:
+            steps: How far.
+            at: The point, in map units, that stays where it is; without one a selected robot is
+                followed.
+        """
+        if self.view is None:
+            return
+        if at is None and steps > 0 and self.selected and self.camera.sight is Sight.WHOLE:
+            self.camera = Camera(Sight.FOLLOW, steps)
+            self._follow(at_once=True)
+        else:
+            self.camera = self.camera.zoomed(steps, self.view, at)
+
+    def pan(self, columns: float, rows: float) -> None:
+        """Move the view over the map by cells to the right and down."""
+        if self.view is not None and self._level is not None:
+            self.camera = self.camera.panned(columns, rows, self.view, self._level)
+
+    def select_next(self) -> None:
+        """Tell that the robot after the selected one was picked; after the last comes the first."""
+        if self._level is None:
+            return
+        names = [robot.name for robot in self._level.robots]
+        at = names.index(self.selected) + 1 if self.selected in names else 0
+        self.selected = names[at % len(names)]
+        self.post_message(self.RobotPicked(self, self.selected))
+
+    def _follow(self, *, at_once: bool = False) -> None:
+        """Keep the selected robot in sight, if the camera is to."""
+        if self.view is None or self._frame is None:
+            return
+        for robot in self._frame.after.robots:
+            if robot.name == self.selected and math.isfinite(robot.x + robot.y):
+                self.camera = self.camera.following(robot.x, robot.y, self.view, at_once=at_once)
 
     def robot_at(self, column: int, row: int) -> str | None:
         """Return the name of the robot nearest to a cell of this widget, if one is near."""
         view, frame = self.view, self._frame
-        if view is None or frame is None:
+        if view is None or frame is None or self.camera.sight is Sight.SENSES:
             return None
         x, y = view.position(row, column)
         reach = max(_PICK_REACH * view.units, ROBOT_RADIUS + CELL_ASPECT * view.units / 2)
@@ -138,14 +219,14 @@ class LabyrinthView(Widget):
             y: Its row.
         """
         columns, rows = self.size
-        if self._picture.cells.text.shape != (rows, columns):
+        if self._cells.text.shape != (rows, columns):
             self._draw()
         strip = self._strips.get(y)
         if strip is None:
-            if self._frame is None or not 0 <= y < self._picture.cells.text.shape[0]:
+            if self._frame is None or not 0 <= y < self._cells.text.shape[0]:
                 void = Color.from_rgb(*self._palette.void)
                 return Strip.blank(columns, Style(color=void, bgcolor=void))
-            strip = self._strips[y] = self._picture.cells.strip(y)
+            strip = self._strips[y] = self._cells.strip(y)
         return strip
 
     @property
@@ -162,10 +243,20 @@ class LabyrinthView(Widget):
             palette=self._palette,
             rays=self.rays,
             marks=self.marks,
+            lines=self.lines,
+            trails=self.trails,
             names=self.names,
             selected=self.selected,
+            pulse=int(monotonic() / _BEAT) if self._hurried else 0,
         )
-        changes = self._picture.draw(self._level, self._frame, view, look)
+        if self.camera.sight is Sight.SENSES:
+            cells = draw_senses(self._level, self._frame, *self.size, look)
+        else:
+            now, traces = self._frame, self._traces
+            self._picture.draw(self._level, now, view, look, traces, hurried=self._hurried)
+            cells = self._picture.cells
+        changes = cells.changes(self._cells)
+        self._cells = cells
         for row, _, _ in changes:
             self._strips.pop(row, None)
         return [Region(first, row, stop - first, 1) for row, first, stop in changes]
@@ -190,14 +281,57 @@ class LabyrinthView(Widget):
     def on_click(self, event: events.Click) -> None:
         """Tell which robot was clicked."""
         offset = event.get_content_offset(self)
-        name = None if offset is None else self.robot_at(offset.x, offset.y)
+        name = None if offset is None or self._is_dragged else self.robot_at(offset.x, offset.y)
         if name is not None:
             event.stop()
             self.post_message(self.RobotPicked(self, name))
+
+    def on_mouse_down(self, event: events.MouseDown) -> None:
+        """Take hold of the map."""
+        self._held, self._is_dragged = event.screen_offset, False
+        self.capture_mouse()
+
+    def on_mouse_up(self) -> None:
+        """Let go of the map."""
+        self._held = None
+        self.release_mouse()
+
+    def on_mouse_move(self, event: events.MouseMove) -> None:
+        """Pull the map along."""
+        if self._held is None or event.screen_offset == self._held:
+            return
+        moved = self._held - event.screen_offset
+        self._held, self._is_dragged = event.screen_offset, True
+        self.pan(moved.x, moved.y)
+
+    def on_mouse_scroll_up(self, event: events.MouseScrollUp) -> None:
+        """Zoom in at the pointer."""
+        self._wheel(event, 1)
+
+    def on_mouse_scroll_down(self, event: events.MouseScrollDown) -> None:
+        """Zoom out at the pointer."""
+        self._wheel(event, -1)
+
+    def _wheel(self, event: events.MouseEvent, steps: int) -> None:
+        offset = event.get_content_offset(self)
+        if offset is not None and self.view is not None:
+            event.stop()
+            self.zoom(steps, self.view.position(offset.y, offset.x))
+
+    def watch_camera(self) -> None:
+        """Show it, and say so."""
+        self._redraw()
+        self.post_message(self.Looked(self))
+
+    def watch_selected(self) -> None:
+        """Bring it out."""
+        self._follow(at_once=True)
+        self._redraw()
 
     def watch_rays(self) -> None:
         """Show it."""
         self._redraw()
 
-    watch_marks = watch_names = watch_drawing = watch_selected = watch_rays
-    watch_viewport = watch_palette = watch_rays
+    watch_marks = watch_lines = watch_trails = watch_names = watch_drawing = watch_palette = (
+        watch_rays
+    )

@@ -4,14 +4,18 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, ClassVar
 
+from textual import on
+from textual.binding import Binding
 from textual.content import Content
 
 from logical_robots_tui.tui.banner import VictoryBanner
+from logical_robots_tui.tui.camera import Sight
 from logical_robots_tui.tui.commands import command, key_name
 from logical_robots_tui.tui.labyrinth import LabyrinthView
 from logical_robots_tui.tui.overlay import Overlay
 from logical_robots_tui.tui.pane import Pane
-from logical_robots_tui.tui.plain import one_line, visible
+from logical_robots_tui.tui.plain import clip, one_line, visible
+from logical_robots_tui.tui.robot_card import RobotCard
 from logical_robots_tui.tui.theme import INK
 
 if TYPE_CHECKING:
@@ -31,15 +35,57 @@ class LabyrinthPane(Pane, can_focus=True):
     LabyrinthPane LabyrinthView { layer: picture; }
     """
 
+    BINDINGS: ClassVar[list[Binding | tuple[str, str] | tuple[str, str, str]]] = [
+        Binding("left", "pan(-1, 0)", show=False),
+        Binding("right", "pan(1, 0)", show=False),
+        Binding("up", "pan(0, -1)", show=False),
+        Binding("down", "pan(0, 1)", show=False),
+    ]
+
     def __init__(self) -> None:
         self.view = LabyrinthView(id="picture")
+        self.card = RobotCard()
         self.briefing = Briefing()
         self.banner = VictoryBanner()
-        super().__init__(self.view, self.briefing, self.banner, title="Labyrinth")
+        self._shown: tuple[Level, Frame] | None = None
+        super().__init__(self.view, self.card, self.briefing, self.banner, title="Labyrinth")
 
-    def show(self, level: Level, frame: Frame) -> None:
-        """Show a tick."""
-        self.view.show(level, frame)
+    def show(self, level: Level, frame: Frame, *, hurried: bool = False) -> None:
+        """Show a tick; in a hurry if the next one follows at once."""
+        self._shown = (level, frame)
+        self.view.show(level, frame, hurried=hurried)
+        self.select(self.view.selected)
+
+    def select(self, robot_name: str | None) -> None:
+        """Bring a robot out and tell of it; None brings all back."""
+        self.view.selected = robot_name
+        if self._shown is None:
+            return
+        level, frame = self._shown
+        robots = {robot.name: robot for robot in frame.after.robots}
+        robot, view = robots.get(robot_name or ""), self.view.view
+        middle = view.left + view.width / 2 if view else 0.0
+        on_the_left = robot is not None and robot.x < middle
+        shown = None if self.view.camera.sight is Sight.SENSES else robot_name
+        self.card.show(level, frame, shown, on_the_left=on_the_left)
+
+    @on(LabyrinthView.Looked)
+    def _looked(self) -> None:
+        camera = self.view.camera
+        times = f"{camera.zoom:g}\N{MULTIPLICATION SIGN}"
+        words = {
+            Sight.WHOLE: "",
+            Sight.SENSES: "senses",
+            Sight.FREE: times,
+            Sight.FOLLOW: f"{clip(one_line(self.view.selected or ''), 12)} {times}",
+        }
+        self.note(words[camera.sight])
+        self.select(self.view.selected)
+
+    def action_pan(self, across: int, down: int) -> None:
+        """Move the view by an eighth of it."""
+        columns, rows = self.view.size
+        self.view.pan(across * columns / 8, down * rows / 8)
 
     def enter(self) -> None:
         """Take the focus, so that single letters are commands."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from typing import TYPE_CHECKING
 
 from platformdirs import user_data_path
@@ -12,6 +13,7 @@ from logical_robots_tui.progress import FILE_NAME
 from logical_robots_tui.tui.app import LogicalRobotsApp
 from logical_robots_tui.tui.crash import end_on_hangup
 from logical_robots_tui.tui.journal import LAST_LEVEL, TOUR, Journal
+from logical_robots_tui.tui.terminal import assume_colours
 from logical_robots_tui.world import list_levels, load_level
 
 if TYPE_CHECKING:
@@ -56,6 +58,7 @@ def play(
     own = data_dir / "programs"
     source = load_program(program or level.starter or DEFAULT_PROGRAM, own)
     goes_on = program is None and bool(level.starter)
+    assume_colours(os.environ)
     app = LogicalRobotsApp(
         level,
         source,
@@ -65,6 +68,7 @@ def play(
         engine=engine,
         welcome=level_name is None and journal.progress.fact(TOUR) is None,
     )
+    app.suit_terminal()
     put_back = end_on_hangup(app.last_words, app.leave_soon)
     try:
         app.run()

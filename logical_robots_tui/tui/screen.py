@@ -110,7 +110,7 @@ class MainScreen(Screen[None]):
         self._layout = Layout.WIDE
         self._active: Pane = self.labyrinth
         self._focus_before: Widget | None = None
-        self._drawn: tuple[Level, Frame] | None = None
+        self._drawn: tuple[Level, Frame, bool] | None = None
         self._drawn_at = 0.0
         self._is_draw_due = False
         self._is_celebrated = False
@@ -188,7 +188,7 @@ class MainScreen(Screen[None]):
 
     def begin_level(self) -> None:
         """Show what the level asks for."""
-        self.labyrinth.view.selected = None
+        self.labyrinth.select(None)
         self.labyrinth.briefing.tell(self.session.level)
         self.forget_victory()
         self._changed()
@@ -213,9 +213,10 @@ class MainScreen(Screen[None]):
         self._is_draw_due = False
         self._drawn_at = perf_counter()
         session = self.session
-        if self._layout is not Layout.TINY and self._drawn != (session.level, session.frame):
-            self._drawn = (session.level, session.frame)
-            self.labyrinth.show(session.level, session.frame)
+        now = (session.level, session.frame, session.running)
+        if self._layout is not Layout.TINY and self._drawn != now:
+            self._drawn = now
+            self.labyrinth.show(session.level, session.frame, hurried=session.running)
         saved = self.text == session.source.text
         self.program.show(session.state, session.source.name, saved=saved)
         self.inspector.follow()
@@ -363,7 +364,7 @@ class MainScreen(Screen[None]):
         self._select(event.robot_name)
 
     def _select(self, robot_name: str) -> None:
-        self.labyrinth.view.selected = robot_name
+        self.labyrinth.select(robot_name)
         self.inspector.choose(robot_name)
 
     def action_command(self, command_id: str) -> None:

@@ -116,6 +116,8 @@ async def test_rays_and_the_way_of_drawing_change_by_key(data_dir: Path) -> None
         await game.press("y", "d")
         await game.until(lambda: not view.rays and view.drawing is Drawing.HALVES)
         await game.press("d")
+        await game.until(lambda: view.drawing is Drawing.SEXTANTS)
+        await game.press("d")
         await game.until(lambda: view.drawing is Drawing.ASCII)
         await game.press("y", "d")
         await game.until(lambda: view.rays and view.drawing is Drawing.QUADRANTS)

@@ -27,7 +27,7 @@ def blend(
 
 
 def area_weights(
-    raster: Raster, area: Area, active: bool
+    raster: Raster, area: Area, active: bool, *, flash: bool = False
 ) -> tuple[tuple[slice, slice], Floats, Floats] | None:
     """Return how strongly an area colours the floor.
 
@@ -35,6 +35,7 @@ def area_weights(
         raster: The dots.
         area: The area.
         active: Whether it is switched on.
+        flash: Whether to show that this has just changed.
 
     Returns:
         The window of dots that it touches, the weights of its disc and those of its rim; None if
@@ -51,6 +52,9 @@ def area_weights(
 
     thick = max(1.2 * dot, 1.5)
     rim = np.clip((thick / 2 - np.abs(distance - radius + thick / 2)) / dot + 0.5, 0, 1)
+    if flash:
+        rim = np.clip((2 * thick - np.abs(distance - radius + thick)) / dot + 0.5, 0, 1)
+        return window, disc * (0.5 if active else 0.3), rim * 1.0
     if not active:
         dashes = max(round(2 * math.pi * radius / (6 * dot)), 4)
         rim *= np.sin(np.arctan2(dy, dx) * dashes) > 0

@@ -86,11 +86,13 @@ class Cells:
         self.style[row, column] = ink << 24 | paper | (BOLD if bold else 0)
 
     def changes(self, earlier: Cells) -> list[tuple[int, int, int]]:
-        """Return where cells differ from earlier ones of the same shape.
+        """Return where cells differ from earlier ones; everywhere if those had another shape.
 
         Returns:
             (row, first column, column after the last) of each row that changed.
         """
+        if self.text.shape != earlier.text.shape:
+            return [(row, 0, self.text.shape[1]) for row in range(self.text.shape[0])]
         differs = (self.text != earlier.text) | (self.style != earlier.style)
         found = []
         width = differs.shape[1]

@@ -13,7 +13,19 @@ if TYPE_CHECKING:
 
 __all__ = ["BLOCKS", "fit", "pack", "split"]
 
-BLOCKS = {4: " ▘▝▀▖▌▞▛▗▚▐▜▄▙▟█", 2: " ▀▄█", 1: " "}
+
+def _sextant(pattern: int) -> str:
+    """Return the block for six dots; Unicode leaves out those that it had before."""
+    had = {0: " ", 21: "▌", 42: "▐", 63: "█"}
+    return had.get(pattern) or chr(0x1FAFF + pattern - (pattern > 21) - (pattern > 42))
+
+
+BLOCKS = {
+    6: "".join(map(_sextant, range(64))),
+    4: " ▘▝▀▖▌▞▛▗▚▐▜▄▙▟█",
+    2: " ▀▄█",
+    1: " ",
+}
 """For a number of dots in a cell the character of each pattern; bit i is dot i, row by row."""
 
 _FLAT = 40.0

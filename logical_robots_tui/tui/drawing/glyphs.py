@@ -22,6 +22,8 @@ class Drawing(Enum):
     """Four dots of two colours in each cell."""
     HALVES = "halves"
     """Two dots in each cell, for fonts without quadrants."""
+    SEXTANTS = "sextants"
+    """Six dots of two colours in each cell, for fonts that have them."""
     ASCII = "ascii"
     """Plain characters that need no colour."""
 
@@ -36,7 +38,12 @@ class Drawing(Enum):
         return ASCII if self is Drawing.ASCII else UNICODE
 
 
-_DOTS = {Drawing.QUADRANTS: (2, 2), Drawing.HALVES: (1, 2), Drawing.ASCII: (1, 1)}
+_DOTS = {
+    Drawing.QUADRANTS: (2, 2),
+    Drawing.HALVES: (1, 2),
+    Drawing.SEXTANTS: (2, 3),
+    Drawing.ASCII: (1, 1),
+}
 
 
 @dataclass(frozen=True, slots=True)
@@ -47,6 +54,7 @@ class GlyphSet:
         headings: Clockwise from the right, evenly spread.
         dead: A robot without charge.
         blocked: Behind the name of a robot that a wall stopped.
+        undecided: Behind the name of a robot for which the program decided nothing.
         beacon: A beacon.
         charger: A beacon that charges.
         goal: Before the name of a goal area.
@@ -54,6 +62,7 @@ class GlyphSet:
         hit_wall_near: The same where rays end far apart.
         hit_beacon: The end of a ray at a beacon.
         hit_robot: The end of a ray at a robot.
+        thread: A cell that a trail or a ray goes through, where it is not drawn in braille.
         cut: At the end of a name that was cut.
         unknown: In place of a character that can't be shown.
     """
@@ -61,6 +70,7 @@ class GlyphSet:
     headings: str
     dead: str
     blocked: str
+    undecided: str
     beacon: str
     charger: str
     goal: str
@@ -68,6 +78,7 @@ class GlyphSet:
     hit_wall_near: str
     hit_beacon: str
     hit_robot: str
+    thread: str
     cut: str
     unknown: str
 
@@ -83,6 +94,7 @@ UNICODE = GlyphSet(
     headings="→↘↓↙←↖↑↗",
     dead="✕",
     blocked="!",
+    undecided="?",
     beacon="◆",
     charger="↯",
     goal="⚑",
@@ -90,6 +102,7 @@ UNICODE = GlyphSet(
     hit_wall_near="\N{MULTIPLICATION SIGN}",
     hit_beacon="◇",
     hit_robot="•",
+    thread="·",
     cut="…",
     unknown="□",
 )
@@ -98,6 +111,7 @@ ASCII = GlyphSet(
     headings=">v<^",
     dead="X",
     blocked="!",
+    undecided="?",
     beacon="*",
     charger="$",
     goal="@",
@@ -105,6 +119,7 @@ ASCII = GlyphSet(
     hit_wall_near="x",
     hit_beacon="+",
     hit_robot="o",
+    thread="'",
     cut="~",
     unknown="?",
 )
@@ -120,6 +135,7 @@ def legend(
         (glyphs.heading(0), robot, "robot, pointing where it is heading"),
         (glyphs.dead, palette.dead, "robot with an empty battery"),
         (glyphs.blocked, palette.alarm, "robot that a wall stopped"),
+        (glyphs.undecided, palette.alarm, "robot for which the program decided nothing"),
         (glyphs.beacon, palette.beacon, "beacon"),
         (glyphs.charger, palette.charger, "beacon that charges batteries"),
         (glyphs.goal, area, "goal area"),
@@ -128,6 +144,8 @@ def legend(
         (glyphs.hit_beacon, palette.hit_beacon, "a ray ends at a beacon"),
         (glyphs.hit_robot, palette.hit_robot, "a ray ends at a robot"),
     ]
+    braille = drawing in (Drawing.QUADRANTS, Drawing.SEXTANTS)
+    rows.append(("⠢" if braille else glyphs.thread, robot, "where a robot came from"))
     if drawing is Drawing.ASCII:
         rows += [
             ("#", palette.rim, "wall"),

@@ -12,7 +12,7 @@ from logical_robots_tui.tui.drawing.palette import RGB, Palette, parse
 from logical_robots_tui.world.sensing import BEACON_RADIUS
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Container, Sequence
 
     from numpy.typing import NDArray
 
@@ -44,7 +44,12 @@ class Ground:
 
 
 def lay_ground(
-    level: Level, walls: WallTable, active: Sequence[bool], raster: Raster, palette: Palette
+    level: Level,
+    walls: WallTable,
+    active: Sequence[bool],
+    raster: Raster,
+    palette: Palette,
+    switched: Container[int] = (),
 ) -> Ground:
     """Paint what stands still.
 
@@ -54,6 +59,7 @@ def lay_ground(
         active: For each area whether it is switched on.
         raster: The dots to paint.
         palette: Their colours.
+        switched: Numbers of the areas for which that has just changed.
     """
     # A thin wall must not vanish between the dots, so little counts for more.
     stone = walls.coverage(raster).astype(np.float32) ** np.float32(0.6)
@@ -66,8 +72,8 @@ def lay_ground(
     blend(image, everywhere, palette.rim, rim)
 
     kinds = np.where(stone >= 0.55, _WALL, _FLOOR).astype(np.uint8)
-    for area, is_active in zip(level.areas, active, strict=False):
-        found = area_weights(raster, area, is_active)
+    for number, (area, is_active) in enumerate(zip(level.areas, active, strict=False)):
+        found = area_weights(raster, area, is_active, flash=number in switched)
         if found is None:
             continue
         window, disc, edge = found
@@ -94,6 +100,7 @@ def touch_up(
     active: Sequence[bool],
     raster: Raster,
     palette: Palette,
+    switched: Container[int] = (),
 ) -> None:
     """Paint that part of a still layer anew where walls changed.
 
@@ -105,12 +112,13 @@ def touch_up(
         active: For each area whether it is switched on.
         raster: The dots that were painted.
         palette: Their colours.
+        switched: Numbers of the areas for which that has just changed.
     """
     left, right, top, bottom = changed
     reach = _far_reach(raster)
     window = raster.window(left - reach, right + reach, top - reach, bottom + reach)
     if window is not None:
-        part = lay_ground(level, walls, active, raster.only(window), palette)
+        part = lay_ground(level, walls, active, raster.only(window), palette, switched)
         ground.image[window] = part.image
         ground.gleam[window] = part.gleam
         ground.kinds[window] = part.kinds

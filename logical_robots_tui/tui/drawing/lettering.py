@@ -14,7 +14,7 @@ from logical_robots_tui.tui.drawing.robots import body_rows, shows_body, text_on
 from logical_robots_tui.world.sensing import ROBOT_RADIUS
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Sequence
+    from collections.abc import Container, Iterable, Sequence
 
     from logical_robots_tui.tui.drawing.look import Look
     from logical_robots_tui.tui.drawing.rays import Fan
@@ -22,10 +22,13 @@ if TYPE_CHECKING:
     from logical_robots_tui.world.level import Level
     from logical_robots_tui.world.state import RobotState
 
-__all__ = ["StillLettering", "letter", "robot_colour"]
+__all__ = ["StillLettering", "letter", "robot_colour", "write"]
 
 _MIN_COLUMNS, _MIN_ROWS = 24, 8
 """Below this a view is too small for names."""
+
+_PULSE = (0.35, 0.0, -0.4, 0.0)
+"""How far the colour of a beacon goes towards the brightest, or below 0 towards the floor."""
 
 _PRIORITY = {"wall": 1, "beacon": 2, "robot": 3}
 
@@ -55,8 +58,8 @@ class StillLettering:
         ground: Floats,
     ) -> None:
         palette, glyphs = look.palette, look.drawing.glyphs
-        self.glyphs: list[tuple[int, int, str, int]] = []
-        """(row, column, glyph, ink) of each beacon in view."""
+        self.glyphs: list[tuple[int, int, str, RGB]] = []
+        """(row, column, glyph, colour) of each beacon in view."""
         named: list[tuple[int, str, RGB, tuple[int, int], bool]] = []
         for beacon in level.beacons:
             cell = viewport.cell(beacon.x, beacon.y)
@@ -64,7 +67,7 @@ class StillLettering:
                 continue
             colour = beacon_colour(beacon, palette)
             glyph = glyphs.charger if beacon.charging_station else glyphs.beacon
-            self.glyphs.append((*cell, glyph, packed(mix(colour, palette.bright, 0.35))))
+            self.glyphs.append((*cell, glyph, colour))
             named.append((1, beacon.name, mix(colour, palette.bright, 0.25), cell, False))
         for area, is_active in zip(level.areas, active, strict=False):
             cell = viewport.cell(area.x, area.y)
@@ -113,6 +116,7 @@ def letter(
     cells: Cells,
     still: StillLettering,
     robots: Sequence[tuple[RobotState, RGB]],
+    undecided: Container[str],
     fans: Iterable[Fan],
     viewport: Viewport,
     look: Look,
@@ -123,14 +127,17 @@ def letter(
         cells: The picture, changed in place.
         still: What stands still.
         robots: All robots with their colours, the most important last.
+        undecided: Names of the robots for which the program decided nothing.
         fans: The rays whose ends to mark.
         viewport: The view.
         look: How to draw.
     """
     if look.marks:
         _mark_ends(cells, fans, robots, viewport, look)
-    for row, column, glyph, ink in still.glyphs:
-        cells.put(row, column, glyph, ink, bold=True)
+    bright, share = (look.palette.bright, look.palette.floor), _PULSE[look.pulse % len(_PULSE)]
+    for row, column, glyph, colour in still.glyphs:
+        ink = mix(colour, bright[share < 0], abs(share))
+        cells.put(row, column, glyph, packed(ink), bold=True)
     room = Room(viewport.rows, viewport.columns)
     for row, column, _, _ in still.glyphs:
         room.take(row, column, column + 1)
@@ -141,7 +148,8 @@ def letter(
         if cell is None:
             continue
         placed.append((robot, colour, cell))
-        _put_robot(cells, robot, colour, cell, viewport, look)
+        sign = _trouble(robot, undecided, look)
+        _put_robot(cells, robot, sign, colour, cell, viewport, look)
         for row in range(cell[0] - clear, cell[0] + clear + 1):
             room.take(row, cell[1] - 2 * clear, cell[1] + 2 * clear + 1)
 
@@ -149,15 +157,16 @@ def letter(
     for plate, style, (row, column) in still.plates:
         if room.is_free(row, column, column + len(plate.cells)):
             room.take(row, column, column + len(plate.cells))
-            _put_plate(cells, row, column, plate, style)
+            write(cells, row, column, plate.cells, style)
         else:
             moved.append((plate, style))
     for robot, colour, cell in reversed(placed):
-        _put_robot_name(cells, room, robot, colour, cell, viewport, look)
+        sign = _trouble(robot, undecided, look)
+        _put_robot_name(cells, room, robot, sign, colour, cell, viewport, look)
     for plate, style in moved:
         place = room.place(plate)
         if place:
-            _put_plate(cells, *place, plate, style)
+            write(cells, *place, plate.cells, style)
 
 
 def _mark_ends(
@@ -189,9 +198,20 @@ def _mark_ends(
         cells.put(row, column, glyph, ink, bold=kind != "wall")
 
 
+def _trouble(robot: RobotState, undecided: Container[str], look: Look) -> str:
+    """Return the sign of what is wrong with a robot, or ""."""
+    glyphs = look.drawing.glyphs
+    if robot.dead:
+        return glyphs.dead
+    if robot.name in undecided:
+        return glyphs.undecided
+    return glyphs.blocked if robot.blocked else ""
+
+
 def _put_robot(
     cells: Cells,
     robot: RobotState,
+    sign: str,
     colour: RGB,
     cell: tuple[int, int],
     viewport: Viewport,
@@ -202,12 +222,12 @@ def _put_robot(
     plain = look.drawing is Drawing.ASCII
     glyph = glyphs.dead if robot.dead else glyphs.heading(robot.angle)
     if not plain and shows_body(viewport):
-        if not (robot.dead or robot.blocked):
+        if not sign:
             return
-        glyph = glyphs.dead if robot.dead else glyphs.blocked
-        if glyph == glyphs.blocked:
+        glyph = sign
+        if not robot.dead:
             colour = palette.alarm
-    elif robot.name != look.selected if plain else robot.blocked:
+    elif robot.name != look.selected if plain else sign and not robot.dead:
         cells.put(*cell, glyph, packed(colour), packed(palette.floor), bold=True)
         return
     cells.put(*cell, glyph, packed(text_on(colour)), packed(colour), bold=True)
@@ -217,6 +237,7 @@ def _put_robot_name(
     cells: Cells,
     room: Room,
     robot: RobotState,
+    sign: str,
     colour: RGB,
     cell: tuple[int, int],
     viewport: Viewport,
@@ -225,8 +246,9 @@ def _put_robot_name(
     name = _name_cells(robot.name, viewport, look)
     if not name:
         return
-    if robot.blocked:
-        name = (*name, look.drawing.glyphs.blocked)
+    told = sign and not robot.dead
+    if told:
+        name = (*name, sign)
     plate = Plate(name, *cell, clear=body_rows(viewport))
     place = room.place(plate)
     if place is None:
@@ -236,15 +258,16 @@ def _put_robot_name(
         ink, paper = text_on(colour), colour
     else:
         ink, paper = palette.strong(colour), mix(palette.plate, colour, 0.2)
-    _put_plate(cells, *place, plate, BOLD | packed(ink) << 24 | packed(paper))
-    if robot.blocked and robot.name != look.selected:
+    write(cells, *place, plate.cells, BOLD | packed(ink) << 24 | packed(paper))
+    if told and robot.name != look.selected:
         row, column = place[0], place[1] + len(name) - 1
         cells.put(row, column, name[-1], packed(palette.alarm), packed(paper), bold=True)
 
 
-def _put_plate(cells: Cells, row: int, column: int, plate: Plate, style: int) -> None:
-    part = slice(column, column + len(plate.cells))
-    cells.text[row, part] = [text_id(text) for text in plate.cells]
+def write(cells: Cells, row: int, column: int, texts: Sequence[str], style: int) -> None:
+    """Write the texts of cells, as ``fit_name`` gives them, in one style."""
+    part = slice(column, column + len(texts))
+    cells.text[row, part] = [text_id(text) for text in texts]
     cells.style[row, part] = style
 
 

@@ -19,13 +19,19 @@ class Look:
         palette: Its colours.
         rays: Whether the robots' radar is shown as light.
         marks: Whether the ends of rays are marked.
+        lines: Whether the rays of the selected robot are drawn one by one.
+        trails: Whether the ways that robots came are shown.
         names: Whether names are shown.
         selected: Name of the robot to bring out, or None.
+        pulse: How far the beacons are in their pulse, 0 to 3; 0 is brightest.
     """
 
     drawing: Drawing = Drawing.QUADRANTS
     palette: Palette = DARK
     rays: bool = True
     marks: bool = True
+    lines: bool = False
+    trails: bool = True
     names: bool = True
     selected: str | None = None
+    pulse: int = 0

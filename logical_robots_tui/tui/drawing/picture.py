@@ -2,18 +2,22 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from logical_robots_tui.tui.drawing.cells import Cells, text_id
-from logical_robots_tui.tui.drawing.dots import BLOCKS, fit, pack, split
+from logical_robots_tui.tui.drawing.dots import pack, split
+from logical_robots_tui.tui.drawing.fitting import refit
 from logical_robots_tui.tui.drawing.glyphs import Drawing
 from logical_robots_tui.tui.drawing.ground import ASCII_KINDS, Ground, lay_ground, touch_up
 from logical_robots_tui.tui.drawing.lettering import StillLettering, letter, robot_colour
 from logical_robots_tui.tui.drawing.palette import RGB, Palette, packed
 from logical_robots_tui.tui.drawing.rays import Fan, fans, shine
 from logical_robots_tui.tui.drawing.robots import paint_robot
+from logical_robots_tui.tui.drawing.threads import draw_rays, draw_trails
+from logical_robots_tui.tui.drawing.traces import Traces
 from logical_robots_tui.tui.drawing.viewport import Floats, Raster
 from logical_robots_tui.tui.drawing.walls import WallTable
 
@@ -31,11 +35,30 @@ __all__ = ["Picture"]
 _STRENGTH, _SELECTED, _OTHERS = 0.34, 0.5, 0.2
 """Light of a fan: without a selection, of the selected robot, of the others then."""
 
-_BLOCK_IDS = {
-    count: np.array([text_id(char) for char in chars], np.int64) for count, chars in BLOCKS.items()
-}
+_UNSEEN = 12
+"""By how much a channel of a dot may be wrong for a moment, of 255."""
+
 _KIND_IDS = np.array([text_id(char) for char in ASCII_KINDS], np.int64)
 _LIT_ID = text_id(".")
+
+
+@dataclass(frozen=True, eq=False)
+class _Light:
+    """The ground under the light of robots.
+
+    Attributes:
+        look: How it was painted.
+        image: Colours of the dots.
+        lit: Which dots the light reaches.
+        fans: Where it comes from.
+        fresh: Whether only one picture was made of it so far.
+    """
+
+    look: Look
+    image: Floats
+    lit: NDArray[np.bool_]
+    fans: list[Fan]
+    fresh: bool = True
 
 
 class Picture:
@@ -53,10 +76,18 @@ class Picture:
         self._level: Level | None = None
         self._still_key: object = None
         self._dots: NDArray[np.uint8] | None = None
+        self._light: _Light | None = None
         self._base = self.cells
 
     def draw(
-        self, level: Level, frame: Frame, viewport: Viewport, look: Look
+        self,
+        level: Level,
+        frame: Frame,
+        viewport: Viewport,
+        look: Look,
+        traces: Traces | None = None,
+        *,
+        hurried: bool = False,
     ) -> list[tuple[int, int, int]]:
         """Draw a frame.
 
@@ -65,6 +96,9 @@ class Picture:
             frame: What to draw: robots as they are afterwards, rays from where they sensed.
             viewport: The part of the map to show.
             look: How to draw it.
+            traces: What is known of the past, to be seen in trails and areas just switched.
+            hurried: Whether the next frame follows at once, so that less need change: light then
+                moves in every second picture, and colours may be a little off.
 
         Returns:
             (row, first column, column after the last) of each row that changed.
@@ -74,47 +108,53 @@ class Picture:
             self.cells = Cells.blank(max(viewport.rows, 0), max(viewport.columns, 0))
             self._still_key = None
             return []
-        active = tuple(area.active for area in frame.after.areas)
+        traces = traces or Traces()
         raster = Raster(viewport, *look.drawing.dots)
-        self._keep_still(level, active, raster, look)
+        self._keep_still(level, frame, traces, raster, look)
         colours = {robot.name: robot_colour(robot.color, look.palette) for robot in level.robots}
         robots = [
             (robot, _state_colour(robot, colours, look.palette)) for robot in frame.after.robots
         ]
         robots.sort(key=lambda pair: pair[0].name == look.selected)
-        seen = fans(frame) if look.rays or look.marks else []
-
-        image = self._ground.image.copy()
-        lit = np.zeros(raster.shape, np.bool_)
-        for fan in seen if look.rays else []:
-            colour = colours.get(fan.name, look.palette.dead)
-            _light_up(image, lit, fan, colour, self._ground, raster, look)
+        light = self._shed_light(frame, raster, look, colours, hurried=hurried)
+        image = light.image.copy()
         if look.drawing is Drawing.ASCII:
-            cells = _plain_cells(self._ground, image, lit, look.palette)
+            cells = _plain_cells(self._ground, image, light.lit, look.palette)
         else:
             for robot, colour in robots:
                 paint_robot(image, raster, robot, colour, look.palette)
-            cells = self._fitted(image, raster)
-        letter(cells, self._lettering, robots, seen, viewport, look)
+            cells = self._fitted(image, raster, _UNSEEN if hurried else 0)
+        if look.trails:
+            inks = [colours[robot.name] for robot in level.robots]
+            draw_trails(cells, *traces.trails(frame.tick), inks, viewport, look)
+        if look.lines:
+            for fan in light.fans:
+                if fan.name == look.selected:
+                    draw_rays(cells, fan, colours[fan.name], viewport, look)
+        undecided = frozenset(d.robot_name for d in frame.decisions if d.desire is None)
+        letter(cells, self._lettering, robots, undecided, light.fans, viewport, look)
 
         self.cells = cells
-        if earlier.text.shape != cells.text.shape:
-            return [(row, 0, viewport.columns) for row in range(viewport.rows)]
         return cells.changes(earlier)
 
     def _keep_still(
-        self, level: Level, active: tuple[bool, ...], raster: Raster, look: Look
+        self, level: Level, frame: Frame, traces: Traces, raster: Raster, look: Look
     ) -> None:
         """Paint what stands still, unless that is what was painted last."""
+        active = tuple(area.active for area in frame.after.areas)
+        switched = traces.switched(frame.tick)
         changed = self._take(level)
-        key = active, raster, look.drawing, look.palette, look.names
+        key = active, switched, raster, look.drawing, look.palette, look.names
         if key != self._still_key:
-            self._still_key = key
-            self._ground = lay_ground(level, self._walls, active, raster, look.palette)
+            self._still_key, self._light = key, None
+            self._ground = lay_ground(level, self._walls, active, raster, look.palette, switched)
             ground = self._ground.image
             self._lettering = StillLettering(level, active, raster.viewport, look, ground)
         elif changed is not None:
-            touch_up(self._ground, level, self._walls, changed, active, raster, look.palette)
+            self._light = None
+            touch_up(
+                self._ground, level, self._walls, changed, active, raster, look.palette, switched
+            )
             self._lettering.lay_on(look, self._ground.image)
 
     def _take(self, level: Level) -> tuple[int, int, int, int] | None:
@@ -131,22 +171,43 @@ class Picture:
             self._still_key = None
         return changed
 
-    def _fitted(self, image: Floats, raster: Raster) -> Cells:
-        """Fit the cells whose dots changed, and return them with the rest."""
+    def _shed_light(
+        self,
+        frame: Frame,
+        raster: Raster,
+        look: Look,
+        colours: dict[str, RGB],
+        *,
+        hurried: bool,
+    ) -> _Light:
+        """Return the ground under the robots' light, in a hurry that of the frame before."""
+        if hurried and self._light and self._light.fresh and self._light.look == look:
+            self._light = replace(self._light, fresh=False)
+            return self._light
+        image = self._ground.image.copy()
+        lit = np.zeros(raster.shape, np.bool_)
+        seen = fans(frame) if look.rays or look.marks or look.lines else []
+        for fan in seen if look.rays else []:
+            colour = colours.get(fan.name, look.palette.dead)
+            _light_up(image, lit, fan, colour, self._ground, raster, look)
+        self._light = _Light(look, image, lit, seen)
+        return self._light
+
+    def _fitted(self, image: Floats, raster: Raster, tolerance: int) -> Cells:
+        """Fit the cells whose dots changed by more than a tolerance; return them with the rest."""
         # Steps of 4 keep faint changes of light from changing cells.
         coarse = np.clip(image, 0, 255, out=image).astype(np.uint8) & np.uint8(0xFC)
         dots = split(coarse, raster.across, raster.down)
         shape = raster.viewport.rows, raster.viewport.columns
         if self._dots is None or self._dots.shape != dots.shape or self._base.text.shape != shape:
             self._base = Cells.blank(*shape)
+            self._dots = dots
             changed = np.arange(len(dots))
         else:
-            changed = np.flatnonzero((dots != self._dots).any(axis=(1, 2)))
-        self._dots = dots
-        pattern, ink, paper = fit(dots[changed])
-        self._base.text.ravel()[changed] = _BLOCK_IDS[dots.shape[1]][pattern]
-        self._base.style.ravel()[changed] = pack(ink) << 24 | pack(paper)
-        self._base.tone.ravel()[changed] = pack(dots[changed].mean(axis=1, dtype=np.float32))
+            apart = np.maximum(dots, self._dots) - np.minimum(dots, self._dots)
+            changed = np.flatnonzero((apart > tolerance).any(axis=(1, 2)))
+            self._dots[changed] = dots[changed]
+        refit(self._base, dots, changed)
         return self._base.copy()
 
 

@@ -41,6 +41,7 @@ class Fan:
         headings: Of the rays, clockwise from the right in radians, ascending and evenly spread.
         distances: Map units at which they end.
         objects: What they hit: ``wall``, ``robot``, ``beacon`` or ``none``.
+        labels: Its name.
     """
 
     name: str
@@ -49,6 +50,18 @@ class Fan:
     headings: Floats
     distances: Floats
     objects: Sequence[str]
+    labels: Sequence[str]
+
+    def sighted(self) -> Iterable[tuple[float, float, str, str]]:
+        """Return (x, y, object, label) of each beacon and robot, where its middle ray ends."""
+        rays: dict[tuple[str, str], list[int]] = {}
+        for ray, what in enumerate(zip(self.objects, self.labels, strict=True)):
+            if what[0] in ("beacon", "robot"):
+                rays.setdefault(what, []).append(ray)
+        for (kind, label), hits in rays.items():
+            ray = hits[len(hits) // 2]
+            away, heading = float(self.distances[ray]), float(self.headings[ray])
+            yield self.x + away * math.cos(heading), self.y + away * math.sin(heading), kind, label
 
     def ends(self) -> Iterable[tuple[float, float, str]]:
         """Return (x, y, object) of the rays that hit something, the most important last."""
@@ -76,6 +89,7 @@ def fans(frame: Frame) -> list[Fan]:
                 headings=pose.angle - np.array([ray["angle"] for ray in radar], np.float64),
                 distances=np.array([ray["distance"] for ray in radar], np.float64),
                 objects=[ray["object"] for ray in radar],
+                labels=[str(ray["label"]) for ray in radar],
             )
         )
     return found

@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING
 import pytest
 from textual.app import App, ComposeResult
 
-from logical_robots_tui.tui.drawing import LIGHT, Drawing, Viewport
+from logical_robots_tui.tui.camera import Camera, Sight
+from logical_robots_tui.tui.drawing import LIGHT, Drawing
 from logical_robots_tui.tui.labyrinth import LabyrinthView
 from logical_robots_tui.world import Beacon, Level, Robot
 from tests.tui.drawing.scenes import room, run, start, with_robot
@@ -177,12 +178,12 @@ async def test_the_colours_follow_the_theme() -> None:
         assert str(list(app.view.render_line(10))) != dark
 
 
-async def test_a_viewport_shows_part_of_the_map() -> None:
+async def test_a_camera_shows_part_of_the_map() -> None:
     app = Bench()
     async with app.run_test(size=(80, 24)) as pilot:
         one = level()
         app.view.show(one, start(one))
-        app.view.viewport = Viewport.fit(1000, 500, 80, 24).zoomed(5).centred(300, 200)
+        app.view.camera = Camera(Sight.FREE, 5, 300, 200)
         await pilot.pause()
         shown = text(app.view)
         assert "Ann" in shown

@@ -176,6 +176,23 @@ def test_only_what_changed_is_reported() -> None:
     assert sum(stop - first for _, first, stop in changes) < 60
 
 
+def test_a_hurried_picture_is_nearly_right_and_the_next_calm_one_is_exact() -> None:
+    level = room(800, 400, robots=(Robot("Ann", 400, 200, 0.3, "red"),))
+    view, look = Viewport.fit(800, 400, 100, 25), Look(marks=False, names=False)
+    frames = run(level, 30)
+    picture, calm = Picture(), Picture()
+    sent = needed = 0
+    for frame in frames:
+        sent += sum(
+            stop - first for _, first, stop in picture.draw(level, frame, view, look, hurried=True)
+        )
+        needed += sum(stop - first for _, first, stop in calm.draw(level, frame, view, look))
+    assert sent < 0.7 * needed
+    picture.draw(level, frames[-1], view, look)
+    assert (picture.cells.style == calm.cells.style).all()
+    assert (picture.cells.text == calm.cells.text).all()
+
+
 def test_an_area_that_is_switched_is_drawn_anew() -> None:
     level = room(areas=(Area("pool", 200, 100, 40),))
     (frame,) = run(level, 0)

@@ -1,0 +1,49 @@
+"""What a terminal can show, as far as its environment tells."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from logical_robots_tui.tui.drawing.glyphs import Drawing
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping, MutableMapping
+
+__all__ = ["assume_colours", "drawing_for"]
+
+_TRUECOLOR = ("alacritty", "contour", "foot", "ghostty", "kitty", "mintty", "rio", "wezterm")
+"""Terminals with all colours; sshd passes their name on, but not the variable that says so."""
+
+_POOR_FONTS = ("linux", "vt", "ansi", "cygwin", "dumb")
+"""Beginnings of the names of terminals whose fonts may lack quadrants."""
+
+
+def assume_colours(environ: MutableMapping[str, str]) -> None:
+    """Say that there are all colours where the terminal's name tells so; nothing else does.
+
+    Args:
+        environ: Changed in place, before the app reads it.
+    """
+    name = environ.get("TERM", "").lower()
+    if "COLORTERM" not in environ and (
+        name.endswith("-direct") or any(known in name for known in _TRUECOLOR)
+    ):
+        environ["COLORTERM"] = "truecolor"
+
+
+def drawing_for(
+    environ: Mapping[str, str], colours: str | None, encoding: str, *, colourless: bool
+) -> Drawing:
+    """Return the way of drawing that suits a terminal.
+
+    Args:
+        environ: Holds its name.
+        colours: What it can show, as Rich calls it, such as ``truecolor``; None is none.
+        encoding: Of what is written to it.
+        colourless: Whether the player wants no colours.
+    """
+    if colourless or colours not in ("truecolor", "256") or "utf" not in encoding.lower():
+        return Drawing.ASCII
+    if environ.get("TERM", "").lower().startswith(_POOR_FONTS):
+        return Drawing.HALVES
+    return Drawing.QUADRANTS

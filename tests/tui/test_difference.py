@@ -1,0 +1,132 @@
+"""Sending differences: a terminal shows what it would show if everything were sent."""
+
+from __future__ import annotations
+
+import pyte
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from rich.color import Color, ColorSystem
+from rich.console import Console
+from rich.segment import Segment
+from rich.style import Style
+from textual.strip import Strip
+
+from logical_robots_tui.tui.difference import Difference
+from logical_robots_tui.tui.reduction import reduced
+from tests.terminal import looks
+
+COLUMNS, ROWS = 12, 4
+
+_styles = st.one_of(
+    st.none(),
+    st.builds(
+        Style,
+        color=st.sampled_from((None, "#102030", "#ff8800", "red")),
+        bgcolor=st.sampled_from((None, "#102030", "#204060")),
+        bold=st.sampled_from((None, True)),
+        reverse=st.sampled_from((None, True)),
+        underline=st.sampled_from((None, True, False)),
+    ),
+)
+_segments = st.lists(
+    st.builds(
+        Segment, st.from_regex(r"([ab █▚]|e\u0301?){0,5}", fullmatch=True), _styles, st.none()
+    ),
+    max_size=5,
+)
+_pieces = st.lists(
+    st.tuples(st.integers(-1, ROWS), st.integers(-3, COLUMNS), _segments), max_size=6
+)
+
+
+def fitting(pieces: list[tuple[int, int, list[Segment]]]) -> list[tuple[int, int, Strip]]:
+    """Pieces as a compositor gives them: within the screen, no character of two cells cut."""
+    return [
+        (row, column, Strip(segments).crop(0, COLUMNS - column))
+        for row, column, segments in pieces
+        if 0 <= row < ROWS and 0 <= column < COLUMNS
+    ]
+
+
+@given(st.lists(_pieces, min_size=1, max_size=4))
+def test_differences_show_what_everything_would_show(
+    updates: list[list[tuple[int, int, list[Segment]]]],
+) -> None:
+    console = Console(color_system="truecolor", force_terminal=True)
+    one, other = pyte.Screen(COLUMNS, ROWS), pyte.Screen(COLUMNS, ROWS)
+    theirs, ours = pyte.Stream(other), pyte.Stream(one)
+    difference = Difference(COLUMNS, ROWS, ColorSystem.TRUECOLOR)
+    blank = [Segment(" " * COLUMNS)]
+    ours.feed(difference.sequence((row, 0, blank) for row in range(ROWS)))
+    for update in updates:
+        for row, column, strip in fitting(update):
+            theirs.feed(f"\x1b[{row + 1};{column + 1}H{strip.render(console)}")
+            ours.feed(difference.sequence([(row, column, list(strip))]))
+        assert looks(one) == looks(other)
+
+
+@given(st.lists(st.text("ab機 ", max_size=6), min_size=1, max_size=6))
+def test_characters_of_two_cells_are_replaced_whole(texts: list[str]) -> None:
+    screen = pyte.Screen(COLUMNS, ROWS)
+    stream = pyte.Stream(screen)
+    difference = Difference(COLUMNS, ROWS, ColorSystem.TRUECOLOR)
+    for text in texts:
+        line = Strip([Segment(text)]).adjust_cell_length(COLUMNS)
+        stream.feed(difference.sequence([(0, 0, list(line))]))
+        assert screen.display[0] == line.text
+
+
+def test_a_character_that_lost_a_half_is_sent_again() -> None:
+    difference = Difference(4, 1, None)
+    difference.sequence([(0, 0, [Segment("機機")])])
+    difference.sequence([(0, 1, [Segment("ab")])])
+    assert difference.sequence([(0, 0, [Segment("機機")])]) == "\x1b[1;1H機機"
+
+
+@given(_pieces)
+def test_what_is_there_already_is_not_sent_again(
+    pieces: list[tuple[int, int, list[Segment]]],
+) -> None:
+    difference = Difference(COLUMNS, ROWS, ColorSystem.TRUECOLOR)
+    for row, column, strip in fitting(pieces):
+        difference.sequence([(row, column, list(strip))])
+        assert difference.sequence([(row, column, list(strip))]) == ""
+
+
+@given(_pieces)
+def test_pieces_that_reach_out_of_the_terminal_do_no_harm(
+    pieces: list[tuple[int, int, list[Segment]]],
+) -> None:
+    screen = pyte.Screen(COLUMNS, ROWS)
+    pyte.Stream(screen).feed(Difference(COLUMNS, ROWS, None).sequence(pieces))
+    assert len(screen.display) == ROWS
+
+
+def test_one_changed_cell_costs_a_move_and_a_colour() -> None:
+    difference = Difference(40, 2, ColorSystem.TRUECOLOR)
+    style = Style(color="#ff0000", bgcolor="#000000")
+    difference.sequence([(1, 0, [Segment("a" * 40, style)])])
+    sent = difference.sequence([(1, 0, [Segment("a" * 20 + "b" + "a" * 19, style)])])
+    assert sent == "\x1b[2;21H\x1b[38;2;255;0;0;48;2;0;0;0mb\x1b[m"
+
+
+def test_without_colours_none_are_sent() -> None:
+    difference = Difference(10, 1, None)
+    sent = difference.sequence([(0, 0, [Segment("ab", Style(color="#ff0000", bold=True))])])
+    assert sent == "\x1b[1;1H\x1b[1mab\x1b[m"
+
+
+@pytest.mark.parametrize(
+    ("colour", "is_blue"), [("#1e4068", True), ("#10161e", False), ("#1b2e4b", True)]
+)
+def test_a_dark_blue_stays_blue_in_256_colours(colour: str, is_blue: bool) -> None:
+    triplet = reduced(Color.parse(colour), ColorSystem.EIGHT_BIT).get_truecolor()
+    assert (triplet.blue > triplet.red) == is_blue
+    assert max(triplet) < 130
+
+
+@given(st.tuples(*[st.integers(0, 255)] * 3))
+def test_a_colour_among_256_is_near(rgb: tuple[int, int, int]) -> None:
+    found = reduced(Color.from_rgb(*rgb), ColorSystem.EIGHT_BIT).get_truecolor()
+    assert max(abs(a - b) for a, b in zip(found, rgb, strict=True)) <= 60

@@ -1,0 +1,69 @@
+"""Choosing a way of drawing for a terminal."""
+
+from __future__ import annotations
+
+import re
+import sys
+from typing import TYPE_CHECKING
+
+import pytest
+
+from logical_robots_tui.tui.drawing import Drawing
+from logical_robots_tui.tui.terminal import assume_colours, drawing_for
+from tests.terminal import Terminal
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+
+@pytest.mark.parametrize(
+    ("term", "colours", "encoding", "drawing"),
+    [
+        ("xterm-256color", "truecolor", "utf-8", Drawing.QUADRANTS),
+        ("tmux-256color", "256", "UTF-8", Drawing.QUADRANTS),
+        ("linux", "256", "utf-8", Drawing.HALVES),
+        ("xterm", "standard", "utf-8", Drawing.ASCII),
+        ("xterm-256color", "256", "iso8859-1", Drawing.ASCII),
+        ("dumb", None, "utf-8", Drawing.ASCII),
+    ],
+)
+def test_the_drawing_suits_the_terminal(
+    term: str, colours: str | None, encoding: str, drawing: Drawing
+) -> None:
+    assert drawing_for({"TERM": term}, colours, encoding, colourless=False) is drawing
+    assert drawing_for({"TERM": term}, colours, encoding, colourless=True) is Drawing.ASCII
+
+
+@pytest.mark.parametrize(
+    ("term", "known"), [("xterm-kitty", True), ("foot", True), ("xterm-256color", False)]
+)
+def test_some_terminals_are_known_for_their_colours(term: str, known: bool) -> None:
+    environ = {"TERM": term}
+    assume_colours(environ)
+    assert (environ.get("COLORTERM") == "truecolor") == known
+
+
+def test_what_the_environment_says_of_colours_stands() -> None:
+    environ = {"TERM": "foot", "COLORTERM": "no"}
+    assume_colours(environ)
+    assert environ["COLORTERM"] == "no"
+
+
+@pytest.mark.parametrize(
+    "env",
+    [
+        {"NO_COLOR": "1"},
+        {"TERM": "xterm", "COLORTERM": ""},
+        {"TERM": "xterm-256color", "COLORTERM": ""},
+    ],
+    ids=["none", "16", "256"],
+)
+def test_the_game_plays_in_fewer_colours(env: dict[str, str], tmp_path: Path) -> None:
+    game = [sys.executable, "-m", "logical_robots_tui", "play", "01-first-steps", "first-steps"]
+    with Terminal([*game, "--data-dir", tmp_path], size=(80, 24), env=env) as terminal:
+        terminal.wait_for("applied")
+        terminal.send(" ")
+        terminal.wait_for("tick 1")
+        colours = re.findall(r"38;2;(\d+);(\d+);(\d+)", terminal.everything)
+        assert all(red == green == blue for red, green, blue in colours)
+        assert ("##" in terminal.text) == (env.get("TERM") != "xterm-256color")
