@@ -10,7 +10,6 @@ from typing import TYPE_CHECKING, Literal, Protocol, TypeAlias
 from logical_robots_tui.game import (
     Frame,
     Game,
-    Odometer,
     Pace,
     Superseded,
     compile_program,
@@ -93,7 +92,6 @@ class Session:
         self._changed = changed
         self._used = used
         self._engine = engine
-        self.odometer = Odometer()
         self._program: Program | None = None
         self._run_when_ready = False
         self._stepping: object = None
@@ -277,7 +275,6 @@ class Session:
         self._used(program)
         if self.game is None:
             game = self.game = Game(self.level, program, engine=self._engine)
-            self.odometer = Odometer()
             game.pace = self.pace
             game.listen(lambda frame: self._show(game, frame))
             self.frame = game.frame
@@ -291,7 +288,6 @@ class Session:
     def _show(self, game: Game, frame: Frame) -> None:
         if game is self.game:
             self.frame = frame
-            self.odometer.count(frame, game.program.text)
             self._waiting_since = perf_counter()
             self._changed()
 
