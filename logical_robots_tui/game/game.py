@@ -126,7 +126,7 @@ class Game:
     def trouble_with(self, breakpoint_: Breakpoint) -> str:
         """Why a breakpoint can't be hit, one sentence, or ""."""
         mistake = mistake_in(breakpoint_, self.level, self.program)
-        return mistake or self._watch.troubles.get(breakpoint_, "")
+        return mistake or self._present_watch().troubles.get(breakpoint_, "")
 
     def listen(self, listener: Callable[[Frame], None]) -> None:
         """Call `listener` with each new present frame, on the event loop's thread."""
