@@ -6,6 +6,7 @@ from logical_robots_tui.game.breakpoints import (
     Breakpoints,
     Event,
     Hit,
+    mistake_in,
     subjects,
 )
 from logical_robots_tui.game.compiling import compile_program
@@ -50,6 +51,7 @@ __all__ = [
     "level_key",
     "list_programs",
     "load_program",
+    "mistake_in",
     "reference_for",
     "save_program",
     "start_frame",

@@ -109,11 +109,21 @@ class Marks:
                 found.append(Mark(kind, self._named(kind, self._who[kind][at])))
         return tuple(found)
 
-    def has(self, kind: MarkKind, first: int, last: int) -> bool:
-        """Whether a kind of mark is in any of the ticks from `first` to `last`."""
+    def has(self, kind: MarkKind, first: int, last: int, robot: str | None = None) -> bool:
+        """Whether a kind of mark is in any of the ticks from `first` to `last`.
+
+        Args:
+            kind: Which kind.
+            first: The first tick.
+            last: The last one.
+            robot: Whose memory counts, or None for any.
+        """
         ticks = self._ticks[kind]
-        at = bisect_left(ticks, first)
-        return at < len(ticks) and ticks[at] <= last
+        begin, end = bisect_left(ticks, first), bisect_right(ticks, last)
+        if kind != "memory" or robot not in self._robots:
+            return begin < end
+        who = 1 << self._robots.index(robot)
+        return any(everyone & who for everyone in self._who[kind][begin:end])
 
     def nearest(
         self, tick: int, steps: Literal[-1, 1], kinds: Collection[MarkKind], robot: str | None

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Literal, TypeAlias
+from typing import TYPE_CHECKING, Any, Literal, TypeAlias
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -30,8 +30,8 @@ class Difference:
 
     robot_name: str
     matter: Matter
-    here: object
-    there: object
+    here: Any
+    there: Any
 
 
 @dataclass(frozen=True, slots=True)

@@ -87,10 +87,10 @@ async def test_a_run_at_any_pace_stops_at_a_breakpoint_and_goes_on_from_it(game:
     game.breakpoints.add(Breakpoint("enters", "Door"))
     game.breakpoints.add(Breakpoint("leaves", "Door"))
     await game.run()
-    assert game.frame.after.areas[0].visitors == ("Ada",)
+    assert "Ada" in game.frame.after.areas[0].visitors
     assert [hit.breakpoint.event for hit in game.hits] == ["enters"]
     await game.run()
-    assert game.frame.after.areas[0].visitors == ()
+    assert "Ada" not in game.frame.after.areas[0].visitors
     assert game.history.last == game.frame.tick
 
 
