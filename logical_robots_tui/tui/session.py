@@ -198,7 +198,8 @@ class Session:
     def step(self, ticks: int = 1) -> None:
         """Go some ticks on; while running, stop after them. Quick presses are worked off."""
         if self._stepping is not None and self._runs_until is None:
-            self._steps_owed = min(self._steps_owed + ticks, _MOST_OWED * ticks)
+            most = max(self._steps_owed, _MOST_OWED * ticks)
+            self._steps_owed = min(self._steps_owed + ticks, most)
         elif self.game is not None:
             self.game.pause()
             self._steps_owed, self._runs_until = ticks, None

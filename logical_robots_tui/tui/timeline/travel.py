@@ -78,8 +78,8 @@ class Travel:
         def complaint(tick: int) -> str:
             if history.first <= tick <= history.last:
                 return ""
-            kept = f"History holds ticks {history.first} to {history.last}."
-            return f"Tick {tick} is not in history. {kept}{self._elsewhere(tick)}"
+            kept = f"History holds ticks {history.first} to {history.last}, not {tick}."
+            return f"{kept}{self._elsewhere(tick)}"
 
         found = await self._screen.app.push_screen_wait(TickPrompt("Go to tick", here, complaint))
         if found is not None:
