@@ -35,6 +35,13 @@ _SUBJECTS: dict[Event, str] = {
 }
 
 
+_KEYS = {
+    True: "↑↓ choose   enter go on   esc close",
+    False: "tab next   → complete   enter set   esc close",
+}
+"""What keys do, by whether it is being chosen what happens."""
+
+
 class BreakpointForm(Dialog[Breakpoint]):
     """Asks for a breakpoint, with the names that there are.
 
@@ -86,13 +93,17 @@ class BreakpointForm(Dialog[Breakpoint]):
                 select_on_focus=False,
             )
             yield Static(id="complaint")
-            yield Static("tab next   → complete   enter set   esc close", id="keys", markup=False)
+            yield Static(_KEYS[True], id="keys", markup=False)
 
     def on_mount(self) -> None:
         """Begin with what happens."""
         self.query_one("#events", OptionList).focus()
         self._arrange()
         self._list_names()
+
+    def on_descendant_focus(self) -> None:
+        """Say what keys do here."""
+        self.query_one("#keys", Static).update(_KEYS[isinstance(self.focused, OptionList)])
 
     @property
     def _event(self) -> Event:
