@@ -1,30 +1,49 @@
 """The game: world + mind + history. Run, pause, step, step back. No screen."""
 
+from logical_robots_tui.game.breakpoints import (
+    EVENTS,
+    Breakpoint,
+    Breakpoints,
+    Event,
+    Hit,
+    mistake_in,
+    subjects,
+)
 from logical_robots_tui.game.compiling import compile_program
 from logical_robots_tui.game.frame import Frame
 from logical_robots_tui.game.game import Answer, Game, Superseded
 from logical_robots_tui.game.goal import Goal, goals
 from logical_robots_tui.game.history import History, NoSuchTickError
 from logical_robots_tui.game.inquiry import Inquiry
-from logical_robots_tui.game.odometer import Odometer
+from logical_robots_tui.game.marks import MARK_KINDS, Mark, MarkKind
 from logical_robots_tui.game.pace import FLAT_OUT, SPEEDS, Pace
+from logical_robots_tui.game.parting import Difference, Parting
 from logical_robots_tui.game.reference import is_shipped, level_key, reference_for
 from logical_robots_tui.game.rules import count_rules
 from logical_robots_tui.game.source import Source, list_programs, load_program, save_program
 from logical_robots_tui.game.start import start_frame
 
 __all__ = [
+    "EVENTS",
     "FLAT_OUT",
+    "MARK_KINDS",
     "SPEEDS",
     "Answer",
+    "Breakpoint",
+    "Breakpoints",
+    "Difference",
+    "Event",
     "Frame",
     "Game",
     "Goal",
     "History",
+    "Hit",
     "Inquiry",
+    "Mark",
+    "MarkKind",
     "NoSuchTickError",
-    "Odometer",
     "Pace",
+    "Parting",
     "Source",
     "Superseded",
     "compile_program",
@@ -34,7 +53,9 @@ __all__ = [
     "level_key",
     "list_programs",
     "load_program",
+    "mistake_in",
     "reference_for",
     "save_program",
     "start_frame",
+    "subjects",
 ]

@@ -3,29 +3,32 @@
 from __future__ import annotations
 
 import asyncio
-from collections.abc import Callable
 from dataclasses import dataclass
-from time import perf_counter
-from typing import TYPE_CHECKING, TypeAlias
+from typing import TYPE_CHECKING
 
-from logical_robots_tui.game.frame import Frame
-from logical_robots_tui.game.history import History
+from logical_robots_tui.game.advancing import advance, known_frame
+from logical_robots_tui.game.breakpoints import Breakpoint, Breakpoints, mistake_in
+from logical_robots_tui.game.history import DEFAULT_LENGTH, History
 from logical_robots_tui.game.pace import FLAT_OUT, Pace
 from logical_robots_tui.game.start import start_frame
-from logical_robots_tui.game.thinker import Thinker, next_frame
+from logical_robots_tui.game.thinker import Thinker
+from logical_robots_tui.game.watching import Watch
 from logical_robots_tui.mind import Limits, Stopped
 from logical_robots_tui.world import World
 
 if TYPE_CHECKING:
     import threading
+    from collections.abc import Callable
 
+    from logical_robots_tui.game.advancing import Advance
+    from logical_robots_tui.game.breakpoints import Hit
+    from logical_robots_tui.game.frame import Frame
     from logical_robots_tui.mind import Engine, Program, Table
     from logical_robots_tui.world import Level
 
 __all__ = ["Answer", "Game", "Superseded"]
 
-Listener: TypeAlias = Callable[[Frame], None]
-_TOGETHER_SECONDS = 0.008  # of computing, before what was computed is shown
+_KNOWN_TOGETHER = 16  # ticks that are taken from history at once
 
 
 class Superseded(Exception):  # noqa: N818 - not an error: the player did something else meanwhile
@@ -55,12 +58,17 @@ class Game:
     Ticks are computed off the event loop. Same level, same program: same frames.
     Going back, restarting or changing the program while a tick is being computed drops that tick.
 
+    After going back, ticks that are known are gone through again as they were. Only under another
+    program are they computed anew; the course that they belonged to is kept then, to compare with
+    and to go over to.
+
     Args:
         level: Where it happens.
         program: What the robots think.
         limits: Bounds on thinking.
         history: How many ticks can be gone back.
         engine: What robots think with, as `Mind` has it.
+        breakpoints: What `run` and `run_until` stop at; may change at any time.
     """
 
     def __init__(
@@ -69,16 +77,17 @@ class Game:
         program: Program,
         *,
         limits: Limits | None = None,
-        history: int | None = None,
+        history: int = DEFAULT_LENGTH,
         engine: Engine = "sqlite",
+        breakpoints: Breakpoints | None = None,
     ) -> None:
         self.level = level
         self.program = program
         self.limits = limits or Limits()
         self.run_number = 0
         self.pace = Pace()
-        self.history = History() if history is None else History(history)
-        self._listeners: list[Listener] = []
+        self.breakpoints = Breakpoints() if breakpoints is None else breakpoints
+        self._listeners: list[Callable[[Frame], None]] = []
         self._thinker = Thinker("think", engine)
         self._asker = Thinker("ask")
         self._running = False
@@ -86,8 +95,11 @@ class Game:
         # The worker's world computes ticks; the other one re-senses past ones on the event loop.
         self._world = World(level)
         self._past_world = World(level)
-        self._frame = start_frame(self.level)
-        self.history.add(self._frame)
+        self._frame = start_frame(level)
+        self.history = History(self._frame, history)
+        self._watch = Watch(())
+        self._watched_by = program
+        self._is_program_wanted = False
 
     # -- looking -------------------------------------------------------------------------------
 
@@ -106,7 +118,17 @@ class Game:
         """The tick of victory as of the present frame, or None."""
         return self._frame.after.won_at
 
-    def listen(self, listener: Listener) -> None:
+    @property
+    def hits(self) -> tuple[Hit, ...]:
+        """The breakpoints that were hit in the present tick when it was run through."""
+        return self.history.hits_at(self._frame.tick)
+
+    def trouble_with(self, breakpoint_: Breakpoint) -> str:
+        """Why a breakpoint can't be hit, one sentence, or ""."""
+        mistake = mistake_in(breakpoint_, self.level, self.program)
+        return mistake or self._present_watch().troubles.get(breakpoint_, "")
+
+    def listen(self, listener: Callable[[Frame], None]) -> None:
         """Call `listener` with each new present frame, on the event loop's thread."""
         self._listeners.append(listener)
 
@@ -116,22 +138,7 @@ class Game:
         Raises:
             NoSuchTickError: History does not reach that far.
         """
-        if tick == self._frame.tick:
-            return self._frame
-        before, moment = self.history.around(tick)
-        if tick == 0:
-            return start_frame(self.level)
-        self._past_world.restore(before.after)
-        return Frame(
-            tick=tick,
-            before=before.after,
-            after=moment.after,
-            sensors=tuple(self._past_world.sense()),
-            memories_before=before.memories,
-            decisions=moment.decisions,
-            memories=moment.memories,
-            think_milliseconds=moment.think_milliseconds,
-        )
+        return self._frame if tick == self._frame.tick else self._restored(tick)
 
     async def query(self, predicate: str, frame: Frame | None = None) -> Answer:
         """Rows of a predicate of the program at a frame, by default the present one.
@@ -156,24 +163,22 @@ class Game:
     # -- moving --------------------------------------------------------------------------------
 
     async def step(self) -> Frame:
-        """Compute the next tick and make it the present.
+        """Compute the next tick, or take it from history, and make it the present.
 
         Cancelling the call stops the thinking and leaves the game where it was.
 
         Raises:
             Superseded: The game was restarted, gone back or reprogrammed meanwhile.
         """
-        run = self.run_number
-        (frame,) = await self._compute(1)
-        self._take(frame, run)
-        return frame
+        await self._go_on(1)
+        return self._frame
 
-    def back(self) -> Frame:
-        """Return to the tick before; at the earliest tick in history stay there."""
-        return self.go_to(max(self._frame.tick - 1, self.history.first))
+    def back(self, ticks: int = 1) -> Frame:
+        """Return by so many ticks, or to the earliest one in history."""
+        return self.go_to(max(self._frame.tick - ticks, self.history.first))
 
     def go_to(self, tick: int) -> Frame:
-        """Return to a tick of history. The game goes on from there.
+        """Go to a tick of history. The game goes on from there.
 
         Raises:
             NoSuchTickError: History does not hold it.
@@ -185,10 +190,12 @@ class Game:
         return frame
 
     def restart(self) -> Frame:
-        """Begin again at the start of the level, with the same program."""
+        """Begin again at the start of the level, with the present program."""
         self._supersede()
         frame = start_frame(self.level)
-        self.history.add(frame)
+        if self.history.first:
+            self.history.begin_anew(frame)
+        self._is_program_wanted = True
         self._show(frame)
         return frame
 
@@ -196,9 +203,31 @@ class Game:
         """Think with another program from the next tick on; world and memories stay."""
         self._supersede()
         self.program = program
+        self._is_program_wanted = True
+
+    def change_course(self) -> Frame:
+        """Go over to the course that was left when another future began, and to its program.
+
+        The tick stays the same, as far as the other course holds it.
+
+        Raises:
+            NoSuchTickError: There is no other course.
+        """
+        self._supersede()
+        history = self.history
+        history.change_course()
+        self.program = history.program_at(history.last) or self.program
+        self._is_program_wanted = False
+        self._show(self._restored(min(max(self._frame.tick, history.first), history.last)))
+        return self._frame
+
+    def forget_future(self) -> None:
+        """Forget the ticks after the present one, so that they are computed anew."""
+        self._supersede()
+        self.history.forget_future(self._frame.tick)
 
     async def run(self) -> None:
-        """Step at the speed of `pace` until paused, won or cancelled.
+        """Step at the speed of `pace` until a breakpoint is hit, or paused, won or cancelled.
 
         A game that is already won goes on.
         """
@@ -210,7 +239,8 @@ class Game:
         try:
             while self._running:
                 try:
-                    await self._go_on(None if self.pace.speed is FLAT_OUT else 1)
+                    if await self._go_on(None if self.pace.speed is FLAT_OUT else 1):
+                        return
                 except Superseded:
                     was_won = self.won_at is not None
                     continue
@@ -224,7 +254,7 @@ class Game:
     async def run_until(
         self, *, tick: int | None = None, condition: Callable[[Frame], bool] | None = None
     ) -> Frame:
-        """Step flat out until a tick is reached, a condition holds, or the game is won.
+        """Step flat out until a tick, a breakpoint or a condition is met, or the game is won.
 
         Args:
             tick: Stop when this tick is finished.
@@ -263,45 +293,67 @@ class Game:
     async def _go_on(
         self, most: int | None, condition: Callable[[Frame], bool] | None = None
     ) -> bool:
-        """Compute some ticks and show each, up to victory or one of which a condition is true.
+        """Go some ticks further and show each, up to victory or what is to be stopped at.
 
         Returns:
-            Whether the condition was true.
+            Whether the condition was true or a breakpoint was hit.
         """
-        run = self.run_number
-        for frame in await self._compute(most):
-            self._take(frame, run)
-            if condition and condition(frame):
+        run, is_known = self.run_number, self._is_next_known()
+        for each in await self._ahead(most, is_known=is_known):
+            self._take(each, run, is_known=is_known)
+            if each.hits or (condition and condition(each.frame)):
                 return True
         return False
 
-    async def _compute(self, most: int | None) -> list[Frame]:
+    async def _ahead(self, most: int | None, *, is_known: bool) -> list[Advance]:
         """The next ticks: at most so many, or as many as a fraction of a second allows.
 
         To change between threads takes about as long as a quick tick does.
         """
-        program, past = self.program, self._frame
+        program, past, watch = self.program, self._frame, self._present_watch()
+        known = self.history.after(past.tick, most or _KNOWN_TOGETHER) if is_known else ()
 
-        def ticks(stop: threading.Event) -> list[Frame]:
+        def ticks(stop: threading.Event) -> list[Advance]:
             mind = self._thinker.mind(program, self.level, self.limits)
-            until = perf_counter() + _TOGETHER_SECONDS
-            frames = [next_frame(self._world, mind, past, stop)]
-            while most is None or len(frames) < most:
-                if perf_counter() > until or frames[-1].after.won_at == frames[-1].tick:
-                    break
-                frames.append(next_frame(self._world, mind, frames[-1], stop))
-            return frames
+            return advance(self._world, mind, past, known, watch, stop, most)
 
         try:
             return await self._thinker.do(ticks)
         except Stopped:
             raise Superseded from None
 
-    def _take(self, frame: Frame, run: int) -> None:
-        """Make a computed frame the present, if it still follows the present one."""
+    def _is_next_known(self) -> bool:
+        """Whether the tick after the present one is in history, and nothing has changed since."""
+        history, text = self.history, self.program.text
+        if self._frame.tick >= history.last:
+            return False
+        decided, at_last = map(history.program_at, (self._frame.tick + 1, history.last))
+        if decided is not None and decided.text == text:
+            return True
+        return not self._is_program_wanted and at_last is not None and at_last.text == text
+
+    def _restored(self, tick: int) -> Frame:
+        before, moment = self.history.around(tick)
+        if tick == 0:
+            return start_frame(self.level)
+        return known_frame(self._past_world, before.after, before.memories, moment)
+
+    def _present_watch(self) -> Watch:
+        """What to watch for under the present program."""
+        breakpoints = self.breakpoints.on
+        if self._watch.breakpoints != breakpoints or self._watched_by is not self.program:
+            self._watch, self._watched_by = Watch(breakpoints), self.program
+        return self._watch
+
+    def _take(self, each: Advance, run: int, *, is_known: bool) -> None:
+        """Make a tick the present, if it still follows the present one."""
+        frame = each.frame
         if run != self.run_number or frame.before is not self._frame.after:
             raise Superseded
-        self.history.add(frame)
+        if not is_known:
+            self.history.add(frame, self.program)
+            self._is_program_wanted = False
+        self.history.note_hits(frame.tick, each.hits)
         self._show(frame)
 
     def _supersede(self) -> None:

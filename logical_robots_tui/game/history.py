@@ -2,23 +2,26 @@
 
 from __future__ import annotations
 
-from collections import deque
-from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from logical_robots_tui.errors import LogicalRobotsError
+from logical_robots_tui.game.course import Course
+from logical_robots_tui.game.parting import parting
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Iterator
 
+    from logical_robots_tui.game.breakpoints import Hit
     from logical_robots_tui.game.frame import Frame
-    from logical_robots_tui.mind import Decision
-    from logical_robots_tui.values import Value
-    from logical_robots_tui.world import WorldState
+    from logical_robots_tui.game.marks import Marks
+    from logical_robots_tui.game.packing import Moment, Packed
+    from logical_robots_tui.game.parting import Parting
+    from logical_robots_tui.mind import Program
 
-__all__ = ["History", "Moment", "NoSuchTickError"]
+__all__ = ["DEFAULT_LENGTH", "History", "NoSuchTickError"]
 
 DEFAULT_LENGTH = 20_000
+_MOST_BYTES = 200_000_000
 
 
 class NoSuchTickError(LogicalRobotsError):
@@ -27,52 +30,86 @@ class NoSuchTickError(LogicalRobotsError):
     title = "No such tick"
 
 
-@dataclass(frozen=True, slots=True)
-class Moment:
-    """What a finished tick left behind; sensors are not kept, the world senses them again.
-
-    Attributes:
-        after: The world after the tick.
-        memories: Each robot's memory after the tick, by robot name.
-        decisions: What was decided in the tick.
-        think_milliseconds: How long thinking took.
-    """
-
-    after: WorldState
-    memories: Mapping[str, Value]
-    decisions: tuple[Decision, ...]
-    think_milliseconds: float
-
-
 class History:
-    """The last ticks of a game, oldest first, without gaps.
+    """The last ticks of a game, and of the course that was left when another future began.
+
+    Of several courses that were left, the one that reaches farthest is kept.
 
     Args:
-        length: How many ticks to be able to restore.
+        start: Where the game begins.
+        length: How many ticks of a course to be able to restore.
+        most_bytes: What may be packed; the other course goes first, then the oldest ticks.
+
+    Attributes:
+        parting: Where the present course and the other one part, or None as far as both are known.
     """
 
-    def __init__(self, length: int = DEFAULT_LENGTH) -> None:
-        # One more than can be restored: a tick is restored from the moment before it.
-        self._moments: deque[Moment] = deque(maxlen=length + 1)
+    def __init__(
+        self, start: Frame, length: int = DEFAULT_LENGTH, most_bytes: int = _MOST_BYTES
+    ) -> None:
+        self._length = length
+        self._most_bytes = most_bytes
+        self._course = Course(start, length)
+        self._other: Course | None = None
+        self.parting: Parting | None = None
 
     @property
     def first(self) -> int:
         """The earliest tick that can be restored."""
-        oldest = self._moments[0].after.tick
-        return oldest + 1 if oldest else 0
+        return self._course.first
 
     @property
     def last(self) -> int:
         """The latest tick that was finished."""
-        return self._moments[-1].after.tick
+        return self._course.last
 
-    def add(self, frame: Frame) -> None:
-        """Keep a finished tick; what was kept of it or of later ticks is forgotten."""
-        while self._moments and self.last >= frame.tick:
-            self._moments.pop()
-        self._moments.append(
-            Moment(frame.after, frame.memories, frame.decisions, frame.think_milliseconds)
-        )
+    @property
+    def marks(self) -> Marks:
+        """What happened in which tick."""
+        return self._course.marks
+
+    @property
+    def other(self) -> range | None:
+        """The ticks of the other course that can be restored, or None if there is none."""
+        return range(self._other.first, self._other.last + 1) if self._other else None
+
+    @property
+    def packed_bytes(self) -> int:
+        """Bytes of all that is packed; the latest ticks are not."""
+        return sum(map(len, {id(pack): pack for pack in self._packs()}.values()))
+
+    def add(self, frame: Frame, program: Program) -> None:
+        """Keep a finished tick; if it was known before, the present course is left for another."""
+        if frame.tick <= self.last:
+            self._leave(self._course.up_to(frame.tick - 1))
+        packed = self._course.add(frame, program)
+        if self.parting is None and self._other is not None:
+            there = self._other
+            if there.first <= frame.tick <= there.last:
+                tick = frame.tick
+                self.parting = parting(self._course.moment(tick), there.moment(tick))
+        if packed:
+            self._keep_within_bounds()
+
+    def begin_anew(self, start: Frame) -> None:
+        """Leave the present course for one that begins at the start of the level."""
+        self._leave(Course(start, self._length))
+
+    def forget_future(self, tick: int) -> None:
+        """Drop what is known of later ticks, for good."""
+        if tick < self.last:
+            self._go_over_to(self._course.up_to(tick))
+
+    def change_course(self) -> None:
+        """Go over to the other course; the present one is the other one then.
+
+        Raises:
+            NoSuchTickError: There is no other course.
+        """
+        if self._other is None:
+            raise NoSuchTickError("There is no other future.")
+        self._course, self._other = self._other, self._course
+        self.parting = self.parting and self.parting.turned()
 
     def around(self, tick: int) -> tuple[Moment, Moment]:
         """The moments before and after a tick; for the start, tick 0, twice the same.
@@ -84,5 +121,56 @@ class History:
             raise NoSuchTickError(
                 f"Tick {tick} is not in history, which holds ticks {self.first} to {self.last}."
             )
-        at = tick - self._moments[0].after.tick
-        return self._moments[max(at - 1, 0)], self._moments[at]
+        return self._course.moment(max(tick - 1, 0)), self._course.moment(tick)
+
+    def after(self, tick: int, most: int) -> list[Moment]:
+        """The moments of the ticks that are known after one, at most so many."""
+        last = min(tick + most, self.last)
+        return [self._course.moment(at) for at in range(tick + 1, last + 1)]
+
+    def program_at(self, tick: int) -> Program | None:
+        """The program that decided in a tick; None at the start."""
+        return self._course.program_at(tick)
+
+    def is_all_by(self, text: str, tick: int) -> bool:
+        """Whether one program's text decided in every tick up to that one."""
+        return self._course.is_all_by(text, tick)
+
+    def driven(self, tick: int) -> float:
+        """Map units that all robots together have driven up to a tick."""
+        return self.around(tick)[1].driven
+
+    def hits_at(self, tick: int) -> tuple[Hit, ...]:
+        """The breakpoints that were hit in a tick when it was run through."""
+        return self._course.hits.get(tick, ())
+
+    def note_hits(self, tick: int, hits: tuple[Hit, ...]) -> None:
+        """Keep which breakpoints were hit in a tick."""
+        if hits:
+            self._course.hits[tick] = hits
+            self.marks.note(tick, "breakpoint")
+
+    # -- inside --------------------------------------------------------------------------------
+
+    def _leave(self, new: Course) -> None:
+        """Go over to the present course as it was up to some tick, and keep how it went on."""
+        left = self._course
+        self._go_over_to(new)
+        if self._other is None or self._other.last <= left.last:
+            self._other, self.parting = left, None
+
+    def _go_over_to(self, new: Course) -> None:
+        self._course = new
+        if self.parting is not None and self.parting.tick > new.last:
+            self.parting = None
+
+    def _packs(self) -> Iterator[Packed]:
+        yield from self._course.packs
+        if self._other is not None:
+            yield from self._other.packs
+
+    def _keep_within_bounds(self) -> None:
+        if self.packed_bytes > self._most_bytes:
+            self._other = self.parting = None
+        while self.packed_bytes > self._most_bytes and self._course.forget_pack():
+            pass

@@ -72,6 +72,7 @@ async def measure_speed(level: Level, program: Program, seconds: float) -> Speed
             await game.run_until(condition=lambda _: perf_counter() >= until)
             if game.won_at is not None:
                 game.restart()
+                game.forget_future()
         return Speed(ticks, perf_counter() - began, think_milliseconds / 1000)
     finally:
         await game.close()

@@ -1,41 +1,23 @@
-"""Ticks and queries, computed off the event loop."""
+"""A thread with a mind, for what is computed off the event loop."""
 
 from __future__ import annotations
 
 import asyncio
 import threading
 from concurrent.futures import ThreadPoolExecutor
-from time import perf_counter
 from typing import TYPE_CHECKING, TypeVar
 
-from logical_robots_tui.game.frame import Frame
 from logical_robots_tui.mind import Mind, Stopped
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
     from logical_robots_tui.mind import Engine, Limits, Program
-    from logical_robots_tui.world import Level, World, WorldState
+    from logical_robots_tui.world import Level
 
-__all__ = ["Thinker", "next_frame"]
+__all__ = ["Thinker"]
 
 T = TypeVar("T")
-
-
-def next_frame(world: World, mind: Mind, past: Frame, stop: threading.Event) -> Frame:
-    """Sense, think and act once, from a past frame."""
-    before: WorldState = past.after
-    world.restore(before)
-    sensors = tuple(world.sense())
-    began = perf_counter()
-    decisions = tuple(mind.think(sensors, past.memories, stop=stop))
-    milliseconds = (perf_counter() - began) * 1000
-    world.act({d.robot_name: d.desire for d in decisions if d.desire is not None})
-    after = world.save()
-    memories = {d.robot_name: d.memory for d in decisions}
-    return Frame(
-        after.tick, before, after, sensors, past.memories, decisions, memories, milliseconds
-    )
 
 
 class Thinker:

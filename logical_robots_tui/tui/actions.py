@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 from logical_robots_tui.tui.drawing.glyphs import Drawing
 from logical_robots_tui.tui.sparing import SparingApp
+from logical_robots_tui.tui.timeline.travel import TEN
 
 if TYPE_CHECKING:
     from logical_robots_tui.tui.screen import MainScreen
@@ -39,6 +40,56 @@ class Actions:
     def back(self) -> None:
         """Return to the tick before."""
         self._screen.session.back()
+
+    def step_ten(self) -> None:
+        """Go ten ticks on."""
+        self._screen.labyrinth.briefing.display = False
+        self._screen.session.step(TEN)
+
+    def back_ten(self) -> None:
+        """Return by ten ticks."""
+        self._screen.session.back(TEN)
+
+    def first(self) -> None:
+        """Go to the earliest tick in history."""
+        self._screen.travel.first()
+
+    def last(self) -> None:
+        """Go to the latest tick that is known."""
+        self._screen.travel.last()
+
+    def go_to(self) -> None:
+        """Go to any tick of history."""
+        self._screen.spawn(self._screen.travel.ask_for_tick, "library", exclusive=True)
+
+    def previous_mark(self) -> None:
+        """Go to where something happened before."""
+        self._screen.travel.to_mark(-1)
+
+    def next_mark(self) -> None:
+        """Go to where something happened next."""
+        self._screen.travel.to_mark(1)
+
+    def run_until(self) -> None:
+        """Run until a tick."""
+        self._screen.labyrinth.briefing.display = False
+        self._screen.spawn(self._screen.travel.ask_how_far, "library", exclusive=True)
+
+    def breakpoints(self) -> None:
+        """Show the breakpoints."""
+        self._screen.travel.breakpoints()
+
+    def other_future(self) -> None:
+        """Go over to the other future."""
+        self._screen.travel.change_course()
+
+    def compare(self) -> None:
+        """Go to where the two futures part."""
+        self._screen.travel.compare()
+
+    def timeline(self) -> None:
+        """Go to the timeline."""
+        self._screen.set_focus(self._screen.timeline)
 
     def restart(self) -> None:
         """Begin the level again."""

@@ -63,8 +63,8 @@ class Command:
 
 
 _GAME, _PROGRAM, _LEARN = "Running", "Program and level", "Learning"
-_VIEW, _HELP = "Looking", "Help and leaving"
-GROUPS = (_GAME, _PROGRAM, _LEARN, _VIEW, _HELP)
+_TIME, _VIEW, _HELP = "Time", "Looking", "Help and leaving"
+GROUPS = (_GAME, _TIME, _PROGRAM, _LEARN, _VIEW, _HELP)
 
 COMMANDS: tuple[Command, ...] = (
     Command(
@@ -109,6 +109,72 @@ COMMANDS: tuple[Command, ...] = (
         _GAME,
         ("plus", "equals_sign"),
         bar="Speed",
+    ),
+    Command("step_ten", "Ten steps", "Go ten ticks on.", _TIME, ("N",)),
+    Command("back_ten", "Ten steps back", "Return by ten ticks.", _TIME, ("P",)),
+    Command(
+        "first",
+        "To the start",
+        "Go to the first tick, or the earliest one that history still holds.",
+        _TIME,
+        ("left_parenthesis",),
+    ),
+    Command(
+        "last",
+        "To the last tick",
+        "Go to the last tick that is known.",
+        _TIME,
+        ("right_parenthesis",),
+    ),
+    Command("go_to", "Go to a tick…", "Go to any tick that history holds.", _TIME, ("g",)),
+    Command(
+        "run_until",
+        "Run until a tick…",
+        "Run flat out until a tick, or to victory or a breakpoint if that comes sooner.",
+        _TIME,
+        ("u",),
+    ),
+    Command(
+        "previous_mark",
+        "To the mark before",
+        "Go back to where something happened; to the chosen robot's memory, too.",
+        _TIME,
+        ("left_curly_bracket",),
+    ),
+    Command(
+        "next_mark",
+        "To the next mark",
+        "Go on to where something happened, as far as is known.",
+        _TIME,
+        ("right_curly_bracket",),
+    ),
+    Command(
+        "breakpoints",
+        "Breakpoints",
+        "See, add, switch off or delete what the robots stop at.",
+        _TIME,
+        ("B",),
+    ),
+    Command(
+        "other_future",
+        "The other future",
+        "Go over to the future that was left when another program began, and to that program.",
+        _TIME,
+        ("F",),
+    ),
+    Command(
+        "compare",
+        "Where the futures part",
+        "Go to the first tick in which the two futures differ, and see in what.",
+        _TIME,
+        ("C",),
+    ),
+    Command(
+        "timeline",
+        "Timeline",
+        "Go to the timeline; arrows, page up and down, home and end move along it.",
+        _TIME,
+        ("T",),
     ),
     Command(
         "apply",
@@ -283,7 +349,7 @@ COMMANDS: tuple[Command, ...] = (
         "Next robot",
         "Select the next robot: its light is brought out, and a card tells of it.",
         _VIEW,
-        ("g",),
+        ("a",),
     ),
     Command("rays", "Cones", "Show or hide what the robots' radars reach.", _VIEW, ("y",)),
     Command(
@@ -345,6 +411,10 @@ _NAMES = {
     "slash": "/",
     "left_square_bracket": "[",
     "right_square_bracket": "]",
+    "left_parenthesis": "(",
+    "right_parenthesis": ")",
+    "left_curly_bracket": "{",
+    "right_curly_bracket": "}",
     "escape": "esc",
 }
 

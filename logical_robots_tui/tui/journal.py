@@ -163,13 +163,13 @@ class Journal:
 
     def won(self, session: Session) -> None:
         """The level is won: keep that, and measure how well."""
-        program, tick, level = session.program, session.won_at, session.level
-        if program is None or tick is None:
+        program, tick, level, game = session.program, session.won_at, session.level, session.game
+        if program is None or tick is None or game is None:
             return
         text, key = program.text, self._key
         self.former, self.latest = self.record.bests, None
-        if session.odometer.is_all_by(text, tick):
-            self.latest = Measures(tick, count_rules(text), session.odometer.distance(tick))
+        if game.history.is_all_by(text, tick):
+            self.latest = Measures(tick, count_rules(text), game.history.driven(tick))
         self.is_reference = bool(level.solution) and text == self._solution
         if not self.is_reference:
             measures = self.latest

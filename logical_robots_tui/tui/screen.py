@@ -29,6 +29,8 @@ from logical_robots_tui.tui.program.editor import Editor
 from logical_robots_tui.tui.program.pane import ProgramPane
 from logical_robots_tui.tui.session import Session
 from logical_robots_tui.tui.status import StatusLine, status_of
+from logical_robots_tui.tui.timeline.travel import Travel
+from logical_robots_tui.tui.timeline.widget import Timeline
 from logical_robots_tui.tui.tour_guide import TourGuide
 
 if TYPE_CHECKING:
@@ -39,7 +41,7 @@ if TYPE_CHECKING:
     from textual.binding import BindingType
     from textual.widget import Widget
 
-    from logical_robots_tui.game import Frame, Source
+    from logical_robots_tui.game import Breakpoint, Frame, Hit, Source
     from logical_robots_tui.mind import Engine
     from logical_robots_tui.progress import Measures
     from logical_robots_tui.tui.background import Work
@@ -86,6 +88,7 @@ class MainScreen(Screen[None]):
             spawn=self.spawn,
             changed=self._changed,
             used=journal.used,
+            stopped=self._stopped,
             engine=engine,
         )
         self.keeper = Keeper(
@@ -99,12 +102,14 @@ class MainScreen(Screen[None]):
         self._text_to_begin_with = source.text if text is None else text
         self._is_new_here = welcome
         self.tours = TourGuide(self)
+        self.travel = Travel(self)
         self._actions = Actions(self)
         self._status = StatusLine()
         self._tabs = PaneTabs()
         self.labyrinth = LabyrinthPane()
         self.program = ProgramPane()
         self.inspector = InspectorPane(self.session)
+        self.timeline = Timeline()
         self._bar = CommandBar()
         self._panes: tuple[Pane, ...] = (self.labyrinth, self.program, self.inspector)
         self._layout = Layout.WIDE
@@ -116,12 +121,13 @@ class MainScreen(Screen[None]):
         self._is_celebrated = False
 
     def compose(self) -> ComposeResult:
-        """Status line, tabs, panes, command bar."""
+        """Status line, tabs, panes, timeline, command bar."""
         yield self._status
         yield self._tabs
         with Container(id="panes"):
             yield from self._panes
         yield Static(id="too-small", markup=False)
+        yield self.timeline
         yield self._bar
 
     def on_mount(self) -> None:
@@ -193,6 +199,10 @@ class MainScreen(Screen[None]):
         self.forget_victory()
         self._changed()
 
+    def add_breakpoint(self, breakpoint_: Breakpoint) -> None:
+        """Let the robots stop at something from now on, and say so."""
+        self.travel.add_breakpoint(breakpoint_)
+
     def spawn(self, work: Work, group: str, *, exclusive: bool) -> None:
         """Work in the background."""
         in_background(self, work, group, exclusive=exclusive)
@@ -228,6 +238,7 @@ class MainScreen(Screen[None]):
 
     def _draw_lines(self) -> None:
         self._status.show(status_of(self.session))
+        self.timeline.show(self.session, self.labyrinth.view.selected)
         typing = isinstance(self.focused, (TextArea, Input))
         self._bar.show(typing=typing, running=self.session.busy)
         tabs = tuple((pane.command_id, pane.label) for pane in self._panes)
@@ -253,6 +264,9 @@ class MainScreen(Screen[None]):
         if level is not self.session.level or not self.labyrinth.banner.display:
             title = one_line(level.title)
             self.tell(f"{title}: won from {found.wins} of {found.starts} shifted starts.")
+
+    def _stopped(self, hits: tuple[Hit, ...]) -> None:
+        self.travel.tell_hits(hits)
 
     def forget_victory(self) -> None:
         """Take the banner away; the next victory is celebrated again."""
@@ -339,6 +353,10 @@ class MainScreen(Screen[None]):
     @on(Editor.Leave)
     def _editor_left(self) -> None:
         self._actions.leave()
+
+    @on(Timeline.Pointed)
+    def _tick_pointed(self, event: Timeline.Pointed) -> None:
+        self.travel.go_to(event.tick)
 
     @on(Pane.Retitled)
     def _pane_retitled(self) -> None:

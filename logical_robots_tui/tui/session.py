@@ -2,33 +2,34 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import partial
 from time import perf_counter
-from typing import TYPE_CHECKING, Literal, Protocol, TypeAlias
+from typing import TYPE_CHECKING, Any, Protocol
 
 from logical_robots_tui.game import (
+    Breakpoints,
     Frame,
     Game,
-    Odometer,
     Pace,
     Superseded,
     compile_program,
+    mistake_in,
     start_frame,
 )
 from logical_robots_tui.mind import ProgramError, why_not_duckdb
+from logical_robots_tui.tui.program.state import ProgramState
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Coroutine
 
-    from logical_robots_tui.game import Source
-    from logical_robots_tui.mind import Diagnostic, Engine, Predicate, Program, Table
+    from logical_robots_tui.game import Breakpoint, Hit, Source
+    from logical_robots_tui.game.history import History
+    from logical_robots_tui.mind import Engine, Predicate, Program, Table
     from logical_robots_tui.tui.background import Work
     from logical_robots_tui.world import Level
 
-__all__ = ["ProgramState", "Session", "Spawn"]
-
-Phase: TypeAlias = Literal["fresh", "compiling", "applied", "mistake"]
+__all__ = ["Session", "Spawn"]
 
 _MOST_OWED = 5  # steps that a key held down may leave behind
 _NOTICEABLE = 0.5  # seconds of thinking from which on the screen says so
@@ -41,25 +42,6 @@ class Spawn(Protocol):
         """Run `work`; an exclusive one cancels what its group still does."""
 
 
-@dataclass(frozen=True, slots=True)
-class ProgramState:
-    """How far the program is.
-
-    Attributes:
-        phase: ``fresh`` before the first compilation, then what the last one came to.
-        tried: The text that was last compiled.
-        applied: The text that the robots think with, or None.
-        mistakes: What is wrong with `tried`, or odd about it though it runs.
-        compiled: How many predicates of how many are compiled, while compiling.
-    """
-
-    phase: Phase = "fresh"
-    tried: str = ""
-    applied: str | None = None
-    mistakes: tuple[Diagnostic, ...] = ()
-    compiled: tuple[int, int] = (0, 0)
-
-
 class Session:
     """One level under one program at a time; changes of either end in a new game.
 
@@ -69,6 +51,7 @@ class Session:
         spawn: Starts work in the background.
         changed: Called after everything that the screen may want to show.
         used: Called with each program that the robots begin to think with.
+        stopped: Called with the breakpoints at which the robots have stopped.
         engine: What they think with.
     """
 
@@ -80,6 +63,7 @@ class Session:
         spawn: Spawn,
         changed: Callable[[], None],
         used: Callable[[Program], None],
+        stopped: Callable[[tuple[Hit, ...]], None],
         engine: Engine = "sqlite",
     ) -> None:
         self.level = level
@@ -88,15 +72,17 @@ class Session:
         self.pace = Pace()
         self.game: Game | None = None
         self.frame = start_frame(level)
+        self.breakpoints = Breakpoints()
         self._spawn = spawn
         self._changed = changed
         self._used = used
+        self._stopped = stopped
         self._engine = engine
-        self.odometer = Odometer()
         self._program: Program | None = None
         self._run_when_ready = False
         self._stepping: object = None
         self._steps_owed = 0
+        self._runs_until: int | None = None
         self._waiting_since = 0.0
 
     # -- looking -------------------------------------------------------------------------------
@@ -104,7 +90,10 @@ class Session:
     @property
     def running(self) -> bool:
         """Whether the robots go on by themselves, or will as soon as the program is compiled."""
-        return self._run_when_ready or (self.game is not None and self.game.running)
+        is_on_its_way = self._runs_until is not None and self._stepping is not None
+        return (
+            self._run_when_ready or is_on_its_way or (self.game is not None and self.game.running)
+        )
 
     @property
     def busy(self) -> bool:
@@ -120,6 +109,17 @@ class Session:
     def predicates(self) -> tuple[Predicate, ...]:
         """The predicates of the program that the robots think with."""
         return self._program.predicates if self._program else ()
+
+    @property
+    def history(self) -> History | None:
+        """What is known of other ticks, or None before there is a program."""
+        return self.game.history if self.game is not None else None
+
+    def trouble_with(self, breakpoint_: Breakpoint) -> str:
+        """Why a breakpoint can't be hit, one sentence, or ""."""
+        if self.game is None:
+            return mistake_in(breakpoint_, self.level, None)
+        return self.game.trouble_with(breakpoint_)
 
     @property
     def won_at(self) -> int | None:
@@ -190,28 +190,56 @@ class Session:
         if self.game is not None:
             self.game.pause()
         if self._stepping is not None:
-            self._stepping = None
+            self._stepping = self._runs_until = None
             self._spawn(_nothing, "move", exclusive=True)
         self._changed()
 
-    def step(self) -> None:
-        """Compute one tick; while running, stop after it. Quick presses are worked off."""
-        if self.game is None:
-            return
-        if self._stepping is not None:
-            self._steps_owed = min(self._steps_owed + 1, _MOST_OWED)
-            return
-        self._steps_owed = 0
-        self.game.pause()
-        self._stepping = object()
-        self._waiting_since = perf_counter()
-        self._spawn(partial(self._step, self.game, self._stepping), "move", exclusive=True)
+    def step(self, ticks: int = 1) -> None:
+        """Go some ticks on; while running, stop after them. Quick presses are worked off."""
+        if self._stepping is not None and self._runs_until is None:
+            most = max(self._steps_owed, _MOST_OWED * ticks)
+            self._steps_owed = min(self._steps_owed + ticks, most)
+        elif self.game is not None:
+            self.game.pause()
+            self._steps_owed, self._runs_until = ticks, None
+            self._begin(self._step)
 
-    def back(self) -> None:
-        """Return to the tick before."""
+    def run_until(self, tick: int) -> None:
+        """Run flat out up to a tick, a breakpoint or victory."""
+        self.pause()
+        self._runs_until = tick
+        self._begin(partial(self._run_until, tick))
+
+    def back(self, ticks: int = 1) -> None:
+        """Return by so many ticks, as far as history reaches."""
         self.pause()
         if self.game is not None:
-            self.game.back()
+            self.game.back(ticks)
+
+    def go_to(self, tick: int) -> None:
+        """Go to a tick of history.
+
+        Raises:
+            NoSuchTickError: History does not hold it.
+        """
+        self.pause()
+        if self.game is not None:
+            self.game.go_to(tick)
+
+    def change_course(self) -> None:
+        """Go over to the other future, and think with its program.
+
+        Raises:
+            NoSuchTickError: There is no other future.
+        """
+        self.pause()
+        if self.game is not None:
+            self._spawn(_nothing, "compile", exclusive=True)
+            self.game.change_course()
+            self._program = self.game.program
+            text = self._program.text
+            self.state = ProgramState("applied", text, text, self._program.warnings)
+            self._changed()
 
     def restart(self) -> None:
         """Begin the level again, standing still."""
@@ -275,8 +303,9 @@ class Session:
         self._program = program
         self._used(program)
         if self.game is None:
-            game = self.game = Game(self.level, program, engine=self._engine)
-            self.odometer = Odometer()
+            game = self.game = Game(
+                self.level, program, engine=self._engine, breakpoints=self.breakpoints
+            )
             game.pace = self.pace
             game.listen(lambda frame: self._show(game, frame))
             self.frame = game.frame
@@ -290,28 +319,55 @@ class Session:
     def _show(self, game: Game, frame: Frame) -> None:
         if game is self.game:
             self.frame = frame
-            self.odometer.count(frame, game.program.text)
             self._waiting_since = perf_counter()
             self._changed()
 
     async def _run(self, game: Game) -> None:
         try:
             await game.run()
+            self._tell_hits(game)
         finally:
             self._changed()
 
-    async def _step(self, game: Game, token: object) -> None:
+    def _begin(self, work: Callable[[Game], Coroutine[Any, Any, None]]) -> None:
+        """Go on in the background by something that pausing ends."""
+        if self.game is not None:
+            self._stepping = object()
+            self._waiting_since = perf_counter()
+            move = partial(self._move, self.game, work, self._stepping)
+            self._spawn(move, "move", exclusive=True)
+
+    async def _move(
+        self, game: Game, work: Callable[[Game], Coroutine[Any, Any, None]], token: object
+    ) -> None:
         try:
-            await game.step()
-            while self._steps_owed and self._stepping is token:
-                self._steps_owed -= 1
-                await game.step()
+            await work(game)
+            self._tell_hits(game)
         except Superseded:
             pass
         finally:
             if self._stepping is token:
-                self._stepping = None
+                self._stepping = self._runs_until = None
             self._changed()
+
+    async def _step(self, game: Game) -> None:
+        token = self._stepping
+        while self._steps_owed and self._stepping is token:
+            self._steps_owed -= 1
+            frame = await game.step()
+            if self._hits(game) or game.won_at == frame.tick:
+                self._steps_owed = 0
+
+    async def _run_until(self, tick: int, game: Game) -> None:
+        await game.run_until(tick=tick)
+
+    def _hits(self, game: Game) -> tuple[Hit, ...]:
+        """The breakpoints that stop the robots at the present tick."""
+        return tuple(hit for hit in game.hits if self.breakpoints.is_on(hit.breakpoint))
+
+    def _tell_hits(self, game: Game) -> None:
+        if game is self.game and (hits := self._hits(game)):
+            self._stopped(hits)
 
     def _end_game(self) -> None:
         self.pause()

@@ -128,6 +128,11 @@ class Tmux:
                 return
         raise AssertionError(f"{text!r} is not on the screen:\n{self.screen}")
 
+    def drag(self, start: tuple[int, int], end: tuple[int, int]) -> None:
+        """Drag with the left button from one place to another, each a column and a line from 1."""
+        self.type(f"\x1b[<0;{start[0]};{start[1]}M\x1b[<32;{end[0]};{end[1]}M")
+        self.type(f"\x1b[<0;{end[0]};{end[1]}m")
+
     def resize(self, columns: int, lines: int) -> None:
         """Make the window another size."""
         self._tmux("resize-window", "-x", str(columns), "-y", str(lines))

@@ -12,7 +12,7 @@ import pytest
 
 from benchmarks.reference import measure_reference
 from logical_robots_tui import Game, Program, list_levels, load_level
-from logical_robots_tui.game import Odometer, count_rules, level_key, reference_for
+from logical_robots_tui.game import count_rules, level_key, reference_for
 from logical_robots_tui.game.measuring import Trial, measure, patience_for
 from logical_robots_tui.game.reference import reference_table
 from logical_robots_tui.game.robustness import play_through, shifted, try_starts
@@ -65,24 +65,23 @@ async def test_the_distance_is_what_all_robots_have_driven_also_after_going_back
     level: Level,
 ) -> None:
     game = Game(level, Program.compile(AHEAD))
-    odometer = Odometer()
-    game.listen(lambda frame: odometer.count(frame, game.program.text))
+    history = game.history
     try:
         for _ in range(10):
             await game.step()
         driven = math.dist((12, 12.5), (game.frame.after.robots[0].x, 12.5))
-        assert odometer.distance(10) == pytest.approx(driven)
+        assert history.driven(10) == pytest.approx(driven)
         game.go_to(4)
         game.use(Program.compile(STILL))
         await game.step()
-        assert odometer.distance(5) == odometer.distance(4) == pytest.approx(driven * 0.4)
-        assert odometer.is_all_by(AHEAD, 4)
-        assert not odometer.is_all_by(AHEAD, 5)
-        assert not odometer.is_all_by(STILL, 5)
+        assert history.driven(5) == history.driven(4) == pytest.approx(driven * 0.4)
+        assert history.is_all_by(AHEAD, 4)
+        assert not history.is_all_by(AHEAD, 5)
+        assert not history.is_all_by(STILL, 5)
         game.restart()
         await game.step()
-        assert odometer.is_all_by(STILL, 1)
-        assert odometer.distance(1) == 0
+        assert history.is_all_by(STILL, 1)
+        assert history.driven(1) == 0
     finally:
         await game.close()
 

@@ -192,5 +192,5 @@ async def test_a_robot_without_decision_says_so(data_dir: Path) -> None:
     text = 'Robot(robot_name: "nobody", desire: {left_engine: 1, right_engine: 1}, memory: 1);'
     async with opened(data_dir, text=text) as game:
         await game.ready()
-        await game.press("n", "g")
+        await game.press("n", "a")
         await game.until(lambda: game.tick == 1 and game.shows("undecided"))

@@ -14,6 +14,7 @@ from logical_robots_tui.tui.commands import COMMANDS, GROUPS
 from logical_robots_tui.tui.dialogs.dialog import Dialog
 from logical_robots_tui.tui.drawing.glyphs import Drawing, legend
 from logical_robots_tui.tui.theme import INK
+from logical_robots_tui.tui.timeline.drawing import PARTING, SIGNS, TRACKS
 
 if TYPE_CHECKING:
     from textual.app import ComposeResult
@@ -88,6 +89,9 @@ class Help(Dialog[None]):
         lines.append(_heading("In the labyrinth"))
         for sign, colour, meaning in legend(self._drawing):
             style = "#{:02x}{:02x}{:02x}".format(*colour)
+            lines.append(Content.assemble("  ", (sign, style), "  ", (meaning, INK.text)))
+        lines.append(_heading("In the timeline"))
+        for sign, style, meaning in (*SIGNS.values(), PARTING, *TRACKS):
             lines.append(Content.assemble("  ", (sign, style), "  ", (meaning, INK.text)))
         lines.append(_heading("In the inspector"))
         for sign, meaning in _INSPECTOR_SIGNS:

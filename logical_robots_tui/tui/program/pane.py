@@ -13,7 +13,7 @@ from logical_robots_tui.tui.program.editor import Editor
 from logical_robots_tui.tui.program.mistakes import MistakeStrip
 
 if TYPE_CHECKING:
-    from logical_robots_tui.tui.session import ProgramState
+    from logical_robots_tui.tui.program.state import ProgramState
 
 __all__ = ["ProgramPane"]
 

@@ -1,0 +1,115 @@
+"""Advancing: the next ticks of a game, computed, or as they are known from history."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from time import perf_counter
+from typing import TYPE_CHECKING
+
+from logical_robots_tui.game.frame import Frame
+
+if TYPE_CHECKING:
+    import threading
+    from collections.abc import Mapping, Sequence
+
+    from logical_robots_tui.game.breakpoints import Hit
+    from logical_robots_tui.game.packing import Moment
+    from logical_robots_tui.game.watching import Watch
+    from logical_robots_tui.mind import Mind, Table
+    from logical_robots_tui.values import Value
+    from logical_robots_tui.world import World, WorldState
+
+__all__ = ["Advance", "advance", "known_frame"]
+
+_TOGETHER_SECONDS = 0.008  # of computing, before what was computed is shown
+
+
+@dataclass(frozen=True, slots=True)
+class Advance:
+    """One tick further.
+
+    Attributes:
+        frame: The tick.
+        hits: The breakpoints that it hits.
+    """
+
+    frame: Frame
+    hits: tuple[Hit, ...]
+
+
+def advance(
+    world: World,
+    mind: Mind,
+    past: Frame,
+    known: Sequence[Moment],
+    watch: Watch,
+    stop: threading.Event,
+    most: int | None = None,
+) -> list[Advance]:
+    """The ticks after a past one, up to victory or a breakpoint. Blocks.
+
+    Args:
+        world: Where to compute them.
+        mind: What to think with, and to ask for breakpoints.
+        past: After which tick.
+        known: If the next ticks are known, what the first of them left behind; no others are
+            computed then.
+        watch: What to stop at.
+        stop: Set it from another thread to give up.
+        most: At most so many, by default as many as a fraction of a second allows.
+
+    Raises:
+        Stopped: `stop` was set.
+    """
+
+    def ask(predicate: str, frame: Frame) -> Table:
+        return mind.query(predicate, frame.sensors, frame.memories_before, stop=stop)
+
+    if known:
+        most = len(known) if most is None else min(most, len(known))
+    until = perf_counter() + _TOGETHER_SECONDS
+    done: list[Advance] = []
+    while True:
+        if known:
+            frame = known_frame(world, past.after, past.memories, known[len(done)])
+        else:
+            frame = _next_frame(world, mind, past, stop)
+        hits = watch.hits(past, frame, ask) if watch.breakpoints else ()
+        done.append(Advance(frame, hits))
+        has_won = frame.after.won_at == frame.tick
+        if hits or has_won or len(done) == most or perf_counter() > until:
+            return done
+        past = frame
+
+
+def known_frame(
+    world: World, before: WorldState, memories_before: Mapping[str, Value], moment: Moment
+) -> Frame:
+    """A frame as it was: the robots sense again what they sensed then."""
+    world.restore(before)
+    return Frame(
+        moment.after.tick,
+        before,
+        moment.after,
+        tuple(world.sense()),
+        memories_before,
+        moment.decisions,
+        moment.memories,
+        moment.think_milliseconds,
+    )
+
+
+def _next_frame(world: World, mind: Mind, past: Frame, stop: threading.Event) -> Frame:
+    """Sense, think and act once, from a past frame."""
+    before = past.after
+    world.restore(before)
+    sensors = tuple(world.sense())
+    began = perf_counter()
+    decisions = tuple(mind.think(sensors, past.memories, stop=stop))
+    milliseconds = (perf_counter() - began) * 1000
+    world.act({d.robot_name: d.desire for d in decisions if d.desire is not None})
+    after = world.save()
+    memories = {d.robot_name: d.memory for d in decisions}
+    return Frame(
+        after.tick, before, after, sensors, past.memories, decisions, memories, milliseconds
+    )

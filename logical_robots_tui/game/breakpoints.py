@@ -1,0 +1,164 @@
+"""Breakpoints: what a run is to stop at."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Literal, TypeAlias, get_args
+
+from logical_robots_tui.mind import NoticeKind
+from logical_robots_tui.shipped import did_you_mean
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Iterator
+
+    from logical_robots_tui.mind import Program
+    from logical_robots_tui.world import Level
+
+__all__ = ["EVENTS", "Breakpoint", "Breakpoints", "Event", "Hit", "mistake_in", "subjects"]
+
+Event: TypeAlias = Literal[
+    "rows", "no rows", "change", "enters", "leaves", "blocked", "loses sight", "notice"
+]
+
+EVENTS: dict[Event, str] = {
+    "rows": "a predicate has rows",
+    "no rows": "a predicate has no rows any more",
+    "change": "a predicate changes",
+    "enters": "a robot enters an area",
+    "leaves": "a robot leaves an area",
+    "blocked": "a robot is blocked by a wall",
+    "loses sight": "a robot loses sight of something",
+    "notice": "a notice appears",
+}
+"""What can happen, in words."""
+
+OF_PREDICATES = frozenset[Event]({"rows", "no rows", "change"})
+"""The events for which the program has to be asked."""
+
+
+@dataclass(frozen=True, slots=True)
+class Breakpoint:
+    """Something that a run is to stop at, in the tick in which it begins.
+
+    Attributes:
+        event: What happens.
+        subject: The name of the predicate; of the area; of what is lost sight of; or the kind of
+            the notice. "" is any, but for predicates.
+        robot: Whom it happens to; of a predicate, whose rows count. "" is any.
+        column: For ``change`` which column counts; "" is the whole row.
+    """
+
+    event: Event
+    subject: str = ""
+    robot: str = ""
+    column: str = ""
+
+    @property
+    def words(self) -> str:
+        """What it says, such as ``Ada enters Home``."""
+        who = self.robot or "a robot"
+        whose = f" for {self.robot}" if self.robot else ""
+        match self.event:
+            case "rows":
+                return f"{self.subject} has rows{whose}"
+            case "no rows":
+                return f"{self.subject} has no rows any more{whose}"
+            case "change":
+                column = f".{self.column}" if self.column else ""
+                return f"{self.subject}{column} changes{whose}"
+            case "blocked":
+                return f"{who} is blocked by a wall"
+            case "loses sight":
+                return f"{who} loses sight of {self.subject or 'something'}"
+            case "notice":
+                kind = f"“{self.subject}”" if self.subject else ""
+                return " ".join(f"a notice {kind} appears{whose}".split())
+            case _:
+                return f"{who} {self.event} {self.subject or 'an area'}"
+
+
+@dataclass(frozen=True, slots=True)
+class Hit:
+    """A breakpoint that was hit.
+
+    Attributes:
+        breakpoint: Which one.
+        tick: When.
+        values: Whom it happened to and with what values, in words.
+    """
+
+    breakpoint: Breakpoint
+    tick: int
+    values: str
+
+
+class Breakpoints:
+    """The breakpoints of a player, in the order in which they were set."""
+
+    def __init__(self, breakpoints: Iterable[Breakpoint] = ()) -> None:
+        self._is_on = dict.fromkeys(breakpoints, True)
+
+    def __iter__(self) -> Iterator[Breakpoint]:
+        return iter(self._is_on)
+
+    def __len__(self) -> int:
+        return len(self._is_on)
+
+    @property
+    def on(self) -> tuple[Breakpoint, ...]:
+        """Those that a run stops at."""
+        return tuple(each for each, is_on in self._is_on.items() if is_on)
+
+    def add(self, breakpoint_: Breakpoint) -> None:
+        """Set a breakpoint; one that is there already is switched on."""
+        self._is_on[breakpoint_] = True
+
+    def remove(self, breakpoint_: Breakpoint) -> None:
+        """Delete a breakpoint, if it is there."""
+        self._is_on.pop(breakpoint_, None)
+
+    def is_on(self, breakpoint_: Breakpoint) -> bool:
+        """Whether a run stops at it."""
+        return self._is_on.get(breakpoint_, False)
+
+    def switch(self, breakpoint_: Breakpoint) -> None:
+        """Switch a breakpoint off, or on again."""
+        if breakpoint_ in self._is_on:
+            self._is_on[breakpoint_] = not self._is_on[breakpoint_]
+
+
+def subjects(event: Event, level: Level, program: Program | None) -> tuple[str, ...]:
+    """The names that an event can be about in a level under a program."""
+    if event in OF_PREDICATES:
+        return tuple(each.name for each in program.predicates if each.has_rows) if program else ()
+    if event in ("enters", "leaves"):
+        return tuple(area.name for area in level.areas)
+    if event == "loses sight":
+        beacons = tuple(beacon.name for beacon in level.beacons)
+        return beacons + tuple(robot.name for robot in level.robots)
+    return get_args(NoticeKind) if event == "notice" else ()
+
+
+def mistake_in(breakpoint_: Breakpoint, level: Level, program: Program | None) -> str:
+    """Why a breakpoint can't be hit in a level under a program, one sentence, or ""."""
+    robot, subject = breakpoint_.robot, breakpoint_.subject
+    names = tuple(each.name for each in level.robots)
+    if robot and robot not in names:
+        return f"This level has no robot {robot}. {did_you_mean(robot, names)}".rstrip()
+    known = subjects(breakpoint_.event, level, program)
+    if breakpoint_.event in OF_PREDICATES:
+        if program is None:
+            return ""
+        if not subject:
+            return "It needs the name of a predicate."
+        predicate = program.predicate(subject)
+        if predicate is not None and not predicate.has_rows:
+            return predicate.reason
+        what = "The program has no predicate"
+    else:
+        what = {"loses sight": "Nothing here is called", "notice": "No notice is called"}.get(
+            breakpoint_.event, "This level has no area"
+        )
+    if not subject or subject in known:
+        return ""
+    return f"{what} {subject}. {did_you_mean(subject, known)}".rstrip()

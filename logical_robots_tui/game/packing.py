@@ -1,0 +1,126 @@
+"""Packing: ticks that are over as few bytes, from which each of them is restored exactly."""
+
+from __future__ import annotations
+
+import marshal
+import zlib
+from dataclasses import dataclass
+from functools import lru_cache
+from operator import attrgetter
+from typing import TYPE_CHECKING, Any
+
+from logical_robots_tui.mind import Decision, Notice
+from logical_robots_tui.values import Desire
+from logical_robots_tui.world import AreaState, RobotState, WorldState
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping, Sequence
+
+    from logical_robots_tui.values import Value
+
+__all__ = ["Moment", "Packed"]
+
+_QUICKEST = 1  # of zlib's levels; from tick to tick so little changes that more is not needed
+_KEPT_OPEN = 4  # for those who step through them
+
+_BODY = ("x", "y", "angle", "battery_level", "left_engine", "right_engine", "blocked", "dead")
+_body_of = attrgetter(*_BODY)
+
+
+@dataclass(frozen=True, slots=True)
+class Moment:
+    """What a finished tick left behind; sensors are not kept, the world senses them again.
+
+    Attributes:
+        after: The world after the tick.
+        memories: Each robot's memory after the tick, by robot name.
+        decisions: What was decided in the tick, one per robot in file order; () at the start.
+        think_milliseconds: How long thinking took.
+        driven: Map units that all robots together have driven since the start.
+    """
+
+    after: WorldState
+    memories: Mapping[str, Value]
+    decisions: tuple[Decision, ...]
+    think_milliseconds: float
+    driven: float
+
+
+class Packed:
+    """Moments that follow each other, of one level.
+
+    What one robot did and remembered tick after tick stands together, so that what is alike lies
+    near each other and is packed well.
+
+    Args:
+        moments: At least one.
+    """
+
+    __slots__ = ("_bytes",)
+
+    def __init__(self, moments: Sequence[Moment]) -> None:
+        first = moments[0].after
+        content = (
+            first.tick,
+            [robot.name for robot in first.robots],
+            [area.name for area in first.areas],
+            [(m.after.won_at, m.think_milliseconds, m.driven, bool(m.decisions)) for m in moments],
+            [[(area.active, area.visitors) for area in m.after.areas] for m in moments],
+            [[_body_of(m.after.robots[i]) for m in moments] for i in range(len(first.robots))],
+            [
+                [_thought_of(m, i, robot.name) for m in moments]
+                for i, robot in enumerate(first.robots)
+            ],
+        )
+        self._bytes = zlib.compress(marshal.dumps(content), _QUICKEST)
+
+    def __len__(self) -> int:
+        """How many bytes it takes."""
+        return len(self._bytes)
+
+    def moment(self, at: int) -> Moment:
+        """One of the moments, by its place among them, counted from 0."""
+        begin, names, area_names, told, areas, bodies, thoughts = _opened(self._bytes)
+        won_at, milliseconds, driven, has_decided = told[at]
+        after = WorldState(
+            begin + at,
+            tuple([RobotState(n, *body[at]) for n, body in zip(names, bodies, strict=True)]),
+            tuple([AreaState(n, *area) for n, area in zip(area_names, areas[at], strict=True)]),
+            won_at,
+        )
+        mine = [(name, *thought[at]) for name, thought in zip(names, thoughts, strict=True)]
+        return Moment(
+            after,
+            {name: memory for name, memory, _, _ in mine},
+            tuple([_decision(*each) for each in mine]) if has_decided else (),
+            milliseconds,
+            driven,
+        )
+
+
+@lru_cache(maxsize=_KEPT_OPEN)
+def _opened(packed: bytes) -> tuple[Any, ...]:
+    content: tuple[Any, ...] = marshal.loads(zlib.decompress(packed))  # noqa: S302 - our own bytes
+    return content
+
+
+def _thought_of(moment: Moment, at: int, name: str) -> tuple[object, ...]:
+    """A robot's memory, desire and notices."""
+    if not moment.decisions:
+        return moment.memories[name], None, ()
+    decision = moment.decisions[at]
+    desire = decision.desire
+    return (
+        decision.memory,
+        None if desire is None else (desire.left_engine, desire.right_engine),
+        tuple([(notice.kind, notice.message) for notice in decision.notices]),
+    )
+
+
+def _decision(name: str, memory: Value, desire: Any, notices: Any) -> Decision:
+    return Decision(
+        name,
+        None if desire is None else Desire(*desire),
+        memory,
+        tuple([Notice(*notice) for notice in notices]),
+    )

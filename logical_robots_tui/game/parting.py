@@ -1,0 +1,94 @@
+"""Parting: what differs when two courses of a game go different ways."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, Literal, TypeAlias
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from logical_robots_tui.game.packing import Moment
+    from logical_robots_tui.mind import Decision
+
+__all__ = ["Difference", "Matter", "Parting", "parting"]
+
+Matter: TypeAlias = Literal["desire", "memory", "notices", "position", "battery"]
+
+
+@dataclass(frozen=True, slots=True)
+class Difference:
+    """In what the two courses differ for one robot.
+
+    Attributes:
+        robot_name: Whom it is about.
+        matter: ``desire``, ``memory`` or ``notices`` of its decision, or its ``position`` (with
+            where it looks and how its engines run) or ``battery`` after the tick.
+        here: What it is in the present course.
+        there: What it is in the other one.
+    """
+
+    robot_name: str
+    matter: Matter
+    here: Any
+    there: Any
+
+
+@dataclass(frozen=True, slots=True)
+class Parting:
+    """The first tick in which two courses are not the same.
+
+    Attributes:
+        tick: That tick.
+        differences: In what they differ, decisions first; in file order of the robots.
+    """
+
+    tick: int
+    differences: tuple[Difference, ...]
+
+    def turned(self) -> Parting:
+        """The same as seen from the other course."""
+        return Parting(
+            self.tick,
+            tuple(
+                Difference(each.robot_name, each.matter, each.there, each.here)
+                for each in self.differences
+            ),
+        )
+
+
+def parting(here: Moment, there: Moment) -> Parting | None:
+    """Whether two courses part in a tick; None if they don't.
+
+    Args:
+        here: What the tick left behind in the present course.
+        there: The same in the other one.
+    """
+    if here.decisions == there.decisions and here.after == there.after:
+        return None
+    return Parting(here.after.tick, (*_of_decisions(here, there), *_of_robots(here, there)))
+
+
+def _of_decisions(here: Moment, there: Moment) -> Iterator[Difference]:
+    for mine, other in zip(here.decisions, there.decisions, strict=True):
+        if mine != other:
+            for matter, value in _said(mine).items():
+                if value != (that := _said(other)[matter]):
+                    yield Difference(mine.robot_name, matter, value, that)
+
+
+def _said(decision: Decision) -> dict[Matter, object]:
+    return {
+        "desire": decision.desire,
+        "memory": decision.memory,
+        "notices": tuple(notice.message for notice in decision.notices),
+    }
+
+
+def _of_robots(here: Moment, there: Moment) -> Iterator[Difference]:
+    for mine, other in zip(here.after.robots, there.after.robots, strict=True):
+        place, that = (mine.x, mine.y, mine.angle), (other.x, other.y, other.angle)
+        if place != that:
+            yield Difference(mine.name, "position", place, that)
+        if mine.battery_level != other.battery_level:
+            yield Difference(mine.name, "battery", mine.battery_level, other.battery_level)

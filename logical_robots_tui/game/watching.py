@@ -1,0 +1,182 @@
+"""Watching: which breakpoints a tick hits, and with what values."""
+
+from __future__ import annotations
+
+from collections import Counter
+from typing import TYPE_CHECKING, TypeAlias
+
+from logical_robots_tui.game.breakpoints import OF_PREDICATES, Breakpoint, Hit
+from logical_robots_tui.mind import QueryError, Table
+from logical_robots_tui.mind.stored import to_json
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator, Sequence
+
+    from logical_robots_tui.game.frame import Frame
+    from logical_robots_tui.mind import Decision
+    from logical_robots_tui.values import SensorRow, Value
+
+__all__ = ["Ask", "Watch"]
+
+Ask: TypeAlias = "Callable[[str, Frame], Table]"
+"""Gives the rows of a predicate at a frame, or raises `QueryError`."""
+
+_Rows: TypeAlias = "list[tuple[Value, ...]]"
+_FEW = 3  # values that are told
+
+
+class Watch:
+    """Compares each tick with the one before.
+
+    Args:
+        breakpoints: What to watch for.
+
+    Attributes:
+        troubles: Why a breakpoint could not be watched for in the latest tick, by breakpoint.
+    """
+
+    def __init__(self, breakpoints: Sequence[Breakpoint]) -> None:
+        self.breakpoints = breakpoints
+        self.troubles: dict[Breakpoint, str] = {}
+        self._asked: dict[str, tuple[Frame, Table]] = {}
+
+    def hits(self, past: Frame, frame: Frame, ask: Ask) -> tuple[Hit, ...]:
+        """The breakpoints that a tick hits.
+
+        Args:
+            past: The tick before.
+            frame: The tick.
+            ask: Asks the program.
+        """
+        found = []
+        for each in self.breakpoints:
+            try:
+                if each.event in OF_PREDICATES:
+                    values = self._change_of_rows(each, past, frame, ask)
+                else:
+                    values = "; ".join(_happenings(each, past, frame))
+            except QueryError as error:
+                self.troubles[each] = f"Tick {frame.tick}: {error}"
+                continue
+            self.troubles.pop(each, None)
+            if values:
+                found.append(Hit(each, frame.tick, values))
+        return tuple(found)
+
+    def _change_of_rows(self, each: Breakpoint, past: Frame, frame: Frame, ask: Ask) -> str:
+        before = _rows_for(each, self._table(each.subject, past, ask))
+        after = _rows_for(each, self._table(each.subject, frame, ask))
+        if each.event == "rows":
+            return "" if before or not after else _listed(after)
+        if each.event == "no rows":
+            return "" if after or not before else f"there was {_listed(before)}"
+        gone, new = _without(before, after), _without(after, before)
+        if not gone and not new:
+            return ""
+        return " → ".join(_listed(rows) if rows else "nothing" for rows in (gone, new))
+
+    def _table(self, predicate: str, frame: Frame, ask: Ask) -> Table:
+        asked = self._asked.get(predicate)
+        if asked is not None and asked[0] is frame:
+            return asked[1]
+        table = ask(predicate, frame)
+        self._asked[predicate] = (frame, table)
+        return table
+
+
+def _rows_for(each: Breakpoint, table: Table) -> _Rows:
+    """The rows, or the values of one column, that a breakpoint is about."""
+    rows: Sequence[tuple[Value, ...]] = table.rows
+    if each.robot and "robot_name" in table.columns:
+        at = table.columns.index("robot_name")
+        rows = [row for row in rows if row[at] == each.robot]
+    elif each.robot and table.viewers:
+        pairs = zip(rows, table.viewers, strict=True)
+        rows = [row for row, viewer in pairs if viewer == each.robot]
+    if not each.column:
+        return list(rows)
+    if each.column not in table.columns:
+        if not table.rows:
+            return []
+        raise QueryError(f"{each.subject} has no column {each.column}.")
+    at = table.columns.index(each.column)
+    return [(row[at],) for row in rows]
+
+
+def _without(rows: _Rows, others: _Rows) -> _Rows:
+    """The rows that are not among others, each as often as it is missing."""
+    if rows == others:
+        return []
+    left = Counter(to_json(row) for row in others)
+    missing = []
+    for row in rows:
+        written = to_json(row)
+        if left[written]:
+            left[written] -= 1
+        else:
+            missing.append(row)
+    return missing
+
+
+def _listed(rows: _Rows) -> str:
+    told = [", ".join(map(to_json, row)) for row in rows[:_FEW]]
+    more = len(rows) - _FEW
+    return "; ".join(told) + (f" and {more} more" if more > 0 else "")
+
+
+def _happenings(each: Breakpoint, past: Frame, frame: Frame) -> Iterator[str]:
+    match each.event:
+        case "enters":
+            yield from _moved(each, past, frame, "is in")
+        case "leaves":
+            yield from _moved(each, frame, past, "was in")
+        case "blocked":
+            for then, now in zip(past.after.robots, frame.after.robots, strict=True):
+                if now.blocked and not then.blocked and each.robot in ("", now.name):
+                    yield f"{now.name} at {now.x:.1f}, {now.y:.1f}"
+        case "loses sight":
+            yield from _lost(each, past, frame)
+        case _:
+            yield from _noticed(each, past, frame)
+
+
+def _moved(each: Breakpoint, before: Frame, after: Frame, verb: str) -> Iterator[str]:
+    """Who is in an area after and was not before."""
+    for then, now in zip(before.after.areas, after.after.areas, strict=True):
+        if each.subject in ("", now.name):
+            for name in now.visitors:
+                if name not in then.visitors and each.robot in ("", name):
+                    yield f"{name} {verb} {now.name}"
+
+
+def _lost(each: Breakpoint, past: Frame, frame: Frame) -> Iterator[str]:
+    for then, now in zip(past.sensors, frame.sensors, strict=True):
+        name = now["robot_name"]
+        if each.robot in ("", name):
+            still = _seen(now)
+            for label, distance in _seen(then).items():
+                if label not in still and each.subject in ("", label):
+                    yield f"{name} saw {label} last at distance {distance:g}"
+
+
+def _seen(row: SensorRow) -> dict[str, float]:
+    """The beacons and robots on a robot's radar, with their distances."""
+    return {
+        ray["label"]: ray["distance"]
+        for ray in row["sensor"]["radar"]
+        if ray["object"] in ("beacon", "robot")
+    }
+
+
+def _noticed(each: Breakpoint, past: Frame, frame: Frame) -> Iterator[str]:
+    known = {decision.robot_name: _kinds(decision) for decision in past.decisions}
+    for decision in frame.decisions:
+        if each.robot in ("", decision.robot_name):
+            for notice in decision.notices:
+                is_new = notice.kind not in known.get(decision.robot_name, ())
+                if is_new and each.subject in ("", notice.kind):
+                    yield f"{decision.robot_name}: {notice.message}"
+
+
+def _kinds(decision: Decision) -> set[str]:
+    return {notice.kind for notice in decision.notices}

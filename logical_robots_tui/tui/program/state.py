@@ -1,0 +1,32 @@
+"""How far the program is: what was tried, what the robots think with, and what is wrong."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Literal, TypeAlias
+
+if TYPE_CHECKING:
+    from logical_robots_tui.mind import Diagnostic
+
+__all__ = ["ProgramState"]
+
+Phase: TypeAlias = Literal["fresh", "compiling", "applied", "mistake"]
+
+
+@dataclass(frozen=True, slots=True)
+class ProgramState:
+    """How far the program is.
+
+    Attributes:
+        phase: ``fresh`` before the first compilation, then what the last one came to.
+        tried: The text that was last compiled.
+        applied: The text that the robots think with, or None.
+        mistakes: What is wrong with `tried`, or odd about it though it runs.
+        compiled: How many predicates of how many are compiled, while compiling.
+    """
+
+    phase: Phase = "fresh"
+    tried: str = ""
+    applied: str | None = None
+    mistakes: tuple[Diagnostic, ...] = ()
+    compiled: tuple[int, int] = (0, 0)

@@ -1,0 +1,156 @@
+"""Making a breakpoint: what happens, to what, and to whom."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, ClassVar
+
+from textual import on
+from textual.binding import Binding
+from textual.containers import Vertical
+from textual.content import Content
+from textual.suggester import SuggestFromList
+from textual.widgets import Input, OptionList, Static
+from textual.widgets.option_list import Option
+
+from logical_robots_tui.game import EVENTS, Breakpoint, Event, mistake_in, subjects
+from logical_robots_tui.tui.dialogs.dialog import Dialog
+from logical_robots_tui.tui.plain import one_line
+
+if TYPE_CHECKING:
+    from textual.app import ComposeResult
+
+    from logical_robots_tui.mind import Program
+    from logical_robots_tui.world import Level
+
+__all__ = ["BreakpointForm"]
+
+_SUBJECTS: dict[Event, str] = {
+    "rows": "predicate",
+    "no rows": "predicate",
+    "change": "predicate",
+    "enters": "area, or nothing for any",
+    "leaves": "area, or nothing for any",
+    "loses sight": "of what, or nothing for anything",
+    "notice": "kind of notice, or nothing for any",
+}
+
+
+_KEYS = {
+    True: "↑↓ choose   enter go on   esc close",
+    False: "tab next   → complete   enter set   esc close",
+}
+"""What keys do, by whether it is being chosen what happens."""
+
+
+class BreakpointForm(Dialog[Breakpoint]):
+    """Asks for a breakpoint, with the names that there are.
+
+    Args:
+        level: Where it is to be hit.
+        program: Whose predicates it may name, or None before there is one.
+    """
+
+    DEFAULT_CSS = """
+    BreakpointForm > #box { max-width: 72; padding: 1 2 0 2; }
+    BreakpointForm OptionList { height: 8; margin-bottom: 1; }
+    BreakpointForm Input { margin-bottom: 0; }
+    BreakpointForm .names { color: $dim; height: 1; text-wrap: nowrap; text-overflow: ellipsis; }
+    """
+
+    BINDINGS: ClassVar[list[Binding | tuple[str, str] | tuple[str, str, str]]] = [
+        Binding("down", "app.focus_next", show=False),
+        Binding("up", "app.focus_previous", show=False),
+    ]
+
+    def __init__(self, level: Level, program: Program | None) -> None:
+        super().__init__()
+        self._level = level
+        self._program = program
+        self._robots = tuple(robot.name for robot in level.robots)
+
+    def compose(self) -> ComposeResult:
+        """What happens, and up to three names."""
+        with Vertical(id="box") as box:
+            box.border_title = "Stop when…"
+            yield OptionList(
+                *(Option(words, id=event) for event, words in EVENTS.items()),
+                id="events",
+                markup=False,
+                compact=True,
+            )
+            yield Input(id="subject", select_on_focus=False)
+            yield Static(id="subjects", classes="names", markup=False)
+            yield Input(
+                placeholder="robot, or nothing for any",
+                id="robot",
+                suggester=SuggestFromList(self._robots, case_sensitive=False),
+                select_on_focus=False,
+            )
+            yield Static(id="robots", classes="names", markup=False)
+            yield Input(
+                placeholder="column, or nothing for the whole row",
+                id="column",
+                select_on_focus=False,
+            )
+            yield Static(id="complaint")
+            yield Static(_KEYS[True], id="keys", markup=False)
+
+    def on_mount(self) -> None:
+        """Begin with what happens."""
+        self.query_one("#events", OptionList).focus()
+        self._arrange()
+        self._list_names()
+
+    def on_descendant_focus(self) -> None:
+        """Say what keys do here."""
+        self.query_one("#keys", Static).update(_KEYS[isinstance(self.focused, OptionList)])
+
+    @property
+    def _event(self) -> Event:
+        at = self.query_one("#events", OptionList).highlighted or 0
+        return list(EVENTS)[at]
+
+    def _value(self, name: str) -> str:
+        field = self.query_one(f"#{name}", Input)
+        return field.value.strip() if field.display else ""
+
+    @on(OptionList.OptionHighlighted)
+    def _arrange(self) -> None:
+        """Ask only for what belongs to the event."""
+        event = self._event
+        subject = self.query_one("#subject", Input)
+        subject.display = event in _SUBJECTS
+        subject.placeholder = _SUBJECTS.get(event, "")
+        names = subjects(event, self._level, self._program)
+        subject.suggester = SuggestFromList(names, case_sensitive=False)
+        self.query_one("#column").display = event == "change"
+        self._list_names()
+
+    @on(OptionList.OptionSelected)
+    def _chosen(self) -> None:
+        self.query_one("#subject" if self._event in _SUBJECTS else "#robot").focus()
+
+    @on(Input.Changed)
+    def _list_names(self) -> None:
+        """Show the names that begin as what was typed."""
+        self.query_one("#complaint").display = False
+        names = subjects(self._event, self._level, self._program)
+        for field, among in (("subject", names), ("robot", self._robots)):
+            typed = self._value(field).casefold()
+            fitting = [name for name in among if name.casefold().startswith(typed)]
+            shown = self.query_one(f"#{field}s", Static)
+            shown.update(Content(one_line(" ".join(fitting))))
+            shown.display = self.query_one(f"#{field}").display
+
+    @on(Input.Submitted)
+    def _submitted(self) -> None:
+        made = Breakpoint(
+            self._event, self._value("subject"), self._value("robot"), self._value("column")
+        )
+        mistake = mistake_in(made, self._level, self._program)
+        if not mistake:
+            self.dismiss(made)
+            return
+        complaint = self.query_one("#complaint", Static)
+        complaint.update(Content(one_line(mistake)))
+        complaint.display = True

@@ -1,0 +1,169 @@
+"""The timeline on the screen: a line that is clicked, dragged, or driven with keys."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, ClassVar
+
+from textual.binding import Binding
+from textual.content import Content
+from textual.message import Message
+from textual.widget import Widget
+
+from logical_robots_tui.tui.plain import clip, one_line
+from logical_robots_tui.tui.theme import INK
+from logical_robots_tui.tui.timeline.drawing import SIGNS, Scale, Span, track
+
+if TYPE_CHECKING:
+    from textual import events
+
+    from logical_robots_tui.game import Mark
+    from logical_robots_tui.game.history import History
+    from logical_robots_tui.tui.session import Session
+
+__all__ = ["Timeline"]
+
+_NOTE_SHARE = 3  # the note takes one part in so many
+_NOTE_WIDTHS = (18, 48)
+
+
+class Timeline(Widget, can_focus=True):
+    """Shows where the tick on the screen is among those that are known, and what happened then."""
+
+    DEFAULT_CSS = """
+    Timeline { height: 1; background: $background; }
+    Timeline:focus { background: $panel; }
+    """
+
+    BINDINGS: ClassVar[list[Binding | tuple[str, str] | tuple[str, str, str]]] = [
+        Binding("left", "screen.command('back')", show=False),
+        Binding("right", "screen.command('step')", show=False),
+        Binding("pageup", "screen.command('back_ten')", show=False),
+        Binding("pagedown", "screen.command('step_ten')", show=False),
+        Binding("home", "screen.command('first')", show=False),
+        Binding("end", "screen.command('last')", show=False),
+        Binding("up", "screen.command('previous_mark')", show=False),
+        Binding("down", "screen.command('next_mark')", show=False),
+    ]
+    FOCUS_ON_CLICK: ClassVar[bool] = False
+    ALLOW_SELECT: ClassVar[bool] = False
+
+    class Pointed(Message):
+        """The mouse points at a tick that is to be shown.
+
+        Attributes:
+            tick: Which one; of several that one column stands for the first.
+        """
+
+        def __init__(self, tick: int) -> None:
+            super().__init__()
+            self.tick = tick
+
+    def __init__(self) -> None:
+        super().__init__(id="timeline")
+        self._history: History | None = None
+        self._span = Span(0, 0, 0)
+        self._robot: str | None = None
+        self._line = Content("")
+        self._is_dragged = False
+
+    def show(self, session: Session, robot: str | None) -> None:
+        """Show a session's history.
+
+        Args:
+            session: Whose.
+            robot: Whose changes of memory to mark, or None for all.
+        """
+        self._history, self._robot = session.history, robot
+        if self._history is not None:
+            history = self._history
+            self._span = Span(
+                history.first,
+                history.last,
+                session.frame.tick,
+                history.other[-1] if history.other else None,
+                history.parting.tick if history.parting else None,
+            )
+        else:
+            self._span = Span(0, 0, session.frame.tick)
+        line = self._drawn()
+        if line != self._line:
+            self._line = line
+            self.refresh()
+
+    def render(self) -> Content:
+        """The line, as wide as the widget."""
+        return self._line
+
+    def on_resize(self) -> None:
+        """Draw anew for another width."""
+        self._line = self._drawn()
+        self.refresh()
+
+    @property
+    def _width(self) -> int:
+        """Columns of the track."""
+        least, most = _NOTE_WIDTHS
+        note = min(max(self.size.width // _NOTE_SHARE, least), most)
+        return max(self.size.width - note - 2, 1)
+
+    def _drawn(self) -> Content:
+        width = self._width
+        history = self._history
+        if history is None:
+            line = track(self._span, width, lambda _kind, _first, _last: False)
+        else:
+            marks, robot = history.marks, self._robot
+            line = track(
+                self._span, width, lambda kind, first, last: marks.has(kind, first, last, robot)
+            )
+        return Content(" ").append(line).append(" ").append(self._note(self.size.width - width - 2))
+
+    def _note(self, width: int) -> Content:
+        """What happened in the tick on the screen, or else what history holds."""
+        span, history = self._span, self._history
+        marks = history.marks.at(span.tick) if history is not None else ()
+        said = [part for mark in marks if (part := self._said(mark))]
+        if not said:
+            text = f"tick {span.tick} of {span.first}-{span.last}"
+            return Content.styled(clip(text, width), INK.dim)
+        note = Content("  ").join(said)
+        return note if note.cell_length <= width else note.truncate(width - 1).append("…")
+
+    def _said(self, mark: Mark) -> Content:
+        sign, style, _ = SIGNS[mark.kind]
+        words = ", ".join(map(one_line, mark.names))
+        if mark.kind == "breakpoint" and self._history is not None:
+            hits = self._history.hits_at(self._span.tick)
+            words = one_line("; ".join(hit.values for hit in hits))
+        elif mark.kind in ("victory", "program"):
+            words = {"victory": "won", "program": "program changed"}[mark.kind]
+        return Content.assemble((f"{sign} ", style), (words, INK.text))
+
+    # -- the mouse -----------------------------------------------------------------------------
+
+    def on_mouse_down(self, event: events.MouseDown) -> None:
+        """Go to the tick under the pointer, and follow the pointer."""
+        event.stop()
+        if event.button == 1 and 1 <= event.x <= self._width:
+            self._is_dragged = True
+            self.capture_mouse()
+            self._point(event.x)
+
+    def on_mouse_move(self, event: events.MouseMove) -> None:
+        """Follow the pointer as far as ticks are known."""
+        if self._is_dragged:
+            last = Scale.to_hold(self._span, self._width).column(self._span.last)
+            self._point(min(max(event.x, 1), last + 1))
+
+    def on_mouse_up(self) -> None:
+        """Let go."""
+        self._is_dragged = False
+        self.release_mouse()
+
+    def _point(self, x: int) -> None:
+        scale = Scale.to_hold(self._span, self._width)
+        tick, end = scale.ticks(x - 1)
+        if tick <= self._span.last <= end:
+            tick = self._span.last
+        if tick != self._span.tick:
+            self.post_message(self.Pointed(tick))

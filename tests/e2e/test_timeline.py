@@ -1,0 +1,83 @@
+"""The timeline in a real terminal, by key and by mouse."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from tests.e2e.conftest import Player
+
+
+def timeline(player: Player) -> str:
+    """The line above the command bar."""
+    return player.tmux.screen.splitlines()[22]
+
+
+def test_the_timeline_is_clicked_dragged_and_driven_with_keys(player: Player) -> None:
+    player.play_short_way()
+    player.tmux.press("u")
+    player.tmux.wait_for("Run until tick")
+    player.tmux.type("30")
+    player.tmux.press("Enter")
+    player.wait_for_tick(30)
+    player.tmux.wait_for("tick 30 of 0-30")
+    player.tmux.drag((12, 23), (22, 23))
+    player.wait_for_tick(20)
+    player.tmux.press("P")
+    player.wait_for_tick(10)
+    player.tmux.type(")")
+    player.wait_for_tick(30)
+    player.tmux.type("(")
+    player.wait_for_tick(0)
+    player.tmux.press("T")
+    player.tmux.press("End")
+    player.wait_for_tick(30)
+    player.tmux.press("PageUp")
+    player.wait_for_tick(20)
+    player.tmux.press("g")
+    player.tmux.wait_for("Go to tick")
+    player.tmux.type("99")
+    player.tmux.press("Enter")
+    player.tmux.wait_for("History holds ticks 0 to 30, not 99.")
+
+
+def test_a_changed_program_leaves_the_old_future_in_sight(player: Player) -> None:
+    player.play_short_way()
+    player.tmux.press("N")
+    player.wait_for_tick(10)
+    player.tmux.type("(")
+    player.wait_for_tick(0)
+    player.tmux.press("2")
+    player.tmux.paste("# another\nTwo(x: 1) :- Sensor();\n")
+    player.tmux.wait_for("# another")
+    player.tmux.press("C-r")
+    player.tmux.wait_for("· applied")
+    player.tmux.press("Escape")
+    player.tmux.wait_for("space Run")
+    player.tmux.press("n")
+    player.wait_for_tick(1)
+    player.tmux.wait_until(lambda _: "┄┄┄" in timeline(player), "the old future")
+    player.tmux.press("C")
+    player.tmux.wait_for("The two futures are the same as far as both")
+    player.tmux.press("F")
+    player.tmux.type(")")
+    player.wait_for_tick(10)
+
+
+def test_a_run_stops_at_a_breakpoint(player: Player) -> None:
+    player.play_short_way()
+    player.tmux.press("B")
+    player.tmux.wait_for("a adds one")
+    player.tmux.press("a")
+    player.tmux.wait_for("a robot enters an area")
+    for _ in range(3):
+        player.tmux.press("Down")
+    player.tmux.press("Enter")
+    player.tmux.wait_for("enter set")
+    player.tmux.type("Door")
+    player.tmux.press("Enter")
+    player.tmux.wait_for("◉ a robot enters Door")
+    player.tmux.press("Escape")
+    player.tmux.wait_until(lambda screen: "─ Breakpoints" not in screen, "no dialog")
+    player.tmux.press("Space")
+    player.tmux.wait_for("a robot enters Door: Pip is in Door")

@@ -1,0 +1,177 @@
+"""Breakpoints: where a run stops, and what it says about that."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import pytest
+
+from logical_robots_tui.game import Breakpoint, Breakpoints, Game, Hit
+from logical_robots_tui.mind import Program
+from logical_robots_tui.world import load_level
+from tests.game.playing import HALL
+
+if TYPE_CHECKING:
+    from collections.abc import AsyncIterator
+    from pathlib import Path
+
+LAMP = '\n[[beacons]]\nname = "Lamp"\nx = 80\ny = 25\n'
+
+# Ada drives to the wall at the right, remembers every tenth tick, and gives no row in tick 7;
+# Bo stays where it is.
+TEXT = """
+Seen(robot_name:, label: ray.label) distinct :-
+  Sensor(robot_name:, sensor:), ray in sensor.radar, ray.object == "beacon";
+Near(robot_name:) :- Sensor(robot_name:, sensor:), sensor.forward_distance < 50;
+Tens(robot_name:, tens: ToInt64(sensor.clock / 10)) :- Sensor(robot_name:, sensor:);
+Empty(robot_name:) :- Sensor(robot_name:), 1 == 2;
+Robot(robot_name:, desire: {left_engine: 1, right_engine: 1}, memory: ToInt64(sensor.clock / 10)) :-
+  Sensor(robot_name:, sensor:), robot_name == "Ada", sensor.clock != 7;
+Robot(robot_name:, desire: {left_engine: 0, right_engine: 0}, memory: "still") :-
+  Sensor(robot_name:), robot_name == "Bo";
+"""
+
+
+@pytest.fixture
+async def game(tmp_path: Path) -> AsyncIterator[Game]:
+    path = tmp_path / "hall.toml"
+    path.write_text(HALL + LAMP, encoding="utf-8")
+    made = Game(load_level(path), Program.compile(TEXT))
+    made.pace.speed = None
+    yield made
+    await made.close()
+
+
+async def stops(game: Game, *breakpoints: Breakpoint, ticks: int = 200) -> list[Hit]:
+    """All that is hit in a run of so many ticks, which stops each time."""
+    for each in breakpoints:
+        game.breakpoints.add(each)
+    found: list[Hit] = []
+    while game.frame.tick < ticks:
+        await game.run_until(tick=ticks)
+        found += game.hits
+    return found
+
+
+@pytest.mark.parametrize(
+    ("given", "ticks", "values"),
+    [
+        (Breakpoint("rows", "Near"), [103], '"Ada"'),
+        (Breakpoint("no rows", "Seen", "Ada"), [50], '"Ada", "Lamp"'),
+        (Breakpoint("change", "Tens", column="tens"), [5, 15, 25], "0; 0 → 1; 1"),
+        (Breakpoint("change", "Tens", "Bo", "tens"), [5, 15, 25], "0 → 1"),
+        (Breakpoint("enters", "Door"), [42], "Ada is in Door"),
+        (Breakpoint("leaves", "Door", "Ada"), [81], "Ada was in Door"),
+        (Breakpoint("leaves"), [81], "Ada was in Door"),
+        (Breakpoint("enters", "Door", "Bo"), [], ""),
+        (Breakpoint("blocked"), [151], "Ada at 189.0, 25.0"),
+        (Breakpoint("loses sight", "Lamp", "Ada"), [50], "Ada saw Lamp last at distance"),
+        (Breakpoint("notice"), [7], "Ada: Robot has no row for Ada"),
+        (Breakpoint("notice", "no row", "Ada"), [7], "Ada: Robot has no row for Ada"),
+        (Breakpoint("notice", "several rows"), [], ""),
+    ],
+    ids=lambda each: each.words if isinstance(each, Breakpoint) else "",
+)
+async def test_a_run_stops_where_it_is_to_and_says_with_what_values(
+    game: Game, given: Breakpoint, ticks: list[int], values: str
+) -> None:
+    hits = await stops(game, given)
+    assert [hit.tick for hit in hits][: max(len(ticks), 1)] == ticks
+    assert all(hit.breakpoint == given for hit in hits)
+    if hits:
+        assert values in hits[0].values
+        assert any(mark.kind == "breakpoint" for mark in game.history.marks.at(hits[0].tick))
+
+
+async def test_a_run_at_any_pace_stops_at_a_breakpoint_and_goes_on_from_it(game: Game) -> None:
+    game.breakpoints.add(Breakpoint("enters", "Door"))
+    game.breakpoints.add(Breakpoint("leaves", "Door"))
+    await game.run()
+    assert "Ada" in game.frame.after.areas[0].visitors
+    assert [hit.breakpoint.event for hit in game.hits] == ["enters"]
+    await game.run()
+    assert "Ada" not in game.frame.after.areas[0].visitors
+    assert game.history.last == game.frame.tick
+
+
+async def test_ticks_that_are_known_are_watched_as_those_that_are_computed(game: Game) -> None:
+    await game.run_until(tick=120)
+    game.go_to(0)
+    hits = await stops(game, Breakpoint("rows", "Near"), Breakpoint("enters"), ticks=120)
+    assert [hit.breakpoint.event for hit in hits] == ["enters", "rows"]
+    assert game.history.last == 120
+    game.go_to(hits[0].tick)
+    assert game.hits == (hits[0],)
+
+
+async def test_one_that_is_switched_off_or_deleted_does_not_stop_a_run(game: Game) -> None:
+    enters, leaves = Breakpoint("enters"), Breakpoint("leaves")
+    game.breakpoints.add(enters)
+    game.breakpoints.add(leaves)
+    game.breakpoints.switch(enters)
+    assert list(game.breakpoints) == [enters, leaves]
+    assert not game.breakpoints.is_on(enters)
+    game.breakpoints.remove(leaves)
+    await game.run_until(tick=120)
+    assert game.frame.tick == 120
+    game.breakpoints.add(enters)
+    assert game.breakpoints.on == (enters,)
+
+
+@pytest.mark.parametrize(
+    ("given", "trouble"),
+    [
+        (Breakpoint("rows", "Sean"), 'The program has no predicate Sean. Did you mean "Seen"?'),
+        (Breakpoint("change", "WeightedAverage"), "function of its arguments"),
+        (Breakpoint("rows"), "needs the name of a predicate"),
+        (Breakpoint("enters", "Dor"), 'This level has no area Dor. Did you mean "Door"?'),
+        (Breakpoint("loses sight", "Lmap"), "Nothing here is called Lmap."),
+        (Breakpoint("notice", "nonsense"), "No notice is called nonsense."),
+        (Breakpoint("blocked", robot="Eve"), "This level has no robot Eve."),
+        (Breakpoint("change", "Tens", column="ten"), "Tens has no column ten."),
+    ],
+    ids=lambda each: each.words if isinstance(each, Breakpoint) else "",
+)
+async def test_one_that_can_not_be_hit_says_why_and_the_run_goes_on(
+    game: Game, given: Breakpoint, trouble: str
+) -> None:
+    hits = await stops(game, given, Breakpoint("rows", "Near"))
+    assert [hit.breakpoint.subject for hit in hits][:1] == ["Near"]
+    assert trouble in game.trouble_with(given)
+    assert not game.trouble_with(Breakpoint("rows", "Near"))
+
+
+async def test_one_of_a_predicate_that_the_edited_program_has_no_more_says_so(game: Game) -> None:
+    near = Breakpoint("rows", "Near")
+    game.breakpoints.add(near)
+    assert not game.trouble_with(near)
+    game.use(Program.compile(TEXT.replace("Near(", "Close(")))
+    assert "no predicate Near" in game.trouble_with(near)
+    await game.run_until(tick=120)
+    assert game.frame.tick == 120
+    game.use(Program.compile(TEXT))
+    assert not game.trouble_with(near)
+
+
+async def test_one_whose_predicate_fails_says_in_which_tick(game: Game) -> None:
+    text = TEXT + "Bad(text) :- Memory(memory:), text = Join(memory, memory);\n"
+    game.use(Program.compile(text))
+    bad = Breakpoint("change", "Bad")
+    assert await stops(game, bad, ticks=5) == []
+    assert game.trouble_with(bad).startswith("Tick 5: Bad failed")
+
+
+def test_words_say_what_a_breakpoint_is_about() -> None:
+    told = {
+        Breakpoint("rows", "Near"): "Near has rows",
+        Breakpoint("no rows", "Near", "Ada"): "Near has no rows any more for Ada",
+        Breakpoint("change", "Tens", "Bo", "tens"): "Tens.tens changes for Bo",
+        Breakpoint("enters", "Door"): "a robot enters Door",
+        Breakpoint("leaves", robot="Ada"): "Ada leaves an area",
+        Breakpoint("blocked", robot="Ada"): "Ada is blocked by a wall",
+        Breakpoint("loses sight", "Lamp"): "a robot loses sight of Lamp",
+        Breakpoint("notice", "no row"): "a notice “no row” appears",
+        Breakpoint("notice"): "a notice appears",
+    }
+    assert [each.words for each in told] == list(told.values())
+    assert len(Breakpoints(told)) == len(told)

@@ -1,0 +1,283 @@
+"""History: every tick comes back exactly as it was, whatever way was taken to it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from hypothesis.stateful import (
+    RuleBasedStateMachine,
+    invariant,
+    precondition,
+    rule,
+    run_state_machine_as_test,
+)
+
+from logical_robots_tui.game import Frame, Game, History, load_program
+from logical_robots_tui.game.packing import Moment, Packed
+from logical_robots_tui.game.reference import reference_table
+from logical_robots_tui.mind import Decision, Notice, Program
+from logical_robots_tui.values import Desire
+from logical_robots_tui.world import (
+    AreaState,
+    RobotState,
+    WorldState,
+    list_levels,
+    load_level,
+)
+
+if TYPE_CHECKING:
+    from logical_robots_tui.values import Value
+
+numbers = st.floats(allow_nan=False)
+values = st.recursive(
+    st.none() | st.booleans() | st.integers() | numbers | st.text(max_size=8),
+    lambda deeper: st.lists(deeper, max_size=4) | st.dictionaries(st.text(max_size=4), deeper),
+    max_leaves=12,
+)
+desires = st.none() | st.builds(Desire, numbers, numbers)
+notices = st.lists(st.builds(Notice, st.just("failed"), st.text(max_size=5)), max_size=2)
+ROBOTS = ("Ada", "Bo")
+
+
+@dataclass(frozen=True)
+class Deed:
+    """What a robot does in a tick that a test makes up."""
+
+    desire: Desire | None
+    memory: Value
+    notices: tuple[Notice, ...]
+    x: float
+    blocked: bool
+
+
+deeds = st.builds(
+    Deed,
+    desires,
+    values,
+    notices.map(tuple),
+    st.floats(-1e6, 1e6),
+    st.booleans(),
+)
+ticks = st.lists(deeds, min_size=len(ROBOTS), max_size=len(ROBOTS))
+
+
+def start() -> Frame:
+    state = WorldState(
+        0,
+        tuple(RobotState(name, 1.5, 2.5, 0.25, 7.0) for name in ROBOTS),
+        (AreaState("Home", active=False),),
+    )
+    memories: dict[str, Value] = dict.fromkeys(ROBOTS, "")
+    return Frame(0, state, state, (), memories, (), memories, 0.0)
+
+
+def after(past: Frame, done: list[Deed], won_at: int | None = None) -> Frame:
+    state = WorldState(
+        past.tick + 1,
+        tuple(
+            replace(robot, x=deed.x, blocked=deed.blocked)
+            for robot, deed in zip(past.after.robots, done, strict=True)
+        ),
+        (AreaState("Home", active=done[0].blocked, visitors=ROBOTS if done[1].blocked else ()),),
+        won_at,
+    )
+    decisions = tuple(
+        Decision(name, deed.desire, deed.memory, deed.notices)
+        for name, deed in zip(ROBOTS, done, strict=True)
+    )
+    memories = {each.robot_name: each.memory for each in decisions}
+    return Frame(past.tick + 1, past.after, state, (), past.memories, decisions, memories, 1.25)
+
+
+def as_told(moment: Moment) -> str:
+    """All of a moment but the distance; 1, 1.0 and true are told apart."""
+    return repr(replace(moment, driven=0.0))
+
+
+def as_moment(frame: Frame) -> str:
+    return as_told(
+        Moment(frame.after, frame.memories, frame.decisions, frame.think_milliseconds, 0.0)
+    )
+
+
+@given(st.lists(st.tuples(ticks, st.none() | st.integers(1, 9)), max_size=6))
+def test_what_is_packed_comes_out_again_to_the_last_bit(
+    run: list[tuple[list[Deed], int | None]],
+) -> None:
+    frames = [start()]
+    for done, won_at in run:
+        frames.append(after(frames[-1], done, won_at))
+    moments = [
+        Moment(f.after, f.memories, f.decisions, f.think_milliseconds, f.tick / 3) for f in frames
+    ]
+    packed = Packed(moments)
+    assert [repr(packed.moment(at)) for at in range(len(moments))] == list(map(repr, moments))
+
+
+LENGTH = 90
+NOBODY = Program("", (), {})
+
+
+class Histories(RuleBasedStateMachine):
+    """A history beside lists that forget nothing."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.course = [start()]
+        self.other: list[Frame] | None = None
+        self.latest = 0
+        self.history = History(self.course[0], LENGTH)
+
+    @rule(done=ticks, times=st.integers(1, 80))
+    def go_on(self, done: list[Deed], times: int) -> None:
+        for _ in range(times):
+            self.course.append(after(self.course[-1], done))
+            self.history.add(self.course[-1], NOBODY)
+        self.latest = max(self.latest, self.history.last)
+
+    @rule(done=ticks, data=st.data())
+    def go_back_and_do_something(self, done: list[Deed], data: st.DataObject) -> None:
+        tick = data.draw(st.integers(self.history.first, self.history.last))
+        if tick < self.history.last:
+            if self.other is None or len(self.other) <= len(self.course):
+                self.other = self.course
+            self.course = self.course[: tick + 1]
+        self.course.append(after(self.course[-1], done))
+        self.history.add(self.course[-1], NOBODY)
+
+    @precondition(lambda self: self.other is not None)
+    @rule()
+    def change_course(self) -> None:
+        assert self.other is not None
+        self.course, self.other = self.other, self.course
+        self.history.change_course()
+
+    @rule(data=st.data())
+    def forget(self, data: st.DataObject) -> None:
+        tick = data.draw(st.integers(self.history.first, self.history.last))
+        self.history.forget_future(tick)
+        self.course = self.course[: tick + 1]
+
+    @invariant()
+    def every_tick_is_as_it_was(self) -> None:
+        assert self.history.last == self.course[-1].tick
+        assert self.history.first <= max(self.latest - LENGTH + 1, 0)
+        assert self.history.last - self.history.first < LENGTH
+        for tick in range(self.history.first, self.history.last + 1):
+            before, moment = self.history.around(tick)
+            assert as_told(moment) == as_moment(self.course[tick])
+            assert as_told(before) == as_moment(self.course[max(tick - 1, 0)])
+
+    @invariant()
+    def memories_that_changed_are_marked(self) -> None:
+        for frame in self.course[max(self.history.first, 1) :]:
+            changed = tuple(
+                name for name in ROBOTS if frame.memories[name] != frame.memories_before[name]
+            )
+            marked = [
+                mark.names for mark in self.history.marks.at(frame.tick) if mark.kind == "memory"
+            ]
+            assert marked == ([changed] if changed else [])
+
+    @invariant()
+    def the_first_difference_from_the_other_course_is_known(self) -> None:
+        found = self.history.parting
+        if self.other is None or self.history.other is None:
+            assert found is None
+            return
+        pairs = zip(self.course, self.other, strict=False)
+        parted = next((a.tick for a, b in pairs if differ(a, b)), None)
+        if found is not None:
+            assert differ(self.course[found.tick], self.other[found.tick])
+        in_reach = max(self.history.first, self.history.other.start)
+        if parted is None or parted >= in_reach:
+            assert parted == (found.tick if found else None)
+
+
+def differ(one: Frame, other: Frame) -> bool:
+    return (one.decisions, one.after) != (other.decisions, other.after)
+
+
+def test_a_history_is_right_whatever_is_done_to_it() -> None:
+    run_state_machine_as_test(
+        Histories, settings=settings(max_examples=25, stateful_step_count=12, deadline=None)
+    )
+
+
+def test_bytes_are_bounded_and_the_other_course_goes_first() -> None:
+    memory = [f"{number:x}" * 8 for number in range(400)]
+    deed = [Deed(None, memory, (), 1.0, False)] * 2
+    course = [start()]
+    history = History(course[0], most_bytes=4000)
+    for _ in range(300):
+        course.append(after(course[-1], deed))
+        history.add(course[-1], NOBODY)
+    history.add(after(course[200], deed), NOBODY)
+    assert history.other is not None
+    for frame in course[202:]:
+        history.add(frame, NOBODY)
+    before = history.first
+    last = course[-1]
+    while history.first == before:
+        last = after(last, [Deed(None, [str(last.tick), *memory], (), 1.0, False)] * 2)
+        history.add(last, NOBODY)
+    assert history.other is None
+    assert history.packed_bytes <= 4000
+    assert as_told(history.around(last.tick)[1]) == as_moment(last)
+
+
+def test_of_two_courses_that_were_left_the_longer_one_is_kept() -> None:
+    still = [Deed(None, 1, (), 1.0, False)] * 2
+    history = History(start())
+    course = [start()]
+    for _ in range(50):
+        course.append(after(course[-1], still))
+        history.add(course[-1], NOBODY)
+    history.add(after(course[20], still), NOBODY)
+    history.add(after(course[10], still), NOBODY)
+    assert history.other == range(51)
+    assert history.last == 11
+
+
+async def every_tick_backward_and_forward(name: str, ticks: int) -> None:
+    """Run a level, go back tick by tick, and forward again; each frame is the same each time."""
+    level = load_level(name)
+    game = Game(level, Program.compile(load_program(level.solution).text))
+    frames = [game.frame]
+    game.listen(frames.append)
+    try:
+        while game.frame.tick < ticks:
+            await game.run_until(tick=ticks)
+        there = frames[:]
+        assert [frame.tick for frame in there] == list(range(ticks + 1))
+        for expected in reversed(there[:-1]):
+            assert game.back() == expected
+        frames.clear()
+        while game.frame.tick < ticks:
+            await game.run_until(tick=ticks)
+        assert frames == there[1:]
+        assert repr([frame.decisions for frame in frames]) == repr(
+            [frame.decisions for frame in there[1:]]
+        )
+        assert game.history.other is None
+    finally:
+        await game.close()
+
+
+THOUGHTS = 2_500
+
+
+@pytest.mark.parametrize("name", list_levels())
+async def test_back_and_forward_again_is_the_same_in_every_tick(name: str) -> None:
+    robots = len(load_level(name).robots)
+    await every_tick_backward_and_forward(name, min(200, max(80, THOUGHTS // robots)))
+
+
+@pytest.mark.proof
+@pytest.mark.parametrize("name", list_levels())
+async def test_back_and_forward_again_is_the_same_in_every_tick_to_victory(name: str) -> None:
+    await every_tick_backward_and_forward(name, reference_table()[name].ticks + 10)

@@ -1,0 +1,84 @@
+"""The line of the timeline: where things stand in it."""
+
+from __future__ import annotations
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from logical_robots_tui.game import MARK_KINDS, MarkKind
+from logical_robots_tui.tui.timeline.drawing import PARTING, SIGNS, TRACKS, Scale, Span, track
+from logical_robots_tui.tui.timeline.prompt import tick_of
+
+
+def nothing(_kind: MarkKind, _first: int, _last: int) -> bool:
+    return False
+
+
+def test_the_signs_can_be_told_apart_without_colours_and_are_one_column_wide() -> None:
+    signs = [sign for sign, _, _ in (*SIGNS.values(), PARTING, *TRACKS)]
+    assert len(set(signs)) == len(signs)
+    assert set(SIGNS) == set(MARK_KINDS)
+    assert all(len(sign) == 1 for sign in signs)
+
+
+def test_the_past_the_known_and_the_other_future_look_different() -> None:
+    line = track(Span(0, 5, 2, other_last=8, parted=None), 12, nothing)
+    assert line.plain == "━━━───┄┄┄   "
+
+
+def test_where_one_stands_is_reversed() -> None:
+    line = track(Span(0, 5, 2), 12, nothing)
+    (reversed_,) = [span for span in line.spans if "reverse" in str(span.style)]
+    assert (reversed_.start, reversed_.end) == (2, 3)
+
+
+def test_of_several_marks_in_a_column_the_most_telling_is_shown() -> None:
+    marks = {"memory": {0, 1, 2, 3, 4}, "notice": {1, 4}, "victory": {4}, "breakpoint": {2}}
+
+    def has(kind: MarkKind, first: int, last: int) -> bool:
+        return any(first <= tick <= last for tick in marks.get(kind, ()))
+
+    assert track(Span(0, 5, 5), 8, has).plain == "┷!◉┷★━  "
+    assert track(Span(0, 5, 5, parted=1), 8, has).plain == "┷≠◉┷★━  "
+    assert track(Span(0, 5, 5), 3, has).plain == "!◉★"
+
+
+@given(
+    first=st.integers(0, 50_000),
+    ticks=st.integers(0, 40_000),
+    other=st.none() | st.integers(0, 90_000),
+    width=st.integers(1, 300),
+)
+def test_every_tick_has_a_column_that_stands_for_it(
+    first: int, ticks: int, other: int | None, width: int
+) -> None:
+    last = first + ticks
+    scale = Scale.to_hold(Span(first, last, last, other), width)
+    assert str(scale.each).rstrip("0") in ("1", "2", "5")
+    for tick in {first, last, first + ticks // 3, max(other or 0, first)}:
+        column = scale.column(tick)
+        begin, end = scale.ticks(column)
+        assert begin <= tick <= end
+        assert 0 <= column < width
+
+
+@pytest.mark.parametrize(
+    ("text", "tick"),
+    [
+        ("120", 120),
+        (" 1,200 ", 1200),
+        ("+50", 150),
+        ("-50", 50),
+        ("- 5", 95),
+        ("", None),
+        ("ten", None),
+        ("1.5", None),
+        ("٣", None),
+        ("-", None),
+    ],
+)
+def test_a_tick_is_typed_as_a_number_or_as_so_many_ticks_from_here(
+    text: str, tick: int | None
+) -> None:
+    assert tick_of(text, 100) == tick
