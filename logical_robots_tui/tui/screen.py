@@ -15,7 +15,7 @@ from logical_robots_tui.tui.background import in_background
 from logical_robots_tui.tui.bar import CommandBar, CommandChosen, PaneTabs
 from logical_robots_tui.tui.commands import bindings, command
 from logical_robots_tui.tui.guide import Guide
-from logical_robots_tui.tui.inspector.choice import ROBOTS, WHY
+from logical_robots_tui.tui.inspector.choice import DECISION, ROBOTS, WHY
 from logical_robots_tui.tui.inspector.pane import InspectorPane
 from logical_robots_tui.tui.inspector.robots import RobotsView
 from logical_robots_tui.tui.keeper import Keeper
@@ -369,7 +369,7 @@ class MainScreen(Screen[None]):
     @on(LabyrinthView.RobotPicked)
     def _robot_picked(self, event: LabyrinthView.RobotPicked) -> None:
         self._select(event.name)
-        if self.inspector.inspected != WHY:
+        if self.inspector.inspected not in (DECISION, WHY):
             self.inspector.inspect(ROBOTS)
 
     @on(InspectorPane.Placed)

@@ -15,12 +15,12 @@ if TYPE_CHECKING:
     from logical_robots_tui.mind import Predicate
     from logical_robots_tui.tui.inspector.questions import Survey
 
-__all__ = ["ASK", "ROBOTS", "WHY", "Choice"]
+__all__ = ["ASK", "DECISION", "ROBOTS", "WHY", "Choice"]
 
-ROBOTS, WHY, ASK = "(robots)", "(why)", "(ask)"
+ROBOTS, DECISION, WHY, ASK = "(robots)", "(decision)", "(why)", "(ask)"
 """The pages; no predicate can have these names."""
 
-_PAGES = {ROBOTS: "Robots", WHY: "Why", ASK: "Ask"}
+_PAGES = {ROBOTS: "Robots", DECISION: "Decision", WHY: "Why", ASK: "Ask"}
 _MARKS = {"input": ("◂", INK.robot), "program": ("•", INK.key), "prelude": ("◦", INK.dim)}
 _CHANGED = "•"
 _WIDTH = 22  # columns of an entry

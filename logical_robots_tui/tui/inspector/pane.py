@@ -16,7 +16,9 @@ from logical_robots_tui.mind import Ask, QueryError, Table
 from logical_robots_tui.tui.background import in_background
 from logical_robots_tui.tui.inspector.asking import NO_PROGRAM, AskView, counted, shown_rows
 from logical_robots_tui.tui.inspector.cells import written
-from logical_robots_tui.tui.inspector.choice import ASK, ROBOTS, WHY, Choice
+from logical_robots_tui.tui.inspector.choice import ASK, DECISION, ROBOTS, WHY, Choice
+from logical_robots_tui.tui.inspector.decision import decision_lines
+from logical_robots_tui.tui.inspector.lines import LinesView
 from logical_robots_tui.tui.inspector.questions import Questions
 from logical_robots_tui.tui.inspector.reasons import MAIN, ReasonsPage
 from logical_robots_tui.tui.inspector.robots import RobotsView
@@ -64,7 +66,7 @@ class InspectorPane(Pane):
     InspectorPane #subject { height: 1; padding: 0 1; color: $dim; text-wrap: nowrap; }
     InspectorPane #views { width: 1fr; }
     InspectorPane #said { padding: 1 2; }
-    InspectorPane ValueTable, InspectorPane RobotsView { margin: 0 1; }
+    InspectorPane ValueTable, InspectorPane RobotsView, InspectorPane #decision { margin: 0 1; }
     InspectorPane #value {
         height: auto; max-height: 40%; border-top: solid $faint; padding: 0 1;
     }
@@ -79,12 +81,14 @@ class InspectorPane(Pane):
         self._questions = Questions(session)
         self.reasons = ReasonsPage(self._questions)
         self.asking = AskView(self._questions)
+        self.decision = LinesView(id="decision")
         self._value = Static(id="value-text")
         self._value_box = VerticalScroll(self._value, id="value", can_focus=False)
         self._said = Static(id="said")
         views = Vertical(
             self._subject,
             self.robots,
+            self.decision,
             self.reasons,
             self.asking,
             self.table,
@@ -127,7 +131,7 @@ class InspectorPane(Pane):
         """Tell of a robot from now on, where one is told of."""
         self._robot = robot_name
         self.robots.choose(robot_name)
-        if self._inspected == WHY:
+        if self._inspected in (DECISION, WHY):
             self.follow()
 
     def why(self) -> None:
@@ -164,6 +168,8 @@ class InspectorPane(Pane):
             frame = self._session.frame
             if self._inspected == ROBOTS:
                 self._show_robots(frame)
+            elif self._inspected == DECISION:
+                self._show_decision(frame)
             elif self._inspected == WHY:
                 await self._show_reasons(frame)
             elif self._inspected == ASK:
@@ -180,14 +186,30 @@ class InspectorPane(Pane):
         self._show_only(self.robots)
         self.robots.show(self._session.level, frame)
 
+    def _show_decision(self, frame: Frame) -> None:
+        robot = self._told_of
+        self._say_subject(f"Decision of {robot}", frame.tick, "")
+        self._show_only(self.decision)
+        survey = self._survey if self._survey and self._survey.frame is frame else None
+        if self.decision.columns > 0:
+            lines = decision_lines(
+                self._session.program, frame, robot, survey, self.decision.columns
+            )
+            self.decision.paint(lines)
+
+    @property
+    def _told_of(self) -> str:
+        """Name of the robot that is told of."""
+        names = [robot.name for robot in self._session.level.robots]
+        return self._robot if self._robot in names else names[0]
+
     async def _show_reasons(self, frame: Frame) -> None:
         if self._session.game is None:
             self._say("Why", frame.tick, NO_PROGRAM)
             return
-        robot = self._robot or self._session.level.robots[0].name
         self._say_subject("Why", frame.tick, "" if frame.tick else "nobody has thought yet")
         self._show_only(self.reasons)
-        await self.reasons.follow(robot, frame)
+        await self.reasons.follow(self._told_of, frame)
 
     async def _show_answer(self, frame: Frame) -> None:
         self._say_subject("Ask", frame.tick, "")
@@ -207,6 +229,8 @@ class InspectorPane(Pane):
         if survey is not self._survey and survey.frame is self._session.frame:
             self._survey = survey
             self._choice.count(survey)
+            if self.decision.display:
+                self._show_decision(frame)
             if self.table.display:
                 await self._show_rows(self._inspected, frame)
 
@@ -246,7 +270,7 @@ class InspectorPane(Pane):
         self.inspect(page)
 
     def _show_only(self, view: Widget) -> None:
-        for each in (self.robots, self.reasons, self.asking, self.table, self._said):
+        for each in (self.robots, self.decision, self.reasons, self.asking, self.table, self._said):
             each.display = each is view
         self._value_box.display = view is self.table and self.table.pointed is not None
 
@@ -267,6 +291,7 @@ class InspectorPane(Pane):
         event.stop()
         views: dict[str, Widget] = {
             ROBOTS: self.robots,
+            DECISION: self.decision,
             WHY: self.reasons.view,
             ASK: self.asking.line,
         }

@@ -6,11 +6,9 @@ from typing import TYPE_CHECKING, ClassVar
 
 from textual.binding import Binding
 from textual.content import Content
-from textual.geometry import Region, Size
 from textual.message import Message
-from textual.scroll_view import ScrollView
-from textual.strip import Strip
 
+from logical_robots_tui.tui.inspector.lines import LinesView
 from logical_robots_tui.tui.inspector.overview import head, notes, robot_lines
 
 if TYPE_CHECKING:
@@ -22,15 +20,8 @@ if TYPE_CHECKING:
 __all__ = ["RobotsView"]
 
 
-class RobotsView(ScrollView, can_focus=True):
-    """One line for each robot, and notes under them; up, down or a click chooses a robot.
-
-    It paints lines instead of holding widgets, so that a new tick never lays out the screen anew.
-    """
-
-    DEFAULT_CSS = """
-    RobotsView { background: $surface; height: 1fr; overflow: hidden auto; }
-    """
+class RobotsView(LinesView):
+    """One line for each robot, and notes under them; up, down or a click chooses a robot."""
 
     BINDINGS: ClassVar[list[Binding | tuple[str, str] | tuple[str, str, str]]] = [
         Binding("up", "choose(-1)", show=False),
@@ -52,7 +43,6 @@ class RobotsView(ScrollView, can_focus=True):
         super().__init__(id="robots")
         self._shown: tuple[Level, Frame] | None = None
         self._chosen: str | None = None
-        self._lines: list[Content] = []
 
     def show(self, level: Level, frame: Frame) -> None:
         """Show the robots of a tick."""
@@ -80,37 +70,16 @@ class RobotsView(ScrollView, can_focus=True):
             at = names.index(self._chosen) if self._chosen in names else -1 if down > 0 else 0
             self._tell((at + down) % len(names))
 
-    def render_line(self, y: int) -> Strip:
-        """One line of the view."""
-        number = y + self.scroll_offset.y
-        width = self.scrollable_content_region.width
-        if number >= len(self._lines):
-            return Strip.blank(width, self.rich_style)
-        strip = Strip(self._lines[number].render_segments(self.visual_style))
-        return strip.adjust_cell_length(width, self.rich_style)
-
     def _tell(self, number: int) -> None:
         if self._shown is not None and 0 <= number < len(self._shown[0].robots):
             self.post_message(self.Chosen(self._shown[0].robots[number].name))
 
     def _draw(self) -> None:
-        width = self.scrollable_content_region.width
+        width = self.columns
         if self._shown is None or width <= 0:
             return
         level, frame = self._shown
         lines = [head(level, width), *robot_lines(level, frame, width, self._chosen), Content("")]
         for note in notes(level, frame, self._chosen):
             lines += note.wrap(width)
-        before, self._lines = self._lines, lines
-        if len(before) != len(lines):
-            self.virtual_size = Size(width, len(lines))
-            self.refresh()
-            return
-        top = self.scroll_offset.y
-        changed = [
-            Region(0, number - top, width, 1)
-            for number, (old, new) in enumerate(zip(before, lines, strict=True))
-            if number >= top and not old.is_same(new)
-        ]
-        if changed:
-            self.refresh(*changed)
+        self.paint(lines)

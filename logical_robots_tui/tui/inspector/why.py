@@ -7,12 +7,11 @@ from typing import TYPE_CHECKING, ClassVar
 from rich.style import Style
 from textual.binding import Binding
 from textual.content import Content
-from textual.geometry import Region, Size
+from textual.geometry import Region
 from textual.message import Message
-from textual.scroll_view import ScrollView
-from textual.strip import Strip
 
 from logical_robots_tui.tui.inspector.cells import cell, written
+from logical_robots_tui.tui.inspector.lines import LinesView
 from logical_robots_tui.tui.plain import clip, one_line
 from logical_robots_tui.tui.theme import INK
 
@@ -32,11 +31,11 @@ _DEEPER = " →"
 _WIDEST_VALUE = 60
 
 
-class WhyView(ScrollView, can_focus=True):
+class WhyView(LinesView):
     """The lines of an explanation. Enter goes one step deeper, left comes back."""
 
     DEFAULT_CSS = """
-    WhyView { background: $surface; height: 1fr; margin: 0 1; overflow: hidden auto; }
+    WhyView { margin: 0 1; }
     """
 
     BINDINGS: ClassVar[list[Binding | tuple[str, str] | tuple[str, str, str]]] = [
@@ -78,7 +77,6 @@ class WhyView(ScrollView, can_focus=True):
     def __init__(self) -> None:
         super().__init__(id="why")
         self._told: tuple[Line, ...] = ()
-        self._painted: list[Content] = []
         self._at = 0
 
     @property
@@ -144,43 +142,21 @@ class WhyView(ScrollView, can_focus=True):
         """Return to the question before."""
         self.post_message(self.Back())
 
-    def render_line(self, y: int) -> Strip:
-        """One line of the view."""
-        number = y + self.scroll_offset.y
-        width = self.scrollable_content_region.width
-        if number >= len(self._painted):
-            return Strip.blank(width, self.rich_style)
-        style = self.visual_style
-        strip = Strip(self._painted[number].render_segments(style))
+    def fill(self, number: int) -> Style:
+        """The style behind the end of a line."""
         here = number == self._at and self.has_focus
-        fill = self.rich_style + Style(bgcolor="#2c3760") if here else self.rich_style
-        return strip.adjust_cell_length(width, fill)
+        return self.rich_style + Style(bgcolor="#2c3760") if here else self.rich_style
 
     def _tell(self) -> None:
         if self.pointed is not None:
             self.post_message(self.Pointed(self.pointed))
 
     def _draw(self) -> None:
-        width = self.scrollable_content_region.width
-        if width <= 0:
-            return
-        painted = [
-            line.stylize_before(_HERE) if number == self._at and self.has_focus else line
-            for number, line in enumerate(_painted(each, width) for each in self._told)
-        ]
-        before, self._painted = self._painted, painted
-        if len(before) != len(painted):
-            self.virtual_size = Size(width, len(painted))
-            self.refresh()
-            return
-        top = self.scroll_offset.y
-        changed = [
-            Region(0, number - top, width, 1)
-            for number, (old, new) in enumerate(zip(before, painted, strict=True))
-            if number >= top and not old.is_same(new)
-        ]
-        if changed:
-            self.refresh(*changed)
+        if self.columns > 0:
+            lines = [_painted(each, self.columns) for each in self._told]
+            if lines and self.has_focus:
+                lines[self._at] = lines[self._at].stylize_before(_HERE)
+            self.paint(lines)
 
 
 def _painted(line: Line, width: int) -> Content:
