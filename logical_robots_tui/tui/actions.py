@@ -189,6 +189,34 @@ class Actions:
         self._screen.go_to(self._screen.inspector)
         self._screen.inspector.ask()
 
+    def only_robot(self) -> None:
+        """Show the rows of one robot."""
+        self._screen.rows.only_robot()
+
+    def sort(self) -> None:
+        """Sort by the column under the cursor."""
+        self._screen.rows.sort()
+
+    def search_rows(self) -> None:
+        """Show only rows with a text."""
+        self._screen.spawn(self._screen.rows.search, "library", exclusive=True)
+
+    def turn(self) -> None:
+        """Turn the table on its side."""
+        self._screen.rows.turn()
+
+    def copy_rows(self) -> None:
+        """Copy the rows."""
+        self._screen.rows.copy()
+
+    def save_rows(self) -> None:
+        """Save the rows."""
+        self._screen.rows.save()
+
+    def stop_here(self) -> None:
+        """Stop when what is inspected changes."""
+        self._screen.rows.stop_here()
+
     def leave(self) -> None:
         """Go to the labyrinth and close what lies over it."""
         if self._screen.active is self._screen.labyrinth:

@@ -18,6 +18,7 @@ from logical_robots_tui.tui.guide import Guide
 from logical_robots_tui.tui.inspector.choice import DECISION, ROBOTS, WHY
 from logical_robots_tui.tui.inspector.pane import InspectorPane
 from logical_robots_tui.tui.inspector.robots import RobotsView
+from logical_robots_tui.tui.inspector.rows import RowCommands
 from logical_robots_tui.tui.keeper import Keeper
 from logical_robots_tui.tui.labyrinth import LabyrinthView
 from logical_robots_tui.tui.labyrinth_pane import LabyrinthPane
@@ -98,6 +99,7 @@ class MainScreen(Screen[None]):
             failed=self.warn,
         )
         self.library = Library(self, data_dir / "programs")
+        self.rows = RowCommands(self, data_dir / "rows")
         self.guide = Guide(self)
         self._text_to_begin_with = source.text if text is None else text
         self._is_new_here = welcome

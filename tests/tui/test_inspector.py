@@ -77,9 +77,9 @@ async def test_values_that_changed_are_brought_out(data_dir: Path) -> None:
         table = game.main.query_one("#rows", ValueTable)
         # Memory is empty in tick 1, and what the program made of it in tick 2.
         await game.until(lambda: game.tick == 2)
-        await game.until(lambda: table.changed == {(0, 1)})
+        await game.until(lambda: table.shown.changed == {(0, 1)})
         await game.press("n")
-        await game.until(lambda: game.tick == 3 and not table.changed)
+        await game.until(lambda: game.tick == 3 and not table.shown.changed)
 
 
 async def test_the_definition_of_a_predicate_is_shown_in_the_program(data_dir: Path) -> None:

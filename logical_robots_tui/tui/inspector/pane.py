@@ -33,6 +33,7 @@ if TYPE_CHECKING:
     from textual.worker import Worker
 
     from logical_robots_tui.game import Frame
+    from logical_robots_tui.tui.inspector.arranging import Arrangement
     from logical_robots_tui.tui.inspector.questions import Survey
     from logical_robots_tui.tui.session import Session
 
@@ -146,6 +147,28 @@ class InspectorPane(Pane):
         self._go_to_page(ASK)
         self.screen.set_focus(self.asking.line)
 
+    @property
+    def shown_table(self) -> ValueTable | None:
+        """The table on the screen, or None if there is none."""
+        tables = (self.table, self.asking.table)
+        return next((each for each in tables if each.display and self._is_shown(each)), None)
+
+    def _is_shown(self, table: ValueTable) -> bool:
+        return table is self.table or self.asking.display
+
+    def rearrange(self, how: Arrangement) -> None:
+        """Show the rows of the table on the screen in another way."""
+        table = self.shown_table
+        if table is not None:
+            table.rearrange(how)
+            self.follow()
+
+    @property
+    def robot(self) -> str:
+        """Name of the robot that is told of."""
+        names = [robot.name for robot in self._session.level.robots]
+        return self._robot if self._robot in names else names[0]
+
     def inspect(self, name: str) -> None:
         """Show `ROBOTS` or the rows of a predicate."""
         self._inspected = name
@@ -187,7 +210,7 @@ class InspectorPane(Pane):
         self.robots.show(self._session.level, frame)
 
     def _show_decision(self, frame: Frame) -> None:
-        robot = self._told_of
+        robot = self.robot
         self._say_subject(f"Decision of {robot}", frame.tick, "")
         self._show_only(self.decision)
         survey = self._survey if self._survey and self._survey.frame is frame else None
@@ -197,19 +220,13 @@ class InspectorPane(Pane):
             )
             self.decision.paint(lines)
 
-    @property
-    def _told_of(self) -> str:
-        """Name of the robot that is told of."""
-        names = [robot.name for robot in self._session.level.robots]
-        return self._robot if self._robot in names else names[0]
-
     async def _show_reasons(self, frame: Frame) -> None:
         if self._session.game is None:
             self._say("Why", frame.tick, NO_PROGRAM)
             return
         self._say_subject("Why", frame.tick, "" if frame.tick else "nobody has thought yet")
         self._show_only(self.reasons)
-        await self.reasons.follow(self._told_of, frame)
+        await self.reasons.follow(self.robot, frame)
 
     async def _show_answer(self, frame: Frame) -> None:
         self._say_subject("Ask", frame.tick, "")
@@ -247,7 +264,8 @@ class InspectorPane(Pane):
             return
         if name != self._inspected:
             return
-        self._say_subject(name, frame.tick, counted(table))
+        more = self.table.how.words
+        self._say_subject(name, frame.tick, counted(table) + (f", {more}" if more else ""))
         self._show_only(self.table)
         columns, rows = shown_rows(table)
         survey = self._survey

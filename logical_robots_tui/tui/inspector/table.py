@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, ClassVar, TypeAlias
+from typing import TYPE_CHECKING, ClassVar
 
 from rich.cells import cell_len, set_cell_size
 from rich.segment import Segment
@@ -13,6 +13,13 @@ from textual.message import Message
 from textual.scroll_view import ScrollView
 from textual.strip import Strip
 
+from logical_robots_tui.tui.inspector.arranging import (
+    Arrangement,
+    Row,
+    Rows,
+    arranged,
+    changed_cells,
+)
 from logical_robots_tui.tui.inspector.cells import cell, is_number
 from logical_robots_tui.tui.plain import clip, visible
 from logical_robots_tui.tui.theme import INK
@@ -22,9 +29,7 @@ if TYPE_CHECKING:
 
     from logical_robots_tui.values import Value
 
-__all__ = ["ValueTable", "changed_cells"]
-
-Row: TypeAlias = "tuple[Value, ...]"
+__all__ = ["ValueTable"]
 
 _GAP = 2
 _MEASURED_ROWS = 200
@@ -59,24 +64,35 @@ class ValueTable(ScrollView, can_focus=True):
 
     def __init__(self, id: str = "rows") -> None:  # noqa: A002 - the name that widgets have
         super().__init__(id=id)
-        self._changed: frozenset[tuple[int, int]] = frozenset()
-        self._columns: tuple[str, ...] = ()
-        self._rows: tuple[Row, ...] = ()
+        self._all = Rows((), ())
+        self._shown = self._all
+        self._how = Arrangement()
         self._widths: list[int] = []
         self._at = (0, 0)
 
     @property
-    def changed(self) -> frozenset[tuple[int, int]]:
-        """Row and column of each value that differs from the tick before."""
-        return self._changed
+    def shown(self) -> Rows:
+        """What is shown, as it is arranged."""
+        return self._shown
+
+    @property
+    def how(self) -> Arrangement:
+        """How the rows are arranged."""
+        return self._how
+
+    @property
+    def column(self) -> str:
+        """Name of the column under the cursor, or ""."""
+        pointed = self.pointed
+        return pointed[0] if pointed is not None and not self._how.sideways else ""
 
     @property
     def pointed(self) -> tuple[str, Value] | None:
         """Name of the column and the value under the cursor, or None if there are no rows."""
         row, column = self._at
-        if not self._rows or not self._columns:
+        if not self._shown.rows or not self._shown.columns:
             return None
-        return self._columns[column], self._rows[row][column]
+        return self._shown.columns[column], self._shown.rows[row][column]
 
     def show(
         self,
@@ -91,10 +107,21 @@ class ValueTable(ScrollView, can_focus=True):
             rows: The rows.
             before: The rows of the tick before; values that differ from it are brought out.
         """
-        self._changed = frozenset() if before is None else changed_cells(rows, before)
-        if columns != self._columns:
+        changed = frozenset[tuple[int, int]]()
+        if before is not None:
+            changed = changed_cells(rows, before)
+        if columns != self._all.columns:
             self._at = (self._at[0], 0)
-        self._columns, self._rows = columns, rows
+        self._all = Rows(columns, rows, changed)
+        self._arrange()
+
+    def rearrange(self, how: Arrangement) -> None:
+        """Show the rows in another way."""
+        self._how = how
+        self._arrange()
+
+    def _arrange(self) -> None:
+        self._shown = arranged(self._all, self._how)
         self._measure()
         self.action_go(0, 0)
         self.refresh()
@@ -120,8 +147,8 @@ class ValueTable(ScrollView, can_focus=True):
 
     def action_go(self, down: int, right: int) -> None:
         """Move the cursor as far as there are rows and columns."""
-        row = max(0, min(self._at[0] + down, len(self._rows) - 1))
-        column = max(0, min(self._at[1] + right, len(self._columns) - 1))
+        row = max(0, min(self._at[0] + down, len(self._shown.rows) - 1))
+        column = max(0, min(self._at[1] + right, len(self._shown.columns) - 1))
         self._at = (row, column)
         if self._widths:
             x = sum(self._widths[:column]) + _GAP * column
@@ -135,7 +162,7 @@ class ValueTable(ScrollView, can_focus=True):
         """One line: the head at the top of the view, rows below."""
         offset, top = self.scroll_offset
         base = self.rich_style
-        if not self._columns:
+        if not self._shown.columns:
             return Strip.blank(self.size.width, base)
         number = top + y - 1
         if y == 0:
@@ -143,7 +170,7 @@ class ValueTable(ScrollView, can_focus=True):
                 Segment(_fit(visible(name), width, number) + " " * _GAP, base + _HEAD)
                 for number, (name, width) in self._head()
             ]
-        elif 0 <= number < len(self._rows):
+        elif 0 <= number < len(self._shown.rows):
             segments = self._row(number, base)
         else:
             return Strip.blank(self.size.width, base)
@@ -153,19 +180,21 @@ class ValueTable(ScrollView, can_focus=True):
         return strip.extend_cell_length(width, fill).crop(offset, offset + self.size.width)
 
     def _head(self) -> list[tuple[bool, tuple[str, int]]]:
-        first = self._rows[0] if self._rows else (None,) * len(self._columns)
+        first = self._shown.rows[0] if self._shown.rows else (None,) * len(self._shown.columns)
         return [
             (is_number(value), (name, width))
-            for value, name, width in zip(first, self._columns, self._widths, strict=True)
+            for value, name, width in zip(first, self._shown.columns, self._widths, strict=True)
         ]
 
     def _row(self, number: int, base: Style) -> list[Segment]:
         row_style = base + _ROW if number == self._at[0] and self.has_focus else base
         segments = []
-        for column, (value, width) in enumerate(zip(self._rows[number], self._widths, strict=True)):
+        for column, (value, width) in enumerate(
+            zip(self._shown.rows[number], self._widths, strict=True)
+        ):
             text, colour = cell(value, width)
             style = row_style + Style(color=colour)
-            if (number, column) in self._changed:
+            if (number, column) in self._shown.changed:
                 style += _CHANGED
             if (number, column) == self._at and self.has_focus:
                 style = base + _HERE
@@ -175,40 +204,21 @@ class ValueTable(ScrollView, can_focus=True):
 
     def _measure(self) -> None:
         """Give each column the width it needs, or its fair share if that is too much."""
-        sample = self._rows[:_MEASURED_ROWS]
+        sample = self._shown.rows[:_MEASURED_ROWS]
         wanted = [
             max(
                 _NARROWEST,
                 len(clip(visible(name), _WIDEST)),
                 *(cell_len(cell(row[number], _WIDEST)[0]) for row in sample),
             )
-            for number, name in enumerate(self._columns)
+            for number, name in enumerate(self._shown.columns)
         ]
         spare = self.size.width - _GAP * len(wanted)
         while wanted and sum(wanted) > spare and max(wanted) > 12:
             widest = wanted.index(max(wanted))
             wanted[widest] = max(12, wanted[widest] - (sum(wanted) - spare))
         self._widths = wanted
-        self.virtual_size = Size(sum(wanted) + _GAP * len(wanted), len(self._rows) + 1)
-
-
-def changed_cells(rows: tuple[Row, ...], before: tuple[Row, ...]) -> frozenset[tuple[int, int]]:
-    """Row and column of each value that is not that of the tick before.
-
-    Rows that are in both are the same; what is left is compared in its order.
-    """
-    left = [row for row in before if row not in rows]
-    found: set[tuple[int, int]] = set()
-    for number, row in enumerate(rows):
-        if row in before:
-            continue
-        other = left.pop(0) if left else ()
-        found.update(
-            (number, column)
-            for column, value in enumerate(row)
-            if column >= len(other) or value != other[column]
-        )
-    return frozenset(found)
+        self.virtual_size = Size(sum(wanted) + _GAP * len(wanted), len(self._shown.rows) + 1)
 
 
 def _fit(text: str, width: int, right: bool) -> str:

@@ -1,0 +1,145 @@
+"""The table of the inspector: sorted, searched, of one robot, turned, copied, saved, stopped at."""
+
+from __future__ import annotations
+
+import csv
+import json
+from typing import TYPE_CHECKING
+
+import pytest
+from textual.widgets import Input
+
+from logical_robots_tui.tui.inspector.arranging import (
+    Arrangement,
+    Rows,
+    arranged,
+    as_csv,
+    as_json,
+    changed_cells,
+)
+from logical_robots_tui.tui.inspector.table import ValueTable
+from tests.tui.conftest import AHEAD, opened
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from tests.tui.conftest import Opened
+
+ROWS = Rows(
+    ("robot_name", "n", "what"),
+    (("Ada", 2, {"a": [1]}), ("Bo", 1, "x,y"), ("Ada", None, "Zed")),
+    frozenset({(1, 1)}),
+)
+
+
+def test_rows_of_one_robot() -> None:
+    found = arranged(ROWS, Arrangement(robot="Bo"))
+    assert found.rows == (ROWS.rows[1],)
+    assert found.changed == {(0, 1)}
+
+
+@pytest.mark.parametrize(("descending", "order"), [(False, [None, 1, 2]), (True, [2, 1, None])])
+def test_sorted_by_a_column_of_mixed_values(descending: bool, order: list[object]) -> None:
+    found = arranged(ROWS, Arrangement(sort="n", descending=descending))
+    assert [row[1] for row in found.rows] == order
+    assert found.changed == {(1, 1)}
+
+
+def test_searched_in_every_value_whatever_the_case() -> None:
+    assert arranged(ROWS, Arrangement(search="zED")).rows == (ROWS.rows[2],)
+    assert arranged(ROWS, Arrangement(search="a: [1")).rows == (ROWS.rows[0],)
+
+
+def test_turned_on_its_side() -> None:
+    found = arranged(ROWS, Arrangement(sideways=True))
+    assert found.columns == ("", "1", "2", "3")
+    assert found.rows[1] == ("n", 2, 1, None)
+    assert found.changed == {(1, 2)}
+
+
+def test_csv_and_json_hold_every_value() -> None:
+    lines = list(csv.reader(as_csv(ROWS).splitlines()))
+    assert lines[0] == ["robot_name", "n", "what"]
+    assert json.loads(lines[1][2]) == {"a": [1]}
+    assert lines[2][2] == "x,y"
+    assert json.loads(as_json(ROWS))[0] == {"robot_name": "Ada", "n": 2, "what": {"a": [1]}}
+
+
+def test_what_changed_since_the_tick_before() -> None:
+    before = (("Ada", 1), ("Bo", 2))
+    assert changed_cells((("Bo", 2), ("Ada", 5)), before) == {(1, 1)}
+    assert changed_cells((("Ada", 1), ("Bo", 2), ("Cy", 3)), before) == {(2, 0), (2, 1)}
+    assert changed_cells(before, before) == frozenset()
+
+
+TEXT = (
+    "Near(robot_name:, clock: sensor.clock, list: [1, 2]) :- Sensor(robot_name:, sensor:);\n"
+    + AHEAD
+)
+
+
+def table(game: Opened) -> ValueTable:
+    return game.main.query_one("#rows", ValueTable)
+
+
+async def inspected(game: Opened) -> None:
+    await game.ready()
+    game.inspector.inspect("Near")
+    await game.until(lambda: len(table(game).shown.rows) == 3)
+
+
+async def test_keys_sort_filter_and_turn(data_dir: Path) -> None:
+    async with opened(data_dir, level="team_goal", text=TEXT) as game:
+        await inspected(game)
+        game.inspector.choose("Q")
+        await game.press("k")
+        await game.until(lambda: [row[0] for row in table(game).shown.rows] == ["Q"])
+        await game.until(lambda: game.shows("only Q"))
+        await game.press("k")
+        await game.until(lambda: len(table(game).shown.rows) == 3)
+        table(game).focus()
+        await game.press("j", "j")
+        await game.until(lambda: [row[0] for row in table(game).shown.rows] == ["R", "Q", "P"])
+        await game.press("J")
+        await game.until(lambda: table(game).shown.rows[0] == ("robot_name", "R", "Q", "P"))
+
+
+async def test_rows_are_searched(data_dir: Path) -> None:
+    async with opened(data_dir, level="team_goal", text=TEXT) as game:
+        await inspected(game)
+        await game.press("ctrl+f")
+        await game.until(lambda: game.app.screen.query(Input))
+        await game.press("R", "enter")
+        await game.until(lambda: [row[0] for row in table(game).shown.rows] == ["R"])
+
+
+async def test_rows_are_saved_and_copied(data_dir: Path) -> None:
+    async with opened(data_dir, level="team_goal", text=TEXT) as game:
+        await inspected(game)
+        await game.press("S")
+        path = data_dir / "rows" / "Near-tick-0.csv"
+        await game.until(path.exists)
+        await game.until(path.with_suffix(".json").exists)
+        assert path.read_text() == as_csv(table(game).shown)
+        await game.press("c")
+        await game.until(lambda: game.app.clipboard == path.read_text())
+
+
+async def test_rows_that_cannot_be_saved_say_why(data_dir: Path) -> None:
+    async with opened(data_dir, level="team_goal", text=TEXT) as game:
+        await inspected(game)
+        (data_dir / "rows").write_text("a file in the way")
+        await game.press("S")
+        await game.until(lambda: game.shows("can't be saved"))
+
+
+async def test_one_key_stops_at_a_predicate(data_dir: Path) -> None:
+    async with opened(data_dir, text=TEXT) as game:
+        await game.ready()
+        game.inspector.inspect("Near")
+        await game.until(lambda: table(game).shown.rows)
+        await game.press("asterisk")
+        (set_now,) = game.session.breakpoints
+        assert (set_now.event, set_now.subject, set_now.column) == ("change", "Near", "")
+        await game.press("space")
+        await game.until(lambda: not game.session.running and game.tick == 1)
