@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import contextlib
 from typing import TYPE_CHECKING, TypeVar
 
 from logical_robots_tui.game.game import Superseded
@@ -14,7 +15,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
 
     from logical_robots_tui.game.frame import Frame
-    from logical_robots_tui.mind import Explanation, Mind, Program
+    from logical_robots_tui.mind import Explanation, Machinery, Mind, Program
     from logical_robots_tui.values import Value
     from logical_robots_tui.world import Level
 
@@ -89,6 +90,29 @@ class Inquiry:
             probing = program.take_apart(predicate, within, stop=stop, limits=self._limits)
             sensors, memories = frame.sensors, frame.memories_before
             return mind.why(probing, robot, sensors, memories, given=given, stop=stop)
+
+        return await self._do(self._explainer, program, work)
+
+    async def machinery(self, program: Program, frame: Frame) -> list[Machinery]:
+        """How each of the program's predicates is computed at a frame, the slowest first.
+
+        Args:
+            program: The program.
+            frame: The tick.
+
+        Raises:
+            Superseded: A newer question came before the answer was there.
+        """
+        names = [p.name for p in program.predicates if p.kind == "program" and p.has_rows]
+
+        def work(mind: Mind, stop: threading.Event) -> list[Machinery]:
+            found = []
+            for name in names:
+                with contextlib.suppress(QueryError):
+                    sensors, memories = frame.sensors, frame.memories_before
+                    mind.query(name, sensors, memories, stop=stop)  # the first time takes longer
+                    found.append(mind.machinery(name, sensors, memories, stop=stop))
+            return sorted(found, key=lambda each: -each.milliseconds)
 
         return await self._do(self._explainer, program, work)
 

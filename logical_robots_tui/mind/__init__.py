@@ -5,6 +5,7 @@ from logical_robots_tui.mind.diagnostics import Diagnostic, ProgramError, QueryE
 from logical_robots_tui.mind.duck.engine import Engine, check_installed
 from logical_robots_tui.mind.duck.notes import why_not_duckdb
 from logical_robots_tui.mind.limits import Limits
+from logical_robots_tui.mind.machinery import Machinery
 from logical_robots_tui.mind.mind import Mind, Table
 from logical_robots_tui.mind.program import Predicate, Program, Question, Report
 from logical_robots_tui.mind.why.explanation import Ask, Explanation
@@ -18,6 +19,7 @@ __all__ = [
     "Explanation",
     "Limits",
     "Line",
+    "Machinery",
     "Mind",
     "Notice",
     "NoticeKind",

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import sqlite3
+from dataclasses import replace
 from math import inf
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 from logical_robots_tui.mind.database import TooMuchError, TooSlowError
 from logical_robots_tui.mind.failures import FailureError, in_plain_words
+from logical_robots_tui.mind.machinery import plan_lines
 from logical_robots_tui.mind.plain import printable
 from logical_robots_tui.mind.stored import TooDeepError, from_sql
 from logical_robots_tui.mind.tables import PlainTables, TunedTables, UnfitError
@@ -24,6 +26,8 @@ if TYPE_CHECKING:
     from logical_robots_tui.values import Value
 
 __all__ = ["Answer", "Asking"]
+
+_PLAN = "EXPLAIN QUERY PLAN "
 
 _SQLITE_ERRORS = (sqlite3.Error, sqlite3.Warning)
 
@@ -80,6 +84,24 @@ class Asking:
         if len(rows) > within.rows and not within.cut:
             raise FailureError(f"{predicate} has more than {within.rows:,} rows")
         return columns, rows
+
+    def plan(
+        self, predicate: str, moment: Moment, view: View, within: Within
+    ) -> tuple[str, tuple[str, ...]]:
+        """The tuned SQL of a predicate, or "", and SQLite's plan for what is run.
+
+        Raises:
+            FailureError: It can't be prepared.
+        """
+        tuned = None if self._tuned is None else self._program.tuned.get(predicate)
+        if self._tuned is not None and tuned is not None:
+            try:
+                planned = replace(tuned, sql=f"{_PLAN}{tuned.sql}", result=())
+                return tuned.sql, plan_lines(self._tuned.ask(planned, moment, view, within)[1])
+            except _NO_QUICK_ANSWER:
+                pass
+        sql = self._program.statements[predicate]
+        return "", plan_lines(self.plainly(f"{_PLAN}{sql}", moment, view, within)[1])
 
     def still_grew(self, moment: Moment, view: View, within: Within) -> Iterator[tuple[str, int]]:
         """Recursions that still changed in their last step, and how many steps that was."""

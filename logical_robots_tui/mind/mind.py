@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from time import perf_counter
 from typing import TYPE_CHECKING, Literal
 
 from logical_robots_tui.mind.asking import Asking
@@ -13,6 +14,7 @@ from logical_robots_tui.mind.diagnostics import QueryError
 from logical_robots_tui.mind.duck.engine import DuckTables, Engine
 from logical_robots_tui.mind.failures import FailureError
 from logical_robots_tui.mind.limits import Limits
+from logical_robots_tui.mind.machinery import Machinery
 from logical_robots_tui.mind.moment import Moment, View, Within
 from logical_robots_tui.mind.why.explaining import MOST_WAYS, explain
 from logical_robots_tui.values import SensorRow, Value
@@ -234,6 +236,41 @@ class Mind:
             return [dict(zip(columns, answer, strict=True)) for answer in answers]
 
         return explain(probing, robot, given, found)
+
+    def machinery(
+        self,
+        predicate: str,
+        rows: Sequence[SensorRow],
+        memories: Memories,
+        *,
+        stop: threading.Event | None = None,
+    ) -> Machinery:
+        """How a predicate is computed at one moment, and how long it takes.
+
+        Args:
+            predicate: One of the program's own predicates.
+            rows: As for `think`.
+            memories: As for `think`.
+            stop: Set it from another thread to give up.
+
+        Raises:
+            QueryError: It has no rows of its own, or it failed.
+            Stopped: `stop` was set meanwhile.
+        """
+        known = self.program.predicate(predicate)
+        if known is None or predicate not in self.program.statements:
+            raise QueryError(known.reason if known else f"The program has no {predicate}.")
+        moment = Moment(rows, memories, self.memory, self.sensor)
+        within = Within(self.limits.query_seconds, self.limits.rows, stop, cut=True)
+        try:
+            tuned, plan = self._asking.plan(predicate, moment, moment.views[0], within)
+        except FailureError as failure:
+            raise QueryError(f"{predicate} failed: {failure}.") from None
+        began = perf_counter()
+        self.query(predicate, rows, memories, stop=stop)
+        milliseconds = (perf_counter() - began) * 1000
+        generated = self.program.statements[predicate]
+        return Machinery(predicate, generated, tuned, plan, milliseconds)
 
     def close(self) -> None:
         """Free the databases."""

@@ -189,6 +189,10 @@ class Actions:
         self._screen.go_to(self._screen.inspector)
         self._screen.inspector.ask()
 
+    def machinery(self) -> None:
+        """Show how predicates are computed."""
+        self._screen.spawn(self._screen.inspector.machinery, "machinery", exclusive=True)
+
     def only_robot(self) -> None:
         """Show the rows of one robot."""
         self._screen.rows.only_robot()

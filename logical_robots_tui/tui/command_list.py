@@ -80,7 +80,7 @@ COMMANDS: tuple[Command, ...] = (
         "Run until a tick…",
         "Run flat out until a tick, or to victory or a breakpoint if that comes sooner.",
         _TIME,
-        ("u",),
+        ("U",),
     ),
     Command(
         "previous_mark",
@@ -314,6 +314,13 @@ COMMANDS: tuple[Command, ...] = (
         "Draw the labyrinth in quadrants, in half blocks, in sextants, or in plain characters.",
         _VIEW,
         ("d",),
+    ),
+    Command(
+        "machinery",
+        "SQL and plan",
+        "Show what each predicate costs, and the SQL and the plan of the one inspected.",
+        _ROWS,
+        ("K",),
     ),
     Command(
         "only_robot",

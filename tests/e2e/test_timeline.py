@@ -15,7 +15,7 @@ def timeline(player: Player) -> str:
 
 def test_the_timeline_is_clicked_dragged_and_driven_with_keys(player: Player) -> None:
     player.play_short_way()
-    player.tmux.press("u")
+    player.tmux.press("U")
     player.tmux.wait_for("Run until tick")
     player.tmux.type("30")
     player.tmux.press("Enter")

@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING
 import pytest
 from textual.widgets import OptionList
 
-from logical_robots_tui.tui.inspector.choice import ROBOTS
+from logical_robots_tui.tui.inspector.choice import DECISION, ROBOTS
+from logical_robots_tui.tui.inspector.lines import LinesView
 from logical_robots_tui.tui.inspector.table import ValueTable
 from tests.tui.conftest import PAPER, SLOW, opened
 
@@ -94,9 +95,9 @@ async def test_inputs_and_predicates_are_listed_with_their_kind(data_dir: Path) 
         await game.ready()
         await game.until(lambda: any(each.startswith("• Robot :4") for each in listed(game)))
         entries = listed(game)
-        assert entries[:3] == ["Robots", "Why", "Ask"]
-        assert entries[3].startswith("◂ Sensor")
-        assert entries[4].startswith("◂ Memory")
+        assert entries[:4] == ["Robots", "Decision", "Why", "Ask"]
+        assert entries[4].startswith("◂ Sensor")
+        assert entries[5].startswith("◂ Memory")
         assert "• FreedomMotion ƒ :1" in entries
         assert not [entry for entry in entries if "WeightedAverage" in entry]
 
@@ -220,3 +221,28 @@ async def test_a_row_that_names_no_robot_says_in_whose_mind_it_holds(data_dir: P
         await inspect(game, "Clock")
         await game.until(lambda: game.shows("in the mind of"))
         assert all(game.shows(name) for name in "PQR")
+
+
+async def test_the_sql_the_plan_and_the_cost_of_predicates_are_told(data_dir: Path) -> None:
+    async with opened(data_dir, text=MORE) as game:
+        await game.ready()
+        await inspect(game, "Names")
+        await game.press("K")
+        await game.until(lambda: game.shows("SQLite's plan for Names"))
+        assert game.shows("Milliseconds")
+        await game.press("escape")
+        await game.until(lambda: not game.shows("SQLite's plan for Names"))
+
+
+async def test_a_decision_is_told_on_one_page(data_dir: Path) -> None:
+    async with opened(data_dir, text=MORE, size=(120, 60)) as game:
+        await game.ready()
+        game.inspector.inspect(DECISION)
+        view = game.main.query_one("#decision", LinesView)
+        await game.until(lambda: "Nobody has thought yet." in view.plain)
+        await game.press("n")
+        await game.until(lambda: game.shows("Decision of Solo · tick 1"))
+        await game.until(lambda: "on the way" in view.plain and "as given" in view.plain)
+        for words in ("sensor in", "memory before", "as driven", "memory after"):
+            assert words in view.plain
+        assert '• memory  "I am a robot"' in view.plain, "it has just changed"

@@ -43,7 +43,7 @@ class Reader(Dialog[None]):
     """
 
     BINDINGS: ClassVar[list[Binding | tuple[str, str] | tuple[str, str, str]]] = [
-        Binding("q,t,w", "leave", "Close", show=False),
+        Binding("q,t,W,K", "leave", "Close", show=False),
         Binding("space", "page", "On", show=False),
     ]
 

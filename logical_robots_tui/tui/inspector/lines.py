@@ -33,6 +33,11 @@ class LinesView(ScrollView, can_focus=True):
         """How wide a line may be; 0 as long as the view has no room."""
         return self.scrollable_content_region.width
 
+    @property
+    def plain(self) -> str:
+        """All lines without their colours, also those out of sight."""
+        return "\n".join(line.plain for line in self._painted)
+
     def paint(self, lines: Sequence[Content]) -> None:
         """Show lines; what is the same stays as it is."""
         before, self._painted = self._painted, list(lines)

@@ -147,6 +147,22 @@ class InspectorPane(Pane):
         self._go_to_page(ASK)
         self.screen.set_focus(self.asking.line)
 
+    async def machinery(self) -> None:
+        """Show how the predicate that is inspected is computed, and what all of them cost."""
+        from logical_robots_tui.tui.dialogs.reader import Reader
+        from logical_robots_tui.tui.inspector.machinery import machinery_text
+
+        frame = self._session.frame
+        try:
+            found = await self._questions.machinery(frame)
+        except Superseded:
+            found = []
+        if found:
+            text = machinery_text(found, self._inspected)
+            self.app.push_screen(Reader(f"How it is computed · tick {frame.tick}", text))
+        else:
+            self.notify(NO_PROGRAM, markup=False)
+
     @property
     def shown_table(self) -> ValueTable | None:
         """The table on the screen, or None if there is none."""

@@ -10,7 +10,7 @@ from logical_robots_tui.mind import QueryError, Table
 
 if TYPE_CHECKING:
     from logical_robots_tui.game import Frame
-    from logical_robots_tui.mind import Ask, Explanation, Program
+    from logical_robots_tui.mind import Ask, Explanation, Machinery, Program
     from logical_robots_tui.tui.session import Session
     from logical_robots_tui.world import Level
 
@@ -91,6 +91,14 @@ class Questions:
             given=asked.given or None,
             within=asked.within,
         )
+
+    async def machinery(self, frame: Frame) -> list[Machinery]:
+        """How each predicate is computed at a frame, the slowest first.
+
+        Raises:
+            Superseded: There is no program yet, or something newer was asked.
+        """
+        return await self._inquire().machinery(self._program(), frame)
 
     async def survey(self, frame: Frame) -> Survey:
         """The rows of every predicate at a frame, and at the one before.

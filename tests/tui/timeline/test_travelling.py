@@ -40,7 +40,7 @@ async def playing(
 
 async def run_to(game: Opened, tick: int) -> None:
     """Go on to a tick, as a player does."""
-    await game.press("u")
+    await game.press("U")
     await game.until(lambda: isinstance(game.app.screen, TickPrompt))
     await type_in(game, str(tick))
     await game.until(lambda: game.tick == tick and not game.session.busy)
@@ -101,7 +101,7 @@ async def test_a_run_until_a_tick_ends_there_and_one_into_the_past_is_refused(
 ) -> None:
     async with playing(data_dir, short) as game:
         await run_to(game, 17)
-        await game.press("u")
+        await game.press("U")
         await game.until(lambda: isinstance(game.app.screen, TickPrompt))
         await type_in(game, "9")
         await game.until(lambda: game.shows("The robots are at tick 17 already."))
@@ -278,7 +278,7 @@ async def test_a_breakpoint_is_made_with_the_names_that_there_are(
 async def test_nothing_of_this_hurts_before_there_is_a_program(data_dir: Path, short: Path) -> None:
     async with opened(data_dir, level=short, text="nonsense(") as game:
         await game.ready()
-        await game.press("N", "P", "left_parenthesis", "right_parenthesis", "g", "u", "F", "C")
+        await game.press("N", "P", "left_parenthesis", "right_parenthesis", "g", "U", "F", "C")
         await game.press("left_curly_bracket", "right_curly_bracket")
         await game.until(lambda: game.shows("There is no program yet."))
         assert game.tick == 0
