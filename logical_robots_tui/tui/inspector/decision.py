@@ -10,6 +10,7 @@ from textual.content import Content
 
 from logical_robots_tui.mind import Table
 from logical_robots_tui.tui.inspector.cells import cell, written
+from logical_robots_tui.tui.inspector.lines import LinesView
 from logical_robots_tui.tui.inspector.polar import polar
 from logical_robots_tui.tui.plain import clip, one_line
 from logical_robots_tui.tui.theme import INK
@@ -22,11 +23,34 @@ if TYPE_CHECKING:
     from logical_robots_tui.tui.inspector.questions import Survey
     from logical_robots_tui.values import Value
 
-__all__ = ["decision_lines"]
+__all__ = ["DecisionView", "decision_lines"]
 
 _RADAR_ROWS = 8
 _ROOM_FOR_RADAR = 90  # columns from which on the radar is drawn
 _LONGEST = 400
+
+
+class DecisionView(LinesView):
+    """Shows what a robot's decision came from."""
+
+    def __init__(self) -> None:
+        super().__init__(id="decision")
+        self._shown: tuple[Program | None, Frame, str, Survey | None] | None = None
+
+    def show(
+        self, program: Program | None, frame: Frame, robot: str, survey: Survey | None
+    ) -> None:
+        """Show a tick, as `decision_lines` has it."""
+        self._shown = (program, frame, robot, survey)
+        self._draw()
+
+    def on_resize(self) -> None:
+        """Use the width there is now."""
+        self._draw()
+
+    def _draw(self) -> None:
+        if self._shown is not None and self.columns > 0:
+            self.paint(decision_lines(*self._shown, self.columns))
 
 
 def decision_lines(

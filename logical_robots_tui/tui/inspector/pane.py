@@ -17,8 +17,7 @@ from logical_robots_tui.tui.background import in_background
 from logical_robots_tui.tui.inspector.asking import NO_PROGRAM, AskView, counted, shown_rows
 from logical_robots_tui.tui.inspector.cells import written
 from logical_robots_tui.tui.inspector.choice import ASK, DECISION, ROBOTS, WHY, Choice
-from logical_robots_tui.tui.inspector.decision import decision_lines
-from logical_robots_tui.tui.inspector.lines import LinesView
+from logical_robots_tui.tui.inspector.decision import DecisionView
 from logical_robots_tui.tui.inspector.questions import Questions
 from logical_robots_tui.tui.inspector.reasons import MAIN, ReasonsPage
 from logical_robots_tui.tui.inspector.robots import RobotsView
@@ -82,7 +81,7 @@ class InspectorPane(Pane):
         self._questions = Questions(session)
         self.reasons = ReasonsPage(self._questions)
         self.asking = AskView(self._questions)
-        self.decision = LinesView(id="decision")
+        self.decision = DecisionView()
         self._value = Static(id="value-text")
         self._value_box = VerticalScroll(self._value, id="value", can_focus=False)
         self._said = Static(id="said")
@@ -230,11 +229,7 @@ class InspectorPane(Pane):
         self._say_subject(f"Decision of {robot}", frame.tick, "")
         self._show_only(self.decision)
         survey = self._survey if self._survey and self._survey.frame is frame else None
-        if self.decision.columns > 0:
-            lines = decision_lines(
-                self._session.program, frame, robot, survey, self.decision.columns
-            )
-            self.decision.paint(lines)
+        self.decision.show(self._session.program, frame, robot, survey)
 
     async def _show_reasons(self, frame: Frame) -> None:
         if self._session.game is None:
