@@ -94,7 +94,7 @@ def touch_up(
     active: Sequence[bool],
     raster: Raster,
     palette: Palette,
-) -> None:
+) -> tuple[slice, slice] | None:
     """Paint that part of a still layer anew where walls changed.
 
     Args:
@@ -105,6 +105,9 @@ def touch_up(
         active: For each area whether it is switched on.
         raster: The dots that were painted.
         palette: Their colours.
+
+    Returns:
+        The dots (down, across) that were painted, or None if nothing of it is in view.
     """
     left, right, top, bottom = changed
     reach = _far_reach(raster)
@@ -114,6 +117,7 @@ def touch_up(
         ground.image[window] = part.image
         ground.gleam[window] = part.gleam
         ground.kinds[window] = part.kinds
+    return window
 
 
 def beacon_colour(beacon: Beacon, palette: Palette) -> RGB:

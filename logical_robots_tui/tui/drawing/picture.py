@@ -18,6 +18,8 @@ from logical_robots_tui.tui.drawing.viewport import Floats, Raster
 from logical_robots_tui.tui.drawing.walls import WallTable
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from numpy.typing import NDArray
 
     from logical_robots_tui.game.frame import Frame
@@ -36,6 +38,7 @@ _BLOCK_IDS = {
 }
 _KIND_IDS = np.array([text_id(char) for char in ASCII_KINDS], np.int64)
 _LIT_ID = text_id(".")
+_NOTHING: tuple[object, ...] = (None, None, None, None)
 
 
 class Picture:
@@ -54,6 +57,8 @@ class Picture:
         self._still_key: object = None
         self._dots: NDArray[np.uint8] | None = None
         self._base = self.cells
+        self._painted: Floats = np.zeros((0, 0, 3), np.float32)
+        self._painted_of = _NOTHING
 
     def draw(
         self, level: Level, frame: Frame, viewport: Viewport, look: Look
@@ -76,7 +81,7 @@ class Picture:
             return []
         active = tuple(area.active for area in frame.after.areas)
         raster = Raster(viewport, *look.drawing.dots)
-        self._keep_still(level, active, raster, look)
+        touched = self._keep_still(level, active, raster, look)
         colours = {robot.name: robot_colour(robot.color, look.palette) for robot in level.robots}
         robots = [
             (robot, _state_colour(robot, colours, look.palette)) for robot in frame.after.robots
@@ -84,17 +89,22 @@ class Picture:
         robots.sort(key=lambda pair: pair[0].name == look.selected)
         seen = fans(frame) if look.rays or look.marks else []
 
-        image = self._ground.image.copy()
-        lit = np.zeros(raster.shape, np.bool_)
-        for fan in seen if look.rays else []:
-            colour = colours.get(fan.name, look.palette.dead)
-            _light_up(image, lit, fan, colour, self._ground, raster, look)
-        if look.drawing is Drawing.ASCII:
-            cells = _plain_cells(self._ground, image, lit, look.palette)
+        lighting = [fan for fan in seen if look.rays]
+        if look.drawing is not Drawing.ASCII and not lighting:
+            of_what = frame, level.robots, self._still_key, look.selected
+            cells = self._fitted(self._bodies(of_what, touched, robots, raster, look), raster)
         else:
-            for robot, colour in robots:
-                paint_robot(image, raster, robot, colour, look.palette)
-            cells = self._fitted(image, raster)
+            self._painted_of = _NOTHING
+            image = self._ground.image.copy()
+            lit = np.zeros(raster.shape, np.bool_)
+            for fan in lighting:
+                colour = colours.get(fan.name, look.palette.dead)
+                _light_up(image, lit, fan, colour, self._ground, raster, look)
+            if look.drawing is Drawing.ASCII:
+                cells = _plain_cells(self._ground, image, lit, look.palette)
+            else:
+                _paint_all(image, raster, robots, look)
+                cells = self._fitted(image, raster)
         letter(cells, self._lettering, robots, seen, viewport, look)
 
         self.cells = cells
@@ -104,18 +114,55 @@ class Picture:
 
     def _keep_still(
         self, level: Level, active: tuple[bool, ...], raster: Raster, look: Look
-    ) -> None:
-        """Paint what stands still, unless that is what was painted last."""
+    ) -> tuple[slice, slice] | None:
+        """Paint what stands still, unless that is what was painted last.
+
+        Returns:
+            The dots that were painted if they are only some.
+        """
         changed = self._take(level)
         key = active, raster, look.drawing, look.palette, look.names
         if key != self._still_key:
             self._still_key = key
             self._ground = lay_ground(level, self._walls, active, raster, look.palette)
-            ground = self._ground.image
-            self._lettering = StillLettering(level, active, raster.viewport, look, ground)
-        elif changed is not None:
-            touch_up(self._ground, level, self._walls, changed, active, raster, look.palette)
-            self._lettering.lay_on(look, self._ground.image)
+            image = self._ground.image
+            self._lettering = StillLettering(level, active, raster.viewport, look, image)
+            return None
+        if changed is None:
+            return None
+        ground, walls = self._ground, self._walls
+        touched = touch_up(ground, level, walls, changed, active, raster, look.palette)
+        if touched is not None:
+            self._lettering.lay_on(look, ground.image, touched)
+        return touched
+
+    def _bodies(
+        self,
+        of_what: tuple[object, ...],
+        touched: tuple[slice, slice] | None,
+        robots: Sequence[tuple[RobotState, RGB]],
+        raster: Raster,
+        look: Look,
+    ) -> Floats:
+        """Return the still layer with the robots on it, as far as it can be as painted last.
+
+        Args:
+            of_what: All that it depends on but walls.
+            touched: The dots whose walls changed.
+            robots: With their colours, the most important last.
+            raster: The dots.
+            look: How to draw.
+        """
+        if all(one is other for one, other in zip(of_what, self._painted_of, strict=True)):
+            if touched is not None:
+                part = self._painted[touched]
+                part[:] = self._ground.image[touched]
+                _paint_all(part, raster.only(touched), robots, look)
+            return self._painted
+        self._painted_of = of_what
+        self._painted = self._ground.image.copy()
+        _paint_all(self._painted, raster, robots, look)
+        return self._painted
 
     def _take(self, level: Level) -> tuple[int, int, int, int] | None:
         """Take a level; return where its walls differ if they are all that does."""
@@ -152,6 +199,13 @@ class Picture:
 
 def _state_colour(robot: RobotState, colours: dict[str, RGB], palette: Palette) -> RGB:
     return palette.dead if robot.dead else colours.get(robot.name, palette.dead)
+
+
+def _paint_all(
+    image: Floats, raster: Raster, robots: Sequence[tuple[RobotState, RGB]], look: Look
+) -> None:
+    for robot, colour in robots:
+        paint_robot(image, raster, robot, colour, look.palette)
 
 
 def _light_up(
