@@ -74,6 +74,18 @@ def test_a_beacon_that_is_moved_is_shown_where_it_is() -> None:
     assert kept.cells.plain() == fresh.cells.plain()
 
 
+def test_a_stroke_that_was_drawn_while_rays_were_shown_stays() -> None:
+    view, frame, level = Viewport.fit(400, 200, 60, 20), start(HALL), HALL
+    kept, fresh = Picture(), Picture()
+    dark = Look(rays=False, marks=False)
+    for step, look in enumerate((dark, Look(), dark)):
+        level = paint(level, [(60 + 90 * step, 100), (80 + 90 * step, 150)], width=12)
+        kept.draw(level, frame, view, look)
+    fresh.draw(level, frame, view, dark)
+    assert kept.cells.plain() == fresh.cells.plain()
+    assert (kept.cells.style == fresh.cells.style).all()
+
+
 def test_a_robot_that_moves_or_is_called_otherwise_is_shown_as_it_is() -> None:
     view, look, frame = Viewport.fit(400, 200, 60, 20), Look(rays=False, marks=False), start(HALL)
     kept = Picture()
