@@ -9,6 +9,7 @@ from __future__ import annotations
 import re
 import tomllib
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import TYPE_CHECKING, Any, cast
 
 from logical_robots_tui.editing.things import KINDS, Kind
@@ -19,8 +20,7 @@ if TYPE_CHECKING:
 __all__ = ["Block", "Blocks"]
 
 _HEADER = re.compile(
-    r"(?:^[ \t]*#[^\n]*\n)*^[ \t]*\[\[[ \t]*(robots|beacons|areas)[ \t]*\]\][ \t]*(?:#[^\n]*)?$",
-    re.MULTILINE,
+    r"^[ \t]*\[\[[ \t]*(robots|beacons|areas)[ \t]*\]\][ \t]*(?:#[^\n]*)?$", re.MULTILINE
 )
 
 
@@ -54,18 +54,27 @@ class Blocks:
     """
 
     def __init__(self, text: str) -> None:
+        # A row of a drawing may look like a comment.
+        if not (self._split(text, with_comments=True) or self._split(text, with_comments=False)):
+            raise ValueError("The pieces say something else than the whole.")
+
+    def _split(self, text: str, *, with_comments: bool) -> bool:
+        """Take a text to pieces; return whether they say the same as the whole."""
         found = list(_HEADER.finditer(text))
         starts = [match.start() for match in found]
-        pieces = [
-            text[start:stop] for start, stop in zip([0, *starts], [*starts, len(text)], strict=True)
-        ]
+        if with_comments:
+            starts = [_comments_above(text, start) for start in starts]
+        bounds = [0, *starts, len(text)]
+        pieces = [text[start:stop] for start, stop in pairwise(bounds)]
         self.head = pieces[0]
         self.blocks = [
             Block(cast("Kind", match[1]), piece)
             for match, piece in zip(found, pieces[1:], strict=True)
         ]
-        if _joined(map(tomllib.loads, pieces)) != tomllib.loads(text):
-            raise ValueError("The pieces say something else than the whole.")
+        try:
+            return _joined(map(tomllib.loads, pieces)) == tomllib.loads(text)
+        except ValueError:
+            return False
 
     def of(self, kind: Kind) -> list[Block]:
         """Return the blocks of a kind, in file order."""
@@ -107,6 +116,16 @@ class Blocks:
         places = [i + 1 for i, block in enumerate(self.blocks) if block.kind in before]
         first = [i for i, block in enumerate(self.blocks) if block.kind == kind]
         return first[0] if first else max(places, default=0)
+
+
+def _comments_above(text: str, start: int) -> int:
+    """Return where the comments begin that stand directly above a line."""
+    while start:
+        line = text.rfind("\n", 0, start - 1) + 1
+        if not text[line:start].lstrip(" \t").startswith("#"):
+            break
+        start = line
+    return start
 
 
 def _joined(pieces: Any) -> dict[str, Any]:

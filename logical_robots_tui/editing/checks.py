@@ -13,7 +13,7 @@ from logical_robots_tui.editing.reach import Reach, always_solid, units_of
 from logical_robots_tui.editing.records import all_things, words_of
 from logical_robots_tui.editing.things import KINDS, Ref, reread
 from logical_robots_tui.world.fields import Fields
-from logical_robots_tui.world.level import Beacon, LevelError, Robot
+from logical_robots_tui.world.level import Area, Beacon, LevelError, Robot
 from logical_robots_tui.world.limits import MOST_OF_A_KIND
 from logical_robots_tui.world.native import oddities, read_words
 
@@ -116,20 +116,27 @@ def _in_vain(level: Level) -> Iterator[Finding]:
 def _misplaced(level: Level) -> Iterator[Finding]:
     """What stands inside walls; beacons and areas that lie outside the map."""
     for some in all_things(level):
-        if isinstance(some, Robot | Beacon):
+        on_map = 0 <= some.x < level.width and 0 <= some.y < level.height
+        in_wall = on_map and bool(level.walls[math.floor(some.y), math.floor(some.x)])
+        if isinstance(some, Area):
+            where = _where_an_area_is(some, level) if in_wall or not on_map else ""
+            if some.radius < 1:
+                where = "has no room"
+            if where:
+                yield Finding(f'Area "{some.name}" {where}.', some.x, some.y)
+        elif in_wall:
             what = "Robot" if isinstance(some, Robot) else "Beacon"
-            if 0 <= some.x < level.width and 0 <= some.y < level.height:
-                if level.walls[math.floor(some.y), math.floor(some.x)]:
-                    yield Finding(f'{what} "{some.name}" is inside a wall.', some.x, some.y)
-            elif what == "Beacon":
-                yield Finding(f'Beacon "{some.name}" is outside the map.', some.x, some.y)
-            continue
-        window, disc = units_of(some, level)
-        if not disc.any():
-            where = "has no room" if some.radius < 1 else "is outside the map"
-            yield Finding(f'Area "{some.name}" {where}.', some.x, some.y)
-        elif level.walls[window][disc].all():
-            yield Finding(f'Area "{some.name}" is inside walls.', some.x, some.y)
+            yield Finding(f'{what} "{some.name}" is inside a wall.', some.x, some.y)
+        elif not on_map and isinstance(some, Beacon):
+            yield Finding(f'Beacon "{some.name}" is outside the map.', some.x, some.y)
+
+
+def _where_an_area_is(area: Area, level: Level) -> str:
+    """Return where an area is whose middle is in a wall or off the map, or "" if that is fine."""
+    window, disc = units_of(area, level)
+    if not disc.any():
+        return "is outside the map"
+    return "is inside walls" if level.walls[window][disc].all() else ""
 
 
 def _goals(level: Level) -> Iterator[Finding]:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import tomlkit
 from tomlkit.exceptions import TOMLKitError
-from tomlkit.items import AoT, Item
+from tomlkit.items import AoT, Array, Item
 
 from logical_robots_tui.editing.blocks import Block, Blocks
 from logical_robots_tui.editing.delta import alike
@@ -31,7 +31,6 @@ if TYPE_CHECKING:
 
 __all__ = ["rewritten"]
 
-_MARK = "the drawing goes here"
 _INSTEAD = {"angle": "heading", "heading": "angle"}
 
 
@@ -134,6 +133,10 @@ def _update(table: Any, before: Record, after: Record) -> None:
         there = table.get(key)
         if isinstance(value, dict) and isinstance(there, dict):
             _update(there, _as_record(before.get(key)), value)
+        elif isinstance(value, list) and isinstance(there, Array) and len(value) == len(there):
+            for i, item in enumerate(value):
+                if there[i] != item:
+                    there[i] = item
         else:
             table[key] = tomlkit.value(toml_text(key, value))
 
@@ -158,8 +161,11 @@ def _head(head: str, before: Level, level: Level, inline: Sequence[Kind]) -> str
         return head
     drawing: str = tomllib.loads(head)["walls"]
     place = find_drawing(drawing, head)
+    mark = "the drawing"
     if place is not None:  # tomlkit is slow at long texts, and rows that stay shall stay
-        head = head[:place] + _MARK + head[place + len(drawing) :]
+        while mark in head:
+            mark += " itself"
+        head = head[:place] + mark + head[place + len(drawing) :]
     body = head.rstrip("\n")
     document = tomlkit.parse(body)
     _update(document, old, new)
@@ -172,7 +178,7 @@ def _head(head: str, before: Level, level: Level, inline: Sequence[Kind]) -> str
         if place is None:
             document["walls"] = tomlkit.value(f"'''\n{drawing}'''")
     changed = document.as_string().rstrip("\n") + (head[len(body) :] or "\n")
-    return changed if place is None else changed.replace(_MARK, drawing, 1)
+    return changed if place is None else changed.replace(mark, drawing)
 
 
 def _drawing(document: tomlkit.TOMLDocument, drawing: str, level: Level) -> str:

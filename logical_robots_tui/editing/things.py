@@ -30,6 +30,7 @@ __all__ = [
     "add",
     "change",
     "duplicate",
+    "kind_of",
     "ref_at",
     "remove",
     "reread",

@@ -71,6 +71,8 @@ def fill(level: Level, x: float, y: float, *, wall: bool = True) -> Level:
         y: Map units.
         wall: Whether to fill floor with wall, or to take walls away.
     """
+    if not (0 <= x < level.width and 0 <= y < level.height):
+        return level
     regions = Regions(level.walls != wall, corners=False)
     region = regions.at(math.floor(y), math.floor(x))
     return level if region < 0 else _with(level, Patch(0, 0, regions.mask(region)), wall)

@@ -41,6 +41,9 @@ COMPLAINTS = (
 FUNCTION = "{} is a function of its arguments; it has no rows of its own."
 OPEN = "{} leans on {}, which is left open for := to fill in; it has no rows of its own."
 
+_NO_CONDITION = "this is not a condition"
+_FIELD = re.compile(r"[a-z_]\w*(\.[a-z_]\w*)*")
+
 _ANSI = re.compile(r"\x1b\[[0-9;]*m")
 _EMPHASISED = re.compile(r"\x1b\[1m(.*?)\x1b\[0m", re.DOTALL)
 _UNASSIGNED = re.compile(r"no way to assign variables: ([^.]*)")
@@ -74,6 +77,8 @@ def explain(
             at, length = max(found, again), len(sign)
     if "'" in source.skeleton[at : at + length]:
         hint = 'Texts stand in double quotes: "like this".'
+    elif message == _NO_CONDITION and _FIELD.fullmatch(value := text[at : at + length].strip()):
+        hint = f"A value alone is no condition: write {value} == true."
     elif (made := source.skeleton.find(":=", start, end)) >= 0 and ":-" in source.text[start:made]:
         at, length, message = made, 2, "':=' can't stand in the body of a rule"
         hint = "Write '=' for a value; ':=' makes a predicate from another."
@@ -139,7 +144,7 @@ _WORDS = frozenset({"if", "then", "else", "in", "is", "not", "distinct", "null",
 
 _PLAIN = (
     (r"^Could not parse expression", "this is not an expression"),
-    (r"^Could not parse proposition", "this is not a condition"),
+    (r"^Could not parse proposition", _NO_CONDITION),
     (r"^Could not parse predicate call", "this is not a predicate with arguments"),
     (r"^Found no call in rule head", "a rule starts with a predicate such as Robot(...)"),
     (r"^Too many :-", "there are two ':-' in one rule; is a ';' missing before the second?"),

@@ -26,7 +26,8 @@ __all__ = ["coarsest_cell", "draw_rows", "expresses", "find_drawing", "read_draw
 
 _WALL = ord("#")
 _STRANGE = re.compile(r"[^#. ]")
-_SHORT = re.compile(r"\s*(?:(\d{1,4})\*)?((?:\s*\d{1,4}[#.])+)\s*", re.ASCII)
+_DIGIT = re.compile(r"\d")
+_SHORT = re.compile(r"(?:(\d{1,4})\*\s*)?(\d{1,4}[#.](?:\s*\d{1,4}[#.])*)", re.ASCII)
 _RUN = re.compile(r"(\d+)([#.])", re.ASCII)
 _WIDEST_DRAWN = 240  # characters; wider rows are shortened, for nobody draws them by hand
 _LARGEST_CELL = 20  # map units; larger ones would leave no room to draw anything new
@@ -170,9 +171,9 @@ def draw_rows(walls: NDArray[np.bool_], cell: int, earlier: Sequence[str] = ()) 
 
 def _row(line: str) -> _Row | None:
     """Read a line; None if it looks shortened, but can't be read."""
-    if not any(character.isdigit() for character in line):
+    if not _DIGIT.search(line):
         return _Row(line, 1)
-    found = _SHORT.fullmatch(line)
+    found = _SHORT.fullmatch(line.strip())
     if not found or not int(found[1] or 1):
         return None
     runs = _RUN.findall(found[2])

@@ -165,8 +165,8 @@ def oddities(level: Level) -> Iterator[Oddity]:
     for i, robot in enumerate(level.robots):
         if not (0 <= robot.x < level.width and 0 <= robot.y < level.height):
             yield Oddity("robots", i, "", f'Robot "{robot.name}" stands outside the map.', size)
-    robots = {robot.name for robot in level.robots}
-    beacons = {beacon.name for beacon in level.beacons}
+    robots = dict.fromkeys(robot.name for robot in level.robots)
+    beacons = dict.fromkeys(beacon.name for beacon in level.beacons)
     for i, area in enumerate(level.areas):
         for name in area.victory_robots:
             if name not in robots:

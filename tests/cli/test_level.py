@@ -14,6 +14,7 @@ import pytest
 from logical_robots_tui import load_level
 from logical_robots_tui.editing.delta import alike
 from logical_robots_tui.shipped import shipped_folder
+from logical_robots_tui.tui.drawing import image
 from tests.cli.running import in_terminal
 
 if TYPE_CHECKING:
@@ -243,13 +244,21 @@ def decoded(png: bytes) -> np.ndarray[tuple[int, ...], np.dtype[np.uint8]]:
     return rows[:, 1:].reshape(height, width, 3)
 
 
-@pytest.mark.parametrize("pixels", ["0", "9001", "many"])
+def test_an_image_that_is_painted_in_strips_has_no_seams(monkeypatch: pytest.MonkeyPatch) -> None:
+    level = load_level("05-lighthouse")
+    in_strips = image.draw_pixels(level, 600)
+    assert len(in_strips) > image._STRIP
+    monkeypatch.setattr(image, "_STRIP", 10_000)
+    assert (image.draw_pixels(level, 600) == in_strips).all()
+
+
+@pytest.mark.parametrize("pixels", ["0", "4001", "many"])
 def test_a_number_of_pixels_out_of_bounds_is_refused(
     pixels: str, command: Command, level: Path, tmp_path: Path
 ) -> None:
     told = command("level", "show", level, "--png", tmp_path / "a.png", "--pixels", pixels)
     assert told.status == 2
-    assert "is no number of pixels up to 8000" in told.err
+    assert "is no number of pixels up to 4000" in told.err
 
 
 def test_a_picture_that_can_not_be_written_says_so(

@@ -94,6 +94,21 @@ name = "lamp"
 x = 50
 y = 30"""
 
+SMALL = """\
+title = "Small"
+cell = 10
+walls = '''
+####
+#..#
+####
+'''
+
+[[robots]]
+name = "Ann"
+x = 15
+y = 15
+"""
+
 INLINE = """\
 title = "Inline" # on one line
 cell = 10
@@ -300,6 +315,28 @@ def test_every_comment_survives_many_changes() -> None:
     comments = re.findall(r"# [A-Za-z].*$", BY_HAND, re.MULTILINE)
     assert len(comments) > 8
     assert [comment for comment in comments if comment not in new] == []
+
+
+def test_comments_inside_a_list_survive_when_an_item_changes() -> None:
+    assert changed_lines(BY_HAND, after(BY_HAND, set_words(hand(), hints=("one", "2")))) == [
+        '-  "two"]',
+        '+  "2"]',
+    ]
+
+
+def test_a_row_that_ends_the_drawing_is_no_comment_of_the_next_block() -> None:
+    text = SMALL.replace("####\n'''\n\n[[", "####'''\n# Ann.\n[[")
+    assert "####'''\n# Ann.\n[[" in text
+    new = after(text, change(read(text), Ref("robots", 0), x=16.0))
+    assert changed_lines(text, new) == ["-x = 15", "+x = 16"]
+    new = after(text, paint(read(text), [(15, 15)], grid=10))
+    assert changed_lines(text, new) == ["-#..#", "+##.#"]
+
+
+def test_words_that_look_like_our_own_mark_stay() -> None:
+    text = SMALL.replace('"Small"', '"the drawing, the drawing itself"')
+    new = after(text, paint(read(text), [(15, 15)], grid=10))
+    assert changed_lines(text, new) == ["-#..#", "+##.#"]
 
 
 def test_what_is_written_on_one_line_is_changed_there() -> None:

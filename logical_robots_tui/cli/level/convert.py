@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from logical_robots_tui.cli.command import new_command
-from logical_robots_tui.cli.level.files import add_force, refuse_existing
+from logical_robots_tui.cli.level.files import add_force, refuse_existing, tell_lost
 from logical_robots_tui.cli.text import harmless
 
 if TYPE_CHECKING:
@@ -45,15 +44,11 @@ def declare(commands: Commands) -> None:
 def start(options: argparse.Namespace) -> int:
     """Read the level and write it."""
     from logical_robots_tui.editing.files import save_level
-    from logical_robots_tui.editing.web_text import lost_in_web
     from logical_robots_tui.world import load_level
-    from logical_robots_tui.world.load import WEB
 
     level = load_level(options.level)
     refuse_existing(options.file, force=options.force)
     save_level(level, options.file, anew=True)
-    lost = lost_in_web(replace(level, name=options.file.stem))
-    if options.file.suffix.lower() == WEB and lost:
-        print(f"Left out, for the web platform has no place for it: {', '.join(lost)}.")
+    tell_lost(level, options.file)
     print(harmless(f"Wrote {options.file}."))
     return 0

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from logical_robots_tui.errors import InputError
@@ -10,7 +11,9 @@ if TYPE_CHECKING:
     import argparse
     from pathlib import Path
 
-__all__ = ["add_force", "refuse_existing", "write"]
+    from logical_robots_tui.world import Level
+
+__all__ = ["add_force", "refuse_existing", "tell_lost", "write"]
 
 
 def add_force(command: argparse.ArgumentParser) -> None:
@@ -30,6 +33,16 @@ def refuse_existing(path: Path, *, force: bool) -> None:
             place=str(path),
             hint="Choose another name, or add --force to replace it.",
         )
+
+
+def tell_lost(level: Level, path: Path) -> None:
+    """Say what of a level a file of the web platform could not take."""
+    from logical_robots_tui.editing.web_text import lost_in_web
+    from logical_robots_tui.world.load import WEB
+
+    lost = lost_in_web(replace(level, name=path.stem))
+    if path.suffix.lower() == WEB and lost:
+        print(f"Left out, for the web platform has no place for it: {', '.join(lost)}.")
 
 
 def write(path: Path, content: str | bytes) -> None:

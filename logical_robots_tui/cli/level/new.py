@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from logical_robots_tui.cli.command import new_command
-from logical_robots_tui.cli.level.files import add_force, refuse_existing, write
+from logical_robots_tui.cli.level.files import add_force, refuse_existing, tell_lost, write
 from logical_robots_tui.cli.text import harmless
 
 if TYPE_CHECKING:
@@ -82,6 +82,7 @@ def start(options: argparse.Namespace) -> int:
         new = save_level(new, options.file)
     else:
         new = save_level(new, options.file, anew=True)
+    tell_lost(new, options.file)
     size = f"{new.width} x {new.height} units"
     print(harmless(f"{options.file}: {new.title}, {size}."))
     print(harmless(f"Play it: logical-robots play {options.file}"))

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 __all__ = ["declare"]
 
-MOST_PIXELS = 8000
+MOST_PIXELS = 4000
 
 EPILOG = """\
 examples:

@@ -101,7 +101,7 @@ def touch_up(
     raster: Raster,
     palette: Palette,
     switched: Container[int] = (),
-) -> None:
+) -> tuple[slice, slice] | None:
     """Paint that part of a still layer anew where walls changed.
 
     Args:
@@ -113,6 +113,9 @@ def touch_up(
         raster: The dots that were painted.
         palette: Their colours.
         switched: Numbers of the areas for which that has just changed.
+
+    Returns:
+        The dots (down, across) that were painted, or None if nothing of it is in view.
     """
     left, right, top, bottom = changed
     reach = _far_reach(raster)
@@ -122,6 +125,7 @@ def touch_up(
         ground.image[window] = part.image
         ground.gleam[window] = part.gleam
         ground.kinds[window] = part.kinds
+    return window
 
 
 def beacon_colour(beacon: Beacon, palette: Palette) -> RGB:

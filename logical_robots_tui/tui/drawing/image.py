@@ -27,6 +27,8 @@ if TYPE_CHECKING:
 
 __all__ = ["draw_pixels", "png"]
 
+_STRIP = 256  # rows of pixels painted at once, which bounds the memory
+
 
 def draw_pixels(level: Level, longest: int, palette: Palette = DARK) -> NDArray[np.uint8]:
     """Draw a level at its start, without names.
@@ -48,12 +50,17 @@ def draw_pixels(level: Level, longest: int, palette: Palette = DARK) -> NDArray[
     raster = Raster(viewport, 1, down)
     start = World(level).save()
     active = [area.active for area in start.areas]
-    image = lay_ground(level, WallTable(level.walls), active, raster, palette).image
-    for beacon in level.beacons:
-        _paint_beacon(image, raster, beacon, palette)
-    for robot, state in zip(level.robots, start.robots, strict=True):
-        paint_robot(image, raster, state, robot_colour(robot.color, palette), palette)
-    return np.clip(image[:height], 0, 255).astype(np.uint8)
+    walls = WallTable(level.walls)
+    strips = []
+    for top in range(0, height, _STRIP):
+        part = raster.only((slice(top, min(top + _STRIP, height)), slice(0, width)))
+        image = lay_ground(level, walls, active, part, palette).image
+        for beacon in level.beacons:
+            _paint_beacon(image, part, beacon, palette)
+        for robot, state in zip(level.robots, start.robots, strict=True):
+            paint_robot(image, part, state, robot_colour(robot.color, palette), palette)
+        strips.append(np.clip(image, 0, 255).astype(np.uint8))
+    return np.concatenate(strips)
 
 
 def _paint_beacon(image: Floats, raster: Raster, beacon: Beacon, palette: Palette) -> None:
@@ -76,7 +83,7 @@ def png(pixels: NDArray[np.uint8]) -> bytes:
     rows = np.zeros((height, 1 + width * 3), np.uint8)  # 0 before a row: it isn't filtered
     rows[:, 1:] = pixels.reshape(height, -1)
     header = struct.pack(">IIBBBBB", width, height, 8, 2, 0, 0, 0)
-    chunks = ((b"IHDR", header), (b"IDAT", zlib.compress(rows.tobytes(), 9)), (b"IEND", b""))
+    chunks = ((b"IHDR", header), (b"IDAT", zlib.compress(rows.tobytes())), (b"IEND", b""))
     return b"\x89PNG\r\n\x1a\n" + b"".join(_chunk(kind, data) for kind, data in chunks)
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from functools import lru_cache
 from typing import TYPE_CHECKING
 
 from logical_robots_tui.tui.drawing.cells import BOLD, Cells, text_id
@@ -92,12 +93,21 @@ class StillLettering:
                 paper = self._paper(plate, place, ground, look)
                 self.plates.append((plate, packed(colour) << 24 | packed(paper), place))
 
-    def lay_on(self, look: Look, ground: Floats) -> None:
-        """Let another ground shine through behind the names."""
-        self.plates = [
-            (plate, style >> 24 << 24 | packed(self._paper(plate, place, ground, look)), place)
-            for plate, style, place in self.plates
-        ]
+    def lay_on(self, look: Look, ground: Floats, window: tuple[slice, slice]) -> None:
+        """Let another ground shine through behind the names.
+
+        Args:
+            look: How to draw.
+            ground: Colours of the still layer's dots.
+            window: The dots (down, across) that are others.
+        """
+        down, across = look.drawing.dots[1], look.drawing.dots[0]
+        first, last = window[0].start // down, (window[0].stop - 1) // down
+        left, right = window[1].start // across, (window[1].stop - 1) // across
+        for i, (plate, style, (row, column)) in enumerate(self.plates):
+            if first <= row <= last and column <= right and left < column + len(plate.cells):
+                paper = self._paper(plate, (row, column), ground, look)
+                self.plates[i] = plate, style >> 24 << 24 | packed(paper), (row, column)
 
     @staticmethod
     def _paper(plate: Plate, place: tuple[int, int], ground: Floats, look: Look) -> RGB:
@@ -276,4 +286,9 @@ def _name_cells(name: str, viewport: Viewport, look: Look) -> tuple[str, ...]:
         return ()
     width = min(max(viewport.columns // 4, 6), 20)
     glyphs, plain = look.drawing.glyphs, look.drawing is Drawing.ASCII
-    return tuple(fit_name(name, width, glyphs.cut, glyphs.unknown, ascii_only=plain))
+    return _fitted(name, width, glyphs.cut, glyphs.unknown, plain)
+
+
+@lru_cache(maxsize=4096)
+def _fitted(name: str, width: int, cut: str, unknown: str, ascii_only: bool) -> tuple[str, ...]:
+    return tuple(fit_name(name, width, cut, unknown, ascii_only))

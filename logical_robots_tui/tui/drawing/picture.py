@@ -22,6 +22,8 @@ from logical_robots_tui.tui.drawing.viewport import Floats, Raster
 from logical_robots_tui.tui.drawing.walls import WallTable
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from numpy.typing import NDArray
 
     from logical_robots_tui.game.frame import Frame
@@ -40,6 +42,7 @@ _UNSEEN = 12
 
 _KIND_IDS = np.array([text_id(char) for char in ASCII_KINDS], np.int64)
 _LIT_ID = text_id(".")
+_NOTHING: tuple[object, ...] = (None, None, None, None)
 
 
 @dataclass(frozen=True, eq=False)
@@ -78,6 +81,8 @@ class Picture:
         self._dots: NDArray[np.uint8] | None = None
         self._light: _Light | None = None
         self._base = self.cells
+        self._painted: Floats = np.zeros((0, 0, 3), np.float32)
+        self._painted_of = _NOTHING
 
     def draw(
         self,
@@ -110,37 +115,49 @@ class Picture:
             return []
         traces = traces or Traces()
         raster = Raster(viewport, *look.drawing.dots)
-        self._keep_still(level, frame, traces, raster, look)
+        touched = self._keep_still(level, frame, traces, raster, look)
         colours = {robot.name: robot_colour(robot.color, look.palette) for robot in level.robots}
         robots = [
             (robot, _state_colour(robot, colours, look.palette)) for robot in frame.after.robots
         ]
         robots.sort(key=lambda pair: pair[0].name == look.selected)
-        light = self._shed_light(frame, raster, look, colours, hurried=hurried)
-        image = light.image.copy()
-        if look.drawing is Drawing.ASCII:
-            cells = _plain_cells(self._ground, image, light.lit, look.palette)
-        else:
-            for robot, colour in robots:
-                paint_robot(image, raster, robot, colour, look.palette)
+        if look.drawing is not Drawing.ASCII and not look.rays:
+            self._light = None
+            seen = fans(frame) if look.marks or look.lines else []
+            of_what = frame, level.robots, self._still_key, look.selected
+            image = self._bodies(of_what, touched, robots, raster, look)
             cells = self._fitted(image, raster, _UNSEEN if hurried else 0)
+        else:
+            self._painted_of = _NOTHING
+            light = self._shed_light(frame, raster, look, colours, hurried=hurried)
+            seen = light.fans
+            image = light.image.copy()
+            if look.drawing is Drawing.ASCII:
+                cells = _plain_cells(self._ground, image, light.lit, look.palette)
+            else:
+                _paint_all(image, raster, robots, look)
+                cells = self._fitted(image, raster, _UNSEEN if hurried else 0)
         if look.trails:
             inks = [colours[robot.name] for robot in level.robots]
             draw_trails(cells, *traces.trails(frame.tick), inks, viewport, look)
         if look.lines:
-            for fan in light.fans:
+            for fan in seen:
                 if fan.name == look.selected:
                     draw_rays(cells, fan, colours[fan.name], viewport, look)
         undecided = frozenset(d.robot_name for d in frame.decisions if d.desire is None)
-        letter(cells, self._lettering, robots, undecided, light.fans, viewport, look)
+        letter(cells, self._lettering, robots, undecided, seen, viewport, look)
 
         self.cells = cells
         return cells.changes(earlier)
 
     def _keep_still(
         self, level: Level, frame: Frame, traces: Traces, raster: Raster, look: Look
-    ) -> None:
-        """Paint what stands still, unless that is what was painted last."""
+    ) -> tuple[slice, slice] | None:
+        """Paint what stands still, unless that is what was painted last.
+
+        Returns:
+            The dots that were painted if they are only some.
+        """
         active = tuple(area.active for area in frame.after.areas)
         switched = traces.switched(frame.tick)
         changed = self._take(level)
@@ -150,12 +167,44 @@ class Picture:
             self._ground = lay_ground(level, self._walls, active, raster, look.palette, switched)
             ground = self._ground.image
             self._lettering = StillLettering(level, active, raster.viewport, look, ground)
-        elif changed is not None:
-            self._light = None
-            touch_up(
-                self._ground, level, self._walls, changed, active, raster, look.palette, switched
-            )
-            self._lettering.lay_on(look, self._ground.image)
+            return None
+        if changed is None:
+            return None
+        self._light = None
+        touched = touch_up(
+            self._ground, level, self._walls, changed, active, raster, look.palette, switched
+        )
+        if touched is not None:
+            self._lettering.lay_on(look, self._ground.image, touched)
+        return touched
+
+    def _bodies(
+        self,
+        of_what: tuple[object, ...],
+        touched: tuple[slice, slice] | None,
+        robots: Sequence[tuple[RobotState, RGB]],
+        raster: Raster,
+        look: Look,
+    ) -> Floats:
+        """Return the still layer with the robots on it, as far as it can be as painted last.
+
+        Args:
+            of_what: All that it depends on but walls.
+            touched: The dots whose walls changed.
+            robots: With their colours, the most important last.
+            raster: The dots.
+            look: How to draw.
+        """
+        if all(one is other for one, other in zip(of_what, self._painted_of, strict=True)):
+            if touched is not None:
+                part = self._painted[touched]
+                part[:] = self._ground.image[touched]
+                _paint_all(part, raster.only(touched), robots, look)
+            return self._painted
+        self._painted_of = of_what
+        self._painted = self._ground.image.copy()
+        _paint_all(self._painted, raster, robots, look)
+        return self._painted
 
     def _take(self, level: Level) -> tuple[int, int, int, int] | None:
         """Take a level; return where its walls differ if they are all that does."""
@@ -213,6 +262,13 @@ class Picture:
 
 def _state_colour(robot: RobotState, colours: dict[str, RGB], palette: Palette) -> RGB:
     return palette.dead if robot.dead else colours.get(robot.name, palette.dead)
+
+
+def _paint_all(
+    image: Floats, raster: Raster, robots: Sequence[tuple[RobotState, RGB]], look: Look
+) -> None:
+    for robot, colour in robots:
+        paint_robot(image, raster, robot, colour, look.palette)
 
 
 def _light_up(

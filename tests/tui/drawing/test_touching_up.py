@@ -42,16 +42,19 @@ def painted(level: Level, stroke: tuple[tuple[int, int], tuple[int, int], int, b
 
 
 @settings(deadline=None)
-@given(STROKES, VIEWS, st.sampled_from(Drawing))
+@given(STROKES, VIEWS, st.sampled_from(Drawing), st.lists(st.booleans(), min_size=5, max_size=5))
 def test_strokes_show_as_if_they_had_been_there_from_the_start(
     strokes: list[tuple[tuple[int, int], tuple[int, int], int, bool]],
     view: Viewport,
     drawing: Drawing,
+    rays: list[bool],
 ) -> None:
-    look, frame = Look(drawing=drawing), start(HALL)
-    kept, level = Picture(), HALL
+    frame, kept, level = start(HALL), Picture(), HALL
+    looks = [Look(drawing=drawing, rays=lit, selected="Bo") for lit in rays]
+    look = looks.pop()
     kept.draw(level, frame, view, look)
     for stroke in strokes:
+        look = looks.pop()
         level = painted(level, stroke)
         kept.draw(level, frame, view, look)
     fresh = Picture()
@@ -69,6 +72,32 @@ def test_a_beacon_that_is_moved_is_shown_where_it_is() -> None:
     fresh.draw(moved, frame, view, look)
     assert changes
     assert kept.cells.plain() == fresh.cells.plain()
+
+
+def test_a_stroke_that_was_drawn_while_rays_were_shown_stays() -> None:
+    view, frame, level = Viewport.fit(400, 200, 60, 20), start(HALL), HALL
+    kept, fresh = Picture(), Picture()
+    dark = Look(rays=False, marks=False)
+    for step, look in enumerate((dark, Look(), dark)):
+        level = paint(level, [(60 + 90 * step, 100), (80 + 90 * step, 150)], width=12)
+        kept.draw(level, frame, view, look)
+    fresh.draw(level, frame, view, dark)
+    assert kept.cells.plain() == fresh.cells.plain()
+    assert (kept.cells.style == fresh.cells.style).all()
+
+
+def test_a_robot_that_moves_or_is_called_otherwise_is_shown_as_it_is() -> None:
+    view, look, frame = Viewport.fit(400, 200, 60, 20), Look(rays=False, marks=False), start(HALL)
+    kept = Picture()
+    kept.draw(HALL, frame, view, look)
+    renamed = replace(HALL, robots=(replace(HALL.robots[0], color="red"), HALL.robots[1]))
+    moved = replace(HALL, robots=(replace(HALL.robots[0], x=100), HALL.robots[1]))
+    for level, now in ((renamed, frame), (moved, start(moved)), (HALL, frame)):
+        fresh = Picture()
+        kept.draw(level, now, view, look)
+        fresh.draw(level, now, view, look)
+        assert kept.cells.plain() == fresh.cells.plain()
+        assert (kept.cells.style == fresh.cells.style).all()
 
 
 def test_a_level_of_another_size_is_drawn_whole() -> None:
