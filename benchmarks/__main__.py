@@ -14,6 +14,7 @@ from rich.console import Console
 from rich.table import Table
 
 from benchmarks.first_frame import first_frame
+from benchmarks.history import history
 from benchmarks.machine import machine
 from benchmarks.measure import Effort, Measurement
 from benchmarks.mind import compiling, thinking
@@ -32,6 +33,7 @@ BENCHMARKS = {
     "think": thinking,
     "swarms": swarms,
     "game": whole_game,
+    "history": history,
     "screen": with_screen,
     "first-frame": first_frame,
 }

@@ -120,11 +120,7 @@ COMMANDS: tuple[Command, ...] = (
         ("left_parenthesis",),
     ),
     Command(
-        "last",
-        "To the last tick",
-        "Go to the last tick that is known.",
-        _TIME,
-        ("right_parenthesis",),
+        "last", "To the end", "Go to the last tick that is known.", _TIME, ("right_parenthesis",)
     ),
     Command("go_to", "Go to a tick…", "Go to any tick that history holds.", _TIME, ("g",)),
     Command(
