@@ -15,6 +15,7 @@ from rich.table import Table
 
 from benchmarks.editing import editing
 from benchmarks.first_frame import first_frame
+from benchmarks.history import history
 from benchmarks.machine import machine
 from benchmarks.measure import Effort, Measurement
 from benchmarks.mind import compiling, thinking
@@ -34,6 +35,7 @@ BENCHMARKS = {
     "swarms": swarms,
     "game": whole_game,
     "editing": editing,
+    "history": history,
     "screen": with_screen,
     "traffic": traffic,
     "first-frame": first_frame,

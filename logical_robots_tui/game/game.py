@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 from dataclasses import dataclass
+from itertools import takewhile
 from typing import TYPE_CHECKING
 
 from logical_robots_tui.game.advancing import advance, known_frame
@@ -23,6 +24,7 @@ if TYPE_CHECKING:
     from logical_robots_tui.game.advancing import Advance
     from logical_robots_tui.game.breakpoints import Hit
     from logical_robots_tui.game.frame import Frame
+    from logical_robots_tui.game.packing import Moment
     from logical_robots_tui.mind import Engine, Program, Table
     from logical_robots_tui.world import Level
 
@@ -298,20 +300,19 @@ class Game:
         Returns:
             Whether the condition was true or a breakpoint was hit.
         """
-        run, is_known = self.run_number, self._is_next_known()
-        for each in await self._ahead(most, is_known=is_known):
-            self._take(each, run, is_known=is_known)
+        run, known = self.run_number, self._known_ahead(most or _KNOWN_TOGETHER)
+        for each in await self._ahead(most, known):
+            self._take(each, run, is_known=bool(known))
             if each.hits or (condition and condition(each.frame)):
                 return True
         return False
 
-    async def _ahead(self, most: int | None, *, is_known: bool) -> list[Advance]:
+    async def _ahead(self, most: int | None, known: list[Moment]) -> list[Advance]:
         """The next ticks: at most so many, or as many as a fraction of a second allows.
 
         To change between threads takes about as long as a quick tick does.
         """
         program, past, watch = self.program, self._frame, self._present_watch()
-        known = self.history.after(past.tick, most or _KNOWN_TOGETHER) if is_known else ()
 
         def ticks(stop: threading.Event) -> list[Advance]:
             mind = self._thinker.mind(program, self.level, self.limits)
@@ -322,15 +323,22 @@ class Game:
         except Stopped:
             raise Superseded from None
 
-    def _is_next_known(self) -> bool:
-        """Whether the tick after the present one is in history, and nothing has changed since."""
-        history, text = self.history, self.program.text
-        if self._frame.tick >= history.last:
-            return False
-        decided, at_last = map(history.program_at, (self._frame.tick + 1, history.last))
-        if decided is not None and decided.text == text:
-            return True
-        return not self._is_program_wanted and at_last is not None and at_last.text == text
+    def _known_ahead(self, most: int) -> list[Moment]:
+        """What the next ticks left behind, as far as they are known and would be the same again.
+
+        They would under the program that decided in them; and as long as nobody asked for another
+        one, all of a course is gone through again that ends with the present program.
+        """
+        history, here = self.history, self._frame.tick
+
+        def is_mine(tick: int) -> bool:
+            program = history.program_at(tick)
+            return program is not None and program.text == self.program.text
+
+        leads_here = not self._is_program_wanted and is_mine(history.last)
+        ticks = range(here + 1, min(here + min(most, _KNOWN_TOGETHER), history.last) + 1)
+        same = takewhile(lambda tick: leads_here or is_mine(tick), ticks)
+        return [history.around(tick)[1] for tick in same]
 
     def _restored(self, tick: int) -> Frame:
         before, moment = self.history.around(tick)

@@ -123,11 +123,6 @@ class History:
             )
         return self._course.moment(max(tick - 1, 0)), self._course.moment(tick)
 
-    def after(self, tick: int, most: int) -> list[Moment]:
-        """The moments of the ticks that are known after one, at most so many."""
-        last = min(tick + most, self.last)
-        return [self._course.moment(at) for at in range(tick + 1, last + 1)]
-
     def program_at(self, tick: int) -> Program | None:
         """The program that decided in a tick; None at the start."""
         return self._course.program_at(tick)

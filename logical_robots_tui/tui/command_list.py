@@ -69,7 +69,7 @@ COMMANDS: tuple[Command, ...] = (
     ),
     Command(
         "last",
-        "To the last tick",
+        "To the end",
         "Go to the last tick that is known.",
         _TIME,
         ("right_parenthesis",),

@@ -308,6 +308,22 @@ async def test_looking_back_past_a_change_of_program_changes_nothing(hall_game: 
     assert (await hall_game.step()).after.robots[0].x < first[3].after.robots[0].x
 
 
+async def test_a_program_that_is_asked_for_goes_on_where_another_one_took_over(
+    hall_game: Game,
+) -> None:
+    await hall_game.run_until(tick=5)
+    hall_game.use(Program.compile(BACKWARDS))
+    await hall_game.run_until(tick=12)
+    hall_game.go_to(3)
+    hall_game.use(Program.compile(COUNTER))
+    await hall_game.run_until(tick=9)
+    assert [hall_game.frame_at(t).after.robots[0].x for t in (5, 6, 9)] == pytest.approx(
+        [45, 46, 49]
+    )
+    assert hall_game.history.parting is not None
+    assert hall_game.history.parting.tick == 6
+
+
 async def test_restarting_under_a_changed_program_leaves_the_old_future_to_compare(
     hall_game: Game,
 ) -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import groupby, islice
 from typing import TYPE_CHECKING
 
 from textual.content import Content
@@ -96,12 +97,14 @@ def track(span: Span, width: int, has: Callable[[MarkKind, int, int], bool]) -> 
     """
     scale = Scale.to_hold(span, width)
     here = scale.column(span.tick)
-    parts = []
+    signs, styles = [], []
     for column in range(width):
-        begin, end = scale.ticks(column)
-        sign, style = _at(span, begin, end, has)
-        parts.append((sign, f"{style} reverse" if column == here else style))
-    return Content.assemble(*parts)
+        sign, style = _at(span, *scale.ticks(column), has)
+        signs.append(sign)
+        styles.append(f"{style} reverse" if column == here else style)
+    text = iter(signs)
+    runs = ((style, len(list(run))) for style, run in groupby(styles))
+    return Content.assemble(*[("".join(islice(text, length)), style) for style, length in runs])
 
 
 def _at(

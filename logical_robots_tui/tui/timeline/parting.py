@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from math import degrees
 from typing import TYPE_CHECKING, Any
 
 from textual.content import Content
@@ -17,17 +18,21 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
 
     from logical_robots_tui.game import Difference, Parting
+    from logical_robots_tui.game.parting import Matter
 
-__all__ = ["parting_page"]
+__all__ = ["parting_page", "told"]
 
 _LONGEST = 600  # characters of a value
 
 
 def parting_page(parting: Parting) -> Reader:
     """A dialog that tells all differences, robot by robot."""
-    lines = list(_lines(parting))
-    title = f"The two futures part in tick {parting.tick}"
-    return Reader(title, Static(Content("\n").join(lines)))
+    return Reader(f"The two futures part in tick {parting.tick}", Static(told(parting)))
+
+
+def told(parting: Parting) -> Content:
+    """All differences as text."""
+    return Content("\n").join(list(_lines(parting)))
 
 
 def _lines(parting: Parting) -> Iterator[Content]:
@@ -39,23 +44,28 @@ def _lines(parting: Parting) -> Iterator[Content]:
         for each in parting.differences:
             if each.robot_name == robot:
                 yield Content.styled(f"  {each.matter}", INK.key)
-                yield _side("here ", each, each.here)
-                yield _side("there", each, each.there)
+                for where, told in zip(("here ", "there"), _sides(each), strict=True):
+                    yield Content.assemble((f"    {where}  ", INK.dim), (told, INK.text))
         yield Content("")
 
 
-def _side(where: str, difference: Difference, value: Any) -> Content:
-    return Content.assemble((f"    {where}  ", INK.dim), (_told(difference, value), INK.text))
+def _sides(each: Difference) -> tuple[str, str]:
+    """What it is here and there, with so many digits that one sees the difference."""
+    here, there = _told(each.matter, each.here, 6), _told(each.matter, each.there, 6)
+    if here == there:
+        here, there = _told(each.matter, each.here, 17), _told(each.matter, each.there, 17)
+    return here, there
 
 
-def _told(difference: Difference, value: Any) -> str:
+def _told(matter: Matter, value: Any, digits: int) -> str:
     if isinstance(value, Desire):
-        return f"left {value.left_engine:.6g}, right {value.right_engine:.6g}"
-    match difference.matter, value:
-        case "position", (float(x), float(y), float(angle)):
-            return f"{x:.6g}, {y:.6g}, looking to {angle:.6g}"
-        case "notices", tuple(notices):
-            return visible(" ".join(map(str, notices))) or "none"
-        case "desire", _:
+        return f"left {value.left_engine:.{digits}g}, right {value.right_engine:.{digits}g}"
+    match matter:
+        case "position":
+            x, y, angle = value
+            return f"{x:.{digits}g}, {y:.{digits}g}, looking to {degrees(angle):.{digits}g}°"
+        case "notices":
+            return visible(" ".join(value)) or "none"
+        case "desire":
             return "none"
     return written(value, _LONGEST)

@@ -14,7 +14,7 @@ from logical_robots_tui.tui.timeline.breakpoints import BreakpointList
 from logical_robots_tui.tui.timeline.form import BreakpointForm
 from logical_robots_tui.tui.timeline.prompt import TickPrompt
 from logical_robots_tui.tui.timeline.widget import Timeline
-from tests.tui.conftest import AHEAD, opened
+from tests.tui.conftest import AHEAD, STILL, opened
 
 if TYPE_CHECKING:
     from collections.abc import AsyncIterator
@@ -108,6 +108,18 @@ async def test_a_run_until_a_tick_ends_there_and_one_into_the_past_is_refused(
         await game.press("escape")
         await game.until(lambda: game.app.screen is game.main)
         assert game.tick == 17
+
+
+async def test_a_run_until_a_tick_can_be_stopped(data_dir: Path, short: Path) -> None:
+    async with playing(data_dir, short, text=STILL) as game:
+        await game.press("u")
+        await game.until(lambda: isinstance(game.app.screen, TickPrompt))
+        await type_in(game, "1000000")
+        await game.until(lambda: game.tick > 5)
+        assert "RUNNING" in game.status
+        await game.press("space")
+        await game.until(lambda: not game.session.busy)
+        assert "PAUSED" in game.status
 
 
 async def test_marks_are_gone_to_one_after_the_other(data_dir: Path, short: Path) -> None:

@@ -1,0 +1,137 @@
+"""History: the memory that a tick takes, and the time to restore one."""
+
+from __future__ import annotations
+
+import asyncio
+import random
+import re
+import statistics
+import sys
+import tempfile
+import tracemalloc
+from dataclasses import replace
+from time import perf_counter
+from typing import TYPE_CHECKING
+
+from benchmarks.halls import halls
+from benchmarks.measure import Effort, Measurement
+from benchmarks.subjects import program_text, robots_of
+from logical_robots_tui import Program, load_level
+from logical_robots_tui.game import Frame, Game, History, load_program
+from logical_robots_tui.game.history import DEFAULT_LENGTH
+from logical_robots_tui.world import list_levels
+from tests.terminal import Terminal
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from logical_robots_tui import Level
+
+__all__ = ["history"]
+
+LARGEST = "10-distributed-mapping"
+TICKS = 3  # to run for each that is to be measured
+JUMPS = 60
+
+
+def history(effort: Effort) -> Iterator[Measurement]:
+    """Memory and time of levels under their reference programs, and of ten robots."""
+    found: list[list[Measurement]] = [[], [], []]
+    for level, text, required in _subjects():
+        measured = asyncio.run(_measure(level, Program.compile(text), effort, required))
+        for group, measurement in zip(found, measured, strict=True):
+            group.append(measurement)
+    for group in found:
+        yield from group
+    yield _key_to_screen(effort.ticks // 4)
+
+
+def _subjects() -> Iterator[tuple[Level, str, str]]:
+    for level in map(load_level, list_levels()):
+        yield level, load_program(level.solution).text, ""
+    ten = halls(1200, 700, robots=10, beacons=56)
+    yield replace(ten, name="ten that steer"), program_text("steering"), "<= 200"
+    mapping = load_program(load_level(LARGEST).solution).text
+    yield replace(ten, name="ten that map"), mapping, "<= 200"
+
+
+async def _measure(
+    level: Level, program: Program, effort: Effort, required: str
+) -> list[Measurement]:
+    ticks = max(40, TICKS * effort.ticks // max(1, len(level.robots) // 10))
+    game = Game(level, program)
+    frames = [game.frame]
+    game.listen(frames.append)
+    while game.frame.tick < ticks:
+        await game.run_until(tick=ticks)
+    chance = random.Random(ticks)
+    jumps = _milliseconds(game, [chance.randrange(ticks) for _ in range(JUMPS)])
+    steps = _milliseconds(game, list(range(ticks - 1, max(ticks - JUMPS, 0), -1)))
+    await game.close()
+    subject = f"{level.name}, {robots_of(level)}"
+    megabytes = _megabytes(frames, program)
+    return [
+        Measurement(
+            *(f"history of {DEFAULT_LENGTH:,} ticks", subject, megabytes, "MB"),
+            *(megabytes, megabytes, required),
+        ),
+        Measurement(
+            *("restore a tick", subject, statistics.median(jumps), "ms", min(jumps), max(jumps)),
+        ),
+        Measurement(
+            *("step back a tick", subject, statistics.median(steps), "ms", min(steps), max(steps)),
+        ),
+    ]
+
+
+def _megabytes(frames: list[Frame], program: Program) -> float:
+    """What a full history holds: the ticks that were run, over and over, under new numbers."""
+    tracemalloc.start()
+    try:
+        kept = History(frames[0])
+        for tick in range(1, DEFAULT_LENGTH + 1):
+            frame = frames[1 + (tick - 1) % (len(frames) - 1)]
+            before, after = replace(frame.before, tick=tick - 1), replace(frame.after, tick=tick)
+            kept.add(replace(frame, tick=tick, before=before, after=after), program)
+        assert kept.first == 0
+        return tracemalloc.get_traced_memory()[0] / 1e6
+    finally:
+        tracemalloc.stop()
+
+
+def _milliseconds(game: Game, ticks: list[int]) -> list[float]:
+    found = []
+    for tick in ticks:
+        began = perf_counter()
+        game.go_to(tick)
+        found.append(1000 * (perf_counter() - began))
+    return found
+
+
+def _key_to_screen(presses: int) -> Measurement:
+    """Milliseconds from the key to the tick before on the screen."""
+    with tempfile.TemporaryDirectory() as data_dir:
+        game = [sys.executable, "-m", "logical_robots_tui", "play", LARGEST]
+        program = load_level(LARGEST).solution
+        with Terminal([*game, program, "--data-dir", data_dir], size=(120, 40)) as terminal:
+            terminal.wait_for("· applied")
+            terminal.wait_for_quiet()
+            terminal.send("u")
+            terminal.wait_for("Run until tick")
+            terminal.send(f"{presses + 100}\r")
+            _wait_for_tick(terminal, presses + 100)
+            found = []
+            for press in range(1, presses + 1):
+                terminal.wait_for_quiet()
+                began = perf_counter()
+                terminal.send("p")
+                _wait_for_tick(terminal, presses + 100 - press)
+                found.append(1000 * (perf_counter() - began))
+    return Measurement(
+        *("key to tick before", f"120x40, {LARGEST}", statistics.median(found), "ms"),
+        *(min(found), max(found), "< 20"),
+    )
+
+
+def _wait_for_tick(terminal: Terminal, tick: int) -> None:
+    terminal.wait_for(lambda: re.search(rf"\btick {tick}\b", terminal.text))
