@@ -144,6 +144,35 @@ class Actions:
         """Go to the pane before."""
         self._screen.go_on(-1)
 
+    def maximise(self) -> None:
+        """Give the pane that is worked in all the room, or no longer."""
+        self._screen.arrangement.toggle_large()
+        self._screen.place_panes()
+
+    def hide(self) -> None:
+        """Hide the pane that is worked in, or show all again."""
+        self._screen.go_to(self._screen.arrangement.hide(self._screen.active))
+
+    def wider(self) -> None:
+        """Give the program more columns."""
+        self._resize(columns=4)
+
+    def narrower(self) -> None:
+        """Give the labyrinth more columns."""
+        self._resize(columns=-4)
+
+    def higher(self) -> None:
+        """Give the inspector more rows."""
+        self._resize(rows=2)
+
+    def lower(self) -> None:
+        """Give the labyrinth more rows."""
+        self._resize(rows=-2)
+
+    def _resize(self, columns: int = 0, rows: int = 0) -> None:
+        self._screen.arrangement.change(columns, rows)
+        self._screen.place_panes()
+
     def view(self) -> None:
         """Look at the next thing."""
         self._screen.labyrinth.view.look_at_next()

@@ -249,6 +249,44 @@ COMMANDS: tuple[Command, ...] = (
         "previous_pane", "Previous pane", "Go to the pane before.", _VIEW, ("left_square_bracket",)
     ),
     Command(
+        "maximise",
+        "Enlarge the pane",
+        "Give the pane you work in all the room, or share it again.",
+        _VIEW,
+        ("k", "ctrl+t"),
+    ),
+    Command(
+        "hide",
+        "Hide the pane",
+        "Hide the pane you work in; if one is hidden, show all again.",
+        _VIEW,
+        ("j",),
+    ),
+    Command(
+        "wider", "Wider program", "Give the program more columns.", _VIEW, ("left_parenthesis",)
+    ),
+    Command(
+        "narrower",
+        "Wider labyrinth",
+        "Give the labyrinth more columns.",
+        _VIEW,
+        ("right_parenthesis",),
+    ),
+    Command(
+        "higher",
+        "Higher inspector",
+        "Give the inspector more rows.",
+        _VIEW,
+        ("left_curly_bracket",),
+    ),
+    Command(
+        "lower",
+        "Higher labyrinth",
+        "Give the labyrinth more rows.",
+        _VIEW,
+        ("right_curly_bracket",),
+    ),
+    Command(
         "view",
         "View",
         "Look at the whole labyrinth, follow a robot, or see only what the robots sense.",
@@ -325,6 +363,10 @@ _NAMES = {
     "question_mark": "?",
     "left_square_bracket": "[",
     "right_square_bracket": "]",
+    "left_parenthesis": "(",
+    "right_parenthesis": ")",
+    "left_curly_bracket": "{",
+    "right_curly_bracket": "}",
     "escape": "esc",
 }
 
