@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from logical_robots_tui.tui.drawing.glyphs import Drawing
+from logical_robots_tui.tui.plain import one_line
 from logical_robots_tui.tui.sparing import SparingApp
 
 if TYPE_CHECKING:
@@ -61,6 +62,13 @@ class Actions:
         """Go to the mistake."""
         self._screen.go_to(self._screen.program)
         self._screen.program.go_to_mistake()
+
+    def definition(self) -> None:
+        """Go to the definition of the predicate under the cursor."""
+        self._screen.go_to(self._screen.program)
+        word = self._screen.program.go_to_definition()
+        if word:
+            self._screen.tell(f"{one_line(word)} is not defined in this program.")
 
     def level(self) -> None:
         """Choose a level."""

@@ -128,6 +128,13 @@ COMMANDS: tuple[Command, ...] = (
         ("ctrl+g",),
     ),
     Command(
+        "definition",
+        "Go to the definition",
+        "Put the cursor where the predicate under it is defined.",
+        _PROGRAM,
+        ("ctrl+right_square_bracket", "f12"),
+    ),
+    Command(
         "level",
         "Choose a level",
         "See all levels and what you have won, pick one, or type the path of a level file.",
@@ -379,7 +386,8 @@ def command(command_id: str) -> Command:
 def key_name(key: str) -> str:
     """A key as printed on a keyboard, such as ``^R`` or ``F5``."""
     if key.startswith("ctrl+"):
-        return f"^{key.removeprefix('ctrl+').upper()}"
+        letter = key.removeprefix("ctrl+")
+        return f"^{_NAMES.get(letter, letter).upper()}"
     if key[0] == "f" and key[1:].isdigit():
         return key.upper()
     return _NAMES.get(key, key)

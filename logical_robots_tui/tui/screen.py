@@ -27,6 +27,7 @@ from logical_robots_tui.tui.pane import Pane
 from logical_robots_tui.tui.plain import one_line
 from logical_robots_tui.tui.program.editor import Editor
 from logical_robots_tui.tui.program.pane import ProgramPane
+from logical_robots_tui.tui.program.watch import FileWatch
 from logical_robots_tui.tui.session import Session
 from logical_robots_tui.tui.status import StatusLine, status_of
 from logical_robots_tui.tui.tour_guide import TourGuide
@@ -97,6 +98,7 @@ class MainScreen(Screen[None]):
         self.library = Library(self, data_dir / "programs")
         self.guide = Guide(self)
         self._text_to_begin_with = source.text if text is None else text
+        self._watch = FileWatch()
         self._is_new_here = welcome
         self.tours = TourGuide(self)
         self._actions = Actions(self)
@@ -235,6 +237,9 @@ class MainScreen(Screen[None]):
         self._tabs.show(tabs, self._active.command_id)
 
     def _beat(self) -> None:
+        newer = self._watch.newer(self.session.source)
+        if newer is not None:
+            self.library.take_from_disk(newer)
         if self.session.busy:
             self._draw_lines()
 
