@@ -6,61 +6,16 @@ the line in the help.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, Literal, TypeAlias
+from typing import TYPE_CHECKING
 
 from textual.binding import Binding
+
+from logical_robots_tui.tui.command import Command, key_name
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-__all__ = ["COMMANDS", "GROUPS", "Command", "Place", "bindings", "command", "key_name"]
-
-Place: TypeAlias = Literal["anywhere", "editor", "outside"]
-"""Where the command bar offers a command: always, only in the editor, only outside of it."""
-
-
-@dataclass(frozen=True, slots=True)
-class Command:
-    """Something that a player can ask for.
-
-    Attributes:
-        id: Its name in code, and that of the method that does it.
-        title: What it does, a few words that start with a capital letter.
-        help: One sentence for the help and the palette.
-        group: The heading it stands under in the help.
-        keys: Keys that ask for it, as Textual names them. Printable ones act only while nobody
-            is typing.
-        bar: Label in the command bar, or "" to leave it out; beside an equal key it is not said.
-        place: Where the bar shows it.
-        spare: How easily the bar does without it where there is little room; 0 is not at all.
-    """
-
-    id: str
-    title: str
-    help: str
-    group: str
-    keys: tuple[str, ...]
-    bar: str = ""
-    place: Place = "outside"
-    spare: int = 0
-
-    @property
-    def key_names(self) -> str:
-        """The keys as printed on a keyboard, such as ``space, F5``."""
-        return ", ".join(key_name(key) for key in self.keys)
-
-    def bar_key(self, *, typing: bool) -> str:
-        """The key that the command bar names, or "" if there is none.
-
-        Args:
-            typing: Whether printable keys are text at the moment.
-        """
-        keys = [
-            key for key in self.keys if not typing or (len(key_name(key)) > 1 and key != "space")
-        ]
-        return key_name(keys[0]) if keys else ""
-
+__all__ = ["COMMANDS", "GROUPS", "Command", "bindings", "command", "key_name"]
 
 _GAME, _PROGRAM, _LEARN = "Running", "Program and level", "Learning"
 _VIEW, _HELP = "Looking", "Help and leaving"
@@ -359,38 +314,10 @@ COMMANDS: tuple[Command, ...] = (
 
 _BY_ID = {entry.id: entry for entry in COMMANDS}
 
-_NAMES = {
-    "space": "space",
-    "full_stop": ".",
-    "comma": ",",
-    "plus": "+",
-    "minus": "-",
-    "equals_sign": "=",
-    "greater_than_sign": ">",
-    "question_mark": "?",
-    "left_square_bracket": "[",
-    "right_square_bracket": "]",
-    "left_parenthesis": "(",
-    "right_parenthesis": ")",
-    "left_curly_bracket": "{",
-    "right_curly_bracket": "}",
-    "escape": "esc",
-}
-
 
 def command(command_id: str) -> Command:
     """The command of that name."""
     return _BY_ID[command_id]
-
-
-def key_name(key: str) -> str:
-    """A key as printed on a keyboard, such as ``^R`` or ``F5``."""
-    if key.startswith("ctrl+"):
-        letter = key.removeprefix("ctrl+")
-        return f"^{_NAMES.get(letter, letter).upper()}"
-    if key[0] == "f" and key[1:].isdigit():
-        return key.upper()
-    return _NAMES.get(key, key)
 
 
 def bindings() -> Iterator[Binding]:
