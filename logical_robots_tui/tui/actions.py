@@ -70,6 +70,18 @@ class Actions:
         if word:
             self._screen.tell(f"{one_line(word)} is not defined in this program.")
 
+    def find(self) -> None:
+        """Find or replace a text in the program."""
+        self._screen.spawn(self._screen.scribe.find, "library", exclusive=True)
+
+    def find_next(self) -> None:
+        """Go to the next place."""
+        self._screen.scribe.find_next()
+
+    def rename(self) -> None:
+        """Rename the predicate under the cursor."""
+        self._screen.spawn(self._screen.scribe.rename, "library", exclusive=True)
+
     def level(self) -> None:
         """Choose a level."""
         self._screen.spawn(self._screen.library.choose_level, "library", exclusive=True)

@@ -78,5 +78,6 @@ _NAMES = {
     "right_parenthesis": ")",
     "left_curly_bracket": "{",
     "right_curly_bracket": "}",
+    "slash": "/",
     "escape": "esc",
 }

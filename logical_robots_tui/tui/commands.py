@@ -90,6 +90,27 @@ COMMANDS: tuple[Command, ...] = (
         ("ctrl+right_square_bracket", "f12"),
     ),
     Command(
+        "find",
+        "Find and replace",
+        "Find a text in the program, or replace it everywhere.",
+        _PROGRAM,
+        ("ctrl+o", "slash"),
+    ),
+    Command(
+        "find_next",
+        "Find the next one",
+        "Go to the next place of what was looked for last.",
+        _PROGRAM,
+        ("f3",),
+    ),
+    Command(
+        "rename",
+        "Rename the predicate",
+        "Give the predicate under the cursor another name, wherever it is used.",
+        _PROGRAM,
+        (),
+    ),
+    Command(
         "level",
         "Choose a level",
         "See all levels and what you have won, pick one, or type the path of a level file.",

@@ -28,6 +28,7 @@ from logical_robots_tui.tui.plain import one_line
 from logical_robots_tui.tui.program.editor import Editor
 from logical_robots_tui.tui.program.pane import ProgramPane
 from logical_robots_tui.tui.program.watch import FileWatch
+from logical_robots_tui.tui.scribe import Scribe
 from logical_robots_tui.tui.session import Session
 from logical_robots_tui.tui.status import StatusLine, status_of
 from logical_robots_tui.tui.tour_guide import TourGuide
@@ -97,6 +98,7 @@ class MainScreen(Screen[None]):
         )
         self.library = Library(self, data_dir / "programs")
         self.guide = Guide(self)
+        self.scribe = Scribe(self)
         self._text_to_begin_with = source.text if text is None else text
         self._watch = FileWatch()
         self._is_new_here = welcome

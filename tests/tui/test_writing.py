@@ -8,6 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from logical_robots_tui.tui.program.searching import find_after, rename
 from logical_robots_tui.tui.program.words import (
     call_before,
     definitions,
@@ -36,6 +37,7 @@ def test_predicates_and_functions_that_fit_are_offered() -> None:
 def test_after_a_dot_fields_are_offered() -> None:
     assert {"forward_distance", "forward_object"} <= set(names("", "sensor.forw"))
     assert "Sqrt" not in names("", "sensor.")
+    assert "angle" not in names("", "sensor.")
     assert "angle" in names("", "ray.")
     assert "goal_seen" in names("Robot(memory: {goal_seen: 1});", "memory.go")
 
@@ -167,3 +169,57 @@ async def test_ten_thousand_lines_are_pasted_and_edited_without_a_hang(data_dir:
         await game.until(lambda: game.editor.document.line_count == 10_001)
         await game.press("a")
         await game.until(lambda: game.editor.text == "a" + text)
+
+
+def test_a_predicate_is_renamed_where_it_is_used_and_nowhere_else() -> None:
+    text = 'A(x) :- B(x), x == "A";\n# A\nAB(x) :- ~A(x); /* A\nA */ C := A(B: A);\n'
+    found, count = rename(text, "A", "New")
+    assert count == 4
+    assert found == (
+        'New(x) :- B(x), x == "A";\n# A\nAB(x) :- ~New(x); /* A\nA */ C := New(B: New);\n'
+    )
+
+
+@pytest.mark.parametrize(
+    ("wanted", "place", "found"),
+    [
+        ("b", (0, 0), (0, 2)),
+        ("b", (0, 2), (1, 0)),
+        ("b", (1, 0), (0, 2)),
+        ("B", (0, 0), (1, 0)),
+        ("", (0, 0), None),
+        ("z", (0, 0), None),
+    ],
+)
+def test_what_is_looked_for_is_found_again_from_the_top(
+    wanted: str, place: tuple[int, int], found: tuple[int, int] | None
+) -> None:
+    assert find_after("a b c\nB", wanted, place) == found
+
+
+async def test_a_text_is_found_and_replaced_as_one_edit(data_dir: Path) -> None:
+    async with opened(data_dir) as game:
+        await game.ready()
+        await game.press("2", "ctrl+o")
+        await game.until(lambda: game.shows("Find in the program"))
+        await game.press(*"speed", "enter")
+        row = PAPER.splitlines().index("  speed = 0.5,")
+        await game.until(lambda: game.editor.cursor_location == (row, 2))
+        await game.press("ctrl+o")
+        await game.until(lambda: game.shows("Find in the program"))
+        await game.press("tab", *"pace", "enter")
+        await game.until(lambda: game.editor.text == PAPER.replace("speed", "pace"))
+        assert game.shows("Replaced in 3 places")
+        await game.press("ctrl+z")
+        await game.until(lambda: game.editor.text == PAPER)
+
+
+async def test_a_predicate_is_renamed_from_the_palette(data_dir: Path) -> None:
+    async with opened(data_dir) as game:
+        await game.ready()
+        await game.press("2", "ctrl+p")
+        await game.until(lambda: game.shows("Find a command"))
+        await game.press(*"rename", "enter")
+        await game.until(lambda: game.shows("Rename the predicate"))
+        await game.press("ctrl+u", *"Free", "enter")
+        await game.until(lambda: game.editor.text == PAPER.replace("FreedomMotion", "Free"))

@@ -62,7 +62,7 @@ _BUILT_IN = tuple(
     if entry.kind != "operator"
 )
 _HEAD = re.compile(r"^(?P<name>[A-Z]\w*)\s*(?:(?P<arguments>\([^)]*\)?)|:=)", re.MULTILINE)
-_BEFORE = re.compile(r"(?P<dot>\.?)(?P<begun>\w*)$")
+_BEFORE = re.compile(r"(?P<dot>(?P<owner>\w*)\.)?(?P<begun>\w*)$")
 
 
 def definitions(text: str) -> Mapping[str, tuple[Place, str]]:
@@ -89,8 +89,10 @@ def words_for(text: str, before: str) -> tuple[int, list[Word]]:
     """
     match = _BEFORE.search(before)
     begun, after_dot = (match["begun"], bool(match["dot"])) if match else ("", False)
-    if after_dot:
-        words = {word.name: word for word in _FIELDS}
+    if match and after_dot:
+        of_owner = [word for word in _FIELDS if word.shape.split(".")[-2] == match["owner"]]
+        words = {word.name: word for word in of_owner or _FIELDS}
+        text = "" if of_owner else text
         for name in re.findall(r"\.([a-z_]\w*)", text) + re.findall(
             r"\b([a-z_]\w*)\s*:(?!-)", text
         ):
