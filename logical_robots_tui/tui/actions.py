@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from logical_robots_tui.tui.drawing.glyphs import Drawing
+from logical_robots_tui.tui.plain import one_line
 from logical_robots_tui.tui.sparing import SparingApp
 from logical_robots_tui.tui.timeline.travel import TEN
 
@@ -112,6 +113,25 @@ class Actions:
         """Go to the mistake."""
         self._screen.go_to(self._screen.program)
         self._screen.program.go_to_mistake()
+
+    def definition(self) -> None:
+        """Go to the definition of the predicate under the cursor."""
+        self._screen.go_to(self._screen.program)
+        word = self._screen.program.go_to_definition()
+        if word:
+            self._screen.tell(f"{one_line(word)} is not defined in this program.")
+
+    def find(self) -> None:
+        """Find or replace a text in the program."""
+        self._screen.spawn(self._screen.scribe.find, "library", exclusive=True)
+
+    def find_next(self) -> None:
+        """Go to the next place."""
+        self._screen.scribe.find_next()
+
+    def rename(self) -> None:
+        """Rename the predicate under the cursor."""
+        self._screen.spawn(self._screen.scribe.rename, "library", exclusive=True)
 
     def level(self) -> None:
         """Choose a level."""
@@ -236,6 +256,35 @@ class Actions:
     def previous_pane(self) -> None:
         """Go to the pane before."""
         self._screen.go_on(-1)
+
+    def maximise(self) -> None:
+        """Give the pane that is worked in all the room, or no longer."""
+        self._screen.arrangement.toggle_large()
+        self._screen.place_panes()
+
+    def hide(self) -> None:
+        """Hide the pane that is worked in, or show all again."""
+        self._screen.go_to(self._screen.arrangement.hide(self._screen.active))
+
+    def wider(self) -> None:
+        """Give the program more columns."""
+        self._resize(columns=4)
+
+    def narrower(self) -> None:
+        """Give the labyrinth more columns."""
+        self._resize(columns=-4)
+
+    def higher(self) -> None:
+        """Give the inspector more rows."""
+        self._resize(rows=2)
+
+    def lower(self) -> None:
+        """Give the labyrinth more rows."""
+        self._resize(rows=-2)
+
+    def _resize(self, columns: int = 0, rows: int = 0) -> None:
+        self._screen.arrangement.change(columns, rows)
+        self._screen.place_panes()
 
     def view(self) -> None:
         """Look at the next thing."""

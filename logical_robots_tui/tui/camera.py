@@ -68,7 +68,11 @@ class Camera:
         whole = Viewport.fit(level.width, level.height, columns, rows)
         if self.sight not in (Sight.FOLLOW, Sight.FREE):
             return whole
-        return whole.zoomed(self.zoom).centred(self.x, self.y)
+        view = whole.zoomed(self.zoom)
+        if self.sight is Sight.FREE:
+            return view.centred(self.x, self.y)
+        x = _beside_rim(self.x, view.width, level.width)
+        return view.centred(x, _beside_rim(self.y, view.height, level.height))
 
     def next_sight(self) -> Camera:
         """Look at the next thing; a part that was chosen freely is left for the whole."""
@@ -87,10 +91,14 @@ class Camera:
             view: What is shown at present.
             at_once: Whether to do so in any case.
         """
-        across, down = abs(x - self.x) / view.width, abs(y - self.y) / view.height
-        if self.sight is Sight.FOLLOW and (at_once or not max(across, down) <= _CALM):
-            return replace(self, x=x, y=y)
-        return self
+        if self.sight is not Sight.FOLLOW:
+            return self
+        middle_x, middle_y = view.left + view.width / 2, view.top + view.height / 2
+        is_calm_x = not at_once and abs(x - middle_x) <= _CALM * view.width
+        is_calm_y = not at_once and abs(y - middle_y) <= _CALM * view.height
+        if is_calm_x and is_calm_y:
+            return self
+        return replace(self, x=self.x if is_calm_x else x, y=self.y if is_calm_y else y)
 
     def zoomed(self, steps: int, view: Viewport, at: tuple[float, float] | None = None) -> Camera:
         """Zoom.
@@ -131,6 +139,13 @@ class Camera:
         return Camera(
             Sight.FREE, step, min(max(x, 0.0), level.width), min(max(y, 0.0), level.height)
         )
+
+
+def _beside_rim(middle: float, length: float, whole: float) -> float:
+    """Return the middle that is nearest to one and shows as little beside the map as it can."""
+    if length >= whole:
+        return whole / 2
+    return min(max(middle, length / 2), whole - length / 2)
 
 
 _LAST = len(ZOOMS) - 1

@@ -21,6 +21,7 @@ _NAMES = {
     "question_mark": "?",
     "slash": "/",
     "asterisk": "*",
+    "number_sign": "#",
     "left_square_bracket": "[",
     "right_square_bracket": "]",
     "left_parenthesis": "(",
@@ -76,7 +77,8 @@ class Command:
 def key_name(key: str) -> str:
     """A key as printed on a keyboard, such as ``^R`` or ``F5``."""
     if key.startswith("ctrl+"):
-        return f"^{key.removeprefix('ctrl+').upper()}"
+        letter = key.removeprefix("ctrl+")
+        return f"^{_NAMES.get(letter, letter).upper()}"
     if key[0] == "f" and key[1:].isdigit():
         return key.upper()
     return _NAMES.get(key, key)

@@ -114,6 +114,20 @@ class Library:
             self._screen.keeper.edited()
             self._screen.tell(f"Saved as {one_line(saved.name)}.")
 
+    def take_from_disk(self, source: Source) -> None:
+        """Go on with a program whose file was changed by another program.
+
+        What the player typed meanwhile stays; the command for it takes the file's text.
+        """
+        session, name = self._screen.session, one_line(source.name)
+        if self._screen.text == session.source.text:
+            self._screen.replace_text(source.text)
+            session.open_program(source, source.text)
+            self._screen.tell(f"{name} has changed on disk and is applied.")
+        else:
+            session.saved_as(source)
+            self._screen.warn(f"{name} has changed on disk; your text is kept here.")
+
     def _leave_text_for(self, source: Source, kept: str | None = None) -> str:
         """Put the text of a program, or its draft, into the editor; what was there is kept.
 

@@ -11,6 +11,7 @@ from textual.screen import Screen
 from textual.widgets import Input, Static, TextArea
 
 from logical_robots_tui.tui.actions import Actions
+from logical_robots_tui.tui.arrangement import Arrangement
 from logical_robots_tui.tui.background import in_background
 from logical_robots_tui.tui.bar import CommandBar, CommandChosen, PaneTabs
 from logical_robots_tui.tui.commands import bindings, command
@@ -28,6 +29,8 @@ from logical_robots_tui.tui.pane import Pane
 from logical_robots_tui.tui.plain import one_line
 from logical_robots_tui.tui.program.editor import Editor
 from logical_robots_tui.tui.program.pane import ProgramPane
+from logical_robots_tui.tui.program.watch import FileWatch
+from logical_robots_tui.tui.scribe import Scribe
 from logical_robots_tui.tui.session import Session
 from logical_robots_tui.tui.status import StatusLine, status_of
 from logical_robots_tui.tui.timeline.travel import Travel
@@ -101,7 +104,9 @@ class MainScreen(Screen[None]):
         self.library = Library(self, data_dir / "programs")
         self.rows = RowCommands(self, data_dir / "rows")
         self.guide = Guide(self)
+        self.scribe = Scribe(self)
         self._text_to_begin_with = source.text if text is None else text
+        self._watch = FileWatch()
         self._is_new_here = welcome
         self.tours = TourGuide(self)
         self.travel = Travel(self)
@@ -113,7 +118,9 @@ class MainScreen(Screen[None]):
         self.inspector = InspectorPane(self.session)
         self.timeline = Timeline()
         self._bar = CommandBar()
-        self._panes: tuple[Pane, ...] = (self.labyrinth, self.program, self.inspector)
+        self._panes = (self.labyrinth, self.program, self.inspector)
+        self._pane_area = Container(*self._panes, id="panes")
+        self.arrangement = Arrangement(self._pane_area, self._panes)
         self._layout = Layout.WIDE
         self._active: Pane = self.labyrinth
         self._focus_before: Widget | None = None
@@ -126,8 +133,7 @@ class MainScreen(Screen[None]):
         """Status line, tabs, panes, timeline, command bar."""
         yield self._status
         yield self._tabs
-        with Container(id="panes"):
-            yield from self._panes
+        yield self._pane_area
         yield Static(id="too-small", markup=False)
         yield self.timeline
         yield self._bar
@@ -247,6 +253,9 @@ class MainScreen(Screen[None]):
         self._tabs.show(tabs, self._active.command_id)
 
     def _beat(self) -> None:
+        newer = self._watch.newer(self.session.source)
+        if newer is not None:
+            self.library.take_from_disk(newer)
         if self.session.busy:
             self._draw_lines()
 
@@ -285,6 +294,7 @@ class MainScreen(Screen[None]):
             f"{LEAST_WIDTH}x{LEAST_HEIGHT} needed,\nthis is {size}"
         )
         if layout is self._layout and self.has_class(layout.value):
+            self.place_panes()
             return
         if layout is Layout.TINY:
             self._focus_before = self.focused
@@ -295,26 +305,24 @@ class MainScreen(Screen[None]):
         self.call_after_refresh(self.tours.place)
         for each in Layout:
             self.set_class(each is layout, each.value)
-        self._show_panes()
+        self.place_panes()
         self._drawn = None
         self._changed()
 
-    def _show_panes(self) -> None:
-        for pane in self._panes:
-            pane.display = self._layout is Layout.WIDE or (
-                self._layout is Layout.NARROW and pane is self._active
-            )
+    def place_panes(self) -> None:
+        """Give each pane its place anew."""
+        self.arrangement.show(self._layout, self.size, self._active)
 
     def point_at(self, pane: Pane) -> None:
         """Bring a pane to sight without going there."""
         self._active = pane
-        self._show_panes()
+        self.place_panes()
         self._changed()
 
     def go_to(self, pane: Pane) -> None:
         """Go to a pane; in a narrow terminal it takes the place of the one there."""
         self._active = pane
-        self._show_panes()
+        self.place_panes()
         pane.enter()
         self._changed()
 

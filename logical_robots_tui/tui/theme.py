@@ -79,5 +79,6 @@ SYNTAX = {
     "field": Style(color="#8fd3c8"),
     "operator": Style(color="#93a0c8"),
     "mistake": Style(bgcolor="#4a1f2b"),
+    "odd-gutter": Style(color=INK.warn, bold=True),
     "mistake-gutter": Style(color="#0b0e14", bgcolor=INK.bad, bold=True),
 }

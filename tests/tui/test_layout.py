@@ -12,7 +12,7 @@ from textual.widgets.text_area import Selection
 
 from logical_robots_tui.tui.bar import PaneTabs
 from logical_robots_tui.tui.labyrinth import LabyrinthView
-from logical_robots_tui.tui.layout import Layout, layout_for
+from logical_robots_tui.tui.layout import Layout, Shares, grid_for, layout_for
 from logical_robots_tui.tui.pane import Pane
 from tests.tui.conftest import PAPER, opened
 
@@ -122,3 +122,63 @@ async def test_escape_leaves_the_editor_for_the_labyrinth(data_dir: Path) -> Non
         await game.press("y")
         await game.until(lambda: not game.main.query_one(LabyrinthView).rays)
         assert game.editor.text == PAPER
+
+
+@given(st.integers(110, 400), st.integers(24, 200), st.integers(-400, 400), st.integers(-400, 400))
+def test_no_wish_makes_a_pane_vanish(width: int, height: int, columns: int, rows: int) -> None:
+    layout = layout_for(width, height)
+    grid = grid_for(layout, width, height, Shares(columns, rows))
+    assert 30 <= grid.program <= width - 30
+    assert 6 <= grid.inspector <= height - 8
+    assert grid_for(layout, width, height, grid.shares) == grid
+
+
+def test_a_wide_terminal_gives_the_labyrinth_what_a_text_does_not_need() -> None:
+    grid = grid_for(Layout.WIDE, 300, 100, Shares())
+    assert grid.program < 100
+    assert 20 < grid.inspector < 30
+
+
+async def test_a_high_terminal_shows_all_panes_one_below_the_other(data_dir: Path) -> None:
+    async with opened(data_dir, size=(90, 60)) as game:
+        await game.ready()
+        assert shown(game) == ["labyrinth", "editor", "inspector"]
+        tops = [pane.region.y for pane in game.main.query(Pane)]
+        assert tops == sorted(set(tops))
+        assert {pane.region.width for pane in game.main.query(Pane)} == {90}
+
+
+async def test_a_pane_is_enlarged_and_shares_again(data_dir: Path) -> None:
+    async with opened(data_dir) as game:
+        await game.ready()
+        await game.press("k")
+        await game.until(lambda: shown(game) == ["labyrinth"])
+        await game.press("2", "ctrl+t", "ctrl+t")
+        await game.until(lambda: shown(game) == ["editor"])
+        await game.press("ctrl+t")
+        await game.until(lambda: shown(game) == ["labyrinth", "editor", "inspector"])
+        assert game.editor.text == PAPER
+
+
+async def test_a_pane_is_hidden_and_shown_again(data_dir: Path) -> None:
+    async with opened(data_dir) as game:
+        await game.ready()
+        await game.press("3", "j")
+        await game.until(lambda: shown(game) == ["labyrinth", "editor"])
+        assert game.main.labyrinth.region.height > 30
+        await game.press("j")
+        await game.until(lambda: shown(game) == ["labyrinth", "editor", "inspector"])
+        await game.press("j")
+        await game.until(lambda: shown(game) == ["editor", "inspector"])
+        await game.press("1")
+        await game.until(lambda: shown(game) == ["labyrinth", "editor", "inspector"])
+
+
+async def test_panes_are_resized(data_dir: Path) -> None:
+    async with opened(data_dir) as game:
+        await game.ready()
+        before = game.main.labyrinth.region.size
+        await game.press("L", "G")
+        await game.until(lambda: game.main.labyrinth.region.size - (4, 2) == before)
+        await game.press("E", "I")
+        await game.until(lambda: game.main.labyrinth.region.size == before)

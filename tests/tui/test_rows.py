@@ -92,13 +92,13 @@ async def test_keys_sort_filter_and_turn(data_dir: Path) -> None:
     async with opened(data_dir, level="team_goal", text=TEXT) as game:
         await inspected(game)
         game.inspector.choose("Q")
-        await game.press("k")
+        await game.press("O")
         await game.until(lambda: [row[0] for row in table(game).shown.rows] == ["Q"])
         await game.until(lambda: game.shows("only Q"))
-        await game.press("k")
+        await game.press("O")
         await game.until(lambda: len(table(game).shown.rows) == 3)
         table(game).focus()
-        await game.press("j", "j")
+        await game.press("A", "A")
         await game.until(lambda: [row[0] for row in table(game).shown.rows] == ["R", "Q", "P"])
         await game.press("J")
         await game.until(lambda: table(game).shown.rows[0] == ("robot_name", "R", "Q", "P"))
@@ -107,7 +107,7 @@ async def test_keys_sort_filter_and_turn(data_dir: Path) -> None:
 async def test_rows_are_searched(data_dir: Path) -> None:
     async with opened(data_dir, level="team_goal", text=TEXT) as game:
         await inspected(game)
-        await game.press("ctrl+f")
+        await game.press("number_sign")
         await game.until(lambda: game.app.screen.query(Input))
         await game.press("R", "enter")
         await game.until(lambda: [row[0] for row in table(game).shown.rows] == ["R"])

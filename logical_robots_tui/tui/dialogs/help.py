@@ -23,6 +23,7 @@ __all__ = ["Help"]
 
 _EDITOR_KEYS = (
     ("tab", "two spaces"),
+    ("^space", "offer predicates, functions and fields that fit"),
     ("^Z, ^Y", "undo, redo"),
     ("^_", "make lines comments, or text again"),
     ("^X, ^C, ^V", "cut, copy, paste"),

@@ -15,7 +15,9 @@ from textual.widgets import TextArea
 from textual.widgets.text_area import TextAreaTheme
 
 from logical_robots_tui.tui.plain import visible
+from logical_robots_tui.tui.program.completion import Completion
 from logical_robots_tui.tui.program.lexer import LONGEST_LINE, LineStates, pieces
+from logical_robots_tui.tui.program.words import word_around, words_for
 from logical_robots_tui.tui.theme import INK, SYNTAX
 
 if TYPE_CHECKING:
@@ -45,6 +47,7 @@ class Editor(TextArea):
 
     BINDINGS: ClassVar[list[Binding | tuple[str, str] | tuple[str, str, str]]] = [
         Binding("ctrl+underscore,ctrl+slash", "toggle_comment", show=False),
+        Binding("ctrl+@,ctrl+space", "complete", show=False),
     ]
 
     class Leave(Message):
@@ -65,6 +68,8 @@ class Editor(TextArea):
         self._actions = {binding.key: binding.action for binding in own}
         self._states = LineStates()
         self._mistakes: frozenset[int] = frozenset()
+        self._notices: frozenset[int] = frozenset()
+        self.completion = Completion()
         self.register_theme(_THEME)
         self.theme = _THEME.name
 
@@ -96,10 +101,10 @@ class Editor(TextArea):
         self._states.forget()
         super().redo()
 
-    def mark(self, lines: frozenset[int]) -> None:
-        """Mark lines that hold a mistake, counted from 0."""
-        if lines != self._mistakes:
-            self._mistakes = lines
+    def mark(self, lines: frozenset[int], odd: frozenset[int] = frozenset()) -> None:
+        """Mark lines that hold a mistake, and lines that run but look odd, counted from 0."""
+        if (lines, odd) != (self._mistakes, self._notices):
+            self._mistakes, self._notices = lines, odd
             self.notify_style_update()
             self.refresh()
 
@@ -112,6 +117,10 @@ class Editor(TextArea):
         terminal that does not mark pastes. Keys that move or delete are obeyed here, because as
         bindings they would come too late, after letters that arrive in the same moment.
         """
+        if self.completion.display and self._takes(event.key):
+            event.stop()
+            event.prevent_default()
+            return
         action = self._actions.get(event.key)
         if event.key not in ("escape", "ctrl+j") and action is None:
             return
@@ -124,6 +133,59 @@ class Editor(TextArea):
         else:
             start, end = self.selection
             self.replace("\n", start, end, maintain_selection_offset=False)
+
+    # -- help while typing ---------------------------------------------------------------------
+
+    @property
+    def before_cursor(self) -> str:
+        """The line of the cursor up to it."""
+        row, column = self.cursor_location
+        return self.document.get_line(row)[:column]
+
+    @property
+    def word(self) -> str:
+        """The word that the cursor touches, or ""."""
+        row, column = self.cursor_location
+        return word_around(self.document.get_line(row), column)
+
+    def action_complete(self) -> None:
+        """Offer what could stand at the cursor."""
+        _, words = words_for(self.text, self.before_cursor)
+        self.completion.offer(words, self.cursor_screen_offset)
+
+    def on_text_area_changed(self) -> None:
+        """Offer what fits what is typed by now."""
+        if self.completion.display:
+            self.action_complete()
+
+    def on_blur(self) -> None:
+        """Offer nothing to somebody who is elsewhere."""
+        self.completion.close()
+
+    def _takes(self, key: str) -> bool:
+        """Use a key for the list of words; whether it is one for that."""
+        if key in ("up", "down"):
+            move = self.completion.action_cursor_up, self.completion.action_cursor_down
+            move[key == "down"]()
+        elif key in ("enter", "tab"):
+            self._complete()
+        elif key == "escape":
+            self.completion.close()
+        else:
+            if len(key) > 1 and key not in ("backspace", "underscore", "full_stop"):
+                self.completion.close()
+            return False
+        return True
+
+    def _complete(self) -> None:
+        chosen = self.completion.chosen
+        self.completion.close()
+        if chosen is not None:
+            begun, _ = words_for("", self.before_cursor)
+            row, column = self.cursor_location
+            self.replace(
+                chosen.name, (row, column - begun), (row, column), maintain_selection_offset=False
+            )
 
     def action_toggle_comment(self) -> None:
         """Make the selected lines comments, or make them text again, as one edit."""
@@ -168,9 +230,13 @@ class Editor(TextArea):
         """A line of the widget, with a mark in the gutter if it holds a mistake."""
         strip = super().render_line(y)
         number = self.scroll_offset.y + y
-        if number not in self._mistakes or number >= self.document.line_count:
+        is_wrong = number in self._mistakes
+        if not (is_wrong or number in self._notices) or number >= self.document.line_count:
             return strip
         gutter = self.gutter_width
+        if not is_wrong:
+            sign = Segment(f"{number + 1:>{gutter - 2}}! ", SYNTAX["odd-gutter"])
+            return Strip([sign, *strip.crop(gutter)], strip.cell_length)
         label = f"{number + 1:>{gutter - 2}}✗ "
         rest = strip.crop(gutter)
         segments = [

@@ -25,7 +25,7 @@ class MistakeStrip(Static):
 
     DEFAULT_CSS = """
     MistakeStrip {
-        dock: bottom; height: auto; max-height: 50%; padding: 0 1; display: none;
+        height: auto; max-height: 50%; padding: 0 1; display: none;
         background: #2a1820; color: $foreground;
     }
     MistakeStrip.-odd { background: #26221a; }

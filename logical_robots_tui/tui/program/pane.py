@@ -5,12 +5,15 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, ClassVar
 
 from textual import on
+from textual.content import Content
+from textual.widgets import Static, TextArea
 from textual.widgets.text_area import Selection
 
 from logical_robots_tui.tui.pane import Pane
 from logical_robots_tui.tui.plain import clip, one_line
 from logical_robots_tui.tui.program.editor import Editor
 from logical_robots_tui.tui.program.mistakes import MistakeStrip
+from logical_robots_tui.tui.program.words import call_before, definitions, help_on
 
 if TYPE_CHECKING:
     from logical_robots_tui.tui.program.state import ProgramState
@@ -23,11 +26,21 @@ class ProgramPane(Pane):
 
     command_id: ClassVar[str] = "editor"
 
+    DEFAULT_CSS = """
+    ProgramPane #help-line {
+        height: 1; padding: 0 1; background: $surface; color: $dim;
+        text-wrap: nowrap; text-overflow: ellipsis;
+    }
+    """
+
     def __init__(self) -> None:
         self.editor = Editor()
         self._strip = MistakeStrip()
         self._state: ProgramState | None = None
-        super().__init__(self.editor, self._strip, title="Program")
+        self._help = Static(id="help-line", markup=False)
+        super().__init__(
+            self.editor, self.editor.completion, self._help, self._strip, title="Program"
+        )
 
     @property
     def text(self) -> str:
@@ -47,8 +60,10 @@ class ProgramPane(Pane):
         if state is not self._state:
             self._state = state
             self._strip.show(state.mistakes)
-            wrong = (m for m in state.mistakes if m.severity == "error")
-            self.editor.mark(frozenset(mistake.line - 1 for mistake in wrong))
+            wrong = frozenset(m.line - 1 for m in state.mistakes if m.severity == "error")
+            odd = frozenset(m.line - 1 for m in state.mistakes if m.severity != "error")
+            self.editor.mark(wrong, odd)
+            self._tell()
 
     def go_to_mistake(self) -> None:
         """Put the cursor on the first mistake, if there is one."""
@@ -65,6 +80,36 @@ class ProgramPane(Pane):
             places.append((before.count("\n"), offset - before.rfind("\n") - 1))
         self.editor.selection = Selection(places[1], places[0])
         self.editor.scroll_cursor_visible(center=True)
+
+    def go_to_definition(self) -> str:
+        """Put the cursor where the predicate under it is defined, and return the word there.
+
+        The cursor stays if that is no predicate of the program.
+        """
+        word = self.editor.word
+        found = definitions(self.text).get(word)
+        if found is not None:
+            self.editor.move_cursor(found[0], center=True)
+        self.enter()
+        return word if found is None else ""
+
+    @on(TextArea.SelectionChanged)
+    def _cursor_moved(self) -> None:
+        self._tell()
+
+    def _tell(self) -> None:
+        """Tell what is odd about the line of the cursor, else how what stands there is used."""
+        line = self.editor.cursor_location[0] + 1
+        found = self._state.mistakes if self._state is not None else ()
+        here = next((mistake for mistake in found if mistake.line == line), None)
+        if here is not None:
+            self._help.update(Content(one_line(here.message)))
+            return
+        names = self.editor.word, call_before(self.editor.before_cursor)
+        words = (help_on(self.text, name) for name in names if name[:1].isupper())
+        word = next((word for word in words if word is not None), None)
+        told = "" if word is None else f"{word.shape}  {word.told}"
+        self._help.update(Content(one_line(told)))
 
     def enter(self) -> None:
         """Put the focus into the text."""

@@ -1,20 +1,16 @@
-"""Every command of the game, each declared once.
-
-A declaration yields the key binding, the entry in the command bar, the entry in the palette and
-the line in the help.
-"""
+"""The commands for running, for time, for program and level, and for learning."""
 
 from __future__ import annotations
 
 from logical_robots_tui.tui.command import Command
 
-__all__ = ["COMMANDS", "GROUPS"]
+__all__ = ["GROUPS", "PLAYING"]
 
-_GAME, _PROGRAM, _LEARN = "Running", "Program and level", "Learning"
-_TIME, _VIEW, _ROWS, _HELP = "Time", "Looking", "Rows of a predicate", "Help and leaving"
-GROUPS = (_GAME, _TIME, _PROGRAM, _LEARN, _VIEW, _ROWS, _HELP)
+_GAME, _TIME = "Running", "Time"
+_PROGRAM, _LEARN = "Program and level", "Learning"
+GROUPS = (_GAME, _TIME, _PROGRAM, _LEARN)
 
-COMMANDS: tuple[Command, ...] = (
+PLAYING: tuple[Command, ...] = (
     Command(
         "run",
         "Run or pause",
@@ -142,6 +138,34 @@ COMMANDS: tuple[Command, ...] = (
         ("ctrl+g",),
     ),
     Command(
+        "definition",
+        "Go to the definition",
+        "Put the cursor where the predicate under it is defined.",
+        _PROGRAM,
+        ("ctrl+right_square_bracket", "f12"),
+    ),
+    Command(
+        "find",
+        "Find and replace",
+        "Find a text in the program, or replace it everywhere.",
+        _PROGRAM,
+        ("ctrl+f", "ctrl+o"),
+    ),
+    Command(
+        "find_next",
+        "Find the next one",
+        "Go to the next place of what was looked for last.",
+        _PROGRAM,
+        ("f3",),
+    ),
+    Command(
+        "rename",
+        "Rename the predicate",
+        "Give the predicate under the cursor another name, wherever it is used.",
+        _PROGRAM,
+        (),
+    ),
+    Command(
         "level",
         "Choose a level",
         "See all levels and what you have won, pick one, or type the path of a level file.",
@@ -237,154 +261,5 @@ COMMANDS: tuple[Command, ...] = (
         "End the trials that tell how robust a program is.",
         _LEARN,
         (),
-    ),
-    Command("labyrinth", "Labyrinth", "Go to the labyrinth.", _VIEW, ("1",)),
-    Command("editor", "Editor", "Go to the program's text.", _VIEW, ("2", "e"), bar="Edit"),
-    Command("inspector", "Inspector", "Go to the inspector.", _VIEW, ("3", "i")),
-    Command(
-        "why",
-        "Why",
-        "Say why the robot did what it did at this tick, rule by rule, or why a predicate has its "
-        "rows.",
-        _VIEW,
-        ("w",),
-        bar="Why",
-        spare=2,
-    ),
-    Command(
-        "ask",
-        "Ask",
-        "Ask anything in Logica about this tick.",
-        _VIEW,
-        ("slash",),
-        bar="Ask",
-        spare=4,
-    ),
-    Command(
-        "leave",
-        "Leave the editor",
-        "Go from the editor to the labyrinth, where single letters are commands.",
-        _VIEW,
-        ("escape",),
-        bar="Leave",
-        place="editor",
-    ),
-    Command(
-        "next_pane",
-        "Next pane",
-        "Go to the next pane; works in the editor too.",
-        _VIEW,
-        ("ctrl+n", "right_square_bracket"),
-        bar="Next pane",
-        place="editor",
-    ),
-    Command(
-        "previous_pane", "Previous pane", "Go to the pane before.", _VIEW, ("left_square_bracket",)
-    ),
-    Command(
-        "view",
-        "View",
-        "Look at the whole labyrinth, follow a robot, or see only what the robots sense.",
-        _VIEW,
-        ("f",),
-        bar="View",
-        spare=2,
-    ),
-    Command("zoom_in", "Zoom in", "Show less of the labyrinth, larger.", _VIEW, ("z",)),
-    Command("zoom_out", "Zoom out", "Show more of the labyrinth.", _VIEW, ("Z",)),
-    Command(
-        "next_robot",
-        "Next robot",
-        "Select the next robot: its light is brought out, and a card tells of it.",
-        _VIEW,
-        ("a",),
-    ),
-    Command("rays", "Cones", "Show or hide what the robots' radars reach.", _VIEW, ("y",)),
-    Command(
-        "ray_lines",
-        "Rays one by one",
-        "Draw each ray of the selected robot, or none.",
-        _VIEW,
-        ("Y",),
-    ),
-    Command("trails", "Trails", "Show or hide where the robots came from.", _VIEW, ("u",)),
-    Command(
-        "drawing",
-        "Way of drawing",
-        "Draw the labyrinth in quadrants, in half blocks, in sextants, or in plain characters.",
-        _VIEW,
-        ("d",),
-    ),
-    Command(
-        "machinery",
-        "SQL and plan",
-        "Show what each predicate costs, and the SQL and the plan of the one inspected.",
-        _ROWS,
-        ("K",),
-    ),
-    Command(
-        "only_robot",
-        "Rows of one robot",
-        "Show only the rows of the chosen robot, or all again.",
-        _ROWS,
-        ("k",),
-    ),
-    Command(
-        "sort",
-        "Sort rows",
-        "Sort by the column under the cursor; again turns round.",
-        _ROWS,
-        ("j",),
-    ),
-    Command("search_rows", "Search rows…", "Show only rows with a text.", _ROWS, ("ctrl+f",)),
-    Command(
-        "turn",
-        "Turn the table",
-        "Show each column as a line, or as a column again.",
-        _ROWS,
-        ("J",),
-    ),
-    Command(
-        "copy_rows",
-        "Copy rows",
-        "Send the rows to the terminal's clipboard, as CSV.",
-        _ROWS,
-        ("c",),
-    ),
-    Command("save_rows", "Save rows", "Save the rows as CSV and as JSON.", _ROWS, ("S",)),
-    Command(
-        "stop_here",
-        "Stop at this predicate",
-        "Let the robots stop when this predicate, or the column under the cursor, changes.",
-        _ROWS,
-        ("asterisk",),
-    ),
-    Command(
-        "help",
-        "Help",
-        "Show all keys and what the signs in the labyrinth mean.",
-        _HELP,
-        ("question_mark", "f1"),
-        bar="Help",
-    ),
-    Command(
-        "palette",
-        "Commands",
-        "Find any command by typing a part of its name.",
-        _HELP,
-        ("ctrl+p",),
-        bar="Commands",
-        place="anywhere",
-        spare=4,
-    ),
-    Command("tour", "Guided tour", "Walk once round the parts of the screen.", _HELP, ()),
-    Command("redraw", "Redraw", "Paint the whole screen again.", _HELP, ("ctrl+l",)),
-    Command(
-        "quit",
-        "Quit",
-        "Leave the game. Text that is not saved is kept and offered the next time.",
-        _HELP,
-        ("q",),
-        bar="Quit",
     ),
 )

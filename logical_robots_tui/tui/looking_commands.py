@@ -1,0 +1,198 @@
+"""The commands for looking, for the rows of a predicate, and for help."""
+
+from __future__ import annotations
+
+from logical_robots_tui.tui.command import Command
+
+__all__ = ["GROUPS", "LOOKING"]
+
+_VIEW, _ROWS, _HELP = "Looking", "Rows of a predicate", "Help and leaving"
+GROUPS = (_VIEW, _ROWS, _HELP)
+
+LOOKING: tuple[Command, ...] = (
+    Command("labyrinth", "Labyrinth", "Go to the labyrinth.", _VIEW, ("1",)),
+    Command("editor", "Editor", "Go to the program's text.", _VIEW, ("2", "e"), bar="Edit"),
+    Command("inspector", "Inspector", "Go to the inspector.", _VIEW, ("3", "i")),
+    Command(
+        "why",
+        "Why",
+        "Say why the robot did what it did at this tick, rule by rule, or why a predicate has its "
+        "rows.",
+        _VIEW,
+        ("w",),
+        bar="Why",
+        spare=2,
+    ),
+    Command(
+        "ask",
+        "Ask",
+        "Ask anything in Logica about this tick.",
+        _VIEW,
+        ("slash",),
+        bar="Ask",
+        spare=4,
+    ),
+    Command(
+        "leave",
+        "Leave the editor",
+        "Go from the editor to the labyrinth, where single letters are commands.",
+        _VIEW,
+        ("escape",),
+        bar="Leave",
+        place="editor",
+    ),
+    Command(
+        "next_pane",
+        "Next pane",
+        "Go to the next pane; works in the editor too.",
+        _VIEW,
+        ("ctrl+n", "right_square_bracket"),
+        bar="Next pane",
+        place="editor",
+    ),
+    Command(
+        "previous_pane", "Previous pane", "Go to the pane before.", _VIEW, ("left_square_bracket",)
+    ),
+    Command(
+        "view",
+        "View",
+        "Look at the whole labyrinth, follow a robot, or see only what the robots sense.",
+        _VIEW,
+        ("f",),
+        bar="View",
+        spare=2,
+    ),
+    Command("zoom_in", "Zoom in", "Show less of the labyrinth, larger.", _VIEW, ("z",)),
+    Command("zoom_out", "Zoom out", "Show more of the labyrinth.", _VIEW, ("Z",)),
+    Command(
+        "next_robot",
+        "Next robot",
+        "Select the next robot: its light is brought out, and a card tells of it.",
+        _VIEW,
+        ("a",),
+    ),
+    Command(
+        "maximise",
+        "Enlarge the pane",
+        "Give the pane you work in all the room, or share it again.",
+        _VIEW,
+        ("k", "ctrl+t"),
+    ),
+    Command(
+        "hide",
+        "Hide the pane",
+        "Hide the pane you work in; if one is hidden, show all again.",
+        _VIEW,
+        ("j",),
+    ),
+    Command("wider", "Wider program", "Give the program more columns.", _VIEW, ("E",)),
+    Command(
+        "narrower",
+        "Wider labyrinth",
+        "Give the labyrinth more columns.",
+        _VIEW,
+        ("L",),
+    ),
+    Command(
+        "higher",
+        "Higher inspector",
+        "Give the inspector more rows.",
+        _VIEW,
+        ("I",),
+    ),
+    Command(
+        "lower",
+        "Higher labyrinth",
+        "Give the labyrinth more rows.",
+        _VIEW,
+        ("G",),
+    ),
+    Command("rays", "Cones", "Show or hide what the robots' radars reach.", _VIEW, ("y",)),
+    Command(
+        "ray_lines",
+        "Rays one by one",
+        "Draw each ray of the selected robot, or none.",
+        _VIEW,
+        ("Y",),
+    ),
+    Command("trails", "Trails", "Show or hide where the robots came from.", _VIEW, ("u",)),
+    Command(
+        "drawing",
+        "Way of drawing",
+        "Draw the labyrinth in quadrants, in half blocks, in sextants, or in plain characters.",
+        _VIEW,
+        ("d",),
+    ),
+    Command(
+        "machinery",
+        "SQL and plan",
+        "Show what each predicate costs, and the SQL and the plan of the one inspected.",
+        _ROWS,
+        ("K",),
+    ),
+    Command(
+        "only_robot",
+        "Rows of one robot",
+        "Show only the rows of the chosen robot, or all again.",
+        _ROWS,
+        ("O",),
+    ),
+    Command(
+        "sort",
+        "Sort rows",
+        "Sort by the column under the cursor; again turns round.",
+        _ROWS,
+        ("A",),
+    ),
+    Command("search_rows", "Search rows…", "Show only rows with a text.", _ROWS, ("number_sign",)),
+    Command(
+        "turn",
+        "Turn the table",
+        "Show each column as a line, or as a column again.",
+        _ROWS,
+        ("J",),
+    ),
+    Command(
+        "copy_rows",
+        "Copy rows",
+        "Send the rows to the terminal's clipboard, as CSV.",
+        _ROWS,
+        ("c",),
+    ),
+    Command("save_rows", "Save rows", "Save the rows as CSV and as JSON.", _ROWS, ("S",)),
+    Command(
+        "stop_here",
+        "Stop at this predicate",
+        "Let the robots stop when this predicate, or the column under the cursor, changes.",
+        _ROWS,
+        ("asterisk",),
+    ),
+    Command(
+        "help",
+        "Help",
+        "Show all keys and what the signs in the labyrinth mean.",
+        _HELP,
+        ("question_mark", "f1"),
+        bar="Help",
+    ),
+    Command(
+        "palette",
+        "Commands",
+        "Find any command by typing a part of its name.",
+        _HELP,
+        ("ctrl+p",),
+        bar="Commands",
+        place="anywhere",
+        spare=4,
+    ),
+    Command("tour", "Guided tour", "Walk once round the parts of the screen.", _HELP, ()),
+    Command("redraw", "Redraw", "Paint the whole screen again.", _HELP, ("ctrl+l",)),
+    Command(
+        "quit",
+        "Quit",
+        "Leave the game. Text that is not saved is kept and offered the next time.",
+        _HELP,
+        ("q",),
+        bar="Quit",
+    ),
+)

@@ -1,0 +1,85 @@
+"""What a player asks for that changes or searches the text of the program."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from logical_robots_tui.tui.plain import clip, one_line
+from logical_robots_tui.tui.program.searching import find_after, is_predicate_name, rename
+
+if TYPE_CHECKING:
+    from logical_robots_tui.tui.screen import MainScreen
+
+__all__ = ["Scribe"]
+
+_LONGEST = 30
+
+
+class Scribe:
+    """Finds, replaces and renames.
+
+    Args:
+        screen: Where the editor is.
+    """
+
+    def __init__(self, screen: MainScreen) -> None:
+        self._screen = screen
+        self._wanted = ""
+
+    async def find(self) -> None:
+        """Ask what to find, and go there or replace it."""
+        from logical_robots_tui.tui.dialogs.find import Find
+
+        screen, editor = self._screen, self._screen.program.editor
+        chosen = editor.selected_text
+        begin = chosen if chosen and "\n" not in chosen else self._wanted
+        wish = await screen.app.push_screen_wait(Find(begin))
+        if wish is None:
+            return
+        self._wanted = wish.wanted
+        if wish.instead is None:
+            self.find_next()
+            return
+        count = screen.text.count(wish.wanted)
+        if count:
+            self._put(screen.text.replace(wish.wanted, wish.instead))
+        places = f"in {count} place{'s' * (count != 1)}"
+        screen.tell(f"Replaced {places}." if count else self._nowhere())
+
+    def find_next(self) -> None:
+        """Go to the next place of what was looked for last."""
+        screen, editor = self._screen, self._screen.program.editor
+        found = find_after(editor.text, self._wanted, editor.cursor_location)
+        if found is None:
+            screen.tell(self._nowhere())
+            return
+        screen.go_to(screen.program)
+        editor.move_cursor(found, center=True)
+
+    async def rename(self) -> None:
+        """Ask for another name of the predicate under the cursor, and use it everywhere."""
+        from logical_robots_tui.tui.dialogs.find import Rename
+
+        screen, old = self._screen, self._screen.program.editor.word
+        if not is_predicate_name(old):
+            screen.tell("Put the cursor on a predicate first.")
+            return
+        new = await screen.app.push_screen_wait(Rename(old))
+        if not new or new == old:
+            return
+        if not is_predicate_name(new):
+            screen.warn("A predicate's name begins with a capital letter.")
+            return
+        text, count = rename(screen.text, old, new)
+        self._put(text)
+        screen.tell(f"Renamed in {count} place{'s' * (count != 1)}.")
+
+    def _put(self, text: str) -> None:
+        """Replace the text as one edit, with the cursor in its line."""
+        editor = self._screen.program.editor
+        place = editor.cursor_location
+        editor.put(text)
+        editor.move_cursor(place)
+
+    def _nowhere(self) -> str:
+        return f"{clip(one_line(self._wanted), _LONGEST) or 'Nothing'} is not in this program."

@@ -1,0 +1,225 @@
+"""Help while a program is written."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from logical_robots_tui.tui.program.searching import find_after, rename
+from logical_robots_tui.tui.program.words import (
+    call_before,
+    definitions,
+    help_on,
+    word_around,
+    words_for,
+)
+from tests.tui.conftest import PAPER, STILL, WRONG, opened
+from tests.tui.test_program_pane import ODD
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+
+def names(text: str, before: str) -> list[str]:
+    return [word.name for word in words_for(text, before)[1]]
+
+
+def test_predicates_and_functions_that_fit_are_offered() -> None:
+    assert "FreedomMotion" in names(PAPER, "  x = Fr")
+    assert "Sqrt" in names(PAPER, "  x = Sq")
+    assert "Sensor" in names("", "Se")
+    assert words_for(PAPER, "  x = Fr")[0] == 2
+
+
+def test_after_a_dot_fields_are_offered() -> None:
+    assert {"forward_distance", "forward_object"} <= set(names("", "sensor.forw"))
+    assert "Sqrt" not in names("", "sensor.")
+    assert "angle" not in names("", "sensor.")
+    assert "angle" in names("", "ray.")
+    assert "goal_seen" in names("Robot(memory: {goal_seen: 1});", "memory.go")
+
+
+def test_definitions_are_the_first_lines_that_begin_with_a_predicate() -> None:
+    found = definitions("# C(c)\nA(x) :- B(x);\nB(y) :-\n  C(y);\nA(z);\nD := E(F: G);\nH")
+    assert {name: place.line for name, (place, _) in found.items()} == {"A": 1, "B": 2, "D": 5}
+    assert found["A"][1] == "A(x)"
+
+
+@pytest.mark.parametrize(
+    ("before", "name"),
+    [
+        ("x = Least(1, ", "Least"),
+        ("x = Least(1, Sqrt(2), ", "Least"),
+        ("x = Min{ray.distance :- ", "Min"),
+        ("x = Least(1)", ""),
+        ("x = (1 + ", ""),
+        ("A(b: [c, {d: ", "A"),
+    ],
+)
+def test_the_call_is_the_innermost_that_is_open(before: str, name: str) -> None:
+    assert call_before(before) == name
+
+
+@given(st.text(), st.integers(0, 20))
+def test_any_text_is_looked_at_without_harm(text: str, column: int) -> None:
+    definitions(text)
+    words_for(text, text[:column])
+    call_before(text)
+    assert word_around(text, column) in text
+
+
+def test_help_is_on_own_predicates_before_the_game_s() -> None:
+    own = help_on("Sensor(x);", "Sensor")
+    given = help_on("", "Sensor")
+    assert own is not None
+    assert given is not None
+    assert own.told == "defined in line 1"
+    assert "sense" in given.told
+    assert help_on("", "Nothing") is None
+
+
+async def test_a_word_is_completed_by_key(data_dir: Path) -> None:
+    async with opened(data_dir, text="") as game:
+        await game.press("2", *"Wei", "ctrl+space")
+        await game.until(lambda: game.shows("WeightedAverage{"))
+        await game.press("enter")
+        await game.until(lambda: game.editor.text == "WeightedAverage")
+        assert not game.editor.completion.display
+
+
+async def test_the_list_follows_what_is_typed_and_escape_closes_it(data_dir: Path) -> None:
+    async with opened(data_dir, text="") as game:
+        await game.press("2", "S", "ctrl+space")
+        await game.until(lambda: game.editor.completion.display)
+        await game.press("q")
+        await game.until(lambda: game.editor.completion.option_count == 1)
+        await game.press("escape")
+        await game.until(lambda: not game.editor.completion.display)
+        assert game.main.focused is game.editor
+        await game.press("tab")
+        await game.until(lambda: game.editor.text == "Sq  ")
+
+
+async def test_how_a_function_is_called_is_told_while_typing(data_dir: Path) -> None:
+    async with opened(data_dir, text="", size=(80, 24)) as game:
+        await game.press("2", *"ArgMin{")
+        await game.until(lambda: game.shows("ArgMin{"))
+        line = help_on("", "ArgMin")
+        assert line is not None
+        await game.until(lambda: game.shows(line.shape))
+
+
+async def test_the_message_of_a_line_is_told_where_the_cursor_is(data_dir: Path) -> None:
+    async with opened(data_dir, text=WRONG, size=(80, 24)) as game:
+        await game.ready()
+        await game.press("ctrl+g")
+        message = game.session.state.mistakes[0].message
+        await game.until(lambda: game.screen().count(message[:30]) == 2)
+
+
+async def test_a_key_goes_to_the_definition(data_dir: Path) -> None:
+    async with opened(data_dir) as game:
+        await game.ready()
+        await game.press("2")
+        row = PAPER.splitlines().index("  freedom = FreedomMotion(sensor.radar),")
+        game.editor.move_cursor((row, 15))
+        await game.press("f12")
+        await game.until(lambda: game.editor.cursor_location == (0, 0))
+        game.editor.move_cursor((0, 34))
+        await game.press("f12")
+        await game.until(lambda: game.shows("WeightedAverage is not defined in this program"))
+
+
+async def test_a_line_that_looks_odd_has_a_mark(data_dir: Path) -> None:
+    async with opened(data_dir, text=ODD) as game:
+        await game.ready()
+        assert game.session.state.mistakes[0].severity == "warning"
+        number = game.session.state.mistakes[0].line
+        await game.until(lambda: game.shows(f"{number}! "))
+
+
+async def test_a_file_that_changes_on_disk_is_applied(data_dir: Path) -> None:
+    async with opened(data_dir) as game:
+        await game.ready()
+        await game.until(lambda: game.main._watch._source is not None)
+        game.session.source.path.write_text(STILL)
+        await game.until(lambda: game.editor.text == STILL)
+        await game.until(lambda: game.session.state.applied == STILL)
+
+
+async def test_typed_text_stays_when_its_file_changes_on_disk(data_dir: Path) -> None:
+    async with opened(data_dir) as game:
+        await game.ready()
+        await game.press("2", "x")
+        await game.until(lambda: game.editor.text == "x" + PAPER)
+        await game.until(lambda: game.main._watch._source is not None)
+        game.session.source.path.write_text(STILL)
+        await game.until(lambda: game.shows("has changed on disk"))
+        assert game.editor.text == "x" + PAPER
+
+
+async def test_ten_thousand_lines_are_pasted_and_edited_without_a_hang(data_dir: Path) -> None:
+    async with opened(data_dir, text="") as game:
+        await game.press("2")
+        text = "".join(f"P{number}(x) :- x in [{number}];\n" for number in range(10_000))
+        game.editor.put(text)
+        await game.until(lambda: game.editor.document.line_count == 10_001)
+        await game.press("a")
+        await game.until(lambda: game.editor.text == "a" + text)
+
+
+def test_a_predicate_is_renamed_where_it_is_used_and_nowhere_else() -> None:
+    text = 'A(x) :- B(x), x == "A";\n# A\nAB(x) :- ~A(x); /* A\nA */ C := A(B: A);\n'
+    found, count = rename(text, "A", "New")
+    assert count == 4
+    assert found == (
+        'New(x) :- B(x), x == "A";\n# A\nAB(x) :- ~New(x); /* A\nA */ C := New(B: New);\n'
+    )
+
+
+@pytest.mark.parametrize(
+    ("wanted", "place", "found"),
+    [
+        ("b", (0, 0), (0, 2)),
+        ("b", (0, 2), (1, 0)),
+        ("b", (1, 0), (0, 2)),
+        ("B", (0, 0), (1, 0)),
+        ("", (0, 0), None),
+        ("z", (0, 0), None),
+    ],
+)
+def test_what_is_looked_for_is_found_again_from_the_top(
+    wanted: str, place: tuple[int, int], found: tuple[int, int] | None
+) -> None:
+    assert find_after("a b c\nB", wanted, place) == found
+
+
+async def test_a_text_is_found_and_replaced_as_one_edit(data_dir: Path) -> None:
+    async with opened(data_dir) as game:
+        await game.ready()
+        await game.press("2", "ctrl+o")
+        await game.until(lambda: game.shows("Find in the program"))
+        await game.press(*"speed", "enter")
+        row = PAPER.splitlines().index("  speed = 0.5,")
+        await game.until(lambda: game.editor.cursor_location == (row, 2))
+        await game.press("ctrl+o")
+        await game.until(lambda: game.shows("Find in the program"))
+        await game.press("tab", *"pace", "enter")
+        await game.until(lambda: game.editor.text == PAPER.replace("speed", "pace"))
+        assert game.shows("Replaced in 3 places")
+        await game.press("ctrl+z")
+        await game.until(lambda: game.editor.text == PAPER)
+
+
+async def test_a_predicate_is_renamed_from_the_palette(data_dir: Path) -> None:
+    async with opened(data_dir) as game:
+        await game.ready()
+        await game.press("2", "ctrl+p")
+        await game.until(lambda: game.shows("Find a command"))
+        await game.press(*"rename", "enter")
+        await game.until(lambda: game.shows("Rename the predicate"))
+        await game.press("ctrl+u", *"Free", "enter")
+        await game.until(lambda: game.editor.text == PAPER.replace("FreedomMotion", "Free"))
