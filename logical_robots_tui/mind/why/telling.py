@@ -62,7 +62,8 @@ def tell(explanation: Explanation) -> Iterator[Line]:
 
 def _rule(found: RuleFound) -> Iterator[Line]:
     span = found.rule.span
-    yield Line(0, "rule", span.text, _outcome(found), _holds(found.rows), span=span)
+    holds = None if found.fixed else _holds(found.rows)
+    yield Line(0, "rule", span.text, _outcome(found), holds, span=span)
     if found.problem:
         yield Line(1, "note", "This could not be asked", found.problem)
     yield from _columns(found.fixed)

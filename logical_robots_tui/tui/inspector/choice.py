@@ -23,7 +23,7 @@ ROBOTS, DECISION, WHY, ASK = "(robots)", "(decision)", "(why)", "(ask)"
 _PAGES = {ROBOTS: "Robots", DECISION: "Decision", WHY: "Why", ASK: "Ask"}
 _MARKS = {"input": ("◂", INK.robot), "program": ("•", INK.key), "prelude": ("◦", INK.dim)}
 _CHANGED = "•"
-_WIDTH = 22  # columns of an entry
+_NARROWEST = 12  # columns of an entry
 
 
 class Choice(OptionList):
@@ -40,6 +40,7 @@ class Choice(OptionList):
     def __init__(self) -> None:
         super().__init__(id="choice", markup=False, compact=True)
         self._predicates: tuple[Predicate, ...] | None = None
+        self._survey: Survey | None = None
 
     @property
     def predicates(self) -> tuple[Predicate, ...] | None:
@@ -53,7 +54,7 @@ class Choice(OptionList):
             predicates: All of them.
             inspected: What is being inspected.
         """
-        self._predicates = predicates
+        self._predicates, self._survey = predicates, None
         # The prelude's functions have nothing to show in any tick; the program's own may surprise.
         listed = [each for each in predicates if each.has_rows or each.kind != "prelude"]
         names = [*_PAGES, *(predicate.name for predicate in listed)]
@@ -69,18 +70,29 @@ class Choice(OptionList):
 
     def count(self, survey: Survey) -> None:
         """Show how many rows each predicate has, if these are the predicates that are listed."""
-        if survey.program.predicates != self._predicates:
-            return
-        for predicate in self._predicates:
-            if predicate.has_rows:
-                self.replace_option_prompt(predicate.name, _entry(predicate, survey))
+        if survey.program.predicates == self._predicates:
+            self._survey = survey
+            self._count()
+
+    def on_resize(self) -> None:
+        """Use the width there is now."""
+        self._count()
 
     def go_to(self, name: str) -> None:
         """Highlight a page or a predicate."""
         self.highlighted = self.get_option_index(name)
 
+    def _count(self) -> None:
+        if self._survey is None:
+            return
+        width = max(self.scrollable_content_region.width, _NARROWEST)
+        for predicate in self._predicates or ():
+            if predicate.has_rows:
+                entry = _with_count(_entry(predicate), predicate, self._survey, width)
+                self.replace_option_prompt(predicate.name, entry)
 
-def _entry(predicate: Predicate, survey: Survey | None = None) -> Content:
+
+def _entry(predicate: Predicate) -> Content:
     mark, colour = _MARKS[predicate.kind]
     name = INK.text if predicate.has_rows else INK.dim
     entry = Content.assemble((f"{mark} ", colour), (one_line(predicate.name), name))
@@ -88,11 +100,15 @@ def _entry(predicate: Predicate, survey: Survey | None = None) -> Content:
         entry = entry.append(Content.styled(" ƒ", INK.dim))
     if predicate.line is not None:
         entry = entry.append(Content.styled(f" :{predicate.line}", INK.faint))
-    if survey is None:
-        return entry
+    return entry
+
+
+def _with_count(entry: Content, predicate: Predicate, survey: Survey, width: int) -> Content:
+    """An entry with the number of rows at its right end, marked if the rows have changed."""
     differs = survey.differs(predicate.name)
     count = f"{survey.count(predicate.name)}{_CHANGED if differs else ' '}"
-    gap = " " * max(1, _WIDTH - entry.cell_length - len(count))
-    return entry.truncate(_WIDTH - len(count) - 1, ellipsis=True).append(
-        Content.styled(f"{gap}{count}", INK.key if differs else INK.dim)
+    room = width - len(count) - 1
+    gap = " " * max(1, width - entry.cell_length - len(count))
+    return entry.truncate(room, ellipsis=True).append(
+        Content.styled(gap + count, INK.key if differs else INK.dim)
     )
