@@ -16,6 +16,7 @@ from rich.table import Table
 from benchmarks.editing import editing
 from benchmarks.first_frame import first_frame
 from benchmarks.history import history
+from benchmarks.inspector import inspector
 from benchmarks.machine import machine
 from benchmarks.measure import Effort, Measurement
 from benchmarks.mind import compiling, thinking
@@ -36,6 +37,7 @@ BENCHMARKS = {
     "game": whole_game,
     "editing": editing,
     "history": history,
+    "inspector": inspector,
     "screen": with_screen,
     "traffic": traffic,
     "first-frame": first_frame,

@@ -116,7 +116,7 @@ def _key_to_screen(presses: int) -> Measurement:
         with Terminal([*game, program, "--data-dir", data_dir], size=(120, 40)) as terminal:
             terminal.wait_for("· applied")
             terminal.wait_for_quiet()
-            terminal.send("u")
+            terminal.send("U")
             terminal.wait_for("Run until tick")
             terminal.send(f"{presses + 100}\r")
             _wait_for_tick(terminal, presses + 100)

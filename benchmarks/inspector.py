@@ -1,0 +1,80 @@
+"""The inspector: milliseconds from a step to its rows on the screen, for every predicate."""
+
+from __future__ import annotations
+
+import re
+import statistics
+import sys
+import tempfile
+from time import perf_counter
+from typing import TYPE_CHECKING
+
+from benchmarks.measure import Effort, Measurement
+from logical_robots_tui import Program, load_level
+from logical_robots_tui.game import load_program
+from tests.terminal import Terminal
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+__all__ = ["inspector"]
+
+LARGEST = "10-distributed-mapping"
+SIZE = (120, 40)
+DOWN = "\x1b[B"
+STEPS = 20  # for how many ticks of effort one step is measured, for each predicate
+
+
+def inspector(effort: Effort) -> Iterator[Measurement]:
+    """A step with the inspector open on each predicate of the largest program, and on why."""
+    program = load_level(LARGEST).solution
+    predicates = Program.compile(load_program(program).text).predicates
+    names = [p.name for p in predicates if p.has_rows]
+    found: dict[str, list[float]] = {}
+    with tempfile.TemporaryDirectory() as data_dir:
+        game = [sys.executable, "-m", "logical_robots_tui", "play", LARGEST, program]
+        with Terminal([*game, "--data-dir", data_dir], size=SIZE) as terminal:
+            terminal.wait_for("· applied")
+            terminal.wait_for_quiet()
+            terminal.send("3")
+            tick = 0
+            for name in ("Why", *names):
+                _go_down_to(terminal, name)
+                for _ in range(max(3, effort.ticks // STEPS)):
+                    tick += 1
+                    found.setdefault(name, []).append(_step(terminal, name, tick))
+    subject = f"{SIZE[0]}x{SIZE[1]}, {LARGEST}"
+    reasons = found.pop("Why")
+    medians = {name: statistics.median(times) for name, times in found.items()}
+    slowest = max(medians, key=lambda name: medians[name])
+    yield Measurement(
+        *("step to rows", subject, statistics.median(medians.values()), "ms"),
+        *(min(medians.values()), max(medians.values()), "< 50"),
+    )
+    yield Measurement(
+        *("step to rows", f"{subject}, {slowest}, the slowest", medians[slowest], "ms"),
+        *(min(found[slowest]), max(found[slowest]), "< 50"),
+    )
+    yield Measurement(
+        *("step to why", f"{subject}, Robot", statistics.median(reasons), "ms"),
+        *(min(reasons), max(reasons)),
+    )
+
+
+def _go_down_to(terminal: Terminal, name: str) -> None:
+    """Move down in the list until a choice is inspected."""
+    for _ in range(100):
+        if re.search(rf"\b{name} · tick", terminal.text):
+            return
+        terminal.send(DOWN)
+        terminal.wait_for_quiet(0.3)
+    raise AssertionError(f"{name} is not in the list")
+
+
+def _step(terminal: Terminal, name: str, tick: int) -> float:
+    """Milliseconds from the key to the rows of the next tick."""
+    terminal.wait_for_quiet()
+    began = perf_counter()
+    terminal.send("n")
+    terminal.wait_for(lambda: re.search(rf"\b{name} · tick {tick}\b", terminal.text))
+    return 1000 * (perf_counter() - began)
