@@ -218,7 +218,9 @@ class MainScreen(Screen[None]):
     # -- drawing -------------------------------------------------------------------------------
 
     def _changed(self) -> None:
-        """Draw soon, and at most so many times a second."""
+        """Draw soon, and at most so many times a second; what has to be asked is asked at once."""
+        if self.inspector.is_mounted:
+            self.inspector.follow()
         if not self._is_draw_due and self.is_mounted:
             self._is_draw_due = True
             wait = self._drawn_at + _FRAME - perf_counter()
@@ -237,7 +239,6 @@ class MainScreen(Screen[None]):
             self.labyrinth.show(session.level, session.frame, hurried=session.running)
         saved = self.text == session.source.text
         self.program.show(session.state, session.source.name, saved=saved)
-        self.inspector.follow()
         self._draw_lines()
         if session.frame.tick:
             self.journal.moved()
