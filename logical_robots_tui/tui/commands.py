@@ -104,6 +104,13 @@ COMMANDS: tuple[Command, ...] = (
         ("f3",),
     ),
     Command(
+        "external",
+        "Edit elsewhere",
+        "Edit the text in the editor that $VISUAL or $EDITOR names, and come back with it.",
+        _PROGRAM,
+        ("E",),
+    ),
+    Command(
         "rename",
         "Rename the predicate",
         "Give the predicate under the cursor another name, wherever it is used.",
