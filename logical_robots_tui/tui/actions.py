@@ -129,6 +129,10 @@ class Actions:
         """Go to the next place."""
         self._screen.scribe.find_next()
 
+    def external(self) -> None:
+        """Edit the text in another program."""
+        self._screen.scribe.edit_elsewhere()
+
     def rename(self) -> None:
         """Rename the predicate under the cursor."""
         self._screen.spawn(self._screen.scribe.rename, "library", exclusive=True)

@@ -85,7 +85,7 @@ LOOKING: tuple[Command, ...] = (
         _VIEW,
         ("j",),
     ),
-    Command("wider", "Wider program", "Give the program more columns.", _VIEW, ("E",)),
+    Command("wider", "Wider program", "Give the program more columns.", _VIEW, ("D",)),
     Command(
         "narrower",
         "Wider labyrinth",

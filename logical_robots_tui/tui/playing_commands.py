@@ -159,6 +159,13 @@ PLAYING: tuple[Command, ...] = (
         ("f3",),
     ),
     Command(
+        "external",
+        "Edit elsewhere",
+        "Edit the text in the editor that $VISUAL or $EDITOR names, and come back with it.",
+        _PROGRAM,
+        ("E",),
+    ),
+    Command(
         "rename",
         "Rename the predicate",
         "Give the predicate under the cursor another name, wherever it is used.",

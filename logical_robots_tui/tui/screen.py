@@ -113,6 +113,7 @@ class MainScreen(Screen[None]):
         self._actions = Actions(self)
         self._status = StatusLine()
         self._tabs = PaneTabs()
+        self._too_small = Static(id="too-small", markup=False)
         self.labyrinth = LabyrinthPane()
         self.program = ProgramPane()
         self.inspector = InspectorPane(self.session)
@@ -134,7 +135,7 @@ class MainScreen(Screen[None]):
         yield self._status
         yield self._tabs
         yield self._pane_area
-        yield Static(id="too-small", markup=False)
+        yield self._too_small
         yield self.timeline
         yield self._bar
 
@@ -291,9 +292,7 @@ class MainScreen(Screen[None]):
         """Arrange the panes for the new size."""
         layout = layout_for(event.size.width, event.size.height)
         size = f"{event.size.width}x{event.size.height}"
-        self.query_one("#too-small", Static).update(
-            f"{LEAST_WIDTH}x{LEAST_HEIGHT} needed,\nthis is {size}"
-        )
+        self._too_small.update(f"{LEAST_WIDTH}x{LEAST_HEIGHT} needed,\nthis is {size}")
         if layout is self._layout and self.has_class(layout.value):
             self.place_panes()
             return

@@ -2,15 +2,25 @@
 
 from __future__ import annotations
 
+import os
+import shlex
+import subprocess
+import tempfile
+from pathlib import Path
 from typing import TYPE_CHECKING
 
+from textual.app import SuspendNotSupported
+
+from logical_robots_tui.game.source import SUFFIX
 from logical_robots_tui.tui.plain import clip, one_line
 from logical_robots_tui.tui.program.searching import find_after, is_predicate_name, rename
 
 if TYPE_CHECKING:
+    from collections.abc import Mapping
+
     from logical_robots_tui.tui.screen import MainScreen
 
-__all__ = ["Scribe"]
+__all__ = ["Scribe", "edited"]
 
 _LONGEST = 30
 
@@ -74,6 +84,22 @@ class Scribe:
         self._put(text)
         screen.tell(f"Renamed in {count} place{'s' * (count != 1)}.")
 
+    def edit_elsewhere(self) -> None:
+        """Hand the terminal to the player's own editor until that ends, and take its text."""
+        screen = self._screen
+        screen.session.pause()
+        try:
+            with screen.app.suspend():
+                text = edited(screen.text, os.environ)
+        except SuspendNotSupported:
+            screen.warn("This terminal can't be handed to another program.")
+        except (OSError, ValueError, subprocess.CalledProcessError) as error:
+            screen.warn(f"The editor failed: {error}. The text is as it was.")
+        else:
+            if text != screen.text:
+                self._put(text)
+                screen.session.apply(text)
+
     def _put(self, text: str) -> None:
         """Replace the text as one edit, with the cursor in its line."""
         editor = self._screen.program.editor
@@ -83,3 +109,23 @@ class Scribe:
 
     def _nowhere(self) -> str:
         return f"{clip(one_line(self._wanted), _LONGEST) or 'Nothing'} is not in this program."
+
+
+def edited(text: str, environ: Mapping[str, str]) -> str:
+    """Return a text as the player's own editor leaves it.
+
+    Args:
+        text: To begin with.
+        environ: Names the editor, as ``VISUAL`` or ``EDITOR``; vi if neither does.
+
+    Raises:
+        OSError: The editor can't be started, or the file not be written or read.
+        ValueError: Its name can't be understood, or what it wrote is no text.
+        CalledProcessError: It ended badly.
+    """
+    command = shlex.split(environ.get("VISUAL") or environ.get("EDITOR") or "vi")
+    with tempfile.TemporaryDirectory(prefix="logical-robots-") as folder:
+        path = Path(folder) / f"program{SUFFIX}"
+        path.write_text(text, "utf-8")
+        subprocess.run([*command, str(path)], check=True)  # noqa: S603 - named by the player
+        return path.read_text("utf-8")

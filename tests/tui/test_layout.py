@@ -180,5 +180,5 @@ async def test_panes_are_resized(data_dir: Path) -> None:
         before = game.main.labyrinth.region.size
         await game.press("L", "G")
         await game.until(lambda: game.main.labyrinth.region.size - (4, 2) == before)
-        await game.press("E", "I")
+        await game.press("D", "I")
         await game.until(lambda: game.main.labyrinth.region.size == before)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import subprocess
+import sys
 from typing import TYPE_CHECKING
 
 import pytest
@@ -16,6 +18,8 @@ from logical_robots_tui.tui.program.words import (
     word_around,
     words_for,
 )
+from logical_robots_tui.tui.scribe import edited
+from tests.terminal import Terminal
 from tests.tui.conftest import PAPER, STILL, WRONG, opened
 from tests.tui.test_program_pane import ODD
 
@@ -223,3 +227,29 @@ async def test_a_predicate_is_renamed_from_the_palette(data_dir: Path) -> None:
         await game.until(lambda: game.shows("Rename the predicate"))
         await game.press("ctrl+u", *"Free", "enter")
         await game.until(lambda: game.editor.text == PAPER.replace("FreedomMotion", "Free"))
+
+
+def test_the_player_s_own_editor_gets_the_terminal_and_gives_it_back(tmp_path: Path) -> None:
+    script = tmp_path / "editor.sh"
+    script.write_text('#!/bin/sh\necho elsewhere\nread answer\nsed -i "1s/^/# $answer /" "$2"\n')
+    script.chmod(0o755)
+    env = {"EDITOR": f"{script} --wait", "VISUAL": ""}
+    game = [sys.executable, "-m", "logical_robots_tui", "play", "01-first-steps", "first-steps"]
+    with Terminal([*game, "--data-dir", tmp_path], size=(120, 40), env=env) as terminal:
+        terminal.wait_for("· applied")
+        terminal.send("E")
+        terminal.wait_for("elsewhere")
+        terminal.send("hello\n")
+        terminal.wait_for("1  # hello")
+        terminal.wait_for("PAUSED")
+        terminal.send("n")
+        terminal.wait_for("tick 1")
+
+
+@pytest.mark.parametrize(
+    ("editor", "error"),
+    [("false", subprocess.CalledProcessError), ("/no/such", OSError), ("'", ValueError)],
+)
+def test_an_editor_that_fails_says_how(editor: str, error: type[Exception]) -> None:
+    with pytest.raises(error):
+        edited("text", {"EDITOR": editor})

@@ -12,6 +12,7 @@ from logical_robots_tui.tui.drawing.ground import beacon_colour
 from logical_robots_tui.tui.drawing.palette import RGB, Palette, mix, packed, parse
 from logical_robots_tui.tui.drawing.plates import Plate, Room, fit_name
 from logical_robots_tui.tui.drawing.robots import body_rows, shows_body, text_on
+from logical_robots_tui.tui.drawing.viewport import CELL_ASPECT
 from logical_robots_tui.world.sensing import ROBOT_RADIUS
 
 if TYPE_CHECKING:
@@ -188,13 +189,13 @@ def _mark_ends(
 ) -> None:
     """Mark where rays end: one mark in a cell, the most important of them."""
     marks: dict[tuple[int, int], str] = {}
-    bodies = [(robot.x, robot.y) for robot, _ in robots] if shows_body(viewport) else []
+    bodies = _bodies(robots, viewport) if shows_body(viewport) else set()
     for fan in fans:
         for x, y, kind in fan.ends():
             cell = viewport.cell(x, y)
             if cell is None or _PRIORITY[kind] < _PRIORITY.get(marks.get(cell, ""), 0):
                 continue
-            if not any(math.hypot(x - bx, y - by) < 0.8 * ROBOT_RADIUS for bx, by in bodies):
+            if cell not in bodies:
                 marks[cell] = kind
     glyphs, palette = look.drawing.glyphs, look.palette
     at_wall = glyphs.hit_wall_near if shows_body(viewport) else glyphs.hit_wall
@@ -206,6 +207,24 @@ def _mark_ends(
     for (row, column), kind in marks.items():
         glyph, ink = shown[kind]
         cells.put(row, column, glyph, ink, bold=kind != "wall")
+
+
+def _bodies(robots: Sequence[tuple[RobotState, RGB]], viewport: Viewport) -> set[tuple[int, int]]:
+    """Return the cells whose middle lies on the body of a robot."""
+    reach = 0.8 * ROBOT_RADIUS
+    across = round(reach / viewport.units)
+    down = round(reach / (viewport.units * CELL_ASPECT))
+    found = set()
+    for robot, _ in robots:
+        cell = viewport.cell(robot.x, robot.y)
+        if cell is None:
+            continue
+        for row in range(cell[0] - down, cell[0] + down + 1):
+            for column in range(cell[1] - across, cell[1] + across + 1):
+                x, y = viewport.position(row, column)
+                if math.hypot(x - robot.x, y - robot.y) < reach:
+                    found.add((row, column))
+    return found
 
 
 def _trouble(robot: RobotState, undecided: Container[str], look: Look) -> str:

@@ -37,6 +37,9 @@ __all__ = ["Picture"]
 _STRENGTH, _SELECTED, _OTHERS = 0.34, 0.5, 0.2
 """Light of a fan: without a selection, of the selected robot, of the others then."""
 
+_CROWD = 12
+"""Robots for whose light another hurried picture does with that of the one before."""
+
 _UNSEEN = 12
 """By how much a channel of a dot may be wrong for a moment, of 255."""
 
@@ -54,14 +57,14 @@ class _Light:
         image: Colours of the dots.
         lit: Which dots the light reaches.
         fans: Where it comes from.
-        fresh: Whether only one picture was made of it so far.
+        left: For how many more hurried pictures it will do.
     """
 
     look: Look
     image: Floats
     lit: NDArray[np.bool_]
     fans: list[Fan]
-    fresh: bool = True
+    left: int
 
 
 class Picture:
@@ -103,7 +106,8 @@ class Picture:
             look: How to draw it.
             traces: What is known of the past, to be seen in trails and areas just switched.
             hurried: Whether the next frame follows at once, so that less need change: light then
-                moves in every second picture, and colours may be a little off.
+                moves in every second picture, that of a crowd less often, and colours may be a
+                little off.
 
         Returns:
             (row, first column, column after the last) of each row that changed.
@@ -230,8 +234,8 @@ class Picture:
         hurried: bool,
     ) -> _Light:
         """Return the ground under the robots' light, in a hurry that of the frame before."""
-        if hurried and self._light and self._light.fresh and self._light.look == look:
-            self._light = replace(self._light, fresh=False)
+        if hurried and self._light and self._light.left and self._light.look == look:
+            self._light = replace(self._light, left=self._light.left - 1)
             return self._light
         image = self._ground.image.copy()
         lit = np.zeros(raster.shape, np.bool_)
@@ -239,7 +243,7 @@ class Picture:
         for fan in seen if look.rays else []:
             colour = colours.get(fan.name, look.palette.dead)
             _light_up(image, lit, fan, colour, self._ground, raster, look)
-        self._light = _Light(look, image, lit, seen)
+        self._light = _Light(look, image, lit, seen, 1 + len(seen) // _CROWD)
         return self._light
 
     def _fitted(self, image: Floats, raster: Raster, tolerance: int) -> Cells:

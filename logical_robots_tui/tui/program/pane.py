@@ -100,7 +100,8 @@ class ProgramPane(Pane):
     def _tell(self) -> None:
         """Tell what is odd about the line of the cursor, else how what stands there is used."""
         line = self.editor.cursor_location[0] + 1
-        found = self._state.mistakes if self._state is not None else ()
+        state = self._state
+        found = state.mistakes if state is not None and state.tried == self.text else ()
         here = next((mistake for mistake in found if mistake.line == line), None)
         if here is not None:
             self._help.update(Content(one_line(here.message)))
