@@ -70,6 +70,8 @@ class ReasonsPage(Vertical):
             frame: The tick.
         """
         steps = tuple(self._steps)
+        if self._shown is None or self._shown[1] != steps:
+            self._name_way(robot, " · taking the rules apart…")
         try:
             found = await self._questions.why(robot, frame, steps[-1])
         except Superseded:
@@ -89,7 +91,7 @@ class ReasonsPage(Vertical):
         self._said.display, self.view.display = True, False
         self._shown = None
 
-    def _name_way(self, robot: str) -> None:
+    def _name_way(self, robot: str, more: str = "") -> None:
         names = [
             f"{step.predicate}({_arguments(step)})" if step.given else step.predicate
             for step in self._steps
@@ -97,7 +99,7 @@ class ReasonsPage(Vertical):
         way = Content.assemble((f"{one_line(robot)}: ", INK.robot), (names[-1], INK.title))
         if len(names) > 1:
             way = way.append(Content.styled(f"  ← {' ← '.join(reversed(names[:-1]))}", INK.faint))
-        self._way.update(way, layout=False)
+        self._way.update(way.append(Content.styled(more, INK.dim)), layout=False)
 
     @on(WhyView.Deeper)
     def _deeper(self, event: WhyView.Deeper) -> None:
