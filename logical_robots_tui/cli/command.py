@@ -14,6 +14,7 @@ __all__ = [
     "Commands",
     "add_data_dir",
     "add_engine",
+    "add_json",
     "add_level_and_program",
     "check_engine",
     "new_command",
@@ -138,6 +139,13 @@ def check_engine(options: argparse.Namespace) -> None:
         from logical_robots_tui.mind import check_installed
 
         check_installed()
+
+
+def add_json(command: argparse.ArgumentParser) -> None:
+    """Add the option that `prefers_json` reads."""
+    command.add_argument(
+        "--json", action="store_true", help="print JSON even when a terminal is looking"
+    )
 
 
 def prefers_json(options: argparse.Namespace) -> bool:

@@ -8,6 +8,7 @@ import sys
 from typing import TYPE_CHECKING
 
 from logical_robots_tui.cli.command import (
+    add_json,
     add_level_and_program,
     new_command,
     number_from,
@@ -58,9 +59,7 @@ def declare(commands: Commands) -> None:
         "--tick", type=number_from(0), required=True, metavar="N", help="the tick; 0 is the start"
     )
     command.add_argument("--robot", metavar="R", help="only what holds in this robot's mind")
-    command.add_argument(
-        "--json", action="store_true", help="print JSON even when a terminal is looking"
-    )
+    add_json(command)
 
 
 def start(options: argparse.Namespace) -> int:

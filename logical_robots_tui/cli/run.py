@@ -9,6 +9,7 @@ from time import perf_counter
 from typing import TYPE_CHECKING
 
 from logical_robots_tui.cli.command import (
+    add_json,
     add_level_and_program,
     new_command,
     number_from,
@@ -62,9 +63,7 @@ def declare(commands: Commands) -> None:
         metavar="N",
         help="give up after this many ticks (default: %(default)s)",
     )
-    command.add_argument(
-        "--json", action="store_true", help="print JSON even when a terminal is looking"
-    )
+    add_json(command)
 
 
 def start(options: argparse.Namespace) -> int:

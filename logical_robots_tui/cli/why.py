@@ -10,6 +10,7 @@ import shutil
 from typing import TYPE_CHECKING, Any
 
 from logical_robots_tui.cli.command import (
+    add_json,
     add_level_and_program,
     new_command,
     number_from,
@@ -71,9 +72,7 @@ def declare(commands: Commands) -> None:
     command.add_argument(
         "--within", default="", metavar="P", help="in the rules of P, which is made with ':='"
     )
-    command.add_argument(
-        "--json", action="store_true", help="print JSON even when a terminal is looking"
-    )
+    add_json(command)
 
 
 def start(options: argparse.Namespace) -> int:
