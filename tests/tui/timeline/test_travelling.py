@@ -112,7 +112,7 @@ async def test_a_run_until_a_tick_ends_there_and_one_into_the_past_is_refused(
 
 async def test_a_run_until_a_tick_can_be_stopped(data_dir: Path, short: Path) -> None:
     async with playing(data_dir, short, text=STILL) as game:
-        await game.press("u")
+        await game.press("U")
         await game.until(lambda: isinstance(game.app.screen, TickPrompt))
         await type_in(game, "1000000")
         await game.until(lambda: game.tick > 5)
