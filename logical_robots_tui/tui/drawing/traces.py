@@ -56,9 +56,9 @@ class Traces:
 
         Returns:
             Places of shape (moments, robots, 2) in map units, and the age of each moment from
-            nearly 1, about to be forgotten, to 0, the present; the oldest first.
+            nearly 1, about to be forgotten, to nearly 0; the oldest first.
         """
-        ticks = sorted(then for then in self._places if tick - _TRAIL < then <= tick)
+        ticks = sorted(then for then in self._places if tick - _TRAIL < then < tick)
         if not ticks:
             return np.zeros((0, 0, 2)), np.zeros(0)
         ages = (tick - np.array(ticks)) / _TRAIL

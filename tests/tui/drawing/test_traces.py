@@ -59,14 +59,14 @@ def test_another_past_replaces_the_former() -> None:
     straight, bent = run(LEVEL, 30, {"Ann": Desire(1, 1)}), run(LEVEL, 30, {"Ann": Desire(1, 0)})
     traces = after([*straight, *bent[10:]])
     places, ages = traces.trails(30)
-    assert len(places) == len(ages) == 31
-    assert places[-1, 0, 1] == bent[30].after.robots[0].y
+    assert len(places) == len(ages) == 30
+    assert places[-1, 0, 1] == bent[29].after.robots[0].y
 
 
 def test_a_trail_ends_somewhere() -> None:
     still = start(LEVEL)
     traces = after([replace(still, tick=tick) for tick in range(2000)])
-    assert len(traces.trails(1999)[0]) == 160
+    assert len(traces.trails(1999)[0]) == 159
 
 
 def test_an_area_flashes_when_it_is_switched_and_only_then() -> None:
