@@ -2,7 +2,7 @@
 
 Textual paints a region again as a whole, with the full style of every segment: eight times as much
 as needed here. There is no public hook for this, so ``App._display`` is overridden; Textual is
-pinned, and a test compares what a terminal shows with what Textual's own way makes it show.
+pinned, and a test compares what a terminal shows with a full rendering of the same lines.
 """
 
 from __future__ import annotations
