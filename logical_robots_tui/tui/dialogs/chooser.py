@@ -100,17 +100,22 @@ class Chooser(Dialog[T], Generic[T]):
         self._cards: dict[str, Card] = {}
         self._shown: list[str] = []
         self._all: list[str] = []
+        # Kept and not looked up: a dialog that closes has lost its parts before itself is gone.
+        self._filter = Input(placeholder=shelf.placeholder, id="filter", select_on_focus=False)
+        self._entries = OptionList(id="entries", markup=False, compact=True)
+        self._preview_text = Static(id="preview-text")
+        self._complaint = Static(id="complaint")
 
     def compose(self) -> ComposeResult:
         """Filter above, list and preview side by side."""
         with Vertical(id="box") as box:
             box.border_title = self._shelf.title
-            yield Input(placeholder=self._shelf.placeholder, id="filter", select_on_focus=False)
+            yield self._filter
             with Horizontal():
-                yield OptionList(id="entries", markup=False, compact=True)
+                yield self._entries
                 with VerticalScroll(id="preview", can_focus=False):
-                    yield Static(id="preview-text")
-            yield Static(id="complaint")
+                    yield self._preview_text
+            yield self._complaint
             yield Static("enter take   ↑↓ choose   esc close", id="keys", markup=False)
 
     def on_resize(self, event: events.Resize) -> None:
@@ -119,36 +124,35 @@ class Chooser(Dialog[T], Generic[T]):
 
     def on_mount(self) -> None:
         """Begin with the whole list; its entries tell more as they are read."""
-        self.query_one("#entries", OptionList).can_focus = False
-        self.query_one("#filter").focus()
+        self._entries.can_focus = False
+        self._filter.focus()
         in_background(self, self._read_all)
 
     def action_go(self, motion: str) -> None:
         """Move in the list while the filter keeps the focus."""
-        getattr(self.query_one("#entries", OptionList), f"action_{motion}")()
+        getattr(self._entries, f"action_{motion}")()
 
     async def _read_all(self) -> None:
         self._all = list(await asyncio.to_thread(self._shelf.names))
-        if self.is_attached:
+        if self._entries.is_attached:
             self._list(self._current)
         for name in self._all:
             self._cards[name] = await asyncio.to_thread(self._shelf.card, name)
-            if not self.is_attached:
+            if not self._entries.is_attached:
                 return  # closed meanwhile
-            entries = self.query_one("#entries", OptionList)
             if name in self._shown:
-                entries.replace_option_prompt(name, self._entry(name))
+                self._entries.replace_option_prompt(name, self._entry(name))
             if self._highlighted == name:
                 self._preview(name)
 
     @property
     def _highlighted(self) -> str | None:
-        entries = self.query_one("#entries", OptionList)
-        return None if entries.highlighted is None else self._shown[entries.highlighted]
+        highlighted = self._entries.highlighted
+        return None if highlighted is None else self._shown[highlighted]
 
     def _list(self, wanted: str | None) -> None:
         """List what the filter lets through."""
-        text = self.query_one("#filter", Input).value.strip()
+        text = self._filter.value.strip()
         words = text.casefold().split()
         self._shown = [
             name for name in self._all if all(word in self._searchable(name) for word in words)
@@ -156,11 +160,10 @@ class Chooser(Dialog[T], Generic[T]):
         self._shown.sort(key=lambda name: name.casefold() != text.casefold())
         if is_path(text) and text not in self._all:
             self._shown.insert(0, text)
-        entries = self.query_one("#entries", OptionList)
-        entries.clear_options()
-        entries.add_options([Option(self._entry(name), id=name) for name in self._shown])
+        self._entries.clear_options()
+        self._entries.add_options([Option(self._entry(name), id=name) for name in self._shown])
         if self._shown:
-            entries.highlighted = self._shown.index(wanted) if wanted in self._shown else 0
+            self._entries.highlighted = self._shown.index(wanted) if wanted in self._shown else 0
         else:
             self._preview(None)
 
@@ -181,11 +184,11 @@ class Chooser(Dialog[T], Generic[T]):
         card = self._cards.get(name) if name else None
         text = visible_lines(card.preview) if card else "" if name else "Nothing has this name."
         style = INK.bad if card and card.is_error else INK.text
-        self.query_one("#preview-text", Static).update(Content.styled(text, style))
+        self._preview_text.update(Content.styled(text, style))
 
     @on(Input.Changed, "#filter")
     def _filter_changed(self) -> None:
-        self.query_one("#complaint").display = False
+        self._complaint.display = False
         self._list(self._highlighted)
 
     @on(OptionList.OptionHighlighted, "#entries")
@@ -209,9 +212,8 @@ class Chooser(Dialog[T], Generic[T]):
         try:
             result = await asyncio.to_thread(self._shelf.take, name)
         except LogicalRobotsError as error:
-            complaint = self.query_one("#complaint", Static)
-            complaint.update(Content(one_line(str(error))))
-            complaint.display = True
+            self._complaint.update(Content(one_line(str(error))))
+            self._complaint.display = True
         else:
             self.dismiss(result)
 
