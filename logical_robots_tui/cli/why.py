@@ -112,10 +112,11 @@ def _lines(explanation: Explanation, tick: int) -> Iterator[str]:
 
     wide = shutil.get_terminal_size((WIDEST, 0)).columns
     yield f"{explanation.predicate} for {harmless(explanation.robot)} at tick {tick}"
-    for line in tell(explanation):
+    lines = list(tell(explanation))
+    for line in lines:
         mark = {True: "+", False: "-", None: " "}[line.holds]
         yield _cut(f"{'  ' * line.depth}{mark} ", line, wide)
-    asked = (line.asked for line in tell(explanation) if line.asked is not None)
+    asked = (line.asked for line in lines if line.asked is not None)
     if deeper := dict.fromkeys(_deeper(ask) for ask in asked):
         yield from ("", "Deeper with one of:", *(f"  {options}" for options in deeper))
 

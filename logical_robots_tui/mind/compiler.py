@@ -36,7 +36,7 @@ if TYPE_CHECKING:
 
     from logical_robots_tui.mind.program import Report
 
-__all__ = ["RobotProgram", "compile_text", "compiled_rules", "read_rules"]
+__all__ = ["RobotProgram", "compile_text", "compiled_rules", "plain_rules", "read_rules"]
 
 _RECURSION_DEPTH = 32  # as on DuckDB; the package's SQLite default is 8
 _DEEPEST_RECURSION = 200
@@ -80,8 +80,12 @@ def compile_text(text: str, report: Report | None = None) -> Program:
 def read_rules(text: str) -> tuple[Prepared, list[Rule]]:
     """The text of a program that can be compiled, prepared, and its rules as written."""
     source = prepare(text)
-    rules, _, _ = _take_visibility(parse_statements(text, source).rules, text)
-    return source, rules
+    return source, plain_rules(parse_statements(text, source).rules, text)
+
+
+def plain_rules(rules: list[Rule], text: str) -> list[Rule]:
+    """The rules of a program without what only the game knows."""
+    return _take_visibility(rules, text)[0]
 
 
 def compiled_rules(rules: list[Rule], text: str, source: Prepared) -> RobotProgram:

@@ -14,7 +14,7 @@ from logica.parser_py import parse
 
 from logical_robots_tui.mind import complaints
 from logical_robots_tui.mind.checks import check
-from logical_robots_tui.mind.compiler import compiled_rules, read_rules
+from logical_robots_tui.mind.compiler import compiled_rules, plain_rules, read_rules
 from logical_robots_tui.mind.diagnostics import Diagnostic, ProgramError
 from logical_robots_tui.mind.parsing import parse_statements
 from logical_robots_tui.mind.program import INPUTS, Question
@@ -93,7 +93,9 @@ def _compiled(whole: str, asked: str, *, is_bare: bool) -> str:
     if found:
         raise ProgramError(found)
     try:
-        sql: str = compiled_rules(read_rules(whole)[1], whole, source).FormattedPredicateSql(asked)
+        sql: str = compiled_rules(
+            plain_rules(parsed.rules, whole), whole, source
+        ).FormattedPredicateSql(asked)
     except complaints.COMPLAINTS as error:
         if is_bare and complaints.is_function(error):
             hint = f"Call it with values, such as {asked}(1)."

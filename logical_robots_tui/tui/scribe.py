@@ -68,13 +68,14 @@ class Scribe:
 
     async def rename(self) -> None:
         """Ask for another name of the predicate under the cursor, and use it everywhere."""
-        from logical_robots_tui.tui.dialogs.find import Rename
+        from logical_robots_tui.tui.dialogs.line import LinePrompt
 
         screen, old = self._screen, self._screen.program.editor.word
         if not is_predicate_name(old):
             screen.tell("Put the cursor on a predicate first.")
             return
-        new = await screen.app.push_screen_wait(Rename(old))
+        typed = await screen.app.push_screen_wait(LinePrompt("Rename the predicate", old))
+        new = (typed or "").strip()
         if not new or new == old:
             return
         if not is_predicate_name(new):

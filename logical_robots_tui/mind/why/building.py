@@ -86,10 +86,8 @@ class Builder:
             rule: As it was parsed.
             is_function: Whether its arguments have to be given.
         """
-        head = _head(rule)
-        body = flat(rule.get("body"))
-        variables = frozenset[str]().union(*map(names, [*body, *head.values()]))
-        scope = Scope(self._functions, variables)
+        head, body = _head(rule), flat(rule.get("body"))
+        scope = self._scope(head, body)
         begin: list[Rule] = []
         checks: list[Rule] = []
         known: frozenset[str] = frozenset()
@@ -109,12 +107,16 @@ class Builder:
     def needs_given(self, rule: Rule) -> bool:
         """Whether a rule gives rows only when values are given for columns of its head."""
         head, body = _head(rule), flat(rule.get("body"))
-        variables = frozenset[str]().union(*map(names, [*body, *head.values()]))
-        ordered, left = in_order(body, Scope(self._functions, variables), frozenset())
+        ordered, left = in_order(body, self._scope(head, body), frozenset())
         known = ordered[-1][1] if ordered else frozenset[str]()
         return bool(left) or not all(names(value) <= known for value in head.values())
 
     # -- inside --------------------------------------------------------------------------------
+
+    def _scope(self, head: Mapping[str, Rule], body: Sequence[Rule]) -> Scope:
+        """The scope of a rule."""
+        variables = frozenset[str]().union(*map(names, [*body, *head.values()]))
+        return Scope(self._functions, variables)
 
     def _steps(self, body: Sequence[Rule], scope: Scope, known: frozenset[str]) -> list[_Step]:
         """The parts of a body in an order in which they can be asked."""
@@ -266,7 +268,7 @@ class Builder:
 def _head(rule: Rule) -> dict[str, Rule]:
     """The columns of a rule's head that are not aggregated, and their expressions."""
     columns = rule["head"]["record"]["field_value"]
-    found = {_column(c["field"]): value_of(c) for c in columns if c["field"] != "*"}
+    found = {sides.column_name(c["field"]): value_of(c) for c in columns if c["field"] != "*"}
     return {name: value for name, value in found.items() if value is not None}
 
 
@@ -274,13 +276,10 @@ def _collected(rule: Rule) -> dict[str, Rule]:
     """The columns of a rule's head that are aggregated, and what goes into them."""
     columns = rule["head"]["record"]["field_value"]
     found = {
-        _column(c["field"]): c["value"].get("aggregation", {}).get("argument") for c in columns
+        sides.column_name(c["field"]): c["value"].get("aggregation", {}).get("argument")
+        for c in columns
     }
     return {name: value for name, value in found.items() if value is not None}
-
-
-def _column(field: str | int) -> str:
-    return f"col{field}" if isinstance(field, int) else str(field)
 
 
 def _arguments(head: Mapping[str, Rule]) -> tuple[list[Rule], list[Rule], frozenset[str]]:

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
     from logical_robots_tui.mind.rules import Rule
 
-__all__ = ["asks", "compared", "has_conditions", "outer_calls"]
+__all__ = ["asks", "column_name", "compared", "has_conditions", "outer_calls"]
 
 _COMPARES = frozenset({"==", "!=", "<", "<=", ">", ">=", "!", "in", "is", "is not"})
 _JOINS = frozenset({"&&", "||"})
@@ -53,7 +53,12 @@ def asks(call: Rule) -> Iterator[tuple[str, Rule]]:
     for argument in call["record"]["field_value"]:
         name, value = argument["field"], argument["value"].get("expression")
         if value is not None and name != "*":
-            yield (f"col{name}" if isinstance(name, int) else str(name)), value
+            yield column_name(name), value
+
+
+def column_name(field: str | int) -> str:
+    """The column that a field of a head or a call is: those by position are col0, col1 ..."""
+    return f"col{field}" if isinstance(field, int) else str(field)
 
 
 def _of_values(expression: Rule) -> Iterator[tuple[Rule, bool]]:

@@ -1,4 +1,4 @@
-"""Asking what to find in the program, what to put in its place, and for a new name."""
+"""Asking what to find in the program, and what to put in its place."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from logical_robots_tui.tui.dialogs.dialog import Dialog
 if TYPE_CHECKING:
     from textual.app import ComposeResult
 
-__all__ = ["Find", "Rename", "Wish"]
+__all__ = ["Find", "Wish"]
 
 
 class Wish(NamedTuple):
@@ -56,30 +56,3 @@ class Find(Dialog[Wish]):
         wanted = self.query_one("#wanted", Input).value
         replaces = event.input.id == "instead"
         self.dismiss(Wish(wanted, event.value if replaces else None) if wanted else None)
-
-
-class Rename(Dialog[str]):
-    """Asks for another name of a predicate.
-
-    Args:
-        name: Its name so far.
-    """
-
-    DEFAULT_CSS = """
-    Rename > #box { max-width: 60; padding: 1 2 0 2; }
-    """
-
-    def __init__(self, name: str) -> None:
-        super().__init__()
-        self._former = name
-
-    def compose(self) -> ComposeResult:
-        """The name."""
-        with Vertical(id="box") as box:
-            box.border_title = "Rename the predicate"
-            yield Input(self._former, id="new-name")
-            yield Static("enter rename   esc close", id="keys", markup=False)
-
-    @on(Input.Submitted)
-    def _submitted(self, event: Input.Submitted) -> None:
-        self.dismiss(event.value.strip())

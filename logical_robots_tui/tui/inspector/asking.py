@@ -16,6 +16,7 @@ from logical_robots_tui.game import Superseded
 from logical_robots_tui.mind import ProgramError, QueryError
 from logical_robots_tui.tui.inspector.table import ValueTable
 from logical_robots_tui.tui.plain import one_line
+from logical_robots_tui.tui.program.words import NAMES
 from logical_robots_tui.tui.theme import INK
 
 if TYPE_CHECKING:
@@ -32,10 +33,7 @@ __all__ = ["NO_PROGRAM", "AskView", "QueryLine", "counted", "shown_rows"]
 
 NO_PROGRAM = "There is no program yet that could be asked."
 
-_FIELDS = (
-    *("robot_name", "sensor", "memory", "radar", "distance", "angle", "object", "label"),
-    *("forward_distance", "forward_object", "forward_label", "clock"),
-)
+_COLUMNS = ("robot_name", "sensor", "memory")  # of the inputs
 _MOST_REMEMBERED = 100
 _LAST_WORD = re.compile(r"[A-Za-z_]\w*$")
 _RECALLS = {"up": -1, "down": 1}
@@ -128,10 +126,7 @@ class AskView(Vertical):
 
     def knows(self, predicates: Iterable[Predicate]) -> None:
         """Suggest the names of these predicates, and everything else a query may be made of."""
-        from logical_robots_tui.mind.reference import REFERENCE
-
-        functions = (entry.name for entry in REFERENCE if entry.name.isidentifier())
-        self.line.knows([*(predicate.name for predicate in predicates), *functions, *_FIELDS])
+        self.line.knows([*(predicate.name for predicate in predicates), *NAMES, *_COLUMNS])
 
     async def follow(self, frame: Frame) -> Table | None:
         """Answer the query at a tick; return the answer if there is one."""

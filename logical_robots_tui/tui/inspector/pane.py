@@ -259,8 +259,9 @@ class InspectorPane(Pane):
             self._choice.count(survey)
             if self.decision.display:
                 self._show_decision(frame)
-            if self.table.display:
-                await self._show_rows(self._inspected, frame)
+            table = survey.tables.get(self._inspected)
+            if self.table.display and isinstance(table, Table):
+                self._show_table(self._inspected, frame, table)
 
     async def _show_rows(self, name: str, frame: Frame) -> None:
         try:
@@ -273,8 +274,10 @@ class InspectorPane(Pane):
             if name == self._inspected:
                 self._say(name, frame.tick, str(error))
             return
-        if name != self._inspected:
-            return
+        if name == self._inspected:
+            self._show_table(name, frame, table)
+
+    def _show_table(self, name: str, frame: Frame, table: Table) -> None:
         more = self.table.how.words
         self._say_subject(name, frame.tick, counted(table) + (f", {more}" if more else ""))
         self._show_only(self.table)

@@ -10,7 +10,16 @@ from logical_robots_tui.mind.reference import REFERENCE
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-__all__ = ["Place", "Word", "call_before", "definitions", "help_on", "word_around", "words_for"]
+__all__ = [
+    "NAMES",
+    "Place",
+    "Word",
+    "call_before",
+    "definitions",
+    "help_on",
+    "word_around",
+    "words_for",
+]
 
 
 class Word(NamedTuple):
@@ -61,6 +70,9 @@ _BUILT_IN = tuple(
     for entry in REFERENCE
     if entry.kind != "operator"
 )
+NAMES = tuple(word.name for word in (*_BUILT_IN, *_GIVEN, *_FIELDS))
+"""All that can be written without being defined: functions, inputs, fields."""
+
 _HEAD = re.compile(r"^(?P<name>[A-Z]\w*)\s*(?:(?P<arguments>\([^)]*\)?)|:=)", re.MULTILINE)
 _BEFORE = re.compile(r"(?P<dot>(?P<owner>\w*)\.)?(?P<begun>\w*)$")
 
