@@ -95,7 +95,7 @@ class Actions:
     def restart(self) -> None:
         """Begin the level again."""
         self._screen.session.restart()
-        self._screen.forget_victory()
+        self._screen.celebration.forget()
 
     def faster(self) -> None:
         """Choose the next higher speed."""
@@ -247,7 +247,7 @@ class Actions:
 
     def leave(self) -> None:
         """Go to the labyrinth and close what lies over it."""
-        if self._screen.active is self._screen.labyrinth:
+        if self._screen.arrangement.active is self._screen.labyrinth:
             self._screen.labyrinth.select(None)
             self._screen.labyrinth.banner.display = False
             self._screen.labyrinth.briefing.display = False
@@ -255,20 +255,20 @@ class Actions:
 
     def next_pane(self) -> None:
         """Go to the next pane."""
-        self._screen.go_on(1)
+        self._screen.go_to(self._screen.arrangement.beside_active(1))
 
     def previous_pane(self) -> None:
         """Go to the pane before."""
-        self._screen.go_on(-1)
+        self._screen.go_to(self._screen.arrangement.beside_active(-1))
 
     def maximise(self) -> None:
         """Give the pane that is worked in all the room, or no longer."""
         self._screen.arrangement.toggle_large()
-        self._screen.place_panes()
+        self._screen.arrangement.show()
 
     def hide(self) -> None:
         """Hide the pane that is worked in, or show all again."""
-        self._screen.go_to(self._screen.arrangement.hide(self._screen.active))
+        self._screen.go_to(self._screen.arrangement.hide(self._screen.arrangement.active))
 
     def wider(self) -> None:
         """Give the program more columns."""
@@ -288,7 +288,7 @@ class Actions:
 
     def _resize(self, columns: int = 0, rows: int = 0) -> None:
         self._screen.arrangement.change(columns, rows)
-        self._screen.place_panes()
+        self._screen.arrangement.show()
 
     def view(self) -> None:
         """Look at the next thing."""

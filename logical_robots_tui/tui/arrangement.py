@@ -4,52 +4,74 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from logical_robots_tui.tui.layout import Grid, Layout, Shares, grid_for
+from textual.containers import Container
+from textual.geometry import Size
+
+from logical_robots_tui.tui.layout import Grid, Layout, Shares, grid_for, layout_for
 
 if TYPE_CHECKING:
-    from textual.containers import Container
-    from textual.geometry import Size
-
     from logical_robots_tui.tui.pane import Pane
 
 __all__ = ["Arrangement"]
 
 
 class Arrangement:
-    """Gives each pane its place.
+    """Gives each pane its place, and knows in which of them the player works.
 
     Args:
-        container: What holds the panes.
         panes: Labyrinth, program and inspector.
     """
 
-    def __init__(self, container: Container, panes: tuple[Pane, Pane, Pane]) -> None:
-        self._container = container
-        self._panes = panes
-        self._hidden: set[Pane] = set()
-        self._shares = Shares()
+    def __init__(self, panes: tuple[Pane, Pane, Pane]) -> None:
+        self.container = Container(*panes, id="panes")
+        """What holds the panes."""
+        self.panes = panes
+        """All panes, hidden ones too."""
+        self.active: Pane = panes[0]
+        """The pane that is worked in; it is never hidden."""
+        self.layout = Layout.WIDE
+        """What suits the terminal's size."""
         self.is_one_large = False
         """Whether the pane that is worked in has all the room."""
+        self._size = Size()
+        self._hidden: set[Pane] = set()
+        self._shares = Shares()
 
-    def show(self, layout: Layout, size: Size, active: Pane) -> None:
-        """Arrange the panes.
+    @property
+    def is_tiny(self) -> bool:
+        """Whether the terminal is too small for any pane."""
+        return self.layout is Layout.TINY
 
-        Args:
-            layout: For this size.
-            size: Of the terminal.
-            active: The pane that is worked in; it is never hidden.
-        """
-        self._hidden.discard(active)
-        for pane in self._panes:
-            if layout.is_roomy and not self.is_one_large:
+    def fit(self, size: Size) -> None:
+        """Arrange the panes for a terminal of that size."""
+        self._size = size
+        self.layout = layout_for(*size)
+        self.show()
+
+    def show(self) -> None:
+        """Arrange the panes anew."""
+        self._hidden.discard(self.active)
+        for pane in self.panes:
+            if self.layout.is_roomy and not self.is_one_large:
                 pane.display = pane not in self._hidden
             else:
-                pane.display = layout is not Layout.TINY and pane is active
-        if not layout.is_roomy:
-            return
-        grid = grid_for(layout, *size, self._shares)
-        self._shares = grid.shares
-        self._lay_out(layout, grid)
+                pane.display = not self.is_tiny and pane is self.active
+        if self.layout.is_roomy:
+            grid = grid_for(self.layout, *self._size, self._shares)
+            self._shares = grid.shares
+            self._lay_out(grid)
+
+    def beside_active(self, steps: int) -> Pane:
+        """The pane that many places further than the one that is worked in, and round again."""
+        return self.panes[(self.panes.index(self.active) + steps) % len(self.panes)]
+
+    def focused(self) -> bool:
+        """Take the pane with the focus for the one that is worked in; whether there is one."""
+        for pane in self.panes:
+            if pane.has_focus_within:
+                self.active = pane
+                return True
+        return False
 
     def toggle_large(self) -> bool:
         """Give the pane that is worked in all the room, or no longer; whether it has it now."""
@@ -63,16 +85,16 @@ class Arrangement:
             return pane
         self._hidden.add(pane)
         # Not into the program: the next key would be a letter of it.
-        labyrinth, _, inspector = self._panes
+        labyrinth, _, inspector = self.panes
         return inspector if pane is labyrinth else labyrinth
 
     def change(self, columns: int, rows: int) -> None:
         """Give the program more columns, or the inspector more rows, at the next ``show``."""
         self._shares = self._shares.changed(columns, rows)
 
-    def _lay_out(self, layout: Layout, grid: Grid) -> None:
-        labyrinth, program, inspector = self._panes
-        beside = layout is Layout.WIDE and labyrinth.display and program.display
+    def _lay_out(self, grid: Grid) -> None:
+        labyrinth, program, inspector = self.panes
+        beside = self.layout is Layout.WIDE and labyrinth.display and program.display
         rows = []
         if beside:
             rows.append("1fr")
@@ -80,7 +102,7 @@ class Arrangement:
             rows += ["1fr" for pane in (labyrinth, program) if pane.display]
         if inspector.display:
             rows.append(str(grid.inspector) if rows else "1fr")
-        styles = self._container.styles
+        styles = self.container.styles
         styles.grid_size_columns = 2 if beside else 1
         styles.grid_size_rows = len(rows)
         styles.grid_columns = f"1fr {grid.program}" if beside else "1fr"

@@ -6,7 +6,6 @@ from time import perf_counter
 from typing import TYPE_CHECKING, ClassVar
 
 from textual import on
-from textual.containers import Container
 from textual.screen import Screen
 from textual.widgets import Input, Static, TextArea
 
@@ -14,6 +13,7 @@ from logical_robots_tui.tui.actions import Actions
 from logical_robots_tui.tui.arrangement import Arrangement
 from logical_robots_tui.tui.background import in_background
 from logical_robots_tui.tui.bar import CommandBar, CommandChosen, PaneTabs
+from logical_robots_tui.tui.celebration import Celebration
 from logical_robots_tui.tui.commands import bindings, command
 from logical_robots_tui.tui.guide import Guide
 from logical_robots_tui.tui.inspector.choice import DECISION, ROBOTS, WHY
@@ -23,7 +23,7 @@ from logical_robots_tui.tui.inspector.rows import RowCommands
 from logical_robots_tui.tui.keeper import Keeper
 from logical_robots_tui.tui.labyrinth import LabyrinthView
 from logical_robots_tui.tui.labyrinth_pane import LabyrinthPane
-from logical_robots_tui.tui.layout import LEAST_HEIGHT, LEAST_WIDTH, Layout, layout_for
+from logical_robots_tui.tui.layout import LEAST_HEIGHT, LEAST_WIDTH, Layout
 from logical_robots_tui.tui.library import Library
 from logical_robots_tui.tui.pane import Pane
 from logical_robots_tui.tui.plain import one_line
@@ -47,7 +47,6 @@ if TYPE_CHECKING:
 
     from logical_robots_tui.game import Breakpoint, Frame, Hit, Source
     from logical_robots_tui.mind import Engine
-    from logical_robots_tui.progress import Measures
     from logical_robots_tui.tui.background import Work
     from logical_robots_tui.tui.journal import Journal
     from logical_robots_tui.world import Level
@@ -110,6 +109,7 @@ class MainScreen(Screen[None]):
         self._is_new_here = welcome
         self.tours = TourGuide(self)
         self.travel = Travel(self)
+        self.celebration = Celebration(self)
         self._actions = Actions(self)
         self._status = StatusLine()
         self._tabs = PaneTabs()
@@ -119,22 +119,17 @@ class MainScreen(Screen[None]):
         self.inspector = InspectorPane(self.session)
         self.timeline = Timeline()
         self._bar = CommandBar()
-        self._panes = (self.labyrinth, self.program, self.inspector)
-        self._pane_area = Container(*self._panes, id="panes")
-        self.arrangement = Arrangement(self._pane_area, self._panes)
-        self._layout = Layout.WIDE
-        self._active: Pane = self.labyrinth
+        self.arrangement = Arrangement((self.labyrinth, self.program, self.inspector))
         self._focus_before: Widget | None = None
         self._drawn: tuple[Level, Frame, bool] | None = None
         self._drawn_at = 0.0
         self._is_draw_due = False
-        self._is_celebrated = False
 
     def compose(self) -> ComposeResult:
         """Status line, tabs, panes, timeline, command bar."""
         yield self._status
         yield self._tabs
-        yield self._pane_area
+        yield self.arrangement.container
         yield self._too_small
         yield self.timeline
         yield self._bar
@@ -143,7 +138,10 @@ class MainScreen(Screen[None]):
         """Paint at once; compile and look for drafts after that."""
         self.program.editor.load_text(self._text_to_begin_with)
         self.journal.attach(
-            spawn=self.spawn, changed=self._changed, warn=self.warn, measured=self._measured
+            spawn=self.spawn,
+            changed=self._changed,
+            warn=self.warn,
+            measured=self.celebration.measured,
         )
         self.set_focus(self.labyrinth)
         self.set_interval(_HEARTBEAT, self._beat)
@@ -164,21 +162,6 @@ class MainScreen(Screen[None]):
         await self.journal.close()
 
     # -- for the parts -------------------------------------------------------------------------
-
-    @property
-    def active(self) -> Pane:
-        """The pane in which the player works."""
-        return self._active
-
-    @property
-    def panes(self) -> tuple[Pane, ...]:
-        """All panes."""
-        return self._panes
-
-    @property
-    def is_tiny(self) -> bool:
-        """Whether the terminal is too small for any pane."""
-        return self._layout is Layout.TINY
 
     @property
     def text(self) -> str:
@@ -205,7 +188,7 @@ class MainScreen(Screen[None]):
         """Show what the level asks for."""
         self.labyrinth.select(None)
         self.labyrinth.briefing.tell(self.session.level)
-        self.forget_victory()
+        self.celebration.forget()
         self._changed()
 
     def add_breakpoint(self, breakpoint_: Breakpoint) -> None:
@@ -235,7 +218,7 @@ class MainScreen(Screen[None]):
         self._drawn_at = perf_counter()
         session = self.session
         now = (session.level, session.frame, session.running)
-        if self._layout is not Layout.TINY and self._drawn != now:
+        if not self.arrangement.is_tiny and self._drawn != now:
             self._drawn = now
             self.labyrinth.show(session.level, session.frame, hurried=session.running)
         saved = self.text == session.source.text
@@ -243,16 +226,15 @@ class MainScreen(Screen[None]):
         self._draw_lines()
         if session.frame.tick:
             self.journal.moved()
-        self._celebrate()
-        self.labyrinth.banner.follow(self.journal)
+        self.celebration.follow()
 
     def _draw_lines(self) -> None:
         self._status.show(status_of(self.session))
         self.timeline.show(self.session, self.labyrinth.view.selected)
         typing = isinstance(self.focused, (TextArea, Input))
         self._bar.show(typing=typing, running=self.session.busy)
-        tabs = tuple((pane.command_id, pane.label) for pane in self._panes)
-        self._tabs.show(tabs, self._active.command_id)
+        tabs = tuple((pane.command_id, pane.label) for pane in self.arrangement.panes)
+        self._tabs.show(tabs, self.arrangement.active.command_id)
 
     def _beat(self) -> None:
         newer = self._watch.newer(self.session.source)
@@ -261,70 +243,41 @@ class MainScreen(Screen[None]):
         if self.session.busy:
             self._draw_lines()
 
-    def _celebrate(self) -> None:
-        if self.session.won_at is None or self._is_celebrated:
-            return
-        self._is_celebrated = True
-        alone = len(self.session.level.robots) == 1
-        self.labyrinth.briefing.display = False
-        who = "You are there" if alone else "Everybody is there"
-        self.journal.won(self.session)
-        self.labyrinth.banner.celebrate(self.session.won_at, who, self.journal)
-        if self._active is not self.labyrinth and self._layout is Layout.NARROW:
-            self.tell(f"★ {who}: {self.session.won_at} ticks ★")
-
-    def _measured(self, level: Level, found: Measures) -> None:
-        if level is not self.session.level or not self.labyrinth.banner.display:
-            title = one_line(level.title)
-            self.tell(f"{title}: won from {found.wins} of {found.starts} shifted starts.")
-
     def _stopped(self, hits: tuple[Hit, ...]) -> None:
         self.travel.tell_hits(hits)
-
-    def forget_victory(self) -> None:
-        """Take the banner away; the next victory is celebrated again."""
-        self._is_celebrated = False
-        self.labyrinth.banner.display = False
 
     # -- layout --------------------------------------------------------------------------------
 
     def on_resize(self, event: events.Resize) -> None:
         """Arrange the panes for the new size."""
-        layout = layout_for(event.size.width, event.size.height)
+        before = self.arrangement.layout
+        self.arrangement.fit(event.size)
+        layout = self.arrangement.layout
         size = f"{event.size.width}x{event.size.height}"
         self._too_small.update(f"{LEAST_WIDTH}x{LEAST_HEIGHT} needed,\nthis is {size}")
-        if layout is self._layout and self.has_class(layout.value):
-            self.place_panes()
+        if layout is before and self.has_class(layout.value):
             return
         if layout is Layout.TINY:
             self._focus_before = self.focused
-        elif self._layout is Layout.TINY and self._focus_before is not None:
+        elif before is Layout.TINY and self._focus_before is not None:
             self.set_focus(self._focus_before)
             self._focus_before = None
-        self._layout = layout
         self.call_after_refresh(self.tours.place)
         for each in Layout:
             self.set_class(each is layout, each.value)
-        self.place_panes()
         self._drawn = None
         self._changed()
 
-    def place_panes(self) -> None:
-        """Give each pane its place anew."""
-        self.arrangement.show(self._layout, self.size, self._active)
-
     def point_at(self, pane: Pane) -> None:
         """Bring a pane to sight without going there."""
-        self._active = pane
-        self.place_panes()
+        self.arrangement.active = pane
+        self.arrangement.show()
         self._changed()
 
     def go_to(self, pane: Pane) -> None:
         """Go to a pane; in a narrow terminal it takes the place of the one there."""
-        self._active = pane
-        self.place_panes()
+        self.point_at(pane)
         pane.enter()
-        self._changed()
 
     def goes_there(self, key: str) -> bool:
         """Go to the pane that a key is for; whether there is one, and nobody is typing.
@@ -334,23 +287,16 @@ class MainScreen(Screen[None]):
         """
         if isinstance(self.focused, TextArea | Input):
             return False
-        for pane in self._panes:
+        for pane in self.arrangement.panes:
             if key in command(pane.command_id).keys:
                 self.go_to(pane)
                 return True
         return False
 
-    def go_on(self, steps: int) -> None:
-        """Go to the pane some steps further."""
-        at = self._panes.index(self._active)
-        self.go_to(self._panes[(at + steps) % len(self._panes)])
-
     def on_descendant_focus(self) -> None:
         """Remember which pane is worked in, and offer the commands that fit."""
-        for pane in self._panes:
-            if pane.has_focus_within:
-                self._active = pane
-                self.tours.end()
+        if self.arrangement.focused():
+            self.tours.end()
         self._draw_lines()
 
     # -- messages ------------------------------------------------------------------------------

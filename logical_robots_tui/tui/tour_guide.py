@@ -27,7 +27,7 @@ class TourGuide:
         from logical_robots_tui.tui.tour import Tour
 
         self._remove()
-        if not self._screen.is_tiny:
+        if not self._screen.arrangement.is_tiny:
             self._tour = Tour(moved=self._show, ended=self._come_home)
             self._screen.mount(self._tour)
 
@@ -35,7 +35,7 @@ class TourGuide:
         """Put the box where it belongs, such as after the screen has another size."""
         if self._tour is None:
             return
-        if self._screen.is_tiny:
+        if self._screen.arrangement.is_tiny:
             self._come_home()
             return
         part = self._screen.query_one(f"#{self._tour.stop.place}")
@@ -54,7 +54,7 @@ class TourGuide:
     def _show(self) -> None:
         assert self._tour is not None
         self._screen.point_at(self._screen.labyrinth)
-        for pane in self._screen.panes:
+        for pane in self._screen.arrangement.panes:
             is_it = pane.command_id == self._tour.stop.place
             pane.set_class(is_it, "-pointed")
             if is_it:
@@ -63,7 +63,7 @@ class TourGuide:
 
     def _remove(self) -> None:
         tour, self._tour = self._tour, None
-        for pane in self._screen.panes:
+        for pane in self._screen.arrangement.panes:
             pane.remove_class("-pointed")
         if tour is not None:
             tour.remove()

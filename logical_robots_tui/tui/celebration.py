@@ -1,0 +1,59 @@
+"""What a player sees and hears of a victory."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from logical_robots_tui.tui.layout import Layout
+from logical_robots_tui.tui.plain import one_line
+
+if TYPE_CHECKING:
+    from logical_robots_tui.progress import Measures
+    from logical_robots_tui.tui.screen import MainScreen
+    from logical_robots_tui.world import Level
+
+__all__ = ["Celebration"]
+
+
+class Celebration:
+    """Tells of a victory, once.
+
+    Args:
+        screen: Where to tell it.
+    """
+
+    def __init__(self, screen: MainScreen) -> None:
+        self._screen = screen
+        self._is_over = False
+
+    def follow(self) -> None:
+        """Celebrate if the robots have just won, and keep the banner true."""
+        screen = self._screen
+        won_at = screen.session.won_at
+        if won_at is not None and not self._is_over:
+            self._is_over = True
+            self._celebrate(won_at)
+        screen.labyrinth.banner.follow(screen.journal)
+
+    def _celebrate(self, won_at: int) -> None:
+        screen = self._screen
+        alone = len(screen.session.level.robots) == 1
+        who = "You are there" if alone else "Everybody is there"
+        screen.labyrinth.briefing.display = False
+        screen.journal.won(screen.session)
+        screen.labyrinth.banner.celebrate(won_at, who, screen.journal)
+        arrangement = screen.arrangement
+        if arrangement.layout is Layout.NARROW and arrangement.active is not screen.labyrinth:
+            screen.tell(f"★ {who}: {won_at} ticks ★")
+
+    def measured(self, level: Level, found: Measures) -> None:
+        """Say what a winner measures, unless the banner does."""
+        screen = self._screen
+        if level is not screen.session.level or not screen.labyrinth.banner.display:
+            title = one_line(level.title)
+            screen.tell(f"{title}: won from {found.wins} of {found.starts} shifted starts.")
+
+    def forget(self) -> None:
+        """Take the banner away; the next victory is celebrated again."""
+        self._is_over = False
+        self._screen.labyrinth.banner.display = False
