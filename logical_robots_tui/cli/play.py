@@ -58,6 +58,8 @@ def start(options: argparse.Namespace) -> int:
     # The terminal knows its size better than a shell that once exported it.
     for name in ("COLUMNS", "LINES"):
         os.environ.pop(name, None)
+    # What is told of a tick follows its picture within so much; Textual waits twice as long.
+    os.environ.setdefault("TEXTUAL_FPS", "120")
     from logical_robots_tui.tui.play import play
 
     return play(options.level, options.program, options.data_dir, options.engine)

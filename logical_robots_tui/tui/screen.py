@@ -202,9 +202,7 @@ class MainScreen(Screen[None]):
     # -- drawing -------------------------------------------------------------------------------
 
     def _changed(self) -> None:
-        """Draw soon, and at most so many times a second; what has to be asked is asked at once."""
-        if self.inspector.is_mounted:
-            self.inspector.follow()
+        """Draw soon, and at most so many times a second."""
         if not self._is_draw_due and self.is_mounted:
             self._is_draw_due = True
             wait = self._drawn_at + _FRAME - perf_counter()
@@ -227,6 +225,7 @@ class MainScreen(Screen[None]):
         if session.frame.tick:
             self.journal.moved()
         self.celebration.follow()
+        self.inspector.follow()
 
     def _draw_lines(self) -> None:
         self._status.show(status_of(self.session))

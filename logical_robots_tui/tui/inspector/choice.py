@@ -41,6 +41,7 @@ class Choice(OptionList):
         super().__init__(id="choice", markup=False, compact=True)
         self._predicates: tuple[Predicate, ...] | None = None
         self._survey: Survey | None = None
+        self._counted: dict[str, Content] = {}
 
     @property
     def predicates(self) -> tuple[Predicate, ...] | None:
@@ -55,6 +56,7 @@ class Choice(OptionList):
             inspected: What is being inspected.
         """
         self._predicates, self._survey = predicates, None
+        self._counted.clear()
         # The prelude's functions have nothing to show in any tick; the program's own may surprise.
         listed = [each for each in predicates if each.has_rows or each.kind != "prelude"]
         names = [*_PAGES, *(predicate.name for predicate in listed)]
@@ -89,7 +91,10 @@ class Choice(OptionList):
         for predicate in self._predicates or ():
             if predicate.has_rows:
                 entry = _with_count(_entry(predicate), predicate, self._survey, width)
-                self.replace_option_prompt(predicate.name, entry)
+                before = self._counted.get(predicate.name)
+                if before is None or not before.is_same(entry):
+                    self._counted[predicate.name] = entry
+                    self.replace_option_prompt(predicate.name, entry)
 
 
 def _entry(predicate: Predicate) -> Content:

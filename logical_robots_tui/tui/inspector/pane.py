@@ -201,6 +201,8 @@ class InspectorPane(Pane):
             self._follower = in_background(self, self._catch_up, "inspect")
 
     async def _catch_up(self) -> None:
+        # The tick comes to the screen before what there is to say about it.
+        await self.wait_for_refresh()
         while self._stale and self.display:
             self._stale = False
             frame = self._session.frame
