@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import os
 import select
+import signal
 import struct
 import subprocess
 import termios
 from fcntl import ioctl
+from functools import partial
 from time import monotonic
 from typing import TYPE_CHECKING, Self
 
@@ -61,6 +63,8 @@ class Terminal:
             stderr=theirs,
             env=self._env,
             start_new_session=True,
+            # A shell that runs the tests in the background has made them deaf to ^C.
+            preexec_fn=partial(signal.signal, signal.SIGINT, signal.SIG_DFL),
         )
         os.close(theirs)
         return self
@@ -109,8 +113,9 @@ class Terminal:
 
     def finish(self) -> int:
         """Read to the end and return the exit status."""
-        while self._read(monotonic() + PATIENCE):
-            pass
+        deadline = monotonic() + PATIENCE
+        while self._read(deadline):
+            assert monotonic() < deadline, f"it goes on after {PATIENCE} s:\n{self.text}"
         return self.process.wait(PATIENCE)
 
     def _read(self, deadline: float) -> bool:
