@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from functools import cache, partial
 from itertools import chain
+from math import isfinite
 from operator import itemgetter
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -15,7 +16,7 @@ if TYPE_CHECKING:
     from logical_robots_tui.mind.moment import Moment
     from logical_robots_tui.values import SensorRow
 
-__all__ = ["IN_SELF", "KINDS", "RAYS", "Filling", "fillings"]
+__all__ = ["IN_SELF", "KINDS", "MEMORY_FIELDS", "RAYS", "Filling", "fillings"]
 
 RAYS = 1000
 """Most rays of a radar; those of sensor row n are numbered from n * RAYS on."""
@@ -25,6 +26,9 @@ KINDS = {"RobotRay": "robot", "BeaconRay": "beacon"}
 
 IN_SELF = ("can_charge", "has_battery", "battery_level", "battery_capacity")
 """Columns of ``Sensor`` that come from the record ``self`` of a sensor."""
+
+MEMORY_FIELDS = tuple(f"field_{number}" for number in range(24))
+"""Columns of ``Memory`` that hold a field each; which, a program says for itself."""
 
 _MOST_VALUES = 900  # of one statement
 
@@ -51,7 +55,8 @@ def fillings(table: str, moment: Moment, columns: tuple[str, ...]) -> Sequence[F
     Args:
         table: ``Sensor``, ``Memory``, ``Ray`` or one of `KINDS`.
         moment: Where the rows come from.
-        columns: Which columns to fill beside ``id``, in alphabetical order.
+        columns: Which columns to fill beside ``id``, in alphabetical order; those of fields of
+            memories with the field, as in ``field_0=seen``.
 
     Raises:
         TypeError, KeyError, AttributeError, ValueError: Sensors have not the usual shape.
@@ -68,11 +73,39 @@ def _sensors(moment: Moment, columns: tuple[str, ...]) -> Sequence[Filling]:
 
 
 def _memories(moment: Moment, columns: tuple[str, ...]) -> Sequence[Filling]:
-    if "memory" not in columns:
-        return (Filling(_insert("Memory", ("robot_name",)), moment.memories),)
-    stored = {name: to_sql(memory) for name, memory in moment.remembered.items()}
-    rows = [(number, stored.get(name), name) for number, name in moment.memories]
-    return (Filling(_insert("Memory", ("memory", "robot_name")), rows),)
+    """All memories. A column of a field is written with the field, as in ``field_0=seen``."""
+    names = tuple(column.partition("=")[0] for column in columns)
+    if names == ("robot_name",):
+        return (Filling(_insert("Memory", names), moment.memories),)
+    values = [_memory_value(column) for column in columns if column != "robot_name"]
+    stored = {
+        name: [value(memory) for value in values] for name, memory in moment.remembered.items()
+    }
+    nothing = [None] * len(values)
+    rows = [(number, *stored.get(name, nothing), name) for number, name in moment.memories]
+    return (Filling(_insert("Memory", names), rows),)
+
+
+def _memory_value(column: str) -> Callable[[Any], Any]:
+    _, _, field = column.partition("=")
+    return partial(_field, field) if field else to_sql
+
+
+def _field(field: str, memory: Any) -> Any:
+    """A field of a memory as SQLite would find it in the text of the memory.
+
+    Raises:
+        ValueError: Only SQLite can tell: the memory is a text that may spell a record.
+    """
+    if memory.__class__ is dict:
+        value: Any = memory.get(field)
+        kind = value.__class__
+        if kind is float:
+            return value if isfinite(value) else None
+        return to_input(value) if kind is dict or kind is list else value
+    if memory.__class__ is str and memory.lstrip()[:1] == "{":
+        raise ValueError("a text that may spell a record")
+    return None
 
 
 def _rays(moment: Moment, columns: tuple[str, ...]) -> Sequence[Filling]:

@@ -14,10 +14,13 @@ from sqlglot.errors import SqlglotError
 from logical_robots_tui.mind.duck.translation import in_duckdb
 from logical_robots_tui.mind.program import INPUTS, Tuned
 from logical_robots_tui.mind.tuning import aggregates, columns, records, sharing, sql
+from logical_robots_tui.mind.tuning.memories import memory_fields_as_columns
 from logical_robots_tui.mind.tuning.together import together
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
+
+    from logical_robots_tui.mind.program import Duck
 
 __all__ = ["tune", "tune_all"]
 
@@ -38,25 +41,30 @@ def tune_all(statements: Mapping[str, str]) -> dict[str, Tuned]:
         statements: Queries by name.
     """
     tuned = {}
+    fields: dict[str, str] = {}
     left = _MOST
     for name, statement in statements.items():
         left -= len(statement)
         if left < 0:
             break
         if len(statement) <= _LONGEST:
-            found = tune(statement, for_all=name == "Robot")
+            found = tune(statement, fields, for_all=name == "Robot")
             if found is not None:
                 tuned[name] = found
     return tuned
 
 
-def tune(statement: str, *, for_all: bool = False) -> Tuned | None:
+def tune(
+    statement: str, fields: dict[str, str] | None = None, *, for_all: bool = False
+) -> Tuned | None:
     """The same query for the tables of the columns layout, or None if it can't be rewritten.
 
     Args:
         statement: A query as it was generated.
+        fields: By name of a field of memories its column, for all queries of a program; added to.
         for_all: Whether to make, if possible, one for all viewers at once as well.
     """
+    fields = {} if fields is None else fields
     try:
         tree = sql.parse(statement)
         if not _can_be_moved(tree):
@@ -65,15 +73,12 @@ def tune(statement: str, *, for_all: bool = False) -> Tuned | None:
         columns.rays_as_rows(tree)
         columns.sensor_fields_as_columns(tree)
         columns.bound_to_viewer(tree)
-        aggregates.untangled(tree)
-        aggregates.native_arg_min(tree)
-        result = records.records_as_columns(tree)
-        read = columns.read_by(tree)
-        sharing.shared(tree)
-        aggregates.native_division(tree)
+        duck = _for_duckdb(tree.copy()) if for_all else None
+        memory_fields_as_columns(tree, fields)
+        result, read, at_once = _finished(tree, for_all=for_all)
+        if "Memory" in read:
+            read["Memory"] = _with_fields(read["Memory"], fields)
         bounds = 4 if "Memory" in read else 2 if "Sensor" in read else 0
-        at_once = together(tree) if for_all else None
-        duck = in_duckdb(tree, at_once, result, read) if for_all else None
         if at_once is not None:
             read.setdefault("Sensor", ("robot_name",))
             sharing.rows_as_they_come(at_once)
@@ -82,6 +87,31 @@ def tune(statement: str, *, for_all: bool = False) -> Tuned | None:
         return Tuned(sql.written(tree), bounds, read, result, text, duck)
     except (SqlglotError, ValueError, RecursionError):
         return None
+
+
+def _finished(
+    tree: exp.Query, *, for_all: bool
+) -> tuple[tuple[tuple[str, tuple[str, ...]], ...], dict[str, tuple[str, ...]], exp.Query | None]:
+    """What a query gives and reads, and the query for all viewers; the query itself is tuned."""
+    aggregates.untangled(tree)
+    aggregates.native_arg_min(tree)
+    result = records.records_as_columns(tree)
+    read = columns.read_by(tree)
+    sharing.shared(tree)
+    aggregates.native_division(tree)
+    return result, read, together(tree) if for_all else None
+
+
+def _for_duckdb(tree: exp.Query) -> Duck:
+    """The queries for DuckDB, which has its own way with memories."""
+    result, read, at_once = _finished(tree, for_all=True)
+    return in_duckdb(tree, at_once, result, read)
+
+
+def _with_fields(names: tuple[str, ...], fields: dict[str, str]) -> tuple[str, ...]:
+    """Names of columns of ``Memory``, those of fields with the field."""
+    by_column = {column: field for field, column in fields.items()}
+    return tuple(f"{n}={by_column[n]}" if n in by_column else n for n in names)
 
 
 def _can_be_moved(tree: exp.Expr) -> bool:
