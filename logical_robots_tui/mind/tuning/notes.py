@@ -8,14 +8,14 @@ from __future__ import annotations
 
 from sqlglot import exp
 
-from logical_robots_tui.mind.filling import MEMORY_FIELDS
+from logical_robots_tui.mind.filling import ITEM_FIELDS, MEMORY_FIELDS
 from logical_robots_tui.mind.tuning import columns, sql
 
 __all__ = ["is_plain", "is_stored", "noted"]
 
 _MAKES_JSON = frozenset({"json_array", "json_object", "json_quote"})
 _COLLECTS_JSON = frozenset({"json_group_array", "json_group_object"})
-_UNPLAIN = frozenset({"memory", "sensor", "value", *MEMORY_FIELDS})
+_UNPLAIN = frozenset({"memory", "sensor", "value", *MEMORY_FIELDS, *ITEM_FIELDS})
 _PASSES_ON = frozenset({"coalesce", "iif", "if", "ifnull", "nullif", "min", "max", "any_value"})
 
 
