@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from logical_robots_tui.mind.allowed import TABLES
+from logical_robots_tui.mind.filling import ITEM_FIELDS, MEMORY_FIELDS
 
 __all__ = ["COLUMNS_LAYOUT", "CROWD_LAYOUT", "PLAIN_LAYOUT", "Layout"]
 
@@ -28,18 +29,19 @@ PLAIN_LAYOUT = Layout(
 """The tables as programs know them."""
 
 COLUMNS_LAYOUT = Layout(
-    """
+    f"""
     CREATE TABLE Sensor(
         id INTEGER PRIMARY KEY, robot_name, sensor, forward_distance, forward_object,
         forward_label, clock, can_charge, has_battery, battery_level, battery_capacity
     );
-    CREATE TABLE Memory(id INTEGER PRIMARY KEY, robot_name, memory);
+    CREATE TABLE Memory(id INTEGER PRIMARY KEY, robot_name, memory, {", ".join(MEMORY_FIELDS)});
+    CREATE TABLE Item(id INTEGER PRIMARY KEY, {", ".join(ITEM_FIELDS)});
     CREATE TABLE Ray(id INTEGER PRIMARY KEY, angle, distance, object, label, value);
     CREATE TABLE RobotRay(id INTEGER PRIMARY KEY, angle, distance, object, label, value);
     CREATE TABLE BeaconRay(id INTEGER PRIMARY KEY, angle, distance, object, label, value);
     PRAGMA automatic_index = OFF;
     """,
-    TABLES | {"ray", "robotray", "beaconray"},
+    TABLES | {"item", "ray", "robotray", "beaconray"},
 )
 """Numbered rows, with sensor fields and radar rays in columns of their own; the rays that end at
 robots and at beacons once more. For few robots: to make an index would take longer than to do

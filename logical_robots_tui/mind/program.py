@@ -95,6 +95,7 @@ class Tuned:
         together: The query for all viewers at once, where each sees its own sensor only, or "".
             It has one more column, the viewer's number, and as last parameter how much further
             the visible rows of ``Memory`` begin from one viewer to the next.
+        together_alike: The same where all viewers see the same memories, without that parameter.
         duck: The same for DuckDB, where it was looked for.
     """
 
@@ -103,12 +104,18 @@ class Tuned:
     columns: Mapping[str, tuple[str, ...]]
     result: tuple[tuple[str, tuple[str, ...]], ...]
     together: str = ""
+    together_alike: str = ""
     duck: Duck | None = None
 
-    @property
-    def together_bounds(self) -> int:
-        """How many parameters the query for all viewers has."""
-        return 5 if "Memory" in self.columns else 2
+    def for_all(self, *, alike: bool) -> tuple[str, int]:
+        """The query for all viewers, or "", and how many parameters it has.
+
+        Args:
+            alike: Whether all viewers see the same memories.
+        """
+        memories = 2 if alike else 3
+        bounds = 2 + memories if "Memory" in self.columns else 2
+        return self.together_alike if alike else self.together, bounds
 
 
 @dataclass(frozen=True, slots=True)

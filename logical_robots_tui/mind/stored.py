@@ -23,6 +23,11 @@ _HIDES = re.compile(r"""\\|"[{\[]|Inf|e\+?\d\d\d""")
 _INFINITE = re.compile(r"(?<=[:\[,-])Inf(?=[,\]}])")
 
 
+_QUOTED = re.compile(r'"[^"]*"')
+_NO_BRACKETS = re.compile(r"[^][{}]+")
+_INNERMOST = re.compile(r"\[\]|\{\}")
+
+
 class TooDeepError(ValueError):
     """Records and lists are nested more deeply than they may be."""
 
@@ -82,13 +87,25 @@ def from_sql(value: Any, deepest: int = _DEEPEST) -> Value:
 def _from_json(text: str, deepest: int) -> Value:
     try:
         parsed = _parsed(text)
-        if not _HIDES.search(text) and text.count("[") + text.count("{") <= deepest:
+        if not _HIDES.search(text) and _is_shallow(text, deepest):
             return parsed  # type: ignore[no-any-return]  # there is nothing to unescape
     except RecursionError:
         raise _too_deep() from None
     except ValueError:
         return text
     return _unescaped(parsed, deepest)
+
+
+def _is_shallow(text: str, deepest: int) -> bool:
+    """Whether records and lists are nested no deeper in JSON text that escapes nothing."""
+    if text.count("[") + text.count("{") <= deepest:
+        return True
+    brackets = _NO_BRACKETS.sub("", _QUOTED.sub("", text))
+    for _ in range(deepest):
+        if not brackets:
+            return True
+        brackets = _INNERMOST.sub("", brackets)
+    return not brackets
 
 
 def _parsed(text: str) -> Any:

@@ -105,8 +105,9 @@ class TunedTables:
             Exception: As `ask` does.
         """
         last = len(moment.sensors) - 1
-        bounds = (0, last, 0, last, moment.stride)[: tuned.together_bounds]
-        return self._ask(tuned.together, bounds, len(moment.views) + 1, tuned, moment, within)
+        sql, bounds = tuned.for_all(alike=moment.stride == 0)
+        numbers = (0, last, 0, last, moment.stride)[:bounds]
+        return self._ask(sql, numbers, len(moment.views) + 1, tuned, moment, within)
 
     def close(self) -> None:
         """Free the database."""

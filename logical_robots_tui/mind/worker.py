@@ -215,9 +215,9 @@ def _tuned(program: Program) -> Program:
     try:
         for name, tuned in tune_all(statements).items():
             if _is_prepared_soon(database, tuned.sql, tuned.bounds):
-                together, bounds = tuned.together, tuned.together_bounds
-                good = not together or _is_prepared_soon(database, together, bounds)
-                kept[name] = tuned if good else replace(tuned, together="")
+                jointly = (tuned.for_all(alike=alike) for alike in (False, True))
+                good = all(not sql or _is_prepared_soon(database, sql, n) for sql, n in jointly)
+                kept[name] = tuned if good else replace(tuned, together="", together_alike="")
     finally:
         database.close()
     return replace(program, tuned=kept)

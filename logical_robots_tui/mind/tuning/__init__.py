@@ -6,6 +6,7 @@ own; what a program computes several times is computed once. Runs in the compile
 
 from __future__ import annotations
 
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 from sqlglot import exp
@@ -14,12 +15,17 @@ from sqlglot.errors import SqlglotError
 from logical_robots_tui.mind.duck.translation import in_duckdb
 from logical_robots_tui.mind.program import INPUTS, Tuned
 from logical_robots_tui.mind.tuning import aggregates, columns, records, sharing, sql
+from logical_robots_tui.mind.tuning.items import items_as_rows
+from logical_robots_tui.mind.tuning.memories import memory_fields_as_columns
+from logical_robots_tui.mind.tuning.pairs import pairs_as_columns
 from logical_robots_tui.mind.tuning.together import together
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-__all__ = ["tune", "tune_all"]
+    from logical_robots_tui.mind.program import Duck
+
+__all__ = ["Known", "tune", "tune_all"]
 
 _LONGEST = 100_000  # characters of a statement
 _MOST = 400_000  # characters of all statements of a program
@@ -31,6 +37,19 @@ _OURS = frozenset(columns.TABLES).difference(name.lower() for name in INPUTS)
 """Tables that a tuned query has and those of a program have not."""
 
 
+@dataclass(frozen=True, slots=True)
+class Known:
+    """Which columns hold what of memories, for all queries of a program; added to.
+
+    Attributes:
+        fields: By name of a field of memories its column of ``Memory``.
+        items: By name of a field of records in their lists its column of ``Item``.
+    """
+
+    fields: dict[str, str] = field(default_factory=dict)
+    items: dict[str, str] = field(default_factory=dict)
+
+
 def tune_all(statements: Mapping[str, str]) -> dict[str, Tuned]:
     """Tune what can be tuned of several queries, the first ones first.
 
@@ -38,25 +57,28 @@ def tune_all(statements: Mapping[str, str]) -> dict[str, Tuned]:
         statements: Queries by name.
     """
     tuned = {}
+    known = Known()
     left = _MOST
     for name, statement in statements.items():
         left -= len(statement)
         if left < 0:
             break
         if len(statement) <= _LONGEST:
-            found = tune(statement, for_all=name == "Robot")
+            found = tune(statement, known, for_all=name == "Robot")
             if found is not None:
                 tuned[name] = found
     return tuned
 
 
-def tune(statement: str, *, for_all: bool = False) -> Tuned | None:
+def tune(statement: str, known: Known | None = None, *, for_all: bool = False) -> Tuned | None:
     """The same query for the tables of the columns layout, or None if it can't be rewritten.
 
     Args:
         statement: A query as it was generated.
+        known: Columns for fields of memories, the same for all queries of a program.
         for_all: Whether to make, if possible, one for all viewers at once as well.
     """
+    known = known or Known()
     try:
         tree = sql.parse(statement)
         if not _can_be_moved(tree):
@@ -65,23 +87,54 @@ def tune(statement: str, *, for_all: bool = False) -> Tuned | None:
         columns.rays_as_rows(tree)
         columns.sensor_fields_as_columns(tree)
         columns.bound_to_viewer(tree)
-        aggregates.untangled(tree)
-        aggregates.native_arg_min(tree)
-        result = records.records_as_columns(tree)
-        read = columns.read_by(tree)
-        sharing.shared(tree)
-        aggregates.native_division(tree)
+        duck = _for_duckdb(tree.copy()) if for_all else None
+        pairs_as_columns(tree)
+        memory_fields_as_columns(tree, known.fields)
+        items = items_as_rows(tree, known.fields, known.items)
+        aggregates.grouped_arg_min(tree)
+        result, read = _finished(tree)
+        if "Memory" in read:
+            read["Memory"] = _with_fields(read["Memory"], known.fields)
+        if items:
+            read["Item"] = items
         bounds = 4 if "Memory" in read else 2 if "Sensor" in read else 0
-        at_once = together(tree) if for_all else None
-        duck = in_duckdb(tree, at_once, result, read) if for_all else None
-        if at_once is not None:
+        at_once = [together(tree), together(tree, alike=True)] if for_all else [None, None]
+        if any(at_once):
             read.setdefault("Sensor", ("robot_name",))
-            sharing.rows_as_they_come(at_once)
-        sharing.rows_as_they_come(tree)
-        text = "" if at_once is None else sql.written(at_once)
-        return Tuned(sql.written(tree), bounds, read, result, text, duck)
+        texts = [_as_rows_come(query) if query else "" for query in at_once]
+        return Tuned(_as_rows_come(tree), bounds, read, result, texts[0], texts[1], duck)
     except (SqlglotError, ValueError, RecursionError):
         return None
+
+
+def _finished(
+    tree: exp.Query,
+) -> tuple[tuple[tuple[str, tuple[str, ...]], ...], dict[str, tuple[str, ...]]]:
+    """Tune a query whose inputs are columns; what it gives and what it reads."""
+    aggregates.untangled(tree)
+    aggregates.native_arg_min(tree)
+    result = records.records_as_columns(tree)
+    read = columns.read_by(tree)
+    sharing.shared(tree)
+    aggregates.native_division(tree)
+    return result, read
+
+
+def _as_rows_come(tree: exp.Query) -> str:
+    sharing.rows_as_they_come(tree)
+    return sql.written(tree)
+
+
+def _for_duckdb(tree: exp.Query) -> Duck:
+    """The queries for DuckDB, which has its own way with memories and pairs."""
+    result, read = _finished(tree)
+    return in_duckdb(tree, together(tree), result, read)
+
+
+def _with_fields(names: tuple[str, ...], fields: Mapping[str, str]) -> tuple[str, ...]:
+    """Names of columns of ``Memory``, those of fields with the field."""
+    by_column = {column: field for field, column in fields.items()}
+    return tuple(f"{n}={by_column[n]}" if n in by_column else n for n in names)
 
 
 def _can_be_moved(tree: exp.Expr) -> bool:

@@ -2,11 +2,16 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 from sqlglot import exp
 
 from logical_robots_tui.mind.tuning import sql
 
-__all__ = ["native_arg_min", "native_division", "untangled"]
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+__all__ = ["grouped_arg_min", "native_arg_min", "native_division", "untangled"]
 
 _NATIVE = {"arg_min": "MIN", "arg_max": "MAX"}
 
@@ -59,6 +64,42 @@ def native_arg_min(tree: exp.Expr) -> None:
         outer = exp.Select(expressions=[exp.alias_(chosen, named.alias or "a")])
         outer.set("from_", exp.From(this=exp.Subquery(this=inner, alias=_alias("best"))))
         select.replace(outer)
+
+
+def grouped_arg_min(tree: exp.Expr) -> None:
+    """ArgMin and ArgMax by SQLite's MIN and MAX also where a select computes more, in groups.
+
+    There must be no second MIN or MAX, as then it is not said which row a bare column comes from.
+    """
+    for select in list(sql.selects(tree)):
+        if not select.args.get("group") or select.args.get("having") or select.args.get("order"):
+            continue
+        calls = [call for item in select.expressions for call in _own_calls(item)]
+        best = [call for call in calls if sql.call_name(call) in _NATIVE]
+        extremes = {
+            (_NATIVE.get(sql.call_name(call), call.name.upper()), call.expressions[-1])
+            for call in calls
+            if sql.call_name(call) in {*_NATIVE, "min", "max"} and call.expressions
+        }
+        if len(extremes) != 1 or any(len(call.expressions) != 2 for call in best):
+            continue
+        ((native, value),) = extremes
+        if any(map(_aggregates_inside, [value, *(call.expressions[0] for call in best)])):
+            continue
+        for call in best:
+            least = exp.Anonymous(this=native, expressions=[value.copy()])
+            found = exp.Not(this=exp.Is(this=least, expression=exp.Null()))
+            call.replace(exp.Case(ifs=[exp.If(this=found, true=call.expressions[0])]))
+
+
+def _own_calls(node: exp.Expr) -> Iterator[exp.Anonymous]:
+    """The calls of functions in an expression, but not in selects inside it."""
+    if isinstance(node, exp.Select):
+        return
+    if isinstance(node, exp.Anonymous):
+        yield node
+    for child in node.iter_expressions():
+        yield from _own_calls(child)
 
 
 def native_division(tree: exp.Expr) -> None:

@@ -6,15 +6,10 @@ their numbers, so that one load serves the thoughts of all.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 from sqlglot import exp
 
 from logical_robots_tui.mind.filling import KINDS, RAYS
 from logical_robots_tui.mind.tuning import sql
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
 
 __all__ = [
     "RAY_FIELDS",
@@ -47,6 +42,7 @@ TABLES = {
     "sensor": "Sensor",
     "memory": "Memory",
     "ray": "Ray",
+    "item": "Item",
     **{table.lower(): table for table in KINDS},
 }
 """The tables that a tuned query reads, by their names in lower case."""
@@ -66,7 +62,7 @@ def one_alias_per_robot(tree: exp.Expr) -> None:
             for name in [name for name in here if name in names]:
                 table = sql.table_name(here[name])
                 if table in _BOUNDS and kept.setdefault(table, name) != name:
-                    for column in list(_columns_of(select, name)):
+                    for column in list(sql.columns_of(select, name)):
                         column.set("table", exp.to_identifier(kept[table]))
                     sql.drop_source(select, name)
         for condition in sql.conjuncts(select):
@@ -84,11 +80,11 @@ def rays_as_rows(tree: exp.Expr) -> None:
             sensor = _radar_of(table)
             if sensor is None:
                 continue
-            columns = list(_columns_of(select, name))
+            columns = list(sql.columns_of(select, name))
             if any(column.name != "value" for column in columns):
                 continue
             for column in columns:
-                field = _extracted(column.parent)
+                field = sql.extracted(column.parent)
                 if column.parent and field[:2] == "$." and field[2:] in RAY_FIELDS:
                     column.parent.replace(exp.column(field[2:], name))
             rays = exp.to_table(_of_one_kind(select, name) or "Ray")
@@ -110,8 +106,8 @@ def sensor_fields_as_columns(tree: exp.Expr) -> None:
             continue
         node: exp.Expr = column
         path = "$"
-        while (outer := node.parent) is not None and _extracted(outer).startswith("$."):
-            node, path = outer, path + _extracted(outer)[1:]
+        while (outer := node.parent) is not None and sql.extracted(outer).startswith("$."):
+            node, path = outer, path + sql.extracted(outer)[1:]
             if path in SENSOR_FIELDS:
                 node.replace(exp.column(SENSOR_FIELDS[path], column.table))
                 break
@@ -166,14 +162,6 @@ def _same_robot(condition: exp.Expr) -> set[str]:
     return {side.table for side in sides}
 
 
-def _columns_of(select: exp.Select, name: str) -> Iterator[exp.Column]:
-    """The columns below a select that are qualified with the name of one of its sources."""
-    for column in select.find_all(exp.Column):
-        found = sql.source(column) if column.table == name else None
-        if found is not None and found[0] is select:
-            yield column
-
-
 def _radar_of(table: exp.Expr) -> str | None:
     """The name of the sensor table whose radar is unnested, if that is what it is."""
     if not isinstance(table, exp.Table) or sql.call_name(table.this) != "json_each":
@@ -182,7 +170,7 @@ def _radar_of(table: exp.Expr) -> str | None:
     if len(arguments) != 1 or sql.call_name(arguments[0]) != "json_extract":
         return None
     column = arguments[0].expressions[0]
-    if not isinstance(column, exp.Column) or _extracted(arguments[0]) != "$.radar":
+    if not isinstance(column, exp.Column) or sql.extracted(arguments[0]) != "$.radar":
         return None
     return column.table if _is_table(column, "sensor") and column.name == "sensor" else None
 
@@ -203,16 +191,6 @@ def _of_one_kind(select: exp.Select, ray: str) -> str:
                     sql.drop_condition(select, test)
                     return table
     return ""
-
-
-def _extracted(node: exp.Expr | None) -> str:
-    """The path of a call of json_extract with one, or ""."""
-    if sql.call_name(node) != "json_extract":
-        return ""
-    assert node is not None
-    arguments = node.expressions
-    path = arguments[1] if len(arguments) == 2 else None
-    return path.this if isinstance(path, exp.Literal) and path.is_string else ""
 
 
 def _is_table(column: exp.Column, name: str) -> bool:

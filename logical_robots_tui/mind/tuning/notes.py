@@ -8,12 +8,14 @@ from __future__ import annotations
 
 from sqlglot import exp
 
+from logical_robots_tui.mind.filling import ITEM_FIELDS, MEMORY_FIELDS
 from logical_robots_tui.mind.tuning import columns, sql
 
 __all__ = ["is_plain", "is_stored", "noted"]
 
 _MAKES_JSON = frozenset({"json_array", "json_object", "json_quote"})
 _COLLECTS_JSON = frozenset({"json_group_array", "json_group_object"})
+_UNPLAIN = frozenset({"memory", "sensor", "value", *MEMORY_FIELDS, *ITEM_FIELDS})
 _PASSES_ON = frozenset({"coalesce", "iif", "if", "ifnull", "nullif", "min", "max", "any_value"})
 
 
@@ -47,7 +49,7 @@ def _is_plain_column(column: exp.Column, table: exp.Expr) -> bool:
         for made in table.this.expressions:
             if made.alias_or_name.lower() == column.name.lower():
                 return is_plain(made)
-    return is_stored(table) and column.name.lower() not in {"memory", "sensor", "value"}
+    return is_stored(table) and column.name.lower() not in _UNPLAIN
 
 
 def _is_noticed(node: exp.Expr, is_result: bool) -> bool:

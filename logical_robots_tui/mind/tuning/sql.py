@@ -17,9 +17,11 @@ if TYPE_CHECKING:
 __all__ = [
     "AGGREGATES",
     "call_name",
+    "columns_of",
     "conjuncts",
     "drop_condition",
     "drop_source",
+    "extracted",
     "nearest_select",
     "own_aggregates",
     "parse",
@@ -128,9 +130,27 @@ def source(column: exp.Column) -> tuple[exp.Select, exp.Expr] | None:
     return None
 
 
+def columns_of(select: exp.Select, name: str) -> Iterator[exp.Column]:
+    """The columns below a select that are qualified with the name of one of its sources."""
+    for column in select.find_all(exp.Column):
+        found = source(column) if column.table == name else None
+        if found is not None and found[0] is select:
+            yield column
+
+
 def call_name(node: exp.Expr | None) -> str:
     """The name of the function that is called, in lower case, or ""."""
     return node.name.lower() if isinstance(node, exp.Anonymous) else ""
+
+
+def extracted(node: exp.Expr | None) -> str:
+    """The path of a call of json_extract with one, or ""."""
+    if call_name(node) != "json_extract":
+        return ""
+    assert node is not None
+    arguments = node.expressions
+    path = arguments[1] if len(arguments) == 2 else None
+    return path.this if isinstance(path, exp.Literal) and path.is_string else ""
 
 
 def own_aggregates(node: exp.Expr) -> bool:

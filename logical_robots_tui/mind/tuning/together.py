@@ -4,11 +4,13 @@ A tuned query has bounds for the rows that its viewer sees. Where each robot see
 alone, the number of the viewer is that of its sensor row. So the query can be asked for all
 viewers at once: every named query carries the number of the viewer that its rows are for, and
 what is computed from several of them takes rows of the same viewer together. A subquery that is
-computed for each viewer anyway has what it reads written into it, with the viewer's bounds.
+computed for each viewer anyway takes the viewer's rows of what it reads; what nothing else reads is
+written into it, with the viewer's bounds.
 """
 
 from __future__ import annotations
 
+from collections import Counter
 from typing import TYPE_CHECKING
 
 from sqlglot import exp
@@ -26,22 +28,25 @@ _EVERYBODY = "t_0_everybody"
 _UNUSUAL = ("having", "order", "limit", "offset", "windows")
 
 
-def together(tree: exp.Query) -> exp.Query | None:
+def together(tree: exp.Query, *, alike: bool = False) -> exp.Query | None:
     """The same query for all viewers, or None if it can't be made.
 
     Args:
         tree: A tuned query of one viewer; it isn't changed.
+        alike: Whether all viewers see the same memories, so that what is computed from nothing
+            else is computed once for all.
 
     Returns:
         A query with one more column, the last, for the number of the viewer. Its parameters are
         the numbers of the first and the last row of ``Sensor``; of the first and the last row of
-        ``Memory`` that viewer 0 sees; and how much further those of the next viewer begin.
+        ``Memory`` that viewer 0 sees; and how much further those of the next viewer begin, which
+        is not asked for where they are alike.
     """
     if not isinstance(tree, exp.Select):
         return None
     tree = tree.copy()
     try:
-        return tree if _Lifting().lift(tree) else None
+        return tree if _Lifting(tree, alike=alike).lift(tree) else None
     except _UnsuitableError:
         return None
 
@@ -53,10 +58,11 @@ class _UnsuitableError(Exception):
 class _Lifting:
     """Adds the viewer to a query, its named queries first."""
 
-    def __init__(self) -> None:
+    def __init__(self, tree: exp.Query, *, alike: bool) -> None:
+        self._bounds = ("?1",) if alike else ("?1", "?3")
         # Named queries that depend on the viewer, as they were.
         self._dependent: dict[str, exp.Expr] = {}
-        self._written_out: set[str] = set()
+        self._mentions = Counter(table.name for table in tree.find_all(exp.Table))
 
     def lift(self, query: exp.Expr, *, must: bool = False) -> bool:
         """Add the viewer as last column.
@@ -118,6 +124,10 @@ class _Lifting:
         return self._is_lifted(only)
 
     def _lift_select(self, select: exp.Select, *, must: bool) -> bool:
+        if not select.args.get("group") and any(map(sql.own_aggregates, select.expressions)):
+            if not must and not self._depends(select):
+                return False
+            _give_row_to_each(select)
         sources = sql.sources(select)
         told = {name: viewer for name, t in sources.items() if (viewer := self._told(name, t))}
         if not told:
@@ -125,10 +135,9 @@ class _Lifting:
                 return False
             _read_everybody(select)
             told = {_EVERYBODY: exp.column("id", _EVERYBODY)}
-        unusual = any(select.args.get(part) for part in _UNUSUAL)
-        group = select.args.get("group")
-        if unusual or (group is None and any(map(sql.own_aggregates, select.expressions))):
+        if any(select.args.get(part) for part in _UNUSUAL):
             raise _UnsuitableError
+        group = select.args.get("group")
         sensors = (name for name in told if sql.table_name(sources.get(name)) == "sensor")
         leader = next(sensors, next(iter(told)))
         viewer = told.pop(leader)
@@ -153,13 +162,22 @@ class _Lifting:
 
     def _depends(self, select: exp.Select) -> bool:
         """Whether anything below a select is not the same for all viewers."""
-        return any(True for _ in _bounds(select)) or any(
+        return any(True for _ in self._bounds_in(select)) or any(
             self._is_lifted(table) for table in select.find_all(exp.Table)
         )
 
+    def _bounds_in(self, select: exp.Select) -> Iterator[exp.Between]:
+        """The viewer's bounds in a select, but not in the queries that it reads from."""
+        for node in select.find_all(exp.Between):
+            if self._is_bound(node) and not _is_read_by(node, select):
+                yield node
+
+    def _is_bound(self, node: exp.Between) -> bool:
+        return isinstance(node.args["low"], exp.Var) and node.args["low"].name in self._bounds
+
     def _bind(self, select: exp.Select, leader: str, viewer: exp.Column) -> None:
         """Let all that a select computes see what the viewer sees."""
-        for bounds in list(_bounds(select)):
+        for bounds in list(self._bounds_in(select)):
             if bounds.this.table != leader or sql.nearest_select(bounds) is not select:
                 _narrow(bounds, viewer)
         for inner in list(select.find_all(exp.Select)):
@@ -174,17 +192,37 @@ class _Lifting:
         for name, table in sources.items():
             if not self._is_lifted(table):
                 continue
-            if table.name in self._written_out:
-                raise _UnsuitableError  # better computed once
-            self._written_out.add(table.name)
+            if self._mentions[table.name] > 1:
+                theirs = exp.column(_VIEWER, name)
+                sql.restrict(select, exp.EQ(this=theirs, expression=viewer.copy()))
+                continue
             body = self._dependent[table.name].copy()
             alias = exp.TableAlias(this=exp.to_identifier(name))
             table.replace(exp.Subquery(this=body, alias=alias))
             for bounds in list(body.find_all(exp.Between)):
-                if _is_bound(bounds):
+                if self._is_bound(bounds):
                     _narrow(bounds, viewer)
             for inner in list(body.find_all(exp.Select)):
                 self._write_out(inner, viewer)
+
+
+def _give_row_to_each(select: exp.Select) -> None:
+    """Let a select that aggregates all its rows be a value, for there is one for each viewer.
+
+    Grouped by viewer, there would be none for a viewer without rows.
+    """
+    if select.args.get("distinct"):
+        raise _UnsuitableError
+    values = []
+    for item in select.expressions:
+        alone = exp.Select(expressions=[item.copy()])
+        for part in ("from_", "joins", "where"):
+            if (found := select.args.get(part)) is not None:
+                alone.set(part, [one.copy() for one in found] if part == "joins" else found.copy())
+        values.append(exp.alias_(exp.Subquery(this=alone), item.alias_or_name))
+    select.set("expressions", values)
+    for part in ("from_", "joins", "where"):
+        select.set(part, None)
 
 
 def _narrow(bounds: exp.Between, viewer: exp.Column) -> None:
@@ -207,17 +245,6 @@ def _read_everybody(select: exp.Select) -> None:
     select.set("joins", [exp.Join(this=item, kind="CROSS") for item in rest])
     low, high = exp.Var(this="?1"), exp.Var(this="?2")
     sql.restrict(select, exp.Between(this=exp.column("id", _EVERYBODY), low=low, high=high))
-
-
-def _bounds(select: exp.Select) -> Iterator[exp.Between]:
-    """The bounds of inputs in a select, but not in the queries that it reads from."""
-    for node in select.find_all(exp.Between):
-        if _is_bound(node) and not _is_read_by(node, select):
-            yield node
-
-
-def _is_bound(node: exp.Between) -> bool:
-    return isinstance(node.args["low"], exp.Var) and node.args["low"].name in ("?1", "?3")
 
 
 def _is_read_by(node: exp.Expr, select: exp.Select) -> bool:

@@ -1,0 +1,73 @@
+"""Fields of memories as columns: a memory that is a record is not taken apart again and again."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from sqlglot import exp
+
+from logical_robots_tui.mind.filling import MEMORY_FIELDS
+from logical_robots_tui.mind.tuning import notes, sql
+
+if TYPE_CHECKING:
+    from collections.abc import MutableMapping
+
+__all__ = ["guarded_field", "memory_fields_as_columns"]
+
+
+def memory_fields_as_columns(tree: exp.Expr, known: MutableMapping[str, str]) -> None:
+    """Take fields of memories from columns of their own.
+
+    Args:
+        tree: A query; changed in place.
+        known: By name of a field its column, for all queries of a program; added to.
+    """
+    for column in list(tree.find_all(exp.Column)):
+        guarded = _field_of_memory(column)
+        if guarded is None:
+            continue
+        case, field = guarded
+        if field not in known:
+            if len(known) == len(MEMORY_FIELDS):
+                continue
+            known[field] = MEMORY_FIELDS[len(known)]
+        taken = exp.column(known[field], column.table)
+        case.replace(notes.noted(taken, case, is_result=True))
+
+
+def _field_of_memory(column: exp.Column) -> tuple[exp.Case, str] | None:
+    """The expression that takes a field out of a memory if that is a record, and the field."""
+    if column.name.lower() != "memory":
+        return None
+    found = sql.source(column)
+    if found is None or sql.table_name(found[1]) != "memory":
+        return None
+    return guarded_field(column)
+
+
+def guarded_field(column: exp.Column) -> tuple[exp.Case, str] | None:
+    """The expression that takes a field out of a column if that is a record, and the field.
+
+    It is ``CASE WHEN JSON_VALID(column) THEN JSON_EXTRACT(column, '$.field') END``; of its two
+    mentions of the column only the second has one.
+    """
+    call = column.parent
+    branch = call.parent if sql.call_name(call) == "json_extract" and call else None
+    case = branch.parent if isinstance(branch, exp.If) else None
+    if not isinstance(case, exp.Case) or branch is None or call is None:
+        return None
+    test = branch.this
+    path = call.expressions[1] if len(call.expressions) == 2 else None
+    if (
+        case.this is not None
+        or case.args.get("default") is not None
+        or len(case.args["ifs"]) != 1
+        or branch.args.get("true") is not call
+        or sql.call_name(test) != "json_valid"
+        or test.expressions != [column]
+        or not isinstance(path, exp.Literal)
+        or not path.is_string
+    ):
+        return None
+    name = path.this.removeprefix("$.")
+    return (case, name) if path.this == f"$.{name}" and name.isidentifier() else None
