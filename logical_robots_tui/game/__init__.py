@@ -18,6 +18,7 @@ from logical_robots_tui.game.inquiry import Inquiry
 from logical_robots_tui.game.marks import MARK_KINDS, Mark, MarkKind
 from logical_robots_tui.game.pace import FLAT_OUT, SPEEDS, Pace
 from logical_robots_tui.game.parting import Difference, Parting
+from logical_robots_tui.game.pins import MIND, ROBOT_COLUMNS, Path, Pin, Reading, pin_of_cell, read
 from logical_robots_tui.game.reference import is_shipped, level_key, reference_for
 from logical_robots_tui.game.rules import count_rules
 from logical_robots_tui.game.source import Source, list_programs, load_program, save_program
@@ -27,6 +28,8 @@ __all__ = [
     "EVENTS",
     "FLAT_OUT",
     "MARK_KINDS",
+    "MIND",
+    "ROBOT_COLUMNS",
     "SPEEDS",
     "Answer",
     "Breakpoint",
@@ -44,6 +47,9 @@ __all__ = [
     "NoSuchTickError",
     "Pace",
     "Parting",
+    "Path",
+    "Pin",
+    "Reading",
     "Source",
     "Superseded",
     "compile_program",
@@ -54,6 +60,8 @@ __all__ = [
     "list_programs",
     "load_program",
     "mistake_in",
+    "pin_of_cell",
+    "read",
     "reference_for",
     "save_program",
     "start_frame",

@@ -145,6 +145,8 @@ class Game:
     async def query(self, predicate: str, frame: Frame | None = None) -> Answer:
         """Rows of a predicate of the program at a frame, by default the present one.
 
+        It is the present program that is asked, also about ticks in which another one decided.
+
         Raises:
             Superseded: The program changed, or a newer query came, before the answer was there.
             QueryError: The predicate has no rows of its own, or failed.

@@ -41,6 +41,7 @@ class History:
         most_bytes: What may be packed; the other course goes first, then the oldest ticks.
 
     Attributes:
+        turns: How often the present course became another one.
         parting: Where the present course and the other one part, or None as far as both are known.
     """
 
@@ -51,6 +52,7 @@ class History:
         self._most_bytes = most_bytes
         self._course = Course(start, length)
         self._other: Course | None = None
+        self.turns = 0
         self.parting: Parting | None = None
 
     @property
@@ -109,6 +111,7 @@ class History:
         if self._other is None:
             raise NoSuchTickError("There is no other future.")
         self._course, self._other = self._other, self._course
+        self.turns += 1
         self.parting = self.parting and self.parting.turned()
 
     def around(self, tick: int) -> tuple[Moment, Moment]:
@@ -156,6 +159,7 @@ class History:
 
     def _go_over_to(self, new: Course) -> None:
         self._course = new
+        self.turns += 1
         if self.parting is not None and self.parting.tick > new.last:
             self.parting = None
 

@@ -4,17 +4,20 @@ from __future__ import annotations
 
 import asyncio
 import contextlib
+from functools import partial
 from typing import TYPE_CHECKING, TypeVar
 
 from logical_robots_tui.game.game import Superseded
+from logical_robots_tui.game.pins import read
 from logical_robots_tui.game.thinker import Thinker
 from logical_robots_tui.mind import Limits, QueryError, Stopped, Table
 
 if TYPE_CHECKING:
     import threading
-    from collections.abc import Callable, Mapping
+    from collections.abc import Callable, Iterable, Mapping, Sequence
 
     from logical_robots_tui.game.frame import Frame
+    from logical_robots_tui.game.pins import Pin, Reading
     from logical_robots_tui.mind import Explanation, Machinery, Mind, Program
     from logical_robots_tui.values import Value
     from logical_robots_tui.world import Level
@@ -40,6 +43,7 @@ class Inquiry:
         self._asker = Thinker("ask")
         self._explainer = Thinker("explain")
         self._surveyor = Thinker("survey")
+        self._watcher = Thinker("watch")
 
     async def ask(self, program: Program, query: str, frame: Frame) -> Table:
         """What any query gives at a frame.
@@ -133,21 +137,32 @@ class Inquiry:
         if wanted is None:
             wanted = tuple(each.name for each in program.predicates if each.has_rows)
 
-        def work(mind: Mind, stop: threading.Event) -> dict[str, Table | QueryError]:
-            found: dict[str, Table | QueryError] = {}
-            for name in wanted:
-                try:
-                    sensors, memories = frame.sensors, frame.memories_before
-                    found[name] = mind.query(name, sensors, memories, stop=stop)
-                except QueryError as error:
-                    found[name] = error
-            return found
+        return await self._do(self._surveyor, program, partial(_tables, wanted, frame))
 
-        return await self._do(self._surveyor, program, work)
+    async def readings(
+        self, program: Program, frame: Frame, pins: Sequence[Pin]
+    ) -> dict[Pin, Reading]:
+        """What can be read off pins at a frame.
+
+        Args:
+            program: The program.
+            frame: The tick.
+            pins: What is looked at.
+
+        Raises:
+            Superseded: Other pins, or those of another tick, were asked for before this was done.
+        """
+
+        def work(mind: Mind, stop: threading.Event) -> dict[Pin, Reading]:
+            tables = _tables(dict.fromkeys(pin.predicate for pin in pins), frame, mind, stop)
+            return {pin: read(pin, tables[pin.predicate]) for pin in pins}
+
+        return await self._do(self._watcher, program, work)
 
     async def close(self) -> None:
         """Stop all work and free the minds."""
-        await asyncio.gather(self._asker.close(), self._explainer.close(), self._surveyor.close())
+        thinkers = (self._asker, self._explainer, self._surveyor, self._watcher)
+        await asyncio.gather(*(thinker.close() for thinker in thinkers))
 
     async def _do(
         self, thinker: Thinker, program: Program, work: Callable[[Mind, threading.Event], T]
@@ -159,3 +174,16 @@ class Inquiry:
             )
         except Stopped:
             raise Superseded from None
+
+
+def _tables(
+    predicates: Iterable[str], frame: Frame, mind: Mind, stop: threading.Event
+) -> dict[str, Table | QueryError]:
+    """The rows of predicates at a frame, or why one has none."""
+    found: dict[str, Table | QueryError] = {}
+    for name in predicates:
+        try:
+            found[name] = mind.query(name, frame.sensors, frame.memories_before, stop=stop)
+        except QueryError as error:
+            found[name] = error
+    return found

@@ -213,9 +213,22 @@ class Actions:
         self._screen.go_to(self._screen.inspector)
         self._screen.inspector.ask()
 
+    def watch(self) -> None:
+        """Show what is pinned."""
+        self._screen.go_to(self._screen.inspector)
+        self._screen.inspector.go_to_pins()
+
+    def pin(self) -> None:
+        """Pin what the cursor is on."""
+        self._screen.rows.pin()
+
+    def open_value(self) -> None:
+        """Open a value as a tree."""
+        self._screen.rows.open_value()
+
     def machinery(self) -> None:
         """Show how predicates are computed."""
-        self._screen.spawn(self._screen.inspector.machinery, "machinery", exclusive=True)
+        self._screen.spawn(self._screen.rows.machinery, "machinery", exclusive=True)
 
     def only_robot(self) -> None:
         """Show the rows of one robot."""

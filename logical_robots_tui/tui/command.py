@@ -21,6 +21,7 @@ _NAMES = {
     "question_mark": "?",
     "slash": "/",
     "asterisk": "*",
+    "at": "@",
     "number_sign": "#",
     "left_square_bracket": "[",
     "right_square_bracket": "]",

@@ -6,7 +6,7 @@ from logical_robots_tui.tui.command import Command
 
 __all__ = ["GROUPS", "LOOKING"]
 
-_VIEW, _ROWS, _HELP = "Looking", "Rows of a predicate", "Help and leaving"
+_VIEW, _ROWS, _HELP = "Looking", "Rows and values", "Help and leaving"
 GROUPS = (_VIEW, _ROWS, _HELP)
 
 LOOKING: tuple[Command, ...] = (
@@ -31,6 +31,13 @@ LOOKING: tuple[Command, ...] = (
         ("slash",),
         bar="Ask",
         spare=4,
+    ),
+    Command(
+        "watch",
+        "Watch",
+        "See what is pinned: its value at this tick, and how it went in the ticks around.",
+        _VIEW,
+        ("V",),
     ),
     Command(
         "leave",
@@ -122,6 +129,20 @@ LOOKING: tuple[Command, ...] = (
         "Draw the labyrinth in quadrants, in half blocks, in sextants, or in plain characters.",
         _VIEW,
         ("d",),
+    ),
+    Command(
+        "pin",
+        "Pin or unpin",
+        "Keep an eye on the value under the cursor, the predicate, or the chosen robot's memory.",
+        _ROWS,
+        ("at",),
+    ),
+    Command(
+        "open_value",
+        "Open the value",
+        "Show the value under the cursor, or what a decision came from, as a tree.",
+        _ROWS,
+        ("X",),
     ),
     Command(
         "machinery",

@@ -16,10 +16,12 @@ from logical_robots_tui.tui.bar import CommandBar, CommandChosen, PaneTabs
 from logical_robots_tui.tui.celebration import Celebration
 from logical_robots_tui.tui.commands import bindings, command
 from logical_robots_tui.tui.guide import Guide
-from logical_robots_tui.tui.inspector.choice import DECISION, ROBOTS, WHY
+from logical_robots_tui.tui.inspector.choice import DECISION, ROBOTS, WATCH, WHY
+from logical_robots_tui.tui.inspector.decision import DecisionView
 from logical_robots_tui.tui.inspector.pane import InspectorPane
 from logical_robots_tui.tui.inspector.robots import RobotsView
 from logical_robots_tui.tui.inspector.rows import RowCommands
+from logical_robots_tui.tui.inspector.table import ValueTable
 from logical_robots_tui.tui.keeper import Keeper
 from logical_robots_tui.tui.labyrinth import LabyrinthView
 from logical_robots_tui.tui.labyrinth_pane import LabyrinthPane
@@ -324,13 +326,18 @@ class MainScreen(Screen[None]):
     @on(LabyrinthView.RobotPicked)
     def _robot_picked(self, event: LabyrinthView.RobotPicked) -> None:
         self._select(event.name)
-        if self.inspector.inspected not in (DECISION, WHY):
+        if self.inspector.inspected not in (DECISION, WHY, WATCH):
             self.inspector.inspect(ROBOTS)
 
     @on(InspectorPane.Placed)
     def _place_pointed(self, event: InspectorPane.Placed) -> None:
         if event.program == self.text and not self.program.has_focus_within:
             self.program.show_place(*event.place)
+
+    @on(ValueTable.Opened)
+    @on(DecisionView.Opened)
+    def _value_opened(self) -> None:
+        self.rows.open_value()
 
     @on(RobotsView.Chosen)
     def _robot_chosen(self, event: RobotsView.Chosen) -> None:

@@ -9,6 +9,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, TypeAlias
 
+from logical_robots_tui.game import ROBOT_COLUMNS
 from logical_robots_tui.tui.inspector.cells import written
 
 if TYPE_CHECKING:
@@ -20,7 +21,6 @@ __all__ = ["Arrangement", "Row", "Rows", "arranged", "as_csv", "as_json", "chang
 
 Row: TypeAlias = "tuple[Value, ...]"
 
-ROBOT_COLUMNS = ("in the mind of", "robot_name", "robot")
 _SIDEWAYS = 50  # rows that stand side by side at most
 
 

@@ -12,7 +12,7 @@ from textual.message import Message
 from textual.suggester import Suggester
 from textual.widgets import Input, Static
 
-from logical_robots_tui.game import Superseded
+from logical_robots_tui.game import MIND, Superseded
 from logical_robots_tui.mind import ProgramError, QueryError
 from logical_robots_tui.tui.inspector.table import ValueTable
 from logical_robots_tui.tui.plain import one_line
@@ -45,7 +45,7 @@ def shown_rows(table: Table) -> tuple[tuple[str, ...], tuple[tuple[Value, ...], 
     if len(set(table.viewers)) < 2 or "robot_name" in table.columns:
         return table.columns, table.rows
     rows = tuple((who, *row) for who, row in zip(table.viewers, table.rows, strict=True))
-    return ("in the mind of", *table.columns), rows
+    return (MIND, *table.columns), rows
 
 
 def counted(table: Table) -> str:

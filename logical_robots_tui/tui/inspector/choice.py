@@ -12,15 +12,17 @@ from logical_robots_tui.tui.plain import one_line
 from logical_robots_tui.tui.theme import INK
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from logical_robots_tui.mind import Predicate
     from logical_robots_tui.tui.inspector.questions import Survey
 
-__all__ = ["ASK", "DECISION", "ROBOTS", "WHY", "Choice"]
+__all__ = ["ASK", "DECISION", "ROBOTS", "WATCH", "WHY", "Choice"]
 
-ROBOTS, DECISION, WHY, ASK = "(robots)", "(decision)", "(why)", "(ask)"
+ROBOTS, DECISION, WHY, ASK, WATCH = "(robots)", "(decision)", "(why)", "(ask)", "(watch)"
 """The pages; no predicate can have these names."""
 
-_PAGES = {ROBOTS: "Robots", DECISION: "Decision", WHY: "Why", ASK: "Ask"}
+_PAGES = {ROBOTS: "Robots", DECISION: "Decision", WHY: "Why", ASK: "Ask", WATCH: "Watch"}
 _MARKS = {"input": ("◂", INK.robot), "program": ("•", INK.key), "prelude": ("◦", INK.dim)}
 _CHANGED = "•"
 _NARROWEST = 12  # columns of an entry
@@ -40,6 +42,7 @@ class Choice(OptionList):
     def __init__(self) -> None:
         super().__init__(id="choice", markup=False, compact=True)
         self._predicates: tuple[Predicate, ...] | None = None
+        self._names: list[str] = []
         self._survey: Survey | None = None
         self._counted: dict[str, Content] = {}
 
@@ -47,6 +50,11 @@ class Choice(OptionList):
     def predicates(self) -> tuple[Predicate, ...] | None:
         """The predicates of the program that is listed, or None before the first one."""
         return self._predicates
+
+    @property
+    def names(self) -> Sequence[str]:
+        """The pages and predicates that are listed."""
+        return self._names
 
     def list(self, predicates: tuple[Predicate, ...], inspected: str) -> None:
         """List the predicates of a program.
@@ -59,7 +67,7 @@ class Choice(OptionList):
         self._counted.clear()
         # The prelude's functions have nothing to show in any tick; the program's own may surprise.
         listed = [each for each in predicates if each.has_rows or each.kind != "prelude"]
-        names = [*_PAGES, *(predicate.name for predicate in listed)]
+        names = self._names = [*_PAGES, *(predicate.name for predicate in listed)]
         self.clear_options()
         self.add_options(
             [

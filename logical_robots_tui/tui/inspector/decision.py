@@ -4,9 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from itertools import zip_longest
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, ClassVar
 
+from textual.binding import Binding
 from textual.content import Content
+from textual.message import Message
 
 from logical_robots_tui.mind import Table
 from logical_robots_tui.tui.inspector.cells import cell, written
@@ -31,7 +33,14 @@ _LONGEST = 400
 
 
 class DecisionView(LinesView):
-    """Shows what a robot's decision came from."""
+    """Shows what a robot's decision came from; enter looks into the values."""
+
+    BINDINGS: ClassVar[list[Binding | tuple[str, str] | tuple[str, str, str]]] = [
+        Binding("enter", "open", show=False),
+    ]
+
+    class Opened(Message):
+        """The player wants to look into the values."""
 
     def __init__(self) -> None:
         super().__init__(id="decision")
@@ -47,6 +56,10 @@ class DecisionView(LinesView):
     def on_resize(self) -> None:
         """Use the width there is now."""
         self._draw()
+
+    def action_open(self) -> None:
+        """Look into the values."""
+        self.post_message(self.Opened())
 
     def _draw(self) -> None:
         if self._shown is not None and self.columns > 0:

@@ -10,6 +10,7 @@ from textual.content import Content
 
 from logical_robots_tui.tui.drawing.palette import DARK, parse
 from logical_robots_tui.tui.inspector.cells import written
+from logical_robots_tui.tui.inspector.sparkline import BARS
 from logical_robots_tui.tui.plain import clip, one_line
 from logical_robots_tui.tui.theme import INK
 
@@ -23,7 +24,6 @@ if TYPE_CHECKING:
 
 __all__ = ["head", "notes", "radar_strip", "robot_lines"]
 
-_BARS = "▁▂▃▄▅▆▇█"
 _FARTHEST = 200
 _OBJECTS = {"wall": INK.wall, "beacon": INK.beacon, "robot": INK.robot}
 _CHOSEN = "on #1d2438"
@@ -113,7 +113,7 @@ def radar_strip(radar: Sequence[Mapping[str, Any]]) -> Content:
     parts = []
     for ray in radar:
         free = math.sqrt(ray["distance"] / _FARTHEST)  # more of the bar for what is near
-        bar = _BARS[min(int(free * len(_BARS)), len(_BARS) - 1)]
+        bar = BARS[min(int(free * len(BARS)), len(BARS) - 1)]
         parts.append((bar, _OBJECTS.get(ray["object"], INK.nothing)))
     return Content.assemble(*parts)
 

@@ -16,12 +16,14 @@ from logical_robots_tui.mind import Ask, QueryError, Table
 from logical_robots_tui.tui.background import in_background
 from logical_robots_tui.tui.inspector.asking import NO_PROGRAM, AskView, counted, shown_rows
 from logical_robots_tui.tui.inspector.cells import written
-from logical_robots_tui.tui.inspector.choice import ASK, DECISION, ROBOTS, WHY, Choice
+from logical_robots_tui.tui.inspector.choice import ASK, DECISION, ROBOTS, WATCH, WHY, Choice
 from logical_robots_tui.tui.inspector.decision import DecisionView
 from logical_robots_tui.tui.inspector.questions import Questions
 from logical_robots_tui.tui.inspector.reasons import MAIN, ReasonsPage
 from logical_robots_tui.tui.inspector.robots import RobotsView
 from logical_robots_tui.tui.inspector.table import ValueTable
+from logical_robots_tui.tui.inspector.watch import WatchView
+from logical_robots_tui.tui.inspector.watching import Watching
 from logical_robots_tui.tui.inspector.why import WhyView
 from logical_robots_tui.tui.pane import Pane
 from logical_robots_tui.tui.plain import one_line
@@ -78,9 +80,11 @@ class InspectorPane(Pane):
         self._subject = Static(id="subject")
         self.robots = RobotsView()
         self.table = ValueTable()
-        self._questions = Questions(session)
-        self.reasons = ReasonsPage(self._questions)
-        self.asking = AskView(self._questions)
+        self.questions = Questions(session)
+        self.reasons = ReasonsPage(self.questions)
+        self.asking = AskView(self.questions)
+        self._watching = Watching(session, self.questions)
+        self.pins = self._watching.view
         self.decision = DecisionView()
         self._value = Static(id="value-text")
         self._value_box = VerticalScroll(self._value, id="value", can_focus=False)
@@ -91,6 +95,7 @@ class InspectorPane(Pane):
             self.decision,
             self.reasons,
             self.asking,
+            self.pins,
             self.table,
             self._said,
             self._value_box,
@@ -121,7 +126,7 @@ class InspectorPane(Pane):
 
     async def on_unmount(self) -> None:
         """Stop asking."""
-        await self._questions.close()
+        await self.questions.close()
 
     def enter(self) -> None:
         """Put the focus on the list of predicates."""
@@ -146,21 +151,10 @@ class InspectorPane(Pane):
         self._go_to_page(ASK)
         self.screen.set_focus(self.asking.line)
 
-    async def machinery(self) -> None:
-        """Show how the predicate that is inspected is computed, and what all of them cost."""
-        from logical_robots_tui.tui.dialogs.reader import Reader
-        from logical_robots_tui.tui.inspector.machinery import machinery_text
-
-        frame = self._session.frame
-        try:
-            found = await self._questions.machinery(frame)
-        except Superseded:
-            found = []
-        if found:
-            text = machinery_text(found, self._inspected)
-            self.app.push_screen(Reader(f"How it is computed · tick {frame.tick}", text))
-        else:
-            self.notify(NO_PROGRAM, markup=False)
+    def go_to_pins(self) -> None:
+        """Go to what is pinned."""
+        self._go_to_page(WATCH)
+        self.screen.set_focus(self.pins)
 
     @property
     def shown_table(self) -> ValueTable | None:
@@ -192,6 +186,14 @@ class InspectorPane(Pane):
             self._follower = None
         self.follow()
 
+    def open(self, name: str) -> None:
+        """Go to the rows of a predicate."""
+        if name in self._choice.names:
+            self._go_to_page(name)
+            self.enter()
+        else:
+            self.notify(f"The program has no predicate {name}.", markup=False)
+
     def follow(self) -> None:
         """Show the present tick, at once or, while the game runs, within a moment."""
         if self._choice.predicates != self._session.predicates:
@@ -214,6 +216,8 @@ class InspectorPane(Pane):
                 await self._show_reasons(frame)
             elif self._inspected == ASK:
                 await self._show_answer(frame)
+            elif self._inspected == WATCH:
+                await self._show_pins(frame)
             else:
                 await self._show_rows(self._inspected, frame)
             if self._session.running:
@@ -248,12 +252,17 @@ class InspectorPane(Pane):
         if table is not None:
             self._say_subject("Ask", frame.tick, counted(table))
 
+    async def _show_pins(self, frame: Frame) -> None:
+        self._say_subject("Watch", frame.tick, "")
+        self._show_only(self.pins)
+        await self._watching.follow(frame)
+
     async def _take_survey(self, frame: Frame) -> None:
         """Count the rows of every predicate, and see which differ from those of the tick before."""
         if not self.display:
             return
         try:
-            survey = await self._questions.survey(frame)
+            survey = await self.questions.survey(frame)
         except Superseded:
             return
         if survey is not self._survey and survey.frame is self._session.frame:
@@ -304,7 +313,8 @@ class InspectorPane(Pane):
         self.inspect(page)
 
     def _show_only(self, view: Widget) -> None:
-        for each in (self.robots, self.decision, self.reasons, self.asking, self.table, self._said):
+        pages = (self.robots, self.decision, self.reasons, self.asking, self.pins)
+        for each in (*pages, self.table, self._said):
             each.display = each is view
         self._value_box.display = view is self.table and self.table.pointed is not None
 
@@ -328,6 +338,7 @@ class InspectorPane(Pane):
             DECISION: self.decision,
             WHY: self.reasons.view,
             ASK: self.asking.line,
+            WATCH: self.pins,
         }
         view = views.get(self._inspected, self.table)
         if view.display:
@@ -354,9 +365,15 @@ class InspectorPane(Pane):
 
     @on(ReasonsPage.Asked)
     @on(AskView.Asked)
-    def _asked(self, event: ReasonsPage.Asked | AskView.Asked) -> None:
+    @on(WatchView.Changed)
+    def _asked(self, event: ReasonsPage.Asked | AskView.Asked | WatchView.Changed) -> None:
         event.stop()
         self.follow()
+
+    @on(WatchView.Opened)
+    def _pin_opened(self, event: WatchView.Opened) -> None:
+        event.stop()
+        self.open(event.predicate)
 
     @on(ValueTable.Pointed)
     def _value_pointed(self, event: ValueTable.Pointed) -> None:

@@ -9,14 +9,17 @@ from logical_robots_tui.game import Inquiry, NoSuchTickError, Superseded
 from logical_robots_tui.mind import QueryError, Table
 
 if TYPE_CHECKING:
-    from logical_robots_tui.game import Frame
+    from collections.abc import Sequence
+
+    from logical_robots_tui.game import Frame, Pin, Reading
     from logical_robots_tui.mind import Ask, Explanation, Machinery, Program
     from logical_robots_tui.tui.session import Session
     from logical_robots_tui.world import Level
 
-__all__ = ["Questions", "Survey"]
+__all__ = ["MOST_ROBOTS", "Questions", "Survey"]
 
-_MOST_ROBOTS = 100  # to sense the tick before for more of them would hold up the screen
+MOST_ROBOTS = 100
+"""To sense a past tick for more of them would hold up the screen."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -92,6 +95,14 @@ class Questions:
             within=asked.within,
         )
 
+    async def readings(self, frame: Frame, pins: Sequence[Pin]) -> dict[Pin, Reading]:
+        """What can be read off pins at a frame.
+
+        Raises:
+            Superseded: There is no program yet, or other pins were asked for meanwhile.
+        """
+        return await self._inquire().readings(self._program(), frame, pins)
+
     async def machinery(self, frame: Frame) -> list[Machinery]:
         """How each predicate is computed at a frame, the slowest first.
 
@@ -144,7 +155,7 @@ class Questions:
 
     def _frame_before(self, frame: Frame) -> Frame | None:
         game = self._session.game
-        if game is None or frame.tick == 0 or len(frame.sensors) > _MOST_ROBOTS:
+        if game is None or frame.tick == 0 or len(frame.sensors) > MOST_ROBOTS:
             return None
         if self._surveyed is not None and self._surveyed.frame.after is frame.before:
             return self._surveyed.frame

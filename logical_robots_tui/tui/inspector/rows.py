@@ -1,4 +1,4 @@
-"""The commands for the table of the inspector: sort, search, filter, turn, copy, save, stop."""
+"""The commands for what the inspector shows: rows, values, pins, what a predicate costs."""
 
 from __future__ import annotations
 
@@ -6,8 +6,11 @@ import re
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from logical_robots_tui.game import Breakpoint
+from logical_robots_tui.game import Breakpoint, Superseded
 from logical_robots_tui.tui.inspector.arranging import as_csv, as_json
+from logical_robots_tui.tui.inspector.asking import NO_PROGRAM
+from logical_robots_tui.tui.inspector.pinning import branches_here, pin_here
+from logical_robots_tui.tui.plain import one_line
 from logical_robots_tui.writing import write_atomically
 
 if TYPE_CHECKING:
@@ -18,9 +21,14 @@ if TYPE_CHECKING:
 
 __all__ = ["RowCommands"]
 
+_NO_PIN = (
+    "Choose a predicate, or put the cursor on a value of it in a row that another column tells "
+    "from the rest; then pin it."
+)
+
 
 class RowCommands:
-    """What can be done with the rows on the screen.
+    """What can be done with what the inspector shows.
 
     Args:
         screen: The screen.
@@ -101,6 +109,50 @@ class RowCommands:
         column = inspector.table.column if has_focus else ""
         robot = inspector.table.how.robot
         self._screen.add_breakpoint(Breakpoint("change", inspector.inspected, robot, column))
+
+    def pin(self) -> None:
+        """Pin what the cursor is on, or unpin it."""
+        inspector = self._screen.inspector
+        if inspector.pins.has_focus:
+            inspector.pins.action_remove()
+            return
+        pin = pin_here(inspector.inspected, inspector.shown_table, inspector.robot)
+        if pin is None:
+            self._screen.tell(_NO_PIN)
+        elif inspector.pins.toggle(pin):
+            self._screen.tell(f"Pinned: {one_line(pin.words)}. V shows what is pinned.")
+        else:
+            self._screen.tell(f"No longer pinned: {one_line(pin.words)}.")
+
+    def open_value(self) -> None:
+        """Open the value under the cursor, or what a decision came from, as a tree."""
+        from logical_robots_tui.tui.inspector.tree import ValueTree
+
+        inspector, frame = self._screen.inspector, self._screen.session.frame
+        title, branches = branches_here(
+            inspector.inspected, inspector.shown_table, inspector.robot, frame
+        )
+        if branches:
+            title = f"{title} · tick {frame.tick}"
+            self._screen.app.push_screen(ValueTree(title, branches, inspector.pins.toggle))
+        else:
+            self._screen.tell("Put the cursor on a value, or choose Decision.")
+
+    async def machinery(self) -> None:
+        """Show how the predicate that is inspected is computed, and what all of them cost."""
+        from logical_robots_tui.tui.dialogs.reader import Reader
+        from logical_robots_tui.tui.inspector.machinery import machinery_text
+
+        inspector, frame = self._screen.inspector, self._screen.session.frame
+        try:
+            found = await inspector.questions.machinery(frame)
+        except Superseded:
+            found = []
+        if found:
+            text = machinery_text(found, inspector.inspected)
+            self._screen.app.push_screen(Reader(f"How it is computed · tick {frame.tick}", text))
+        else:
+            self._screen.tell(NO_PROGRAM)
 
     def _table(self) -> ValueTable | None:
         table = self._screen.inspector.shown_table

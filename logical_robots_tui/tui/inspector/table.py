@@ -57,10 +57,14 @@ class ValueTable(ScrollView, can_focus=True):
         Binding("pagedown", "go(10, 0)", show=False),
         Binding("home", "go(-1000000, 0)", show=False),
         Binding("end", "go(1000000, 0)", show=False),
+        Binding("enter", "open", show=False),
     ]
 
     class Pointed(Message):
         """The cursor is on another value, or the value under it is another one."""
+
+    class Opened(Message):
+        """The player wants to look into the value under the cursor."""
 
     def __init__(self, id: str = "rows") -> None:  # noqa: A002 - the name that widgets have
         super().__init__(id=id)
@@ -69,6 +73,11 @@ class ValueTable(ScrollView, can_focus=True):
         self._how = Arrangement()
         self._widths: list[int] = []
         self._at = (0, 0)
+
+    @property
+    def all(self) -> Rows:
+        """All rows, as they came."""
+        return self._all
 
     @property
     def shown(self) -> Rows:
@@ -93,6 +102,13 @@ class ValueTable(ScrollView, can_focus=True):
         if not self._shown.rows or not self._shown.columns:
             return None
         return self._shown.columns[column], self._shown.rows[row][column]
+
+    @property
+    def place(self) -> tuple[int, str] | None:
+        """Which of all rows, and which column, the cursor is on; None if that can't be told."""
+        row = self._shown.rows[self._at[0]] if self.column else None
+        number = next((n for n, each in enumerate(self._all.rows) if each is row), None)
+        return None if number is None else (number, self.column)
 
     def show(
         self,
@@ -157,6 +173,11 @@ class ValueTable(ScrollView, can_focus=True):
             self.scroll_to_region(area, animate=False, force=True)
         self.refresh()
         self.post_message(self.Pointed())
+
+    def action_open(self) -> None:
+        """Look into the value under the cursor."""
+        if self.pointed is not None:
+            self.post_message(self.Opened())
 
     def render_line(self, y: int) -> Strip:
         """One line: the head at the top of the view, rows below."""

@@ -1,0 +1,166 @@
+"""Pins: what a player keeps an eye on, and what can be read off it at a tick."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, TypeAlias
+
+from logical_robots_tui.mind import QueryError
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Iterator
+
+    from logical_robots_tui.mind import Table
+    from logical_robots_tui.values import Value
+
+__all__ = ["MIND", "ROBOT_COLUMNS", "Path", "Pin", "Reading", "pin_of_cell", "read"]
+
+MIND = "in the mind of"
+"""Stands for a column: in whose reasoning a row holds. No column can have this name."""
+
+ROBOT_COLUMNS = (MIND, "robot_name", "robot")
+"""Columns that tell which robot a row is about, the most telling first."""
+
+Path: TypeAlias = "tuple[str | int, ...]"
+"""The way into a value: names of fields, and places in lists from 0."""
+
+
+@dataclass(frozen=True, slots=True)
+class Pin:
+    """A number of rows, or one value in one row.
+
+    Attributes:
+        predicate: Whose rows.
+        column: Which value of the row; "" is the number of rows.
+        where: Which rows: columns with the value that they have there.
+        path: The way from the value to the part of it that counts.
+    """
+
+    predicate: str
+    column: str = ""
+    where: tuple[tuple[str, Value], ...] = ()
+    path: Path = ()
+
+    @property
+    def name(self) -> str:
+        """What it is without whose it is, such as ``Robot.memory.phase`` or ``Near: rows``."""
+        if not self.column:
+            return f"{self.predicate}: rows"
+        steps = (f"[{step}]" if isinstance(step, int) else f".{step}" for step in self.path)
+        return f"{self.predicate}.{self.column}{''.join(steps)}"
+
+    @property
+    def words(self) -> str:
+        """What it says in full, such as ``Robot.memory for Ada``."""
+        parts = (
+            f"{value}" if name in ROBOT_COLUMNS else f"{name} {value}" for name, value in self.where
+        )
+        return f"{self.name} for {', '.join(parts)}" if self.where else self.name
+
+    def deeper(self, path: Path) -> Pin:
+        """The pin of a part of the value."""
+        return replace(self, path=self.path + path)
+
+
+@dataclass(frozen=True, slots=True)
+class Reading:
+    """What was read off a pin at a tick.
+
+    Attributes:
+        value: The value, or the number of rows.
+        trouble: Why there is no value, one sentence, or "".
+    """
+
+    value: Value = None
+    trouble: str = ""
+
+    @property
+    def number(self) -> float | None:
+        """The value as a number, 0 or 1 for a truth; None if it is none or not finite."""
+        if not isinstance(self.value, bool | int | float):
+            return None
+        try:
+            number = float(self.value)
+        except OverflowError:
+            return None
+        return number if math.isfinite(number) else None
+
+
+def pin_of_cell(
+    predicate: str,
+    columns: Sequence[str],
+    rows: Sequence[Sequence[Value]],
+    row: int,
+    column: str,
+) -> Pin | None:
+    """The pin of one value in a table, which finds its row again at other ticks.
+
+    The row is known by its robot, and by as many other columns as tell it from the rest.
+
+    Args:
+        predicate: Whose rows.
+        columns: Names of the columns, `MIND` among them where it matters.
+        rows: The rows.
+        row: Which row, from 0.
+        column: Which value of it.
+
+    Returns:
+        The pin, or None if nothing but the value itself tells the row from others.
+    """
+    mine = rows[row]
+    others = [each for at, each in enumerate(rows) if at != row]
+    where: list[tuple[str, Value]] = []
+    names = [name for name in ROBOT_COLUMNS if name in columns]
+    for name in (*names, *(name for name in columns if name not in ROBOT_COLUMNS)):
+        place = columns.index(name)
+        value = mine[place]
+        left = [each for each in others if each[place] == value]
+        tells = name in ROBOT_COLUMNS or len(left) < len(others)
+        if tells and name != column and isinstance(value, bool | int | float | str):
+            where.append((name, value))
+            others = left
+    return None if others else Pin(predicate, column, tuple(where))
+
+
+def read(pin: Pin, table: Table | QueryError) -> Reading:
+    """What a pin says of the rows of its predicate, or why it says nothing."""
+    if isinstance(table, QueryError):
+        return Reading(trouble=str(table))
+    for name in (*(name for name, _ in pin.where), pin.column):
+        if table.rows and name not in (*table.columns, MIND, ""):
+            return Reading(trouble=f"{pin.predicate} has no column {name}.")
+    rows = list(_matching(table, pin.where))
+    if not pin.column:
+        return Reading(len(rows))
+    if len(rows) != 1:
+        return Reading(trouble=f"{len(rows)} rows." if rows else "No row.")
+    return _inside(rows[0][table.columns.index(pin.column)], pin.path)
+
+
+def _matching(table: Table, where: Iterable[tuple[str, Value]]) -> Iterator[tuple[Value, ...]]:
+    tests = [
+        (table.columns.index(name) if name in table.columns else None, value)
+        for name, value in where
+    ]
+    for number, row in enumerate(table.rows):
+        viewer = table.viewers[number] if table.viewers else None
+        if all(
+            row[place] == value if place is not None else viewer in (None, value)
+            for place, value in tests
+        ):
+            yield row
+
+
+def _inside(value: Value, path: Path) -> Reading:
+    for step in path:
+        if isinstance(step, str):
+            if not isinstance(value, Mapping) or step not in value:
+                return Reading(trouble=f"There is no field {step}.")
+            value = value[step]
+        elif isinstance(value, Sequence) and not isinstance(value, str) and step < len(value):
+            value = value[step]
+        else:
+            return Reading(trouble=f"There is no item {step}.")
+    return Reading(value)
