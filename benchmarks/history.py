@@ -69,7 +69,7 @@ async def _measure(
     steps = _milliseconds(game, list(range(ticks - 1, max(ticks - JUMPS, 0), -1)))
     await game.close()
     subject = f"{level.name}, {robots_of(level)}"
-    megabytes = _megabytes(frames, program)
+    megabytes = _megabytes(level, frames, program)
     return [
         Measurement(
             *(f"history of {DEFAULT_LENGTH:,} ticks", subject, megabytes, "MB"),
@@ -84,11 +84,11 @@ async def _measure(
     ]
 
 
-def _megabytes(frames: list[Frame], program: Program) -> float:
+def _megabytes(level: Level, frames: list[Frame], program: Program) -> float:
     """What a full history holds: the ticks that were run, over and over, under new numbers."""
     tracemalloc.start()
     try:
-        kept = History(frames[0])
+        kept = History(frames[0], level)
         for tick in range(1, DEFAULT_LENGTH + 1):
             frame = frames[1 + (tick - 1) % (len(frames) - 1)]
             before, after = replace(frame.before, tick=tick - 1), replace(frame.after, tick=tick)

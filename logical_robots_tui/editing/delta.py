@@ -2,18 +2,17 @@
 
 from __future__ import annotations
 
-import zlib
 from dataclasses import dataclass, fields, replace
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-import numpy as np
-
+from logical_robots_tui.world.bitmaps import PackedBits, changed_box
 from logical_robots_tui.world.level import Level
 
 if TYPE_CHECKING:
+    import numpy as np
     from numpy.typing import NDArray
 
-__all__ = ["Delta", "alike", "changed_box"]
+__all__ = ["Delta", "alike"]
 
 _LISTS = ("robots", "beacons", "areas")
 _APART = {*_LISTS, "walls", "name", "source"}
@@ -23,18 +22,6 @@ _VALUES = tuple(field.name for field in fields(Level) if field.name not in _APAR
 def alike(one: Level, other: Level) -> bool:
     """Return whether two levels are the same, whatever file they came from."""
     return Delta.between(one, other).empty
-
-
-def changed_box(before: NDArray[np.bool_], after: NDArray[np.bool_]) -> tuple[slice, slice] | None:
-    """Return the smallest rows and columns that hold all differences of walls of one shape."""
-    if before is after:
-        return None
-    rows = np.flatnonzero(_unequal_rows(before, after))
-    if not len(rows):
-        return None
-    down = slice(int(rows[0]), int(rows[-1]) + 1)
-    columns = np.flatnonzero((before[down] != after[down]).any(axis=0))
-    return down, slice(int(columns[0]), int(columns[-1]) + 1)
 
 
 @dataclass(frozen=True, slots=True)
@@ -105,29 +92,12 @@ class _Splice(NamedTuple):
         return (*items[: self.start], *wanted, *items[self.start + len(there) :])
 
 
-class _Packed(NamedTuple):
-    """A bool array, compressed."""
-
-    shape: tuple[int, int]
-    data: bytes
-
-    @classmethod
-    def of(cls, bits: NDArray[np.bool_]) -> _Packed:
-        height, width = bits.shape
-        return cls((height, width), zlib.compress(np.packbits(bits).tobytes(), 1))
-
-    def bits(self) -> NDArray[np.bool_]:
-        height, width = self.shape
-        packed = np.frombuffer(zlib.decompress(self.data), np.uint8)
-        return np.unpackbits(packed, count=height * width).reshape(self.shape).view(np.bool_)
-
-
 class _Flips(NamedTuple):
     """Units of a part of the walls that are turned over."""
 
     top: int
     left: int
-    flipped: _Packed
+    flipped: PackedBits
 
     def change(self, walls: NDArray[np.bool_], *, forward: bool) -> NDArray[np.bool_]:
         height, width = self.flipped.shape
@@ -140,8 +110,8 @@ class _Flips(NamedTuple):
 class _Redrawn(NamedTuple):
     """Walls of another size."""
 
-    old: _Packed
-    new: _Packed
+    old: PackedBits
+    new: PackedBits
 
     def change(self, walls: NDArray[np.bool_], *, forward: bool) -> NDArray[np.bool_]:
         changed = (self.new if forward else self.old).bits()
@@ -151,17 +121,9 @@ class _Redrawn(NamedTuple):
 
 def _walls_between(before: NDArray[np.bool_], after: NDArray[np.bool_]) -> _Flips | _Redrawn | None:
     if before.shape != after.shape:
-        return _Redrawn(_Packed.of(before), _Packed.of(after))
+        return _Redrawn(PackedBits.of(before), PackedBits.of(after))
     box = changed_box(before, after)
     if box is None:
         return None
     down, across = box
-    return _Flips(down.start, across.start, _Packed.of(before[box] ^ after[box]))
-
-
-def _unequal_rows(before: NDArray[Any], after: NDArray[Any]) -> NDArray[np.bool_]:
-    """Return which rows differ; eight units at a time where the width allows."""
-    if before.shape[1] % 8 == 0 and before.flags.c_contiguous and after.flags.c_contiguous:
-        before, after = before.view(np.uint64), after.view(np.uint64)
-    unequal: NDArray[np.bool_] = (before != after).any(axis=1)
-    return unequal
+    return _Flips(down.start, across.start, PackedBits.of(before[box] ^ after[box]))

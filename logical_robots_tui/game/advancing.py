@@ -7,6 +7,7 @@ from time import perf_counter
 from typing import TYPE_CHECKING
 
 from logical_robots_tui.game.frame import Frame
+from logical_robots_tui.game.start import fresh_frame
 
 if TYPE_CHECKING:
     import threading
@@ -15,11 +16,12 @@ if TYPE_CHECKING:
     from logical_robots_tui.game.breakpoints import Hit
     from logical_robots_tui.game.packing import Moment
     from logical_robots_tui.game.watching import Watch
+    from logical_robots_tui.game.worlds import Worlds
     from logical_robots_tui.mind import Mind, Table
     from logical_robots_tui.values import Value
-    from logical_robots_tui.world import World, WorldState
+    from logical_robots_tui.world import Level, World, WorldState
 
-__all__ = ["Advance", "advance", "known_frame"]
+__all__ = ["Advance", "Known", "advance", "known_frame"]
 
 _TOGETHER_SECONDS = 0.008  # of computing, before what was computed is shown
 
@@ -37,11 +39,25 @@ class Advance:
     hits: tuple[Hit, ...]
 
 
+@dataclass(frozen=True, slots=True)
+class Known:
+    """A tick that is known from history.
+
+    Attributes:
+        level: In which the robots sensed in it.
+        moment: What it left behind.
+    """
+
+    level: Level
+    moment: Moment
+
+
 def advance(
-    world: World,
+    worlds: Worlds,
+    level: Level,
     mind: Mind,
     past: Frame,
-    known: Sequence[Moment],
+    known: Sequence[Known],
     watch: Watch,
     stop: threading.Event,
     most: int | None = None,
@@ -49,11 +65,11 @@ def advance(
     """The ticks after a past one, up to victory or a breakpoint. Blocks.
 
     Args:
-        world: Where to compute them.
+        worlds: Where to compute them.
+        level: The level to compute them in.
         mind: What to think with, and to ask for breakpoints.
         past: After which tick.
-        known: If the next ticks are known, what the first of them left behind; no others are
-            computed then.
+        known: The first of the next ticks if they are known; no others are computed then.
         watch: What to stop at.
         stop: Set it from another thread to give up.
         most: At most so many, by default as many as a fraction of a second allows.
@@ -71,10 +87,10 @@ def advance(
     done: list[Advance] = []
     while True:
         if known:
-            frame = known_frame(world, past.after, past.memories, known[len(done)])
+            frame = known_frame(worlds, past.after, past.memories, known[len(done)])
         else:
-            frame = _next_frame(world, mind, past, stop)
-        hits = watch.hits(past, frame, ask) if watch.breakpoints else ()
+            frame = _next_frame(worlds.of(level), mind, past, stop)
+        hits = watch.hits(past, frame, ask) if watch.breakpoints and frame.decisions else ()
         done.append(Advance(frame, hits))
         has_won = frame.after.won_at == frame.tick
         if hits or has_won or len(done) == most or perf_counter() > until:
@@ -83,9 +99,12 @@ def advance(
 
 
 def known_frame(
-    world: World, before: WorldState, memories_before: Mapping[str, Value], moment: Moment
+    worlds: Worlds, before: WorldState, memories_before: Mapping[str, Value], known: Known
 ) -> Frame:
     """A frame as it was: the robots sense again what they sensed then."""
+    world, moment = worlds.of(known.level), known.moment
+    if not moment.decisions:
+        return fresh_frame(world, moment.after, moment.memories)
     world.restore(before)
     return Frame(
         moment.after.tick,

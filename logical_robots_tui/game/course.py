@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections import deque
 from typing import TYPE_CHECKING
 
+from logical_robots_tui.game.levels import Levels
 from logical_robots_tui.game.marks import Marks, marks_of
 from logical_robots_tui.game.odometer import driven
 from logical_robots_tui.game.packing import Moment, Packed
@@ -15,6 +16,7 @@ if TYPE_CHECKING:
     from logical_robots_tui.game.breakpoints import Hit
     from logical_robots_tui.game.frame import Frame
     from logical_robots_tui.mind import Program
+    from logical_robots_tui.world import Level
 
 __all__ = ["Course"]
 
@@ -28,15 +30,18 @@ class Course:
 
     Args:
         frame: Where it begins.
+        level: The level in which it does.
         length: How many ticks to be able to restore.
 
     Attributes:
         marks: What happened in which of its ticks.
         hits: The breakpoints that were hit, by tick.
+        levels: Which level it went through when.
     """
 
-    def __init__(self, frame: Frame, length: int) -> None:
+    def __init__(self, frame: Frame, level: Level, length: int) -> None:
         self.marks = Marks(frame.after)
+        self.levels = Levels(frame.tick, level)
         self.hits: dict[int, tuple[Hit, ...]] = {}
         self._length = length
         self._packs: deque[Packed] = deque()
@@ -88,12 +93,31 @@ class Course:
             self.forget_pack()
         return True
 
+    def change_level(self, frame: Frame, level: Level) -> None:
+        """Go on from the last tick in another level, as a frame in its place says.
+
+        What was packed never changes; the last tick never is.
+        """
+        before = self._loose[-1]
+        self._loose[-1] = Moment(
+            frame.after,
+            frame.memories,
+            frame.decisions,
+            frame.think_milliseconds,
+            before.driven,
+        )
+        self.marks.speak_of(frame.after)
+        if frame.tick > self._oldest:
+            self.marks.note(frame.tick, "edit")
+        self.levels.change(frame.tick, level)
+
     def forget_pack(self) -> bool:
         """Drop the oldest ticks; False if so few are left that they are not packed."""
         if self._packs:
             self._packs.popleft()
             self._oldest += _TOGETHER
             self.marks.forget_before(self._oldest)
+            self.levels.forget_before(self._oldest)
             self.hits = {tick: hits for tick, hits in self.hits.items() if tick >= self._oldest}
         return bool(self._packs)
 
@@ -109,6 +133,7 @@ class Course:
         """The same course up to one of its ticks."""
         copy = Course.__new__(Course)
         copy.marks = self.marks.copy(tick)
+        copy.levels = self.levels.up_to(tick)
         copy.hits = {at: hits for at, hits in self.hits.items() if at <= tick}
         copy._length = self._length
         copy._oldest = self._oldest

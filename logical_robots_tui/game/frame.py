@@ -20,7 +20,9 @@ class Frame:
     """Everything that the screen, the inspector and a replay need of one tick.
 
     Frame 0 is the start: nobody has thought yet, ``decisions`` is empty, ``before`` is ``after``,
-    and ``sensors`` show what the robots see from where they start (clock 0).
+    and ``sensors`` show what the robots see from where they start (clock 0). So is the frame of a
+    tick at whose end robots or areas came or went because the level was changed by hand; if it
+    was changed otherwise, ``after`` is the changed world, and all else is as it was.
 
     Attributes:
         tick: Number of the tick, 0 for the start.

@@ -10,23 +10,24 @@ from typing import TYPE_CHECKING
 from logical_robots_tui.game.advancing import advance, known_frame
 from logical_robots_tui.game.breakpoints import Breakpoint, Breakpoints, mistake_in
 from logical_robots_tui.game.history import DEFAULT_LENGTH, History
+from logical_robots_tui.game.intervention import changed_frame
 from logical_robots_tui.game.pace import FLAT_OUT, Pace
 from logical_robots_tui.game.start import start_frame
 from logical_robots_tui.game.thinker import Thinker
 from logical_robots_tui.game.watching import Watch
+from logical_robots_tui.game.worlds import Worlds
 from logical_robots_tui.mind import Limits, Stopped
-from logical_robots_tui.world import World
 
 if TYPE_CHECKING:
     import threading
-    from collections.abc import Callable
+    from collections.abc import Callable, Mapping
 
-    from logical_robots_tui.game.advancing import Advance
+    from logical_robots_tui.game.advancing import Advance, Known
     from logical_robots_tui.game.breakpoints import Hit
     from logical_robots_tui.game.frame import Frame
-    from logical_robots_tui.game.packing import Moment
     from logical_robots_tui.mind import Engine, Program, Table
     from logical_robots_tui.world import Level
+    from logical_robots_tui.world.changing import Pose
 
 __all__ = ["Answer", "Game", "Superseded"]
 
@@ -60,9 +61,8 @@ class Game:
     Ticks are computed off the event loop. Same level, same program: same frames.
     Going back, restarting or changing the program while a tick is being computed drops that tick.
 
-    After going back, ticks that are known are gone through again as they were. Only under another
-    program are they computed anew; the course that they belonged to is kept then, to compare with
-    and to go over to.
+    After going back, known ticks are gone through again as they were. Only under another program
+    are they computed anew; the course they belonged to is kept then, to compare and go over to.
 
     Args:
         level: Where it happens.
@@ -83,7 +83,6 @@ class Game:
         engine: Engine = "sqlite",
         breakpoints: Breakpoints | None = None,
     ) -> None:
-        self.level = level
         self.program = program
         self.limits = limits or Limits()
         self.run_number = 0
@@ -95,10 +94,10 @@ class Game:
         self._running = False
         self._closed = False
         # The worker's world computes ticks; the other one re-senses past ones on the event loop.
-        self._world = World(level)
-        self._past_world = World(level)
+        self._worlds = Worlds(level)
+        self._past_worlds = Worlds(level)
         self._frame = start_frame(level)
-        self.history = History(self._frame, history)
+        self.history = History(self._frame, level, history)
         self._watch = Watch(())
         self._watched_by = program
         self._is_program_wanted = False
@@ -109,6 +108,11 @@ class Game:
     def frame(self) -> Frame:
         """The frame on which the game stands."""
         return self._frame
+
+    @property
+    def level(self) -> Level:
+        """The level of the present frame, in which the game goes on."""
+        return self.history.level_at(self._frame.tick)
 
     @property
     def running(self) -> bool:
@@ -152,11 +156,11 @@ class Game:
             QueryError: The predicate has no rows of its own, or failed.
         """
         frame = frame or self._frame
-        run, program = self.run_number, self.program
+        run, program, level = self.run_number, self.program, self.history.level_at(frame.tick)
         self._asker.stop()
 
         def ask(stop: threading.Event) -> Table:
-            mind = self._asker.mind(program, self.level, self.limits)
+            mind = self._asker.mind(program, level, self.limits)
             return mind.query(predicate, frame.sensors, frame.memories_before, stop=stop)
 
         table = await self._asker.do(ask)
@@ -193,12 +197,13 @@ class Game:
             self._show(frame)
         return frame
 
-    def restart(self) -> Frame:
-        """Begin again at the start of the level, with the present program."""
+    def restart(self, level: Level | None = None) -> Frame:
+        """Begin again at the start of a level, by default the present one, undoing live edits."""
         self._supersede()
-        frame = start_frame(self.level)
-        if self.history.first:
-            self.history.begin_anew(frame)
+        level = level or self.level
+        frame = start_frame(level)
+        if self.history.first or level is not self.history.level_at(0):
+            self.history.begin_anew(frame, level)
         self._is_program_wanted = True
         self._show(frame)
         return frame
@@ -208,6 +213,22 @@ class Game:
         self._supersede()
         self.program = program
         self._is_program_wanted = True
+
+    def change_level(self, level: Level, poses: Mapping[str, Pose] | None = None) -> Frame:
+        """Change the end of the present tick, and so all that follows, but nothing before.
+
+        Args:
+            level: The level.
+            poses: Where robots are put, by name.
+
+        Raises:
+            ValueError: A pose is for nobody.
+        """
+        frame = changed_frame(self._past_worlds, self._frame, self.level, level, poses or {})
+        self._supersede()
+        self.history.change_level(frame, level)
+        self._show(frame)
+        return frame
 
     def change_course(self) -> Frame:
         """Go over to the course that was left when another future began, and to its program.
@@ -309,27 +330,28 @@ class Game:
                 return True
         return False
 
-    async def _ahead(self, most: int | None, known: list[Moment]) -> list[Advance]:
+    async def _ahead(self, most: int | None, known: list[Known]) -> list[Advance]:
         """The next ticks: at most so many, or as many as a fraction of a second allows.
 
         To change between threads takes about as long as a quick tick does.
         """
-        program, past, watch = self.program, self._frame, self._present_watch()
+        program, level, past = self.program, self.level, self._frame
+        watch = self._present_watch()
 
         def ticks(stop: threading.Event) -> list[Advance]:
-            mind = self._thinker.mind(program, self.level, self.limits)
-            return advance(self._world, mind, past, known, watch, stop, most)
+            mind = self._thinker.mind(program, level, self.limits)
+            return advance(self._worlds, level, mind, past, known, watch, stop, most)
 
         try:
             return await self._thinker.do(ticks)
         except Stopped:
             raise Superseded from None
 
-    def _known_ahead(self, most: int) -> list[Moment]:
-        """What the next ticks left behind, as far as they are known and would be the same again.
+    def _known_ahead(self, most: int) -> list[Known]:
+        """The next ticks, as far as they are known and would be the same again.
 
-        They would under the program that decided in them; and as long as nobody asked for another
-        one, all of a course is gone through again that ends with the present program.
+        They would under the program that decided in them, unless the level was changed by hand;
+        and until somebody asks for another future, all of a course that ends with this program.
         """
         history, here = self.history, self._frame.tick
 
@@ -339,14 +361,14 @@ class Game:
 
         leads_here = not self._is_program_wanted and is_mine(history.last)
         ticks = range(here + 1, min(here + min(most, _KNOWN_TOGETHER), history.last) + 1)
-        same = takewhile(lambda tick: leads_here or is_mine(tick), ticks)
-        return [history.around(tick)[1] for tick in same]
+        same = takewhile(
+            lambda tick: leads_here or (is_mine(tick) and not history.is_changed_in(tick)), ticks
+        )
+        return [history.known(tick) for tick in same]
 
     def _restored(self, tick: int) -> Frame:
-        before, moment = self.history.around(tick)
-        if tick == 0:
-            return start_frame(self.level)
-        return known_frame(self._past_world, before.after, before.memories, moment)
+        (before, _), known = self.history.around(tick), self.history.known(tick)
+        return known_frame(self._past_worlds, before.after, before.memories, known)
 
     def _present_watch(self) -> Watch:
         """What to watch for under the present program."""
@@ -358,7 +380,8 @@ class Game:
     def _take(self, each: Advance, run: int, *, is_known: bool) -> None:
         """Make a tick the present, if it still follows the present one."""
         frame = each.frame
-        if run != self.run_number or frame.before is not self._frame.after:
+        follows = frame.before is self._frame.after or not frame.decisions
+        if run != self.run_number or not follows:
             raise Superseded
         if not is_known:
             self.history.add(frame, self.program)

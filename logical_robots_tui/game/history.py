@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from logical_robots_tui.errors import LogicalRobotsError
+from logical_robots_tui.game.advancing import Known
 from logical_robots_tui.game.course import Course
 from logical_robots_tui.game.parting import parting
 
@@ -17,6 +18,7 @@ if TYPE_CHECKING:
     from logical_robots_tui.game.packing import Moment, Packed
     from logical_robots_tui.game.parting import Parting
     from logical_robots_tui.mind import Program
+    from logical_robots_tui.world import Level
 
 __all__ = ["DEFAULT_LENGTH", "History", "NoSuchTickError"]
 
@@ -37,6 +39,7 @@ class History:
 
     Args:
         start: Where the game begins.
+        level: The level in which it does.
         length: How many ticks of a course to be able to restore.
         most_bytes: What may be packed; the other course goes first, then the oldest ticks.
 
@@ -46,11 +49,15 @@ class History:
     """
 
     def __init__(
-        self, start: Frame, length: int = DEFAULT_LENGTH, most_bytes: int = _MOST_BYTES
+        self,
+        start: Frame,
+        level: Level,
+        length: int = DEFAULT_LENGTH,
+        most_bytes: int = _MOST_BYTES,
     ) -> None:
         self._length = length
         self._most_bytes = most_bytes
-        self._course = Course(start, length)
+        self._course = Course(start, level, length)
         self._other: Course | None = None
         self.turns = 0
         self.parting: Parting | None = None
@@ -78,24 +85,32 @@ class History:
     @property
     def packed_bytes(self) -> int:
         """Bytes of all that is packed; the latest ticks are not."""
-        return sum(map(len, {id(pack): pack for pack in self._packs()}.values()))
+        packs = sum(map(len, {id(pack): pack for pack in self._packs()}.values()))
+        return packs + self._course.levels.packed_bytes
 
     def add(self, frame: Frame, program: Program) -> None:
         """Keep a finished tick; if it was known before, the present course is left for another."""
         if frame.tick <= self.last:
             self._leave(self._course.up_to(frame.tick - 1))
         packed = self._course.add(frame, program)
-        if self.parting is None and self._other is not None:
-            there = self._other
-            if there.first <= frame.tick <= there.last:
-                tick = frame.tick
-                self.parting = parting(self._course.moment(tick), there.moment(tick))
+        self._look_for_parting(frame.tick)
         if packed:
             self._keep_within_bounds()
 
-    def begin_anew(self, start: Frame) -> None:
-        """Leave the present course for one that begins at the start of the level."""
-        self._leave(Course(start, self._length))
+    def change_level(self, frame: Frame, level: Level) -> None:
+        """Go on in another level from a tick of the present course, as a frame in its place says.
+
+        What was known of later ticks is left, like a future under another program.
+        """
+        tick = frame.tick
+        if tick < self.last:
+            self._leave(self._course.up_to(tick))
+        self._course.change_level(frame, level)
+        self._look_for_parting(tick)
+
+    def begin_anew(self, start: Frame, level: Level) -> None:
+        """Leave the present course for one that begins at the start of a level."""
+        self._leave(Course(start, level, self._length))
 
     def forget_future(self, tick: int) -> None:
         """Drop what is known of later ticks, for good."""
@@ -126,9 +141,26 @@ class History:
             )
         return self._course.moment(max(tick - 1, 0)), self._course.moment(tick)
 
+    def known(self, tick: int) -> Known:
+        """A tick, to be gone through again.
+
+        Raises:
+            NoSuchTickError: The tick is not in history.
+        """
+        moment = self.around(tick)[1]
+        return Known(self.level_at(tick - bool(moment.decisions)), moment)
+
     def program_at(self, tick: int) -> Program | None:
         """The program that decided in a tick; None at the start."""
         return self._course.program_at(tick)
+
+    def level_at(self, tick: int) -> Level:
+        """The level from the end of a tick on."""
+        return self._course.levels.at(tick)
+
+    def is_changed_in(self, tick: int) -> bool:
+        """Whether the level was changed by hand at the end of a tick, or a robot put elsewhere."""
+        return self._course.levels.is_changed_in(tick)
 
     def is_all_by(self, text: str, tick: int) -> bool:
         """Whether one program's text decided in every tick up to that one."""
@@ -149,6 +181,11 @@ class History:
             self.marks.note(tick, "breakpoint")
 
     # -- inside --------------------------------------------------------------------------------
+
+    def _look_for_parting(self, tick: int) -> None:
+        there = self._other
+        if self.parting is None and there is not None and there.first <= tick <= there.last:
+            self.parting = parting(self._course.moment(tick), there.moment(tick))
 
     def _leave(self, new: Course) -> None:
         """Go over to the present course as it was up to some tick, and keep how it went on."""

@@ -16,7 +16,9 @@ if TYPE_CHECKING:
 
 __all__ = ["MARK_KINDS", "Mark", "MarkKind", "Marks", "marks_of"]
 
-MarkKind: TypeAlias = Literal["victory", "breakpoint", "program", "area", "notice", "memory"]
+MarkKind: TypeAlias = Literal[
+    "victory", "breakpoint", "program", "edit", "area", "notice", "memory"
+]
 
 MARK_KINDS: tuple[MarkKind, ...] = get_args(MarkKind)
 """All kinds, the rarest and so most telling first."""
@@ -28,8 +30,9 @@ class Mark:
 
     Attributes:
         kind: ``victory``; ``breakpoint``, one was hit; ``program``, another one decided than in
-            the tick before; ``area``, one was switched; ``notice``, one was given that was not
-            there in the tick before; ``memory``, one differs from that of the tick before.
+            the tick before; ``edit``, the level was changed at the end of it; ``area``, one was
+            switched; ``notice``, one was given that was not there in the tick before; ``memory``,
+            one differs from that of the tick before.
         names: Whose notices or memories, or which areas; () for the other kinds.
     """
 
@@ -79,10 +82,11 @@ class Marks:
     """
 
     def __init__(self, state: WorldState) -> None:
-        self._robots = tuple(robot.name for robot in state.robots)
-        self._areas = tuple(area.name for area in state.areas)
+        self._robots: list[str] = []
+        self._areas: list[str] = []
         self._ticks: dict[MarkKind, array[int]] = {kind: array("q") for kind in MARK_KINDS}
         self._who: dict[MarkKind, list[int]] = {kind: [] for kind in MARK_KINDS}
+        self.speak_of(state)
 
     def note(self, tick: int, kind: MarkKind, who: int = 1) -> None:
         """Keep a mark; quickest for a tick after all others.
@@ -92,6 +96,8 @@ class Marks:
             kind: What.
             who: Places of the robots or areas concerned, as bits.
         """
+        if places := self._places.get(kind):
+            who = sum(1 << place for now, place in enumerate(places) if who >> now & 1)
         ticks, everyone = self._ticks[kind], self._who[kind]
         at = len(ticks) if not ticks or ticks[-1] < tick else bisect_left(ticks, tick)
         if at < len(ticks) and ticks[at] == tick:
@@ -99,6 +105,16 @@ class Marks:
         else:
             ticks.insert(at, tick)
             everyone.insert(at, who)
+
+    def speak_of(self, state: WorldState) -> None:
+        """Let the places of robots and areas be those of another world from now on."""
+        robots = _places([robot.name for robot in state.robots], self._robots)
+        areas = _places([area.name for area in state.areas], self._areas)
+        self._places: dict[MarkKind, list[int]] = {
+            "area": areas,
+            "notice": robots,
+            "memory": robots,
+        }
 
     def at(self, tick: int) -> tuple[Mark, ...]:
         """The marks of one tick, the most telling first."""
@@ -147,7 +163,8 @@ class Marks:
     def copy(self, last: int) -> Marks:
         """The same up to a tick."""
         copy = Marks.__new__(Marks)
-        copy._robots, copy._areas = self._robots, self._areas
+        copy._robots, copy._areas = self._robots.copy(), self._areas.copy()
+        copy._places = self._places
         ends = {kind: bisect_right(ticks, last) for kind, ticks in self._ticks.items()}
         copy._ticks = {kind: ticks[: ends[kind]] for kind, ticks in self._ticks.items()}
         copy._who = {kind: who[: ends[kind]] for kind, who in self._who.items()}
@@ -174,5 +191,20 @@ class Marks:
         elif kind in ("notice", "memory"):
             names = self._robots
         else:
-            names = ()
+            names = []
         return tuple(name for place, name in enumerate(names) if who >> place & 1)
+
+
+def _places(names: list[str], known: list[str]) -> list[int]:
+    """Where names are among those known, which the new ones join; [] if that is where they are."""
+    left = list(enumerate(known))
+    places = []
+    for name in names:
+        found = next((pair for pair in left if pair[1] == name), None)
+        if found is None:
+            found = len(known), name
+            known.append(name)
+        else:
+            left.remove(found)
+        places.append(found[0])
+    return [] if places == list(range(len(names))) else places

@@ -6,6 +6,7 @@ import marshal
 import zlib
 from dataclasses import dataclass
 from functools import lru_cache
+from itertools import groupby
 from operator import attrgetter
 from typing import TYPE_CHECKING, Any
 
@@ -47,7 +48,7 @@ class Moment:
 
 
 class Packed:
-    """Moments that follow each other, of one level.
+    """Moments that follow each other.
 
     What one robot did and remembered tick after tick stands together, so that what is alike lies
     near each other and is packed well.
@@ -59,20 +60,9 @@ class Packed:
     __slots__ = ("_bytes",)
 
     def __init__(self, moments: Sequence[Moment]) -> None:
-        first = moments[0].after
-        content = (
-            first.tick,
-            [robot.name for robot in first.robots],
-            [area.name for area in first.areas],
-            [(m.after.won_at, m.think_milliseconds, m.driven, bool(m.decisions)) for m in moments],
-            [[(area.active, area.visitors) for area in m.after.areas] for m in moments],
-            [[_body_of(m.after.robots[i]) for m in moments] for i in range(len(first.robots))],
-            [
-                [_thought_of(m, i, robot.name) for m in moments]
-                for i, robot in enumerate(first.robots)
-            ],
-        )
-        self._bytes = zlib.compress(marshal.dumps(content), _QUICKEST)
+        # Robots and areas may come and go where the level was changed.
+        runs = [_run_of(list(run)) for _, run in groupby(moments, _names_of)]
+        self._bytes = zlib.compress(marshal.dumps(runs), _QUICKEST)
 
     def __len__(self) -> int:
         """How many bytes it takes."""
@@ -80,7 +70,11 @@ class Packed:
 
     def moment(self, at: int) -> Moment:
         """One of the moments, by its place among them, counted from 0."""
-        begin, names, area_names, told, areas, bodies, thoughts = _opened(self._bytes)
+        runs = iter(_opened(self._bytes))
+        begin, names, area_names, told, areas, bodies, thoughts = next(runs)
+        while at >= len(told):
+            at -= len(told)
+            begin, names, area_names, told, areas, bodies, thoughts = next(runs)
         won_at, milliseconds, driven, has_decided = told[at]
         after = WorldState(
             begin + at,
@@ -99,9 +93,27 @@ class Packed:
 
 
 @lru_cache(maxsize=_KEPT_OPEN)
-def _opened(packed: bytes) -> tuple[Any, ...]:
-    content: tuple[Any, ...] = marshal.loads(zlib.decompress(packed))  # noqa: S302 - our own bytes
-    return content
+def _opened(packed: bytes) -> list[tuple[Any, ...]]:
+    runs: list[tuple[Any, ...]] = marshal.loads(zlib.decompress(packed))  # noqa: S302 - our own bytes
+    return runs
+
+
+def _names_of(moment: Moment) -> tuple[list[str], list[str]]:
+    after = moment.after
+    return [robot.name for robot in after.robots], [area.name for area in after.areas]
+
+
+def _run_of(moments: Sequence[Moment]) -> tuple[Any, ...]:
+    """Moments of the same robots and areas, to be written."""
+    first = moments[0].after
+    return (
+        first.tick,
+        *_names_of(moments[0]),
+        [(m.after.won_at, m.think_milliseconds, m.driven, bool(m.decisions)) for m in moments],
+        [[(area.active, area.visitors) for area in m.after.areas] for m in moments],
+        [[_body_of(m.after.robots[i]) for m in moments] for i in range(len(first.robots))],
+        [[_thought_of(m, i, robot.name) for m in moments] for i, robot in enumerate(first.robots)],
+    )
 
 
 def _thought_of(moment: Moment, at: int, name: str) -> tuple[object, ...]:

@@ -40,7 +40,8 @@ class Parting:
 
     Attributes:
         tick: That tick.
-        differences: In what they differ, decisions first; in file order of the robots.
+        differences: In what they differ for robots of both, decisions first; in file order of the
+            robots.
     """
 
     tick: int
@@ -70,8 +71,10 @@ def parting(here: Moment, there: Moment) -> Parting | None:
 
 
 def _of_decisions(here: Moment, there: Moment) -> Iterator[Difference]:
-    for mine, other in zip(here.decisions, there.decisions, strict=True):
-        if mine != other:
+    others = {decision.robot_name: decision for decision in there.decisions}
+    for mine in here.decisions:
+        other = others.get(mine.robot_name)
+        if other is not None and mine != other:
             for matter, value in _said(mine).items():
                 if value != (that := _said(other)[matter]):
                     yield Difference(mine.robot_name, matter, value, that)
@@ -86,7 +89,11 @@ def _said(decision: Decision) -> dict[Matter, object]:
 
 
 def _of_robots(here: Moment, there: Moment) -> Iterator[Difference]:
-    for mine, other in zip(here.after.robots, there.after.robots, strict=True):
+    others = {robot.name: robot for robot in there.after.robots}
+    for mine in here.after.robots:
+        other = others.get(mine.name)
+        if other is None:
+            continue
         place, that = (mine.x, mine.y, mine.angle), (other.x, other.y, other.angle)
         if place != that:
             yield Difference(mine.name, "position", place, that)

@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
     from logical_robots_tui.mind import Engine, Limits, Program
-    from logical_robots_tui.world import Level
+    from logical_robots_tui.world import Level, Visibility
 
 __all__ = ["Thinker"]
 
@@ -28,15 +28,22 @@ class Thinker:
         self._pool = ThreadPoolExecutor(max_workers=1, thread_name_prefix=f"logical-robots-{name}")
         self._stop = threading.Event()
         self._mind: Mind | None = None
+        self._visibility: Visibility | None = None
 
     def mind(self, program: Program, level: Level, limits: Limits) -> Mind:
         """The mind for a program; to be called in the thread."""
-        if self._mind is None or self._mind.program is not program:
+        visibility = level.visibility
+        if (
+            self._mind is None
+            or self._mind.program is not program
+            or self._visibility != visibility
+        ):
             self._forget()
+            self._visibility = visibility
             self._mind = Mind(
                 program,
-                memory=level.visibility.memory,
-                sensor=level.visibility.sensor,
+                memory=visibility.memory,
+                sensor=visibility.sensor,
                 limits=limits,
                 engine=self._engine,
             )

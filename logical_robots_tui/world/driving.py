@@ -10,6 +10,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterable
 
     from logical_robots_tui.world.level import Area, Level
+    from logical_robots_tui.world.state import RobotState
 
 __all__ = ["PUSH_MARGIN", "WHEEL_BASE", "Mover", "drive", "is_inside", "push_out"]
 
@@ -78,7 +79,7 @@ def push_out(mover: Mover, areas: Iterable[Area]) -> None:
         mover.y = area.y + dy / distance * (area.radius + PUSH_MARGIN)
 
 
-def is_inside(mover: Mover, area: Area) -> bool:
+def is_inside(mover: Mover | RobotState, area: Area) -> bool:
     """Return whether a robot's centre is strictly inside an area."""
     return math.hypot(mover.x - area.x, mover.y - area.y) < area.radius
 

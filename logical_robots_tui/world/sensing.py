@@ -37,11 +37,16 @@ class Senses:
     A ray is tested at 1, 2, ... 199 map units from the robot's centre. The first distance at which
     anything is hit is the one reported. Within one distance walls go before robots, robots before
     beacons, beacons before solid areas, each in file order.
+
+    Args:
+        level: The level.
+        like: The senses in a level with nearly the same walls, from which these are made quicker.
     """
 
-    def __init__(self, level: Level) -> None:
+    def __init__(self, level: Level, *, like: Senses | None = None) -> None:
         self._robots = level.robots
-        self._walls = Walls(level.walls, SENSOR_RANGE)
+        like_walls = None if like is None else like._walls
+        self._walls: Walls = Walls(level.walls, SENSOR_RANGE, like=like_walls)
         self._solid = [i for i, area in enumerate(level.areas) if area.impenetrable]
         solid = [level.areas[i] for i in self._solid]
         places = [(b.x, b.y) for b in level.beacons] + [(area.x, area.y) for area in solid]

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from logical_robots_tui.world.bitmaps import changed_box
 from logical_robots_tui.world.clearance import clearances
 
 if TYPE_CHECKING:
@@ -28,20 +29,22 @@ class Walls:
     distance from a cell to the nearest wall tells how many steps from there can't.
 
     Args:
-        walls: Of shape (height, width); True is wall. Not kept.
+        walls: Of shape (height, width); True is wall. Kept, and not to be changed.
         reach: Map units; the last step of a ray is the one before. At most 254.
+        like: Walls that differ in few places, from which these are made quicker.
     """
 
-    def __init__(self, walls: NDArray[np.bool_], reach: int) -> None:
+    def __init__(self, walls: NDArray[np.bool_], reach: int, *, like: Walls | None = None) -> None:
         height, width = walls.shape
         self._reach = reach
         self._stride = width + 2 * _RIM
         self._end_x, self._end_y = width + 1.5, height + 1.5
         self._ahead = np.arange(float(reach))[:, None]
-        # Free cells around a cell in any direction. The -1 of a wall itself wraps round to 255,
-        # which is also more than any reach, and so ends a ray.
-        room = clearances(np.pad(walls, _RIM, constant_values=True), reach)
-        room -= np.uint8(1)
+        self._walls = walls
+        if like is not None and like._walls.shape == walls.shape and like._reach == reach:
+            self._room = self._room_like(like)
+            return
+        room = _room(np.pad(walls, _RIM, constant_values=True), reach)
         # Turned so that cell (0, 0) comes first; the rim to the left and above is at the end.
         self._room = np.roll(room, -self._stride * _RIM - _RIM)
 
@@ -130,7 +133,44 @@ class Walls:
         found += room + 1
         return found
 
+    def _room_like(self, like: Walls) -> NDArray[np.uint8]:
+        """Return the room around cells, found anew only where other walls make a difference."""
+        box = changed_box(like._walls, self._walls)
+        if box is None:
+            return like._room
+        room, part, around = like._room.copy(), [], []
+        for changed, length in zip(box, self._walls.shape, strict=True):
+            part.append(_widened(changed, self._reach, length))
+            # As far again lies what may be nearest now to a cell in that part.
+            around.append(_widened(changed, 2 * self._reach, length))
+        pads = [
+            (_RIM * (some.start == 0), _RIM * (some.stop == length))
+            for some, length in zip(around, self._walls.shape, strict=True)
+        ]
+        walls = np.pad(self._walls[tuple(around)], pads, constant_values=True)
+        inner = tuple(
+            slice(some.start - wide.start + pad, some.stop - wide.start + pad)
+            for some, wide, (pad, _) in zip(part, around, pads, strict=True)
+        )
+        room[tuple(part)] = _room(walls, self._reach)[inner]
+        return room
+
     def _room_at(self, column: NDArray[np.float64], row: NDArray[np.float64]) -> NDArray[np.uint8]:
         row *= self._stride
         row += column
         return self._room.take(row.astype(np.intp), mode="wrap")
+
+
+def _room(walls: NDArray[np.bool_], reach: int) -> NDArray[np.uint8]:
+    """Return how many free cells are around each cell in any direction, less than the reach.
+
+    The -1 of a wall itself wraps round to 255, which is also more than any reach, and so ends a
+    ray.
+    """
+    room = clearances(walls, reach)
+    room -= np.uint8(1)
+    return room
+
+
+def _widened(part: slice, by: int, length: int) -> slice:
+    return slice(max(part.start - by, 0), min(part.stop + by, length))

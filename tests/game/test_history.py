@@ -23,11 +23,13 @@ from logical_robots_tui.mind import Decision, Notice, Program
 from logical_robots_tui.values import Desire
 from logical_robots_tui.world import (
     AreaState,
+    Robot,
     RobotState,
     WorldState,
     list_levels,
     load_level,
 )
+from tests.world.making import make_level
 
 if TYPE_CHECKING:
     from logical_robots_tui.values import Value
@@ -41,6 +43,7 @@ values = st.recursive(
 desires = st.none() | st.builds(Desire, numbers, numbers)
 notices = st.lists(st.builds(Notice, st.just("failed"), st.text(max_size=5)), max_size=2)
 ROBOTS = ("Ada", "Bo")
+LEVEL = make_level(Robot(name, 1.5, 2.5) for name in ROBOTS)
 
 
 @dataclass(frozen=True)
@@ -131,7 +134,7 @@ class Histories(RuleBasedStateMachine):
         self.other: list[Frame] | None = None
         self.latest = 0
         self.out_of_reach: list[Frame] | None = None  # the other course, if that has parted so
-        self.history = History(self.course[0], LENGTH)
+        self.history = History(self.course[0], LEVEL, LENGTH)
 
     @rule(done=ticks, times=st.integers(1, 80))
     def go_on(self, done: list[Deed], times: int) -> None:
@@ -218,7 +221,7 @@ def test_bytes_are_bounded_and_the_other_course_goes_first() -> None:
     memory = [f"{number:x}" * 8 for number in range(400)]
     deed = [Deed(None, memory, (), 1.0, False)] * 2
     course = [start()]
-    history = History(course[0], most_bytes=4000)
+    history = History(course[0], LEVEL, most_bytes=4000)
     for _ in range(300):
         course.append(after(course[-1], deed))
         history.add(course[-1], NOBODY)
@@ -238,7 +241,7 @@ def test_bytes_are_bounded_and_the_other_course_goes_first() -> None:
 
 def test_of_two_courses_that_were_left_the_longer_one_is_kept() -> None:
     still = [Deed(None, 1, (), 1.0, False)] * 2
-    history = History(start())
+    history = History(start(), LEVEL)
     course = [start()]
     for _ in range(50):
         course.append(after(course[-1], still))

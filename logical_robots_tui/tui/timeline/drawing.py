@@ -20,6 +20,7 @@ SIGNS: dict[MarkKind, tuple[str, str, str]] = {
     "victory": ("★", f"bold {INK.key}", "victory"),
     "breakpoint": ("◉", f"bold {INK.bad}", "a breakpoint was hit"),
     "program": ("¶", f"bold {INK.title}", "another program thinks from here on"),
+    "edit": ("✎", f"bold {INK.title}", "the labyrinth was changed by hand"),
     "area": ("◇", INK.good, "an area was switched"),
     "notice": ("!", f"bold {INK.warn}", "a notice"),
     "memory": ("┷", INK.record, "a memory changed; of the chosen robot, if one is chosen"),

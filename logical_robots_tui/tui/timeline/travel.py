@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 __all__ = ["TEN", "Travel"]
 
 TEN = 10
-_SOUGHT: tuple[MarkKind, ...] = ("victory", "breakpoint", "program", "area", "notice")
+_SOUGHT: tuple[MarkKind, ...] = (*("victory", "breakpoint", "program", "edit", "area", "notice"),)
 
 
 class Travel:

@@ -135,8 +135,8 @@ class Timeline(Widget, can_focus=True):
         if mark.kind == "breakpoint" and self._history is not None:
             hits = self._history.hits_at(self._span.tick)
             words = one_line("; ".join(hit.values for hit in hits))
-        elif mark.kind in ("victory", "program"):
-            words = {"victory": "won", "program": "program changed"}[mark.kind]
+        elif mark.kind in ("victory", "program", "edit"):
+            words = {"victory": "won", "program": "program changed", "edit": "edited"}[mark.kind]
         return Content.assemble((f"{sign} ", style), (words, INK.text))
 
     # -- the mouse -----------------------------------------------------------------------------

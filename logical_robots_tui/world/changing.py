@@ -1,0 +1,125 @@
+"""A world whose level is changed while it runs: what goes on as it was, and what begins anew."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from typing import TYPE_CHECKING, TypeAlias
+
+from logical_robots_tui.world.driving import is_inside
+from logical_robots_tui.world.state import AreaState, RobotState, WorldState
+from logical_robots_tui.world.switching import starts_active
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping, Sequence
+
+    from logical_robots_tui.world.level import Area, Level, Robot
+
+__all__ = ["Pose", "changed_state", "former_names", "start_state"]
+
+Pose: TypeAlias = tuple[float, float, float]
+"""Where a robot stands and looks: map units (x, y), and radians."""
+
+
+def start_state(level: Level) -> WorldState:
+    """Return the state in which a level begins."""
+    robots = tuple(_at_start(robot) for robot in level.robots)
+    return WorldState(0, robots, tuple(_new_area(area) for area in level.areas))
+
+
+def changed_state(
+    state: WorldState, before: Level, after: Level, poses: Mapping[str, Pose]
+) -> WorldState:
+    """Return the state from which a world goes on in a changed level.
+
+    Robots stay where they are, with what charge their batteries still hold; new ones stand at
+    their start. Areas stay switched as they are, unless what switches them changed. Who is in an
+    area is told anew. At the start, robots stand where they start in the changed level.
+
+    Args:
+        state: Of a world of the level before, at the end of a tick.
+        before: The level so far.
+        after: The level from now on.
+        poses: Where robots are put, by their name in the level after.
+
+    Raises:
+        ValueError: A pose is for nobody.
+    """
+    if strangers := poses.keys() - {robot.name for robot in after.robots}:
+        raise ValueError(f"There are no robots {sorted(strangers)} to put anywhere.")
+    if state.tick == 0:
+        start = start_state(after)
+        return replace(start, robots=tuple(_put(robot, poses) for robot in start.robots))
+    given = {robot.name: robot for robot in before.robots}
+    bodies = {robot.name: robot for robot in state.robots}
+    former = former_names(before, after)
+    robots = tuple(
+        _put(_carried(robot, given[old], bodies[old]), poses)
+        if (old := former.get(robot.name)) is not None
+        else _put(_at_start(robot), poses)
+        for robot in after.robots
+    )
+    areas = tuple(
+        AreaState(area.name, active, _visitors(area, robots))
+        for area, active in zip(after.areas, _switched_as_before(state, before, after), strict=True)
+    )
+    return WorldState(state.tick, robots, areas, state.won_at)
+
+
+def former_names(before: Level, after: Level) -> dict[str, str]:
+    """Return what the robots of a changed level were called before; new ones are left out.
+
+    A robot in the place of one that is not there any more, while all others stayed, is that one.
+    """
+    old, new = [r.name for r in before.robots], [r.name for r in after.robots]
+    names = {name: name for name in new if name in set(old)}
+    if len(old) == len(new):
+        pairs = [(then, now) for then, now in zip(old, new, strict=True) if then != now]
+        if len(pairs) == 1 and pairs[0][0] not in names:
+            names[pairs[0][1]] = pairs[0][0]
+    return names
+
+
+def _carried(robot: Robot, before: Robot, body: RobotState) -> RobotState:
+    charge = min(body.battery_level, float(robot.battery_capacity))
+    if robot.has_battery and not before.has_battery:
+        charge = float(robot.battery_capacity)
+    return replace(body, name=robot.name, battery_level=charge)
+
+
+def _put(body: RobotState, poses: Mapping[str, Pose]) -> RobotState:
+    """Return a robot where it is put, or where it is."""
+    if body.name not in poses:
+        return body
+    x, y, angle = poses[body.name]
+    return replace(body, x=float(x), y=float(y), angle=float(angle) % (2 * math.pi))
+
+
+def _at_start(robot: Robot) -> RobotState:
+    capacity = float(robot.battery_capacity)
+    return RobotState(robot.name, float(robot.x), float(robot.y), float(robot.angle), capacity)
+
+
+def _new_area(area: Area) -> AreaState:
+    return AreaState(area.name, starts_active(area))
+
+
+def _switched_as_before(state: WorldState, before: Level, after: Level) -> list[bool]:
+    """Return which areas are on: as before if they are the same ones, else as at the start."""
+    known: dict[tuple[object, ...], list[bool]] = {}
+    for area, now in zip(before.areas, state.areas, strict=True):
+        known.setdefault(_switch(area), []).append(now.active)
+    found = []
+    for area in after.areas:
+        left = known.get(_switch(area))
+        found.append(left.pop(0) if left else starts_active(area))
+    return found
+
+
+def _switch(area: Area) -> tuple[object, ...]:
+    """All of an area that tells how it is switched."""
+    return area.name, area.on_beacon, area.off_beacon, area.sticky_switch
+
+
+def _visitors(area: Area, robots: Sequence[RobotState]) -> tuple[str, ...]:
+    return tuple(robot.name for robot in robots if is_inside(robot, area))

@@ -1,0 +1,217 @@
+"""Changing the level under way: past ticks stay as they were, and all come back exactly."""
+
+from __future__ import annotations
+
+import asyncio
+from dataclasses import replace
+from functools import cache
+from typing import TYPE_CHECKING
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from logical_robots_tui.game import Frame, Game
+from logical_robots_tui.mind import Program
+from logical_robots_tui.world import Area, Beacon, Level, Robot, Visibility
+from tests.game.playing import BACKWARDS, COUNTER, game
+from tests.waiting import PATIENCE
+from tests.world.making import make_level
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+    from pathlib import Path
+
+    from logical_robots_tui.world.changing import Pose
+
+LEVEL = make_level(
+    (Robot("Ada", 30.5, 30.5), Robot("Bo", 30.5, 50.5)),
+    width=120,
+    height=80,
+    areas=(Area("Home", 90, 40, 12, on_beacon="Lamp"),),
+)
+
+
+def walled(level: Level, x: int, wall: bool = True) -> Level:
+    walls = level.walls.copy()
+    walls[20:60, x : x + 6] = wall
+    walls.flags.writeable = False
+    return replace(level, walls=walls)
+
+
+def with_robot(level: Level, name: str) -> Level:
+    names = {robot.name for robot in level.robots}
+    return level if name in names else replace(level, robots=(Robot(name, 60, 20), *level.robots))
+
+
+def without_robot(level: Level, at: int) -> Level:
+    robots = list(level.robots)
+    del robots[at % len(robots)]
+    return replace(level, robots=tuple(robots)) if robots else level
+
+
+EDITS: list[Callable[[Level], Level]] = [
+    lambda level: walled(level, 50),
+    lambda level: walled(level, 50, wall=False),
+    lambda level: walled(level, 33),
+    lambda level: with_robot(level, "Cy"),
+    lambda level: without_robot(level, 0),
+    lambda level: without_robot(level, 1),
+    lambda level: replace(level, beacons=(*level.beacons, Beacon("Lamp", 60, 30))),
+    lambda level: replace(level, areas=(Area("New", 40, 40, 9), *level.areas)),
+    lambda level: replace(level, areas=level.areas[1:]),
+    lambda level: replace(level, visibility=Visibility("all", "all")),
+    lambda level: level,
+]
+POSES: list[dict[str, Pose]] = [{}, {"Ada": (70, 20, 1.5)}, {"Bo": (20, 70, -1.0)}]
+
+deeds = st.one_of(
+    st.tuples(st.just("step"), st.integers(1, 40), st.just(0)),
+    st.tuples(st.just("go to"), st.integers(0, 200), st.just(0)),
+    st.tuples(st.just("edit"), st.integers(0, len(EDITS) - 1), st.integers(0, len(POSES) - 1)),
+)
+
+
+async def reached(played: Game, tick: int) -> None:
+    """Wait until a game that runs is that far."""
+    there = asyncio.Event()
+    played.listen(lambda frame: there.set() if frame.tick >= tick else None)
+    await asyncio.wait_for(there.wait(), PATIENCE)
+
+
+@cache
+def counter() -> Program:
+    return Program.compile(COUNTER)
+
+
+@settings(max_examples=25, deadline=None)
+@given(st.lists(deeds, max_size=14))
+def test_whatever_is_changed_when_every_tick_comes_back_as_it_was(
+    done: list[tuple[str, int, int]],
+) -> None:
+    async def play() -> None:
+        played = Game(LEVEL, counter())
+        course: list[tuple[Frame, Level]] = [(played.frame, LEVEL)]
+
+        async def step() -> None:
+            frame = await played.step()
+            if frame.tick == len(course):
+                course.append((frame, played.level))
+            seen(frame)
+
+        def seen(frame: Frame) -> None:
+            then, level = course[frame.tick]
+            assert frame == then
+            assert np.array_equal(played.level.walls, level.walls)
+            assert replace(played.level, walls=level.walls).robots == level.robots
+
+        try:
+            for what, number, more in done:
+                if what == "step":
+                    for _ in range(number):
+                        await step()
+                elif what == "go to":
+                    seen(played.go_to(number % len(course)))
+                else:
+                    level = EDITS[number](played.level)
+                    names = {robot.name for robot in level.robots}
+                    poses = {n: pose for n, pose in POSES[more].items() if n in names}
+                    frame = played.change_level(level, poses)
+                    del course[frame.tick :]
+                    course.append((frame, level))
+            seen(played.go_to(0))
+            while played.frame.tick < len(course) - 1:
+                await step()
+            for tick in range(len(course) - 1, -1, -1):
+                seen(played.go_to(tick))
+        finally:
+            await played.close()
+
+    asyncio.run(play())
+
+
+async def test_a_wall_stops_robots_from_the_next_tick_on(tmp_path: Path) -> None:
+    played = game(tmp_path)
+    await played.run_until(tick=20)
+    before, original = played.frame, played.level
+    assert not before.after.robots[0].blocked
+    x = int(before.after.robots[0].x)
+    played.change_level(walled(original, x + 2))
+    assert played.history.marks.at(20)[0].kind == "edit"
+    await played.run_until(tick=30)
+    assert played.frame.after.robots[0].blocked
+    assert played.go_to(19).after.robots == before.before.robots
+    assert np.array_equal(played.level.walls, original.walls)
+    await played.run_until(tick=21)
+    assert not np.array_equal(played.level.walls, original.walls)
+    await played.close()
+
+
+async def test_a_robot_is_put_elsewhere_while_the_game_runs(tmp_path: Path) -> None:
+    played = game(tmp_path)
+    running = asyncio.create_task(played.run())
+    await reached(played, 5)
+    tick = played.change_level(played.level, {"Ada": (150.0, 20.0, 0.0)}).tick
+    await reached(played, tick + 3)
+    played.pause()
+    await running
+    after = played.frame_at(tick + 1)
+    assert after.before.robots[0].x == 150.0
+    assert after.after.robots[0].x == 151.0
+    with pytest.raises(ValueError, match="Nobody"):
+        played.change_level(played.level, {"Nobody": (0, 0, 0)})
+    await played.close()
+
+
+async def test_beginning_again_does_not_do_again_what_was_done_by_hand(tmp_path: Path) -> None:
+    played = game(tmp_path)
+    original = played.level
+    await played.run_until(tick=10)
+    plain = await played.step()
+    played.go_to(10)
+    played.change_level(walled(original, 100), {"Bo": (20.0, 40.0, 0.0)})
+    await played.run_until(tick=15)
+    played.restart(original)
+    assert (await played.run_until(tick=11)) == plain
+    assert played.level is original
+    assert played.history.other is not None
+    played.restart(walled(original, 100))
+    assert played.history.level_at(0).walls[30, 100]
+    await played.close()
+
+
+async def test_another_program_begins_another_future_before_an_edit(tmp_path: Path) -> None:
+    played = game(tmp_path)
+    await played.run_until(tick=10)
+    played.change_level(played.level, {"Ada": (150.0, 20.0, 0.0)})
+    await played.run_until(tick=12)
+    played.go_to(5)
+    played.use(Program.compile(BACKWARDS))
+    frame = await played.run_until(tick=11)
+    assert frame.after.robots[0].x < 50
+    played.change_course()
+    assert played.frame.after.robots[0].x > 150
+    await played.close()
+
+
+async def test_a_new_robot_thinks_from_the_next_tick_on_and_marks_know_who(
+    tmp_path: Path,
+) -> None:
+    played = game(tmp_path)
+    await played.run_until(tick=40)
+    level = with_robot(played.level, "Cy")
+    frame = played.change_level(level)
+    assert frame.decisions == ()
+    assert frame.memories == {"Cy": "", "Ada": 40, "Bo": 40}
+    while played.frame.tick < 120:
+        await played.step()
+    assert played.frame.memories == {"Cy": 80, "Ada": 120, "Bo": 120}
+    memory = [mark for mark in played.history.marks.at(60) if mark.kind == "memory"]
+    assert set(memory[0].names) == {"Ada", "Bo", "Cy"}
+    assert played.history.marks.nearest(0, 1, (), "Cy") == 41
+    played.change_level(without_robot(level, 1))
+    while played.frame.tick < 130:
+        await played.step()
+    assert set(played.history.marks.at(125)[0].names) == {"Cy", "Bo"}
+    await played.close()
