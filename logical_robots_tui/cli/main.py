@@ -12,6 +12,7 @@ from logical_robots_tui import __version__
 from logical_robots_tui.cli import (
     bench,
     check,
+    config,
     crash,
     failure,
     listing,
@@ -48,6 +49,7 @@ examples:
   logical-robots help FUNCTION         explain a function of the language
   logical-robots level new FILE        make a level
   logical-robots bench                 say how fast this machine is
+  logical-robots config                show settings and keys
 
 A LEVEL or PROGRAM is a name from these lists or the path of a file.
 """
@@ -102,6 +104,7 @@ def parser() -> argparse.ArgumentParser:
     listing.declare(commands)
     level.declare(commands)
     bench.declare(commands)
+    config.declare(commands)
     return top
 
 

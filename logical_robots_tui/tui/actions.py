@@ -362,6 +362,13 @@ class Actions:
             CommandPalette([CommandProvider], placeholder="Find a command…")
         )
 
+    def theme(self) -> None:
+        """Choose a theme."""
+        from textual.command import CommandPalette
+        from textual.theme import ThemeProvider
+
+        self._screen.app.push_screen(CommandPalette([ThemeProvider], placeholder="Find a theme…"))
+
     def redraw(self) -> None:
         """Paint the whole screen again."""
         if isinstance(self._screen.app, SparingApp):

@@ -11,16 +11,20 @@ from textual import events
 from textual.binding import Binding
 
 from logical_robots_tui.progress import FILE_NAME
+from logical_robots_tui.tui.colours import colours_in
+from logical_robots_tui.tui.commands import use_keys
 from logical_robots_tui.tui.journal import Journal
 from logical_robots_tui.tui.screen import MainScreen
+from logical_robots_tui.tui.settings import Settings
 from logical_robots_tui.tui.sparing import SparingApp
 from logical_robots_tui.tui.terminal import drawing_for
-from logical_robots_tui.tui.theme import EXTRA_VARIABLES, NIGHT
+from logical_robots_tui.tui.theme import NIGHT
 
 if TYPE_CHECKING:
     from pathlib import Path
 
     from textual.binding import BindingType
+    from textual.theme import Theme
 
     from logical_robots_tui.game import Source
     from logical_robots_tui.mind import Engine
@@ -42,6 +46,8 @@ class LogicalRobotsApp(SparingApp, inherit_bindings=False):
         text: What the player made of the program, or None.
         welcome: Whether to begin with the tour.
         engine: What the robots think with.
+        settings: What the player has set once for all.
+        theme: The theme to begin with where the settings name none.
     """
 
     TITLE = "Logical Robots"
@@ -61,8 +67,13 @@ class LogicalRobotsApp(SparingApp, inherit_bindings=False):
         text: str | None = None,
         welcome: bool = False,
         engine: Engine = "sqlite",
+        settings: Settings | None = None,
+        theme: str = NIGHT.name,
     ) -> None:
         super().__init__()
+        self._settings = settings or Settings()
+        self._first_theme = self._settings.theme or theme
+        use_keys(self._settings.keys)
         journal = journal or Journal(data_dir / FILE_NAME)
         self.main = MainScreen(
             level, source, data_dir, journal, text=text, welcome=welcome, engine=engine
@@ -73,7 +84,7 @@ class LogicalRobotsApp(SparingApp, inherit_bindings=False):
 
     def get_theme_variable_defaults(self) -> dict[str, str]:
         """Variables that our style sheets use in every theme."""
-        return EXTRA_VARIABLES
+        return colours_in(self.current_theme)
 
     def get_default_screen(self) -> MainScreen:
         """The main screen."""
@@ -83,7 +94,19 @@ class LogicalRobotsApp(SparingApp, inherit_bindings=False):
         """Dress up before the first picture."""
         self._event_loop = asyncio.get_running_loop()
         self.register_theme(NIGHT)
-        self.theme = NIGHT.name
+        known = self._first_theme in self.available_themes
+        self.theme = self._first_theme if known else NIGHT.name
+
+    def on_mount(self) -> None:
+        """Do as the settings say, and tell what in them can't be used."""
+        self.main.follow(self._settings)
+        self.theme_changed_signal.subscribe(self, self._keep_theme)
+
+    def _keep_theme(self, theme: Theme) -> None:
+        if not self._settings.theme:
+            self.main.journal.choose_theme(theme.name)
+        elif theme.name != self._settings.theme:
+            self.main.tell(f"Next time {self._settings.theme} again: the configuration says so.")
 
     async def on_event(self, event: events.Event) -> None:
         """Handle an event; a key or a mouse button is to be answered before all else."""
@@ -95,7 +118,7 @@ class LogicalRobotsApp(SparingApp, inherit_bindings=False):
 
     def suit_terminal(self) -> None:
         """Draw the labyrinth in the way that suits the terminal of this process."""
-        self.main.labyrinth.view.drawing = drawing_for(
+        self.main.labyrinth.view.drawing = self._settings.drawing or drawing_for(
             os.environ,
             self.console.color_system,
             self.console.encoding,

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from textual.content import Content
 from textual.style import Style
 
-from logical_robots_tui.tui.commands import command, key_name
+from logical_robots_tui.tui.commands import command
 from logical_robots_tui.tui.overlay import Overlay
 from logical_robots_tui.tui.plain import clip
 from logical_robots_tui.tui.results import results_lines
@@ -29,7 +29,7 @@ _OFFERS = (
 )
 _LOOKED_UP = (("reference program", "solution"), ("versions", "versions"), ("close", "results"))
 _CONFETTI = "·*✦•˚+"
-_COLOURS = ("#ff8a7a", "#f5d76e", "#a6da7b", "#79b8ff", "#c9b8f0", "#ffb454")
+_COLOURS = (INK.bad, INK.warn, INK.good, INK.robot, INK.record, INK.key)
 _ROOMY = 24  # lines of the pane from which on there is air between the parts
 
 
@@ -100,7 +100,7 @@ class VictoryBanner(Overlay):
 
 def _offer(label: str, command_id: str) -> Content:
     """The key and the label of a command, which can be clicked too."""
-    key = key_name(command(command_id).keys[0])
+    key = command(command_id).key_name
     content = Content.assemble((key, f"bold {INK.key}"), f" {label}")
     return content.stylize(Style.from_meta({"@click": f"screen.command('{command_id}')"}))
 

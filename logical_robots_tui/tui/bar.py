@@ -8,7 +8,7 @@ from textual.content import Content
 from textual.message import Message
 from textual.widget import Widget
 
-from logical_robots_tui.tui.commands import COMMANDS, key_name
+from logical_robots_tui.tui.commands import command, commands
 from logical_robots_tui.tui.theme import INK
 
 if TYPE_CHECKING:
@@ -88,7 +88,7 @@ class CommandBar(_Labels):
     def render(self) -> Content:
         """The line, as wide as the widget."""
         unwanted = "outside" if self._typing else "editor"
-        shown = [entry for entry in COMMANDS if entry.bar and entry.place != unwanted]
+        shown = [entry for entry in commands() if entry.bar and entry.place != unwanted]
         if self._typing:
             shown.sort(key=lambda entry: entry.id != "apply")
         labels = {entry.id: self._label(entry) for entry in shown}
@@ -105,7 +105,11 @@ class CommandBar(_Labels):
         title = "Pause" if entry.id == "run" and self._game_runs else entry.bar
         key = entry.bar_key(typing=self._typing)
         label = Content.styled(key, f"bold {INK.key}")
-        return label if title == key else label.append(" ").append(Content.styled(title, INK.text))
+        return (
+            label
+            if title == key
+            else label.append(" " * bool(key)).append(Content.styled(title, INK.text))
+        )
 
 
 class PaneTabs(_Labels):
@@ -129,10 +133,12 @@ class PaneTabs(_Labels):
     def render(self) -> Content:
         """The line, as wide as the widget."""
         labels = []
-        for number, (command_id, text) in enumerate(self._tabs, start=1):
+        for command_id, text in self._tabs:
             is_active = command_id == self._active
-            style = f"bold {INK.title} on #232b45" if is_active else INK.dim
-            key = INK.key if not is_active else f"bold {INK.key} on #232b45"
-            label = Content.assemble((f" {key_name(str(number))} ", key), (f"{text} ", style))
+            style = f"bold {INK.title} on $tab-here" if is_active else INK.dim
+            key = INK.key if not is_active else f"bold {INK.key} on $tab-here"
+            label = Content.assemble(
+                (f" {command(command_id).key_name} ", key), (f"{text} ", style)
+            )
             labels.append((label, command_id))
         return self.line(labels, gap=1)

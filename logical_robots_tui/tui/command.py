@@ -2,35 +2,23 @@
 
 from __future__ import annotations
 
+import string
 from dataclasses import dataclass
 from typing import Literal, TypeAlias
 
-__all__ = ["Command", "Place", "key_name"]
+from textual.keys import _character_to_key
+
+__all__ = ["CHARACTERS", "Command", "Place", "key_name"]
 
 Place: TypeAlias = Literal["anywhere", "editor", "outside"]
 """Where the command bar offers a command: always, only in the editor, only outside of it."""
 
-_NAMES = {
-    "space": "space",
-    "full_stop": ".",
-    "comma": ",",
-    "plus": "+",
-    "minus": "-",
-    "equals_sign": "=",
-    "greater_than_sign": ">",
-    "question_mark": "?",
-    "slash": "/",
-    "asterisk": "*",
-    "at": "@",
-    "number_sign": "#",
-    "left_square_bracket": "[",
-    "right_square_bracket": "]",
-    "left_parenthesis": "(",
-    "right_parenthesis": ")",
-    "left_curly_bracket": "{",
-    "right_curly_bracket": "}",
-    "escape": "esc",
-}
+PALETTE_KEY = "^P"
+
+CHARACTERS = {_character_to_key(char): char for char in string.punctuation}
+"""The printable characters that Textual has names for, by these."""
+
+_NAMES = {**CHARACTERS, "escape": "esc"}
 
 
 @dataclass(frozen=True, slots=True)
@@ -57,6 +45,11 @@ class Command:
     bar: str = ""
     place: Place = "outside"
     spare: int = 0
+
+    @property
+    def key_name(self) -> str:
+        """The first key as printed on a keyboard, or that of the palette, which finds all."""
+        return key_name(self.keys[0]) if self.keys else PALETTE_KEY
 
     @property
     def key_names(self) -> str:

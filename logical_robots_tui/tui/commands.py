@@ -6,6 +6,7 @@ the line in the help.
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from textual.binding import Binding
@@ -17,24 +18,51 @@ from logical_robots_tui.tui.playing_commands import GROUPS as PLAYING_GROUPS
 from logical_robots_tui.tui.playing_commands import PLAYING
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Iterable, Iterator, Mapping
 
-__all__ = ["COMMANDS", "GROUPS", "Command", "Place", "bindings", "command", "key_name"]
+__all__ = [
+    "COMMANDS",
+    "GROUPS",
+    "Command",
+    "Place",
+    "bindings",
+    "command",
+    "commands",
+    "key_name",
+    "use_keys",
+]
 
 COMMANDS = PLAYING + LOOKING
+"""All commands as they come."""
+
 GROUPS = PLAYING_GROUPS + LOOKING_GROUPS
 
-_BY_ID = {entry.id: entry for entry in COMMANDS}
+_in_use = {entry.id: entry for entry in COMMANDS}
+
+
+def use_keys(keys: Mapping[str, tuple[str, ...]]) -> None:
+    """Give commands other keys, for the whole process.
+
+    Args:
+        keys: By the id of the command; those that are not named get back what they came with.
+    """
+    for entry in COMMANDS:
+        _in_use[entry.id] = replace(entry, keys=keys.get(entry.id, entry.keys))
+
+
+def commands() -> Iterable[Command]:
+    """All commands with the keys that the player gave them."""
+    return _in_use.values()
 
 
 def command(command_id: str) -> Command:
     """The command of that name."""
-    return _BY_ID[command_id]
+    return _in_use[command_id]
 
 
 def bindings() -> Iterator[Binding]:
     """The key bindings of all commands."""
-    for entry in COMMANDS:
+    for entry in commands():
         if entry.keys:
             yield Binding(
                 ",".join(entry.keys),

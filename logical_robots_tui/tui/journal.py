@@ -22,12 +22,13 @@ if TYPE_CHECKING:
     from logical_robots_tui.tui.session import Session, Spawn
     from logical_robots_tui.world import Level
 
-__all__ = ["LAST_LEVEL", "TOUR", "Journal"]
+__all__ = ["LAST_LEVEL", "THEME", "TOUR", "Journal"]
 
 T = TypeVar("T")
 
-LAST_LEVEL, TOUR = "level", "tour"
-"""Names of what is kept of the player: the shipped level last played, and the tour seen."""
+LAST_LEVEL, THEME, TOUR = "level", "theme", "tour"
+"""Names of what is kept of the player: the shipped level last played, the theme, and
+the tour seen."""
 
 
 class Journal:
@@ -156,6 +157,10 @@ class Journal:
                 progress.keep(key, text)
 
         self._write(keep)
+
+    def choose_theme(self, name: str) -> None:
+        """The player wants this theme from now on."""
+        self._write(lambda progress: progress.set_fact(THEME, name))
 
     def tour_seen(self) -> None:
         """The tour need not be shown again."""

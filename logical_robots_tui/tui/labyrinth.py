@@ -17,11 +17,12 @@ from textual.widget import Widget
 from logical_robots_tui.tui.camera import Camera, Sight
 from logical_robots_tui.tui.drawing.glyphs import Drawing
 from logical_robots_tui.tui.drawing.look import Look
-from logical_robots_tui.tui.drawing.palette import DARK, LIGHT, Palette
+from logical_robots_tui.tui.drawing.palette import Palette
 from logical_robots_tui.tui.drawing.picture import Picture
 from logical_robots_tui.tui.drawing.senses import draw_senses
 from logical_robots_tui.tui.drawing.traces import Traces
 from logical_robots_tui.tui.drawing.viewport import CELL_ASPECT, Viewport
+from logical_robots_tui.tui.theme import palette_of
 from logical_robots_tui.world.sensing import ROBOT_RADIUS
 
 if TYPE_CHECKING:
@@ -231,7 +232,7 @@ class LabyrinthView(Widget):
 
     @property
     def _palette(self) -> Palette:
-        return self.palette or (DARK if self.app.current_theme.dark else LIGHT)
+        return self.palette or palette_of(self.app.current_theme)
 
     def _draw(self) -> list[Region]:
         """Draw the frame and return where the picture changed."""

@@ -10,7 +10,7 @@ from textual.content import Content
 
 from logical_robots_tui.tui.banner import VictoryBanner
 from logical_robots_tui.tui.camera import Sight
-from logical_robots_tui.tui.commands import command, key_name
+from logical_robots_tui.tui.commands import command
 from logical_robots_tui.tui.labyrinth import LabyrinthView
 from logical_robots_tui.tui.overlay import Overlay
 from logical_robots_tui.tui.pane import Pane
@@ -97,7 +97,7 @@ class Briefing(Overlay):
 
     DEFAULT_CSS = """
     Briefing {
-        layer: picture; dock: bottom; padding: 0 1; max-height: 50%; border-top: solid $faint;
+        layer: picture; dock: bottom; padding: 0 1; max-height: 50%; border-top: solid $ink-faint;
     }
     """
 
@@ -114,7 +114,7 @@ class Briefing(Overlay):
             offers["hint"] = "gives a hint"
         if level.lesson:
             offers["lesson"] = "lesson"
-        keys = "   ".join(f"{key_name(command(c).keys[0])} {said}" for c, said in offers.items())
+        keys = "   ".join(f"{command(c).key_name} {said}" for c, said in offers.items())
         self.update(
             Content.assemble(
                 (f"{one_line(level.title)}\n", f"bold {INK.title}"),

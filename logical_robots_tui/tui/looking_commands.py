@@ -206,6 +206,13 @@ LOOKING: tuple[Command, ...] = (
         place="anywhere",
         spare=4,
     ),
+    Command(
+        "theme",
+        "Theme…",
+        "Choose the colours of the screen, dark or light; the choice is kept.",
+        _HELP,
+        (),
+    ),
     Command("tour", "Guided tour", "Walk once round the parts of the screen.", _HELP, ()),
     Command("redraw", "Redraw", "Paint the whole screen again.", _HELP, ("ctrl+l",)),
     Command(

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from textual.command import DiscoveryHit, Hit, Provider
 
-from logical_robots_tui.tui.commands import COMMANDS
+from logical_robots_tui.tui.commands import commands
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -24,7 +24,7 @@ class CommandProvider(Provider):
 
     async def discover(self) -> Hits:
         """All commands, before anything is typed."""
-        for entry in COMMANDS:
+        for entry in commands():
             if entry.id != "palette":
                 yield DiscoveryHit(
                     _title(entry), self._caller(entry), text=entry.title, help=entry.help
@@ -33,7 +33,7 @@ class CommandProvider(Provider):
     async def search(self, query: str) -> Hits:
         """The commands whose title or help matches."""
         matcher = self.matcher(query)
-        for entry in COMMANDS:
+        for entry in commands():
             if entry.id == "palette":
                 continue
             score = max(matcher.match(entry.title), matcher.match(entry.help) * 0.5)

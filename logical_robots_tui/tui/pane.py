@@ -25,10 +25,10 @@ class Pane(Container):
 
     DEFAULT_CSS = """
     Pane {
-        border: round $border-blurred; border-title-color: $dim; border-subtitle-color: $dim;
+        border: round $frame; border-title-color: $ink-dim; border-subtitle-color: $ink-dim;
         border-title-style: none; background: $surface; width: 1fr; height: 1fr;
     }
-    Pane:focus-within, Pane:focus { border: round $border; border-title-color: $title; }
+    Pane:focus-within, Pane:focus { border: round $border; border-title-color: $ink-title; }
     """
 
     command_id: ClassVar[str]

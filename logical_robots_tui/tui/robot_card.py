@@ -7,10 +7,9 @@ from typing import TYPE_CHECKING
 from textual.content import Content
 from textual.widgets import Static
 
-from logical_robots_tui.tui.drawing.palette import DARK, parse
 from logical_robots_tui.tui.inspector.cells import written
 from logical_robots_tui.tui.plain import clip, one_line
-from logical_robots_tui.tui.theme import INK
+from logical_robots_tui.tui.theme import INK, palette_of, robot_ink
 
 if TYPE_CHECKING:
     from logical_robots_tui.game import Frame
@@ -56,7 +55,8 @@ class RobotCard(Static):
             return
         self.set_class(on_the_left, "-right")
         decisions = {decision.robot_name: decision for decision in frame.decisions}
-        content = _content(*found, decisions.get(found[0].name), frame)
+        ink = robot_ink(found[0].color, palette_of(self.app.current_theme))
+        content = _content(*found, decisions.get(found[0].name), frame, ink)
         if not content.is_same(self._content):
             self._content = content
             self.update(content)
@@ -66,8 +66,9 @@ class RobotCard(Static):
         self.display = False
 
 
-def _content(robot: Robot, state: RobotState, decision: Decision | None, frame: Frame) -> Content:
-    colour = "#{:02x}{:02x}{:02x}".format(*DARK.strong(parse(robot.color)))
+def _content(
+    robot: Robot, state: RobotState, decision: Decision | None, frame: Frame, colour: str
+) -> Content:
     lines = [
         Content.assemble(
             ("● ", colour), (clip(one_line(robot.name), _WIDTH - 14), f"bold {colour}"), "  "

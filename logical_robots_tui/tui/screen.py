@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from time import perf_counter
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING
 
 from textual import on
+from textual.binding import BindingsMap
 from textual.screen import Screen
 from textual.widgets import Input, Static, TextArea
 
@@ -44,18 +45,18 @@ if TYPE_CHECKING:
 
     from textual import events
     from textual.app import ComposeResult
-    from textual.binding import BindingType
     from textual.widget import Widget
 
     from logical_robots_tui.game import Breakpoint, Frame, Hit, Source
     from logical_robots_tui.mind import Engine
     from logical_robots_tui.tui.background import Work
     from logical_robots_tui.tui.journal import Journal
+    from logical_robots_tui.tui.settings import Settings
     from logical_robots_tui.world import Level
 
 __all__ = ["MainScreen"]
 
-_FRAME = 1 / 30  # seconds between two pictures, at least
+_COMPLAINTS = 3  # of the configuration that are told; `logical-robots config` tells all
 _HEARTBEAT = 0.25  # seconds between two looks at a clock that runs
 
 
@@ -72,8 +73,6 @@ class MainScreen(Screen[None]):
         engine: What the robots think with.
     """
 
-    BINDINGS: ClassVar[list[BindingType]] = list(bindings())
-
     def __init__(
         self,
         level: Level,
@@ -86,6 +85,8 @@ class MainScreen(Screen[None]):
         engine: Engine = "sqlite",
     ) -> None:
         super().__init__(id="main")
+        # As a class variable they would be the same for every player; a keymap can't take one away.
+        self._bindings = BindingsMap.merge([self._bindings, BindingsMap(bindings())])
         self.journal = journal
         self.session = Session(
             level,
@@ -125,6 +126,7 @@ class MainScreen(Screen[None]):
         self._focus_before: Widget | None = None
         self._drawn: tuple[Level, Frame, bool] | None = None
         self._drawn_at = 0.0
+        self._frames = 30  # pictures a second, at most
         self._is_draw_due = False
 
     def compose(self) -> ComposeResult:
@@ -162,6 +164,14 @@ class MainScreen(Screen[None]):
         self.keeper.close()
         await self.session.close()
         await self.journal.close()
+
+    def follow(self, settings: Settings) -> None:
+        """Do as the player has set once for all, and tell what of it can't be used."""
+        self._frames = settings.frames
+        view = self.labyrinth.view
+        view.rays, view.trails = settings.cones, settings.trails
+        for complaint in settings.complaints[:_COMPLAINTS]:
+            self.warn(complaint)
 
     # -- for the parts -------------------------------------------------------------------------
 
@@ -207,7 +217,7 @@ class MainScreen(Screen[None]):
         """Draw soon, and at most so many times a second."""
         if not self._is_draw_due and self.is_mounted:
             self._is_draw_due = True
-            wait = self._drawn_at + _FRAME - perf_counter()
+            wait = self._drawn_at + 1 / self._frames - perf_counter()
             if wait > 0:
                 self.set_timer(wait, self._draw)
             else:

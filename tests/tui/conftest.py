@@ -27,6 +27,7 @@ if TYPE_CHECKING:
     from logical_robots_tui.mind import Engine
     from logical_robots_tui.tui.screen import MainScreen
     from logical_robots_tui.tui.session import Session
+    from logical_robots_tui.tui.settings import Settings
 
 CHARACTERS = {
     "space": " ",
@@ -225,6 +226,7 @@ async def opened(
     name: str = "mine",
     welcome: bool = False,
     engine: Engine = "sqlite",
+    settings: Settings | None = None,
 ) -> AsyncIterator[Opened]:
     """Open the game with a program in the player's folder."""
     file = level if isinstance(level, Path) else LEVELS / f"{level}.json"
@@ -236,6 +238,7 @@ async def opened(
         data_dir=data_dir,
         welcome=welcome,
         engine=engine,
+        settings=settings,
     )
     async with app.run_test(size=size, notifications=True) as pilot:
         yield Opened(app, pilot, data_dir)

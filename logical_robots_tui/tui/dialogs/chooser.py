@@ -82,7 +82,7 @@ class Chooser(Dialog[T], Generic[T]):
     DEFAULT_CSS = """
     Chooser > #box { height: 90%; max-height: 32; }
     Chooser #entries { width: 1fr; height: 1fr; }
-    Chooser #preview { width: 1fr; height: 1fr; padding: 0 1; border-left: solid $faint; }
+    Chooser #preview { width: 1fr; height: 1fr; padding: 0 1; border-left: solid $ink-faint; }
     Chooser.-narrow #preview { display: none; }
     """
 

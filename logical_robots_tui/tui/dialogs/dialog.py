@@ -19,10 +19,10 @@ class Dialog(ModalScreen["Result | None"], Generic[Result]):
     Dialog { align: center middle; background: $background 60%; }
     Dialog > #box {
         width: 90%; max-width: 96; height: auto; max-height: 90%; padding: 0 1;
-        border: round $border; border-title-color: $title; background: $surface;
+        border: round $border; border-title-color: $ink-title; background: $surface;
     }
     Dialog #complaint { color: $error; height: auto; max-height: 6; display: none; }
-    Dialog #keys { color: $dim; height: 1; margin-top: 1; text-wrap: nowrap; }
+    Dialog #keys { color: $ink-dim; height: 1; margin-top: 1; text-wrap: nowrap; }
     Dialog Input {
         border: none; height: 1; padding: 0 1; background: $panel; margin-bottom: 1;
     }

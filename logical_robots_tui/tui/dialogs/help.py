@@ -10,10 +10,10 @@ from textual.containers import Vertical, VerticalScroll
 from textual.content import Content
 from textual.widgets import Static
 
-from logical_robots_tui.tui.commands import COMMANDS, GROUPS
+from logical_robots_tui.tui.commands import GROUPS, commands
 from logical_robots_tui.tui.dialogs.dialog import Dialog
 from logical_robots_tui.tui.drawing.glyphs import Drawing, legend
-from logical_robots_tui.tui.theme import INK
+from logical_robots_tui.tui.theme import INK, hex_colour, palette_of
 from logical_robots_tui.tui.timeline.drawing import PARTING, SIGNS, TRACKS
 
 if TYPE_CHECKING:
@@ -81,15 +81,15 @@ class Help(Dialog[None]):
         lines: list[Content] = []
         for group in GROUPS:
             lines.append(_heading(group))
-            for entry in COMMANDS:
+            for entry in commands():
                 if entry.group == group:
                     lines += _entry(entry.key_names or "^P", entry.title, entry.help, width)
         lines.append(_heading("In the editor"))
         for keys, what in _EDITOR_KEYS:
             lines += _entry(keys, what, "", width)
         lines.append(_heading("In the labyrinth"))
-        for sign, colour, meaning in legend(self._drawing):
-            style = "#{:02x}{:02x}{:02x}".format(*colour)
+        for sign, colour, meaning in legend(self._drawing, palette_of(self.app.current_theme)):
+            style = hex_colour(colour)
             lines.append(Content.assemble("  ", (sign, style), "  ", (meaning, INK.text)))
         lines.append(_heading("In the timeline"))
         for sign, style, meaning in (*SIGNS.values(), PARTING, *TRACKS):

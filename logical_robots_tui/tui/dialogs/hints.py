@@ -36,7 +36,7 @@ class Hints(Dialog[None]):
     DEFAULT_CSS = """
     Hints > #box { max-width: 76; padding: 1 2 0 2; }
     Hints VerticalScroll { height: auto; max-height: 16; }
-    Hints #more { margin-top: 1; color: $dim; }
+    Hints #more { margin-top: 1; color: $ink-dim; }
     """
 
     BINDINGS: ClassVar[list[Binding | tuple[str, str] | tuple[str, str, str]]] = [

@@ -40,7 +40,7 @@ class Question(Dialog[str]):
         height: 1; min-width: 8; border: none; margin-right: 2; padding: 0 1;
         background: $panel; color: $foreground; text-style: none;
     }
-    Question Button:focus { background: #2c3760; text-style: bold; border: none; }
+    Question Button:focus { background: $here; text-style: bold; border: none; }
     """
 
     def __init__(

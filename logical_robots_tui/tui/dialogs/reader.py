@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, ClassVar
 
-from rich.text import Text
 from textual.binding import Binding
 from textual.containers import Vertical, VerticalScroll
 from textual.content import Content
@@ -35,7 +34,7 @@ class Reader(Dialog[None]):
     Reader VerticalScroll { height: 1fr; scrollbar-gutter: stable; padding: 1 1 0 1; }
     Reader Markdown { background: $surface; padding: 0; margin: 0; }
     Reader MarkdownH1, Reader MarkdownH2, Reader MarkdownH3 {
-        color: $title; text-style: bold; background: $surface; margin: 1 0; padding: 0;
+        color: $ink-title; text-style: bold; background: $surface; margin: 1 0; padding: 0;
         content-align: left middle; border: none;
     }
     Reader MarkdownFence { background: $panel; margin: 0 0 1 0; padding: 0 1; max-height: 30; }
@@ -82,11 +81,11 @@ def markdown(text: str) -> Markdown:
 def coloured(text: str) -> Static:
     """A widget for a program, coloured as in the editor."""
     lines = [visible(line) for line in text.splitlines()]
-    states, told = LineStates(), Text()
+    states, told = LineStates(), []
     for number, line in enumerate(lines):
-        shown = Text(f"{line}\n")
+        shown = Content(line)
         for start, end, kind in pieces(line, states.at(number, lines.__getitem__)):
             if kind in SYNTAX:
-                shown.stylize(SYNTAX[kind], start, end)
-        told.append_text(shown)
-    return Static(told)
+                shown = shown.stylize(SYNTAX[kind], start, end)
+        told.append(shown)
+    return Static(Content("\n").join(told))

@@ -34,7 +34,7 @@ class Choice(OptionList):
     DEFAULT_CSS = """
     Choice {
         width: 24; height: 1fr; border: none; padding: 0; background: $surface;
-        border-right: solid $faint;
+        border-right: solid $ink-faint;
         text-wrap: nowrap; text-overflow: ellipsis;
     }
     """

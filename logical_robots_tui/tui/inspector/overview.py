@@ -8,11 +8,10 @@ from typing import TYPE_CHECKING
 
 from textual.content import Content
 
-from logical_robots_tui.tui.drawing.palette import DARK, parse
 from logical_robots_tui.tui.inspector.cells import written
 from logical_robots_tui.tui.inspector.sparkline import BARS
 from logical_robots_tui.tui.plain import clip, one_line
-from logical_robots_tui.tui.theme import INK
+from logical_robots_tui.tui.theme import INK, robot_ink
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping, Sequence
@@ -20,13 +19,14 @@ if TYPE_CHECKING:
 
     from logical_robots_tui.game import Frame
     from logical_robots_tui.mind import Decision
+    from logical_robots_tui.tui.drawing.palette import Palette
     from logical_robots_tui.world import Level, RobotState
 
 __all__ = ["head", "notes", "radar_strip", "robot_lines"]
 
 _FARTHEST = 200
 _OBJECTS = {"wall": INK.wall, "beacon": INK.beacon, "robot": INK.robot}
-_CHOSEN = "on #1d2438"
+_CHOSEN = "on $row"
 
 
 @dataclass(frozen=True, slots=True)
@@ -52,7 +52,9 @@ class _Column:
     right: bool = False
 
 
-def robot_lines(level: Level, frame: Frame, width: int, chosen: str | None) -> list[Content]:
+def robot_lines(
+    level: Level, frame: Frame, width: int, chosen: str | None, palette: Palette
+) -> list[Content]:
     """One line for each robot, in file order.
 
     Args:
@@ -60,10 +62,11 @@ def robot_lines(level: Level, frame: Frame, width: int, chosen: str | None) -> l
         frame: The tick to tell of.
         width: Columns to fill.
         chosen: Name of the robot to highlight, or None.
+        palette: The labyrinth's colours.
     """
     columns = _columns(level, width)
     lines = []
-    for robot in _robots(level, frame):
+    for robot in _robots(level, frame, palette):
         line = Content("").join(
             _aligned(column.cell(robot), column.width, column.right).append(" ")
             for column in columns
@@ -118,13 +121,13 @@ def radar_strip(radar: Sequence[Mapping[str, Any]]) -> Content:
     return Content.assemble(*parts)
 
 
-def _robots(level: Level, frame: Frame) -> list[_Robot]:
+def _robots(level: Level, frame: Frame, palette: Palette) -> list[_Robot]:
     sensors = {row["robot_name"]: row["sensor"] for row in frame.sensors}
     decisions = {decision.robot_name: decision for decision in frame.decisions}
     return [
         _Robot(
             robot.name,
-            "#{:02x}{:02x}{:02x}".format(*DARK.strong(parse(robot.color))),
+            robot_ink(robot.color, palette),
             state,
             sensors[robot.name],
             frame.memories.get(robot.name),

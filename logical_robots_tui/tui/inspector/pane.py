@@ -65,12 +65,12 @@ class InspectorPane(Pane):
             self.program, self.place = program, place
 
     DEFAULT_CSS = """
-    InspectorPane #subject { height: 1; padding: 0 1; color: $dim; text-wrap: nowrap; }
+    InspectorPane #subject { height: 1; padding: 0 1; color: $ink-dim; text-wrap: nowrap; }
     InspectorPane #views { width: 1fr; }
     InspectorPane #said { padding: 1 2; }
     InspectorPane ValueTable, InspectorPane RobotsView, InspectorPane #decision { margin: 0 1; }
     InspectorPane #value {
-        height: auto; max-height: 40%; border-top: solid $faint; padding: 0 1;
+        height: auto; max-height: 40%; border-top: solid $ink-faint; padding: 0 1;
     }
     """
 

@@ -36,7 +36,7 @@ class ReasonsPage(Vertical):
 
     DEFAULT_CSS = """
     ReasonsPage { height: 1fr; }
-    ReasonsPage #way { height: 1; padding: 0 1; color: $dim; text-wrap: nowrap; }
+    ReasonsPage #way { height: 1; padding: 0 1; color: $ink-dim; text-wrap: nowrap; }
     ReasonsPage #no-reason { padding: 1 2; height: auto; }
     """
 

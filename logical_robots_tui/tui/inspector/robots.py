@@ -10,6 +10,7 @@ from textual.message import Message
 
 from logical_robots_tui.tui.inspector.lines import LinesView
 from logical_robots_tui.tui.inspector.overview import head, notes, robot_lines
+from logical_robots_tui.tui.theme import palette_of
 
 if TYPE_CHECKING:
     from textual import events
@@ -79,7 +80,9 @@ class RobotsView(LinesView):
         if self._shown is None or width <= 0:
             return
         level, frame = self._shown
-        lines = [head(level, width), *robot_lines(level, frame, width, self._chosen), Content("")]
+        palette = palette_of(self.app.current_theme)
+        robots = robot_lines(level, frame, width, self._chosen, palette)
+        lines = [head(level, width), *robots, Content("")]
         for note in notes(level, frame, self._chosen):
             lines += note.wrap(width)
         self.paint(lines)

@@ -22,7 +22,7 @@ from logical_robots_tui.tui.inspector.arranging import (
 )
 from logical_robots_tui.tui.inspector.cells import cell, is_number
 from logical_robots_tui.tui.plain import clip, visible
-from logical_robots_tui.tui.theme import INK
+from logical_robots_tui.tui.theme import INK, rich_style
 
 if TYPE_CHECKING:
     from textual import events
@@ -35,9 +35,9 @@ _GAP = 2
 _MEASURED_ROWS = 200
 _NARROWEST, _WIDEST = 4, 60
 
-_HEAD = Style(color=INK.title, bold=True)
-_HERE = Style(bgcolor="#2c3760", color="#eef1ff")
-_ROW = Style(bgcolor="#151b2a")
+_HEAD = f"bold {INK.title}"
+_HERE = "$here-ink on $here"
+_ROW = "on $row"
 _CHANGED = Style(underline=True, bold=True)
 
 
@@ -188,7 +188,7 @@ class ValueTable(ScrollView, can_focus=True):
         number = top + y - 1
         if y == 0:
             segments = [
-                Segment(_fit(visible(name), width, number) + " " * _GAP, base + _HEAD)
+                Segment(_fit(visible(name), width, number) + " " * _GAP, base + rich_style(_HEAD))
                 for number, (name, width) in self._head()
             ]
         elif 0 <= number < len(self._shown.rows):
@@ -196,7 +196,7 @@ class ValueTable(ScrollView, can_focus=True):
         else:
             return Strip.blank(self.size.width, base)
         strip = Strip(segments)
-        fill = base + _ROW if y and number == self._at[0] and self.has_focus else base
+        fill = base + rich_style(_ROW) if y and number == self._at[0] and self.has_focus else base
         width = max(self.size.width, self.virtual_size.width)
         return strip.extend_cell_length(width, fill).crop(offset, offset + self.size.width)
 
@@ -208,17 +208,17 @@ class ValueTable(ScrollView, can_focus=True):
         ]
 
     def _row(self, number: int, base: Style) -> list[Segment]:
-        row_style = base + _ROW if number == self._at[0] and self.has_focus else base
+        row_style = base + rich_style(_ROW) if number == self._at[0] and self.has_focus else base
         segments = []
         for column, (value, width) in enumerate(
             zip(self._shown.rows[number], self._widths, strict=True)
         ):
             text, colour = cell(value, width)
-            style = row_style + Style(color=colour)
+            style = row_style + rich_style(colour)
             if (number, column) in self._shown.changed:
                 style += _CHANGED
             if (number, column) == self._at and self.has_focus:
-                style = base + _HERE
+                style = base + rich_style(_HERE)
             fitted = _fit(text, width, is_number(value))
             segments += [Segment(fitted, style), Segment(" " * _GAP, row_style)]
         return segments

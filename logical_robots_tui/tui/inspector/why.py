@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, ClassVar
 
-from rich.style import Style
 from textual.binding import Binding
 from textual.content import Content
 from textual.geometry import Region
@@ -13,11 +12,12 @@ from textual.message import Message
 from logical_robots_tui.tui.inspector.cells import cell, written
 from logical_robots_tui.tui.inspector.lines import LinesView
 from logical_robots_tui.tui.plain import clip, one_line
-from logical_robots_tui.tui.theme import INK
+from logical_robots_tui.tui.theme import INK, rich_style
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
+    from rich.style import Style
     from textual import events
 
     from logical_robots_tui.mind import Ask, Line
@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 __all__ = ["WhyView"]
 
 _MARKS = {True: ("✓ ", INK.good), False: ("✗ ", INK.bad), None: ("  ", INK.dim)}
-_HERE = "on #2c3760"
+_HERE = "on $here"
 _DEEPER = " →"
 _WIDEST_VALUE = 60
 
@@ -145,7 +145,7 @@ class WhyView(LinesView):
     def fill(self, number: int) -> Style:
         """The style behind the end of a line."""
         here = number == self._at and self.has_focus
-        return self.rich_style + Style(bgcolor="#2c3760") if here else self.rich_style
+        return self.rich_style + rich_style(_HERE) if here else self.rich_style
 
     def _tell(self) -> None:
         if self.pointed is not None:

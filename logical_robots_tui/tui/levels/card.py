@@ -7,15 +7,16 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from rich.cells import cell_len, set_cell_size
 from rich.segment import Segment
-from rich.style import Style
 from textual.strip import Strip
 
 from logical_robots_tui.progress import NEW, LevelRecord
 from logical_robots_tui.tui.plain import one_line
 from logical_robots_tui.tui.results import brief
-from logical_robots_tui.tui.theme import INK
+from logical_robots_tui.tui.theme import INK, rich_style
 
 if TYPE_CHECKING:
+    from rich.style import Style
+
     from logical_robots_tui.progress import State
     from logical_robots_tui.tui.drawing.cells import Cells
     from logical_robots_tui.world import Level
@@ -29,7 +30,7 @@ SIGNS: dict[State, str] = {"new": "○ new", "in work": "◐ in work", "won": "�
 
 _COLOURS: dict[State, str] = {"new": INK.dim, "in work": INK.warn, "won": INK.good}
 _UNMEASURED: dict[State, str] = {"new": "", "in work": "not won yet", "won": "won"}
-_PAPER = "#0f131c"
+_PAPER = "on $surface"
 
 
 class _Frame(NamedTuple):
@@ -146,4 +147,4 @@ def _cut(text: str, width: int) -> str:
 
 
 def _style(colour: str, *, bold: bool = False) -> Style:
-    return Style(color=colour, bgcolor=_PAPER, bold=bold)
+    return rich_style(f"{'bold ' * bold}{colour} {_PAPER}")

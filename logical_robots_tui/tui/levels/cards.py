@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, ClassVar
 
-from rich.style import Style
 from textual.geometry import Region, Size
 from textual.message import Message
 from textual.scroll_view import ScrollView
 from textual.strip import Strip
 
 from logical_robots_tui.tui.levels.card import LINES_AROUND, LevelCard, card_strips
+from logical_robots_tui.tui.theme import rich_style
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -153,7 +153,7 @@ class LevelCards(ScrollView, can_focus=False):
         first = row * self.across
         shown = range(first, min(first + self.across, len(self._cards)))
         parts = [self._card(index)[line] for index in shown]
-        paper = Style(bgcolor="#0f131c")
+        paper = rich_style("on $surface")
         return Strip.join(parts).adjust_cell_length(self.size.width, paper)
 
     def _card(self, index: int) -> list[Strip]:

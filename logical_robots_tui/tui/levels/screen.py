@@ -18,12 +18,11 @@ from logical_robots_tui.errors import LogicalRobotsError
 from logical_robots_tui.tui.background import in_background
 from logical_robots_tui.tui.dialogs.chooser import is_path
 from logical_robots_tui.tui.dialogs.dialog import Dialog
-from logical_robots_tui.tui.drawing.palette import DARK, LIGHT
 from logical_robots_tui.tui.levels.card import LevelCard
 from logical_robots_tui.tui.levels.cards import LevelCards
 from logical_robots_tui.tui.levels.miniature import miniature, shipped_level
 from logical_robots_tui.tui.plain import one_line
-from logical_robots_tui.tui.theme import INK
+from logical_robots_tui.tui.theme import INK, palette_of
 from logical_robots_tui.world import Level, list_levels, load_level
 
 if TYPE_CHECKING:
@@ -130,7 +129,7 @@ class LevelScreen(Dialog[Level]):
         in_background(self, self._draw_all, "pictures", exclusive=True)
 
     async def _draw_all(self) -> None:
-        palette = DARK if self.app.current_theme.dark else LIGHT
+        palette = palette_of(self.app.current_theme)
         for index in self._cards.seen_first():
             if index < len(self._shown) and self._shown[index].level is not None:
                 name = self._shown[index].name

@@ -18,23 +18,15 @@ from logical_robots_tui.tui.plain import visible
 from logical_robots_tui.tui.program.completion import Completion
 from logical_robots_tui.tui.program.lexer import LONGEST_LINE, LineStates, pieces
 from logical_robots_tui.tui.program.words import word_around, words_for
-from logical_robots_tui.tui.theme import INK, SYNTAX
+from logical_robots_tui.tui.theme import INK, SYNTAX, rich_style
 
 if TYPE_CHECKING:
     from textual import events
     from textual.document._document import EditResult
     from textual.document._edit import Edit
+    from textual.theme import Theme
 
 __all__ = ["Editor"]
-
-_THEME = TextAreaTheme(
-    name="logica",
-    cursor_line_style=Style(bgcolor="#151b2a"),
-    cursor_line_gutter_style=Style(color=INK.title, bgcolor="#151b2a"),
-    gutter_style=Style(color=INK.faint),
-    selection_style=Style(bgcolor="#33437a"),
-    bracket_matching_style=Style(bgcolor="#3b4464", bold=True),
-)
 
 
 class Editor(TextArea):
@@ -67,11 +59,28 @@ class Editor(TextArea):
         own = Binding.make_bindings([*TextArea.BINDINGS, *self.BINDINGS])
         self._actions = {binding.key: binding.action for binding in own}
         self._states = LineStates()
+        self._syntax: dict[str, Style] = {}
         self._mistakes: frozenset[int] = frozenset()
         self._notices: frozenset[int] = frozenset()
         self.completion = Completion()
-        self.register_theme(_THEME)
-        self.theme = _THEME.name
+
+    def on_mount(self) -> None:
+        """Dress as the theme says, and again when it changes."""
+        self._dress(self.app.current_theme)
+        self.app.theme_changed_signal.subscribe(self, self._dress)
+
+    def _dress(self, theme: Theme) -> None:
+        self._syntax = {kind: rich_style(text) for kind, text in SYNTAX.items()}
+        dress = TextAreaTheme(
+            name=f"logica-{theme.name}",
+            cursor_line_style=rich_style("on $row"),
+            cursor_line_gutter_style=rich_style(f"{INK.title} on $row"),
+            gutter_style=rich_style(INK.faint),
+            selection_style=rich_style("on $selection"),
+            bracket_matching_style=rich_style("bold on $bracket"),
+        )
+        self.register_theme(dress)
+        self.theme = dress.name
 
     # -- content -------------------------------------------------------------------------------
 
@@ -221,9 +230,9 @@ class Editor(TextArea):
         if len(line) <= LONGEST_LINE:
             state = self._states.at(line_index, self.document.get_line)
             for start, end, kind in pieces(line, state):
-                text.stylize(SYNTAX[kind], start, end)
+                text.stylize(self._syntax[kind], start, end)
         if line_index in self._mistakes:
-            text.stylize(SYNTAX["mistake"])
+            text.stylize(self._syntax["mistake"])
         return text
 
     def render_line(self, y: int) -> Strip:
@@ -235,16 +244,16 @@ class Editor(TextArea):
             return strip
         gutter = self.gutter_width
         if not is_wrong:
-            sign = Segment(f"{number + 1:>{gutter - 2}}! ", SYNTAX["odd-gutter"])
+            sign = Segment(f"{number + 1:>{gutter - 2}}! ", self._syntax["odd-gutter"])
             return Strip([sign, *strip.crop(gutter)], strip.cell_length)
         label = f"{number + 1:>{gutter - 2}}✗ "
         rest = strip.crop(gutter)
         segments = [
-            Segment(text, (style or Style()) + SYNTAX["mistake"], control)
+            Segment(text, (style or Style()) + self._syntax["mistake"], control)
             for text, style, control in rest
         ]
         return Strip(
-            [Segment(label, SYNTAX["mistake-gutter"]), *segments], gutter + rest.cell_length
+            [Segment(label, self._syntax["mistake-gutter"]), *segments], gutter + rest.cell_length
         )
 
 

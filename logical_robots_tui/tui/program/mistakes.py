@@ -26,9 +26,9 @@ class MistakeStrip(Static):
     DEFAULT_CSS = """
     MistakeStrip {
         height: auto; max-height: 50%; padding: 0 1; display: none;
-        background: #2a1820; color: $foreground;
+        background: $mistake-strip; color: $foreground;
     }
-    MistakeStrip.-odd { background: #26221a; }
+    MistakeStrip.-odd { background: $odd-strip; }
     """
 
     class Chosen(Message):

@@ -28,7 +28,7 @@ class ProgramPane(Pane):
 
     DEFAULT_CSS = """
     ProgramPane #help-line {
-        height: 1; padding: 0 1; background: $surface; color: $dim;
+        height: 1; padding: 0 1; background: $surface; color: $ink-dim;
         text-wrap: nowrap; text-overflow: ellipsis;
     }
     """

@@ -37,7 +37,7 @@ class BreakpointList(Dialog[None]):
     DEFAULT_CSS = """
     BreakpointList > #box { max-width: 80; padding: 1 2 0 2; }
     BreakpointList OptionList { height: auto; max-height: 16; }
-    BreakpointList #none { color: $dim; }
+    BreakpointList #none { color: $ink-dim; }
     """
 
     BINDINGS: ClassVar[list[Binding | tuple[str, str] | tuple[str, str, str]]] = [

@@ -54,7 +54,9 @@ class BreakpointForm(Dialog[Breakpoint]):
     BreakpointForm > #box { max-width: 72; padding: 1 2 0 2; }
     BreakpointForm OptionList { height: 8; margin-bottom: 1; }
     BreakpointForm Input { margin-bottom: 0; }
-    BreakpointForm .names { color: $dim; height: 1; text-wrap: nowrap; text-overflow: ellipsis; }
+    BreakpointForm .names {
+        color: $ink-dim; height: 1; text-wrap: nowrap; text-overflow: ellipsis;
+    }
     """
 
     BINDINGS: ClassVar[list[Binding | tuple[str, str] | tuple[str, str, str]]] = [

@@ -1,0 +1,117 @@
+"""The configuration file: what it sets, and what is said about what it can't."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import pytest
+from textual.widgets import Static
+
+from logical_robots_tui.tui.bar import CommandBar
+from logical_robots_tui.tui.commands import COMMANDS, use_keys
+from logical_robots_tui.tui.drawing.glyphs import Drawing
+from logical_robots_tui.tui.keys import key_from
+from logical_robots_tui.tui.settings import Settings, as_toml, read_settings
+from tests.tui.conftest import STILL, opened
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+    from pathlib import Path
+
+
+@pytest.fixture(autouse=True)
+def _own_keys() -> Iterator[None]:
+    yield
+    use_keys({})
+
+
+def settings(folder: Path, text: str) -> Settings:
+    path = folder / "config.toml"
+    path.write_text(text, "utf-8")
+    return read_settings(path)
+
+
+def test_a_missing_file_sets_nothing(tmp_path: Path) -> None:
+    assert read_settings(tmp_path / "none.toml") == Settings()
+
+
+def test_everything_can_be_set(tmp_path: Path) -> None:
+    found = settings(
+        tmp_path,
+        'theme = "gruvbox"\ndrawing = "sextants"\nframes = 10\ncones = false\ntrails = false\n'
+        '[keys]\nrun = ["%", "F9"]\nrestart = []\ndefinition = "^]"\n',
+    )
+    keys = {"run": ("percent_sign", "f9"), "restart": ()}
+    keys["definition"] = ("ctrl+right_square_bracket",)
+    assert found == Settings("gruvbox", Drawing.SEXTANTS, 10, False, False, keys)
+
+
+@pytest.mark.parametrize("given", [Settings(), Settings("nord", Drawing.ASCII, 5, False, True)])
+def test_what_is_printed_sets_the_same(tmp_path: Path, given: Settings) -> None:
+    found = settings(tmp_path, as_toml(given))
+    assert not found.complaints
+    assert found.keys == {entry.id: entry.keys for entry in COMMANDS}
+    assert as_toml(found) == as_toml(given)
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        ("theme = 'nigth'", ":1: theme: 'nigth' is not known. Did you mean \"night\"?"),
+        ("\nframes = 90", ":2: frames: 90 is not a whole number from 1 to 60."),
+        ("cones = 1", ":1: cones: 1 is neither true nor false."),
+        ("thema = 'night'", ':1: there is no setting "thema". Did you mean "theme"?'),
+        ("keys = 3", ":1: keys: this is to be a table, [keys]."),
+        ("[keys]\nrum = 'n'", ':2: keys: there is no command "rum". Did you mean "run"?'),
+        ("[keys]\nrun = 7", ":2: keys.run: 7 is no key; write it as a text."),
+        ("[keys]\nrun = 'F13'", ':2: keys.run: there is no key "F13"; write n, ?, F5, ^R or'),
+        ("[keys]\nrun = '^B'", ":2: keys.run: ^B can't be used: tmux keeps it for itself."),
+        ("[keys]\nrun = 'enter'", "enter can't be used: it moves within a pane, or types."),
+        ("[keys]\nrun = 'alt+x'", "many terminals can't tell it from the key without Shift or"),
+        ("[keys]\nrun = 'ctrl+5'", "many terminals can't tell it from the key without Ctrl."),
+        ("[keys]\nrun = 'n'", ":2: keys.run: n is the key of step. Give that another key, or"),
+        ("[keys]\nrun = 'F9'\nstep = 'f9'", ":3: keys.step: F9 is the key of run. Give that"),
+        ("theme = x", "Invalid value (at line 1, column 9). Nothing of it is used."),
+    ],
+)
+def test_what_is_wrong_is_named_with_its_place(tmp_path: Path, text: str, said: str) -> None:
+    (complaint,) = settings(tmp_path, text).complaints
+    assert complaint.startswith(str(tmp_path / "config.toml"))
+    assert said in complaint
+
+
+def test_one_wrong_key_leaves_the_others(tmp_path: Path) -> None:
+    found = settings(tmp_path, '[keys]\nrun = ["^B", "%"]\nrestart = "^S"\n')
+    assert found.keys == {"run": ("percent_sign",), "restart": ("r",)}
+
+
+def test_a_key_that_was_given_away_does_not_come_back(tmp_path: Path) -> None:
+    found = settings(tmp_path, '[keys]\nrun = "n"\nstep = "^B"\n')
+    assert found.keys == {"run": ("n",), "step": ("full_stop", "f8")}
+
+
+@pytest.mark.parametrize(("text", "key"), [("^]", "ctrl+right_square_bracket"), (" ", "space")])
+def test_keys_are_written_as_the_keyboard_names_them(text: str, key: str) -> None:
+    assert key_from(text) == key
+
+
+async def test_the_game_does_as_it_is_set(data_dir: Path) -> None:
+    keys = {"step": ("percent_sign",), "restart": (), "editor": ("tilde",)}
+    wanted = Settings("textual-light", cones=False, keys=keys, complaints=("run: odd",))
+    async with opened(data_dir, text=STILL, settings=wanted) as game:
+        await game.ready()
+        await game.until(lambda: game.shows("run: odd"))
+        assert game.app.theme == "textual-light"
+        assert not game.main.labyrinth.view.rays
+        assert "% Step" in game.main.query_one(CommandBar).render().plain
+        await game.press("percent_sign")
+        await game.until(lambda: game.tick == 1)
+        await game.press("n", "r", "percent_sign")
+        await game.until(lambda: game.tick == 2)
+        await game.press("question_mark")
+        await game.until(lambda: len(game.app.screen_stack) == 2)
+        shown = game.app.screen.query_one("#help", Static)
+        await game.until(lambda: "%            Step" in str(shown.visual))
+        assert "^P           Restart" in str(shown.visual)
+        await game.press("escape", "tilde")
+        await game.until(lambda: game.editor.has_focus)

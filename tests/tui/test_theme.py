@@ -1,0 +1,93 @@
+"""Themes: everything stays legible, and the choice is kept."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import pytest
+from rich.cells import cell_len
+from textual.color import Color
+from textual.theme import BUILTIN_THEMES
+
+from logical_robots_tui.progress import FILE_NAME
+from logical_robots_tui.tui.colours import colours_in, contrast
+from logical_robots_tui.tui.journal import THEME, Journal
+from logical_robots_tui.tui.theme import NIGHT, palette_of
+from tests.tui.conftest import opened
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from textual.theme import Theme
+
+    from tests.tui.conftest import Opened
+
+THEMES_OF_TEXTUAL = [theme for theme in BUILTIN_THEMES.values() if not theme.ansi]
+
+
+@pytest.mark.parametrize("theme", [NIGHT, *THEMES_OF_TEXTUAL], ids=lambda theme: theme.name)
+def test_texts_stand_out_in_every_theme(theme: Theme) -> None:
+    ours = colours_in(theme)
+    papers = theme.to_color_system().generate()
+    quiet = {"ink-dim": 3.5, "ink-comment": 3.5, "ink-faint": 1.7, "ink-nothing": 1.1}
+    for name, ink in ours.items():
+        if name.startswith("ink-"):
+            for paper in ("background", "surface", "panel"):
+                found = contrast(Color.parse(ink), Color.parse(papers[paper]))
+                assert found >= quiet.get(name, 4.4), (name, paper)
+    assert contrast(Color.parse(ours["here-ink"]), Color.parse(ours["here"])) >= 3
+
+
+@pytest.mark.parametrize("theme", THEMES_OF_TEXTUAL, ids=lambda theme: theme.name)
+def test_walls_stand_out_from_the_floor_in_every_theme(theme: Theme) -> None:
+    palette = palette_of(theme)
+    assert contrast(Color(*palette.rim), Color(*palette.floor)) >= 2.5
+    assert palette.light is not theme.dark
+
+
+def colours_of(game: Opened, word: str) -> set[object]:
+    """The inks in which a word is written on the screen."""
+    strips = game.app.screen._compositor.render_strips()
+    return {
+        segment.style.color
+        for strip in strips
+        for segment in strip
+        if word in segment.text and segment.style is not None
+    }
+
+
+async def test_a_theme_is_chosen_from_the_palette_and_kept(data_dir: Path) -> None:
+    async with opened(data_dir) as game:
+        await game.ready()
+        await game.press("n", "a")
+        await game.until(lambda: game.tick == 1 and game.shows("engines"))
+        words = ("FreedomMotion", "PAUSED", "engines", "Labyrinth")
+        before = {word: colours_of(game, word) for word in words}
+        await game.press("ctrl+p")
+        await game.until(lambda: game.shows("Find a command"))
+        await game.press(*"theme", "enter")
+        await game.until(lambda: game.shows("Find a theme"))
+        await game.press(*"solarized-light", "enter")
+        await game.until(lambda: game.app.theme == "solarized-light" and not game.shows("Find a"))
+        for word in words:
+            assert colours_of(game, word)
+            assert not colours_of(game, word) & before[word], word
+        assert game.main.labyrinth.view._palette.light
+        for theme in ("ansi-light", "night", "gruvbox"):
+            game.app.theme = theme
+            await game.pilot.pause()
+            assert game.shows("FreedomMotion"), theme
+        await game.until(lambda: game.app.theme == "gruvbox")
+    journal = Journal(data_dir / FILE_NAME)
+    assert journal.progress.fact(THEME) == "gruvbox"
+    journal.progress.close()
+
+
+async def test_all_characters_are_one_cell_wide(data_dir: Path) -> None:
+    async with opened(data_dir) as game:
+        await game.ready()
+        await game.press("n", "a", "Y", "f")
+        for key in ("d", "d", "d", "d", "w", "question_mark", "escape", "l"):
+            await game.press(key)
+            await game.pilot.pause()
+            assert not {char for char in game.screen() if char != "\n" and cell_len(char) != 1}
