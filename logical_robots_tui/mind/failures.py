@@ -49,5 +49,6 @@ _WORDS = (
     (r"no such column: (?:\w+\.)?(\w+)", r"a column \1 is used that is not there"),
     (r"no such table: (?:\w+\.)?(\w+)", r"there is no predicate \1"),
     (r"same number of result columns", "its rules have different columns"),
+    (r'near "\.": syntax', "it passes on the whole of a record (..r); name the fields instead"),
     (r"circular reference", "it depends on itself in a way that can't be computed"),
 )

@@ -30,6 +30,7 @@ from logical_robots_tui.mind.failures import in_plain_words
 from logical_robots_tui.mind.layouts import COLUMNS_LAYOUT
 from logical_robots_tui.mind.plain import printable
 from logical_robots_tui.mind.questions import compile_question
+from logical_robots_tui.mind.robot_rule import MAIN
 from logical_robots_tui.mind.tuning import tune_all
 from logical_robots_tui.mind.why.taking_apart import take_apart
 
@@ -194,9 +195,10 @@ def _try_out(program: Program) -> None:
                 raise _tangled()
     finally:
         database.close()
-    # What is wrong with a predicate that Robot does not need is told to those who ask for it.
-    for predicate in program.predicates:
-        if predicate.name == next((name for name in program.needed if name in failed), None):
+    # What is wrong with a predicate that Robot can do without is told to those who ask for it.
+    culprit = next((name for name in program.needed if name in failed), None)
+    for predicate in program.predicates if MAIN in failed else ():
+        if predicate.name == culprit:
             message = f"{predicate.name} can't be computed: {failed[predicate.name]}"
             hint = "Look at its rules and at the annotations that name it."
             raise ProgramError((Diagnostic(predicate.line or 1, 1, message, hint),))

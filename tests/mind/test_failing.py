@@ -55,6 +55,7 @@ def test_where_all_reason_together_the_robot_is_found_whose_rows_fail() -> None:
         ("no such column: P.col3", "a column without a name is used"),
         ("no such function: FARM_FINGERPRINT", "there is no function FARM_FINGERPRINT"),
         ("misuse of aggregate: SUM()", "an aggregate stands where"),
+        ('near ".": syntax error', "it passes on the whole of a record"),
         ('near "SELECT": syntax error', "it can't be computed"),
     ],
 )

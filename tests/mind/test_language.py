@@ -72,6 +72,7 @@ def test_an_expression_has_its_value(expression: str, value: object) -> None:
         ("@OrderBy(P, \"col0 DESC\"); @Limit(P, 1); P(x) :- x in [1, 3, 2];", "Sum{x :- P(x)}", 3),
         ("Angle(radar) = ArgMax{r.angle -> r.distance :- r in radar};",
          "Angle(sensor.radar) > 1", 1),
+        ("P(a: 1, b: 2); R(..r) :- P(..r);", "Sum{a + b :- R(a:, b:)}", 3),
     ],
 )  # fmt: skip
 def test_rules_mean_what_they_say(rules: str, expression: str, value: object) -> None:
