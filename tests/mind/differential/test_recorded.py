@@ -19,8 +19,8 @@ if TYPE_CHECKING:
 
 TICKS = (1, 40, 300)
 FREE_PROGRAMS_RUN_IN = "02-open-space"
-ROBOTS = 6
-"""Of a swarm no more are compared: there DuckDB is asked for each alone, compiling included."""
+ROBOTS = 3
+"""No more are compared: DuckDB is asked for each alone, compiling included."""
 
 NO_TYPE_FOUND = {"distributed-mapping-starter"}
 """The package's inference of types, which its SQLite does without, gives up on it."""
