@@ -55,7 +55,8 @@ class Pin:
     def words(self) -> str:
         """What it says in full, such as ``Robot.memory for Ada``."""
         parts = (
-            f"{value}" if name in ROBOT_COLUMNS else f"{name} {value}" for name, value in self.where
+            f"{'' if name in ROBOT_COLUMNS else name} {_short(value)}".strip()
+            for name, value in self.where
         )
         return f"{self.name} for {', '.join(parts)}" if self.where else self.name
 
@@ -116,7 +117,7 @@ def pin_of_cell(
     for name in (*names, *(name for name in columns if name not in ROBOT_COLUMNS)):
         place = columns.index(name)
         value = mine[place]
-        left = [each for each in others if each[place] == value]
+        left = [each for each in others if _is_same(each[place], value)]
         tells = name in ROBOT_COLUMNS or len(left) < len(others)
         if tells and name != column and isinstance(value, bool | int | float | str):
             where.append((name, value))
@@ -139,6 +140,10 @@ def read(pin: Pin, table: Table | QueryError) -> Reading:
     return _inside(rows[0][table.columns.index(pin.column)], pin.path)
 
 
+def _short(value: Value) -> str:
+    return f"{value:.4g}" if isinstance(value, float) else f"{value}"
+
+
 def _matching(table: Table, where: Iterable[tuple[str, Value]]) -> Iterator[tuple[Value, ...]]:
     tests = [
         (table.columns.index(name) if name in table.columns else None, value)
@@ -147,10 +152,17 @@ def _matching(table: Table, where: Iterable[tuple[str, Value]]) -> Iterator[tupl
     for number, row in enumerate(table.rows):
         viewer = table.viewers[number] if table.viewers else None
         if all(
-            row[place] == value if place is not None else viewer in (None, value)
+            _is_same(row[place], value) if place is not None else viewer in (None, value)
             for place, value in tests
         ):
             yield row
+
+
+def _is_same(value: Value, wanted: Value) -> bool:
+    """Whether a value tells the same row; an angle may differ in its last digits."""
+    if isinstance(value, float) and isinstance(wanted, float):
+        return math.isclose(value, wanted, rel_tol=1e-6, abs_tol=1e-9)
+    return value == wanted
 
 
 def _inside(value: Value, path: Path) -> Reading:

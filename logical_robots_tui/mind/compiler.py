@@ -64,7 +64,8 @@ def compile_text(text: str, report: Report | None = None) -> Program:
         compiled, raw, text, source, report or (lambda _done, _all: None)
     )
     _refuse([*found, *problems])
-    needed = _needed(raw, statements)
+    uses = _uses(raw)
+    needed = _needed(uses, statements)
     inputs = tuple(Predicate(name, "input", None, has_rows=True) for name in INPUTS)
     return Program(
         text,
@@ -73,6 +74,7 @@ def compile_text(text: str, report: Report | None = None) -> Program:
         **visibility,
         warnings=tuple(found),
         needed=needed,
+        uses=uses,
         recursions=compiled.growth_checks({name: statements[name] for name in needed}),
     )
 
@@ -260,19 +262,36 @@ def _lacks_arguments(error: BaseException, rules: list[Rule]) -> bool:
     return complaints.is_function(error) and arguments.issuperset(names)
 
 
-def _needed(rules: list[Rule], statements: Mapping[str, str]) -> tuple[str, ...]:
-    """The predicates with rows that `Robot` leans on, itself last, each after what it leans on."""
+def _uses(rules: list[Rule]) -> dict[str, tuple[str, ...]]:
+    """By predicate of the program's own the predicates that it mentions, in the order it does."""
     own = heads(rules)
+    library = (name for name in map(head_name, prelude_rules()) if name.isidentifier())
+    known = {*own, *INPUTS, *library}
+    return {
+        str(name): tuple(
+            dict.fromkeys(
+                str(other)
+                for rule in mine
+                for other in called(rule)
+                if other in known and not (head_name(rule) == "@Make" and other == name)
+            )
+        )
+        for name, mine in own.items()
+    }
+
+
+def _needed(uses: Mapping[str, tuple[str, ...]], statements: Mapping[str, str]) -> tuple[str, ...]:
+    """The predicates with rows that `Robot` leans on, itself last, each after what it leans on."""
     ordered: list[str] = []
     seen = set()
 
     def visit(name: str) -> None:
-        if name in own and name not in seen:
+        if name in uses and name not in seen:
             seen.add(name)
-            for other in dict.fromkeys(map(str, called(own[name]))):
+            for other in uses[name]:
                 visit(other)
             if name in statements:
-                ordered.append(str(name))
+                ordered.append(name)
 
     visit(MAIN)
     return tuple(ordered)

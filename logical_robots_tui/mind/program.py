@@ -131,6 +131,8 @@ class Program:
         warnings: What may not do what was meant, in the order of the text.
         needed: The predicates with rows that `Robot` leans on, each after what it leans on itself;
             `Robot` is the last.
+        uses: By predicate of the program's own the predicates that it mentions, also those
+            of the game and of the prelude, in the order in which it does.
         recursions: For each recursive predicate how many steps it takes, and an SQL query for
             whether one more would change anything.
         tuned: The same queries for quicker tables, by predicate name and for recursions by
@@ -144,6 +146,7 @@ class Program:
     sensor: Literal["own", "all"] | None = None
     warnings: tuple[Diagnostic, ...] = ()
     needed: tuple[str, ...] = ()
+    uses: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
     recursions: Mapping[str, tuple[int, str]] = field(default_factory=dict)
     tuned: Mapping[str, Tuned] = field(default_factory=dict)
 

@@ -18,7 +18,7 @@ from logical_robots_tui.mind.compiler import compiled_rules, plain_rules, read_r
 from logical_robots_tui.mind.diagnostics import Diagnostic, ProgramError
 from logical_robots_tui.mind.parsing import parse_statements
 from logical_robots_tui.mind.program import INPUTS, Question
-from logical_robots_tui.mind.rules import VALUE, fields, heads, nodes
+from logical_robots_tui.mind.rules import CONDITIONS, VALUE, fields, heads, nodes
 from logical_robots_tui.mind.text import diagnostic_for, prepare
 from logical_robots_tui.mind.why.scopes import names
 
@@ -29,10 +29,6 @@ if TYPE_CHECKING:
     from logical_robots_tui.mind.text import Prepared
 
 __all__ = ["compile_question"]
-
-_TRUTHS = frozenset(
-    {"==", "=", "!=", "<", "<=", ">", ">=", "&&", "||", "!", "in", "is", "is not", "IsNull"}
-)
 
 
 def compile_question(text: str, query: str) -> Question:
@@ -166,7 +162,7 @@ def _is_value(body: Rule, own: Mapping[str, list[Rule]]) -> bool:
     name = str(body.get("predicate", {}).get("predicate_name", ""))
     if name in own:
         return any(VALUE in fields(rule["head"]["record"]) for rule in own[name])
-    return bool(name) and name not in INPUTS and name not in _TRUTHS
+    return bool(name) and name not in INPUTS and name not in CONDITIONS
 
 
 def _in_text(tree: Rule) -> Iterator[str]:

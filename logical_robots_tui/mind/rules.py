@@ -13,6 +13,10 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
 
 __all__ = [
+    "COMPARISONS",
+    "CONDITIONS",
+    "JUNCTIONS",
+    "TRUTHS",
     "VALUE",
     "Rule",
     "called",
@@ -32,6 +36,18 @@ Rule: TypeAlias = dict[str, Any]
 
 VALUE = "logica_value"
 """The column in which a function keeps its value."""
+
+COMPARISONS = frozenset({"!=", "<", "<=", "==", ">", ">=", "in", "is", "is not"})
+"""The operators whose value is a truth about their operands' values."""
+
+JUNCTIONS = frozenset({"&&", "||"})
+"""The operators whose value is a truth about truths, but for ``!``."""
+
+CONDITIONS = COMPARISONS | JUNCTIONS | {"!", "IsNull"}
+"""Whatever has a truth as its value and can stand in a rule as a condition."""
+
+TRUTHS = CONDITIONS | {"EndsWith", "Like", "StartsWith"}
+"""All operators and functions whose value is a truth."""
 
 
 def head_name(rule: Rule) -> str:

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 from logical_robots_tui.mind import complaints
 from logical_robots_tui.mind.diagnostics import ProgramError
+from logical_robots_tui.mind.rules import TRUTHS
 from logical_robots_tui.mind.stored import to_json
 
 if TYPE_CHECKING:
@@ -32,12 +33,6 @@ _TYPES = {
     "TEXT": "Str",
     "VARCHAR": "Str",
 }
-_TRUTHS = frozenset(
-    {
-        *("!", "!=", "&&", "<", "<=", "==", ">", ">=", "||", "in", "is", "is not"),
-        *("EndsWith", "IsNull", "Like", "StartsWith"),
-    }
-)
 
 
 def spell_out(rules: list[Rule], text: str, source: Prepared) -> None:
@@ -78,7 +73,7 @@ def _calls(tree: Any) -> list[dict[str, Any]]:
 def _is_truth(expression: dict[str, Any]) -> bool:
     if "literal" in expression:
         return "the_bool" in expression["literal"]
-    return expression.get("call", {}).get("predicate_name") in _TRUTHS
+    return expression.get("call", {}).get("predicate_name") in TRUTHS
 
 
 def _type(expression: dict[str, Any]) -> Any:

@@ -226,6 +226,10 @@ class Actions:
         """Open a value as a tree."""
         self._screen.rows.open_value()
 
+    def graph(self) -> None:
+        """Show which predicate uses which."""
+        self._screen.spawn(self._screen.rows.graph, "library", exclusive=True)
+
     def machinery(self) -> None:
         """Show how predicates are computed."""
         self._screen.spawn(self._screen.rows.machinery, "machinery", exclusive=True)

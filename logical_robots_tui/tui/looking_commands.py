@@ -145,6 +145,13 @@ LOOKING: tuple[Command, ...] = (
         ("X",),
     ),
     Command(
+        "graph",
+        "Graph of predicates",
+        "Show which predicate uses which, and go along.",
+        _ROWS,
+        ("R",),
+    ),
+    Command(
         "machinery",
         "SQL and plan",
         "Show what each predicate costs, and the SQL and the plan of the one inspected.",

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
+from logical_robots_tui.mind.rules import COMPARISONS, JUNCTIONS
 from logical_robots_tui.mind.why.scopes import combines
 
 if TYPE_CHECKING:
@@ -15,9 +16,6 @@ if TYPE_CHECKING:
     from logical_robots_tui.mind.rules import Rule
 
 __all__ = ["asks", "column_name", "compared", "has_conditions", "outer_calls"]
-
-_COMPARES = frozenset({"==", "!=", "<", "<=", ">", ">=", "!", "in", "is", "is not"})
-_JOINS = frozenset({"&&", "||"})
 
 
 def compared(part: Rule) -> Iterator[tuple[Rule, bool]]:
@@ -32,7 +30,7 @@ def compared(part: Rule) -> Iterator[tuple[Rule, bool]]:
         call = part["predicate"]
         name = str(call["predicate_name"])
         for operand in _operands(call):
-            yield from _of_truth(operand) if name in _JOINS else _of_values(operand)
+            yield from _of_truth(operand) if name in JUNCTIONS else _of_values(operand)
 
 
 def has_conditions(expression: Rule) -> bool:
@@ -76,7 +74,7 @@ def _of_values(expression: Rule) -> Iterator[tuple[Rule, bool]]:
                 yield from _of_values(value)
         return
     call = expression.get("call", {})
-    if str(call.get("predicate_name", "")) in _COMPARES | _JOINS:
+    if str(call.get("predicate_name", "")) in COMPARISONS | JUNCTIONS | {"!"}:
         yield from _of_truth(expression)
     elif has_conditions(expression):
         for branch in _branches(expression):
@@ -91,9 +89,9 @@ def _of_truth(expression: Rule) -> Iterator[tuple[Rule, bool]]:
     call = expression.get("call", {})
     name = str(call.get("predicate_name", ""))
     for operand in _operands(call) if call else ():
-        if name in _JOINS or name == "!":
+        if name in JUNCTIONS or name == "!":
             yield from _of_truth(operand)
-        elif name in _COMPARES:
+        elif name in COMPARISONS:
             yield from _of_values(operand)
 
 

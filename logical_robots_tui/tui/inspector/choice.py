@@ -17,13 +17,15 @@ if TYPE_CHECKING:
     from logical_robots_tui.mind import Predicate
     from logical_robots_tui.tui.inspector.questions import Survey
 
-__all__ = ["ASK", "DECISION", "ROBOTS", "WATCH", "WHY", "Choice"]
+__all__ = ["ASK", "DECISION", "MARKS", "ROBOTS", "WATCH", "WHY", "Choice"]
 
 ROBOTS, DECISION, WHY, ASK, WATCH = "(robots)", "(decision)", "(why)", "(ask)", "(watch)"
 """The pages; no predicate can have these names."""
 
 _PAGES = {ROBOTS: "Robots", DECISION: "Decision", WHY: "Why", ASK: "Ask", WATCH: "Watch"}
-_MARKS = {"input": ("◂", INK.robot), "program": ("•", INK.key), "prelude": ("◦", INK.dim)}
+MARKS = {"input": ("◂", INK.robot), "program": ("•", INK.key), "prelude": ("◦", INK.dim)}
+"""The sign of each kind of predicate, with its colour."""
+
 _CHANGED = "•"
 _NARROWEST = 12  # columns of an entry
 
@@ -106,7 +108,7 @@ class Choice(OptionList):
 
 
 def _entry(predicate: Predicate) -> Content:
-    mark, colour = _MARKS[predicate.kind]
+    mark, colour = MARKS[predicate.kind]
     name = INK.text if predicate.has_rows else INK.dim
     entry = Content.assemble((f"{mark} ", colour), (one_line(predicate.name), name))
     if not predicate.has_rows:

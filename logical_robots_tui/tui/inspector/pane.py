@@ -306,6 +306,8 @@ class InspectorPane(Pane):
         parts = [Content.styled(one_line(name), f"bold {INK.title}"), Content(f"tick {tick}")]
         if more:
             parts.append(Content(more))
+        if self._session.is_by_another_program(tick) and self._inspected != ROBOTS:
+            parts.append(Content.styled("by the present program", INK.warn))
         self._subject.update(Content(" · ").join(parts), layout=False)
 
     def _go_to_page(self, page: str) -> None:

@@ -138,6 +138,23 @@ class RowCommands:
         else:
             self._screen.tell("Put the cursor on a value, or choose Decision.")
 
+    async def graph(self) -> None:
+        """Show which predicate uses which, and open the one that is chosen there."""
+        from logical_robots_tui.tui.inspector.graph import Graph
+
+        screen, program = self._screen, self._screen.session.program
+        if program is None:
+            screen.tell(NO_PROGRAM)
+            return
+        known = program.predicate(screen.inspector.inspected)
+        chosen = await screen.app.push_screen_wait(Graph(program, known.name if known else "Robot"))
+        predicate = program.predicate(chosen) if chosen is not None else None
+        if predicate is not None and predicate.kind == "prelude":
+            screen.tell(f"{predicate.reason} It is in the prelude.")
+        elif predicate is not None:
+            screen.go_to(screen.inspector)
+            screen.inspector.open(predicate.name)
+
     async def machinery(self) -> None:
         """Show how the predicate that is inspected is computed, and what all of them cost."""
         from logical_robots_tui.tui.dialogs.reader import Reader

@@ -118,6 +118,7 @@ class ValueTree(Dialog[None]):
             node = self._add(self._tree.root, branch.title, part)
             if len(self._branches) == 1 or _size(branch.value) <= _OPEN:
                 node.expand()
+        self._tree.cursor_line = 0
         self._tree.focus()
 
     def action_pin(self) -> None:

@@ -70,7 +70,7 @@ class WatchView(LinesView):
             self.predicate = predicate
 
     class Changed(Message):
-        """There are other pins."""
+        """There are other pins, or there is room for other ticks."""
 
     def __init__(self, samples: Samples) -> None:
         super().__init__(id="watch")
@@ -115,8 +115,9 @@ class WatchView(LinesView):
         self._draw()
 
     def on_resize(self) -> None:
-        """Use the width there is now."""
+        """Use the width there is now; more ticks may have room in it."""
         self._draw()
+        self.post_message(self.Changed())
 
     def on_focus(self) -> None:
         """Show the cursor."""

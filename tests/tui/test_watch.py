@@ -1,0 +1,240 @@
+"""Pins: their values at the tick on the screen, how they went, and values as trees."""
+
+from __future__ import annotations
+
+from itertools import pairwise
+from typing import TYPE_CHECKING
+
+from hypothesis import given
+from hypothesis import strategies as st
+from textual.widgets import Tree
+
+from logical_robots_tui.game import Pin
+from logical_robots_tui.tui.inspector.choice import WATCH
+from logical_robots_tui.tui.inspector.sparkline import BARS, Sample, sparkline
+from logical_robots_tui.tui.inspector.table import ValueTable
+from logical_robots_tui.tui.inspector.watch import WatchView
+from tests.tui.conftest import PAPER, opened
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from tests.tui.conftest import Opened
+
+TEXT = """\
+Late(x) :- Sensor(sensor:), sensor.clock > 20, x in [1, 2, 3];
+Ray(robot_name:, i: x.angle, d: x.distance) :- Sensor(robot_name:, sensor:), x in sensor.radar;
+Robot(robot_name:, desire: {left_engine: 0.2, right_engine: 0.2},
+      memory: {phase: (if sensor.clock < 12 then "early" else "late"), deep: {n: sensor.clock}}) :-
+  Sensor(robot_name:, sensor:);
+"""
+
+SAMPLES = st.builds(
+    Sample, st.none() | st.floats(allow_nan=False, allow_infinity=False), st.none() | st.integers()
+)
+
+
+@given(st.lists(st.none() | SAMPLES), st.booleans(), st.booleans())
+def test_a_line_has_a_character_for_each_tick(
+    samples: list[Sample | None], counts: bool, plain: bool
+) -> None:
+    line = sparkline(samples, counts=counts, plain=plain)
+    assert len(line) == len(samples)
+    assert not plain or line.isascii()
+    for sample, character in zip(samples, line, strict=True):
+        assert (character == " ") == (sample is None)
+    if not plain:
+        numbers = [s.number for s in samples if s is not None and s.number is not None]
+        heights = [BARS.index(character) for character in line if character in BARS]
+        pairs = pairwise(zip(numbers, heights, strict=True))
+        for (one, height), (other, further) in pairs:
+            assert (height - further) * (one - other) >= 0, "a higher bar is no lower number"
+
+
+def test_what_is_no_number_shows_where_it_changes() -> None:
+    told = [Sample(None, 1), Sample(None, 1), Sample(None, 2), None, Sample(None, None)]
+    assert sparkline(told, counts=False) == "──┼ ·"
+    assert sparkline(told, counts=False, plain=True) == "--| ."
+    assert sparkline([Sample(3, 1)] * 2, counts=True) == "██"
+    assert sparkline([Sample(3, 1)] * 2, counts=False) == "▄▄"
+    assert sparkline([Sample(0, 1), Sample(1, 2)], counts=False) == "▁█"
+
+
+def view(game: Opened) -> WatchView:
+    return game.main.query_one(WatchView)
+
+
+def line_of(game: Opened, words: str) -> int:
+    lines = view(game).plain.splitlines()
+    return next(number for number, line in enumerate(lines) if words in line)
+
+
+async def inspect(game: Opened, name: str, counted: str) -> ValueTable:
+    """Go to the rows of a predicate."""
+    await game.until(lambda: name in [p.name for p in game.session.predicates])
+    game.inspector.open(name)
+    await game.until(lambda: game.shows(counted))
+    await game.press("enter")
+    table = game.main.query_one("#rows", ValueTable)
+    await game.until(lambda: table.has_focus)
+    return table
+
+
+async def test_pins_are_watched_gone_along_opened_and_removed(data_dir: Path) -> None:
+    async with opened(data_dir, text=TEXT) as game:
+        await game.ready()
+        await game.press("V")
+        await game.until(lambda: game.shows("Nothing is pinned."))
+        await game.press("left", "right", "enter", "delete", "@")
+        game.session.run_until(40)
+        await game.until(lambda: game.tick == 40 and not game.session.busy)
+
+        # A number of rows, one row among many, a part of a memory.
+        await inspect(game, "Ray", "Ray · tick 40 · 31 rows")
+        await game.press("down", "right", "right", "at")
+        await game.until(lambda: len(view(game).pins) == 1)
+        pin = view(game).pins[0]
+        assert (pin.predicate, pin.column, [name for name, _ in pin.where]) == (
+            *("Ray", "d"),
+            ["robot_name", "i"],
+        )
+        game.inspector.open("Late")
+        await game.until(lambda: game.shows("Late · tick 40 · 3 rows"))
+        game.inspector.enter()
+        await game.press("at")
+        await inspect(game, "Memory", "Memory · tick 40 · 1 row")
+        await game.press("right", "enter")
+        await game.until(lambda: game.shows("enter or space fold"))
+        tree = game.app.screen.query_one(Tree)
+        await game.until(lambda: len(tree.root.children[0].children) == 2)
+        await game.press("down", "down", "enter")
+        await game.until(lambda: game.shows("n  39"))
+        await game.press("up", "at", "down", "down", "at", "escape")
+        await game.until(lambda: len(view(game).pins) == 4)
+        whose = (("robot_name", "Solo"),)
+        assert view(game).pins[1:] == (
+            Pin("Late"),
+            Pin("Memory", "memory", whose, ("phase",)),
+            Pin("Memory", "memory", whose, ("deep", "n")),
+        )
+
+        await game.press("V")
+        await game.until(lambda: game.inspector.inspected == WATCH)
+        line = "▁" * 20 + "█" * 20
+        await game.until(lambda: line in view(game).plain)
+        await game.until(lambda: "Memory.memory.phase for Solo" in view(game).plain)
+        await game.until(lambda: f"··┼{'─' * 10}┼{'─' * 27}" in view(game).plain)
+
+        # A click on a line goes to its tick, and keys to where a value changes.
+        row = line_of(game, "Late: rows")
+        await game.pilot.click(WatchView, offset=(2 + 20, row + 1 - view(game).scroll_offset.y))
+        await game.until(lambda: game.tick == 20)
+        await game.until(lambda: view(game).plain.splitlines()[row].endswith(" 0"))
+        await game.press("right")
+        await game.until(lambda: game.tick == 21)
+        await game.until(lambda: view(game).plain.splitlines()[row].endswith(" 3"))
+        assert line in view(game).plain, "the line stays where it is"
+        await game.press("down", "left")
+        await game.until(lambda: game.tick == 13)
+        await game.until(lambda: game.shows('"late"') or game.shows(" late "))
+
+        # A program without the predicate says so in place; the pin is still there afterwards.
+        await game.write(PAPER)
+        await game.until(lambda: "no predicate Late" in view(game).plain)
+        assert game.shows("by the present program")
+        await game.write(TEXT)
+        await game.until(lambda: line in view(game).plain)
+        assert not game.shows("by the present program")
+
+        await game.press("d")  # another drawing has nothing to do with it, but plain characters
+        while game.main.labyrinth.view.drawing.value != "ascii":
+            await game.press("d")
+        await game.press("p")
+        await game.until(lambda: f"{'_' * 20}{'#' * 20}" in view(game).plain)
+        await game.press("delete", "up", "enter")
+        await game.until(lambda: len(view(game).pins) == 3)
+        await game.until(lambda: game.inspector.inspected == "Late")
+        await game.press("3", "at")
+        await game.until(lambda: Pin("Late") not in view(game).pins)
+
+
+async def test_a_decision_is_looked_into_and_its_parts_are_pinned(data_dir: Path) -> None:
+    async with opened(data_dir, text=TEXT, size=(100, 40)) as game:
+        await game.ready()
+        await game.press("n", "at")
+        await game.until(lambda: game.tick == 1)
+        await game.until(lambda: view(game).pins)
+        assert view(game).pins == (Pin("Memory", "memory", (("robot_name", "Solo"),)),)
+        await game.press("X")
+        tree = await _tree(game)
+        assert [str(node.label).split("  ")[0] for node in tree.root.children] == [
+            *("sensor", "memory before", "desire", "memory after")
+        ]
+        await game.until(lambda: game.shows("left_engine  0.2"))
+        radar = next(
+            each for each in tree.root.children[0].children if str(each.label).startswith("radar")
+        )
+        tree.move_cursor(radar)
+        await game.until(lambda: game.app.screen.query_one("#radar").display)
+        await game.press("enter")
+        await game.until(lambda: len(radar.children) == 31)
+        desire = tree.root.children[2].children[0]
+        tree.move_cursor(desire)
+        await game.until(lambda: not game.app.screen.query_one("#radar").display)
+        await game.press("at", "escape", "V")
+        await game.until(lambda: "Robot.desire.left_engine for Solo" in view(game).plain)
+        await game.until(lambda: "for Solo" in view(game).plain and "▄▄ 0.2" in view(game).plain)
+        await game.press("space")
+        await game.until(lambda: game.tick > 30)
+        await game.press("space")
+        await game.until(lambda: not game.session.busy)
+        await game.until(lambda: game.shows(f"Watch · tick {game.tick}"))
+        pin = view(game).pins[1]
+        await game.until(lambda: None not in view(game)._samples.of(pin, view(game).ticks))
+
+
+async def test_long_lists_are_folded_in_groups_and_answers_cant_be_pinned(data_dir: Path) -> None:
+    text = f"{PAPER}\nLong(l: Range(250));\n"
+    async with opened(data_dir, text=text) as game:
+        await game.ready()
+        await inspect(game, "Long", "Long · tick 0 · 1 row")
+        await game.press("X")
+        tree = await _tree(game)
+        groups = tree.root.children[0]
+        await game.until(lambda: len(groups.children) == 3)
+        assert [str(each.label).strip() for each in groups.children] == [
+            *("0 to 99", "100 to 199", "200 to 249")
+        ]
+        groups.children[2].expand()
+        await game.until(lambda: len(groups.children[2].children) == 50)
+        await game.until(lambda: groups.children[2].children[49].line > 0)
+        tree.move_cursor(groups.children[2].children[49])
+        last = groups.children[2].children[49]
+        await game.until(lambda: tree.cursor_node is last)
+        await game.press("at")
+        await game.until(lambda: view(game).pins == (Pin("Long", "l", (), (249,)),))
+        tree.move_cursor(groups.children[2])
+        await game.until(lambda: tree.cursor_node is groups.children[2])
+        await game.press("at")
+        await game.until(lambda: game.shows("Only a value of a predicate can be pinned."))
+        await game.press("escape")
+        game.inspector.ask()
+        game.inspector.asking.line.value = "Long(l:)"
+        await game.press("enter")
+        answer = game.inspector.asking.table
+        await game.until(lambda: answer.shown.rows)
+        answer.focus()
+        await game.press("at")
+        await game.until(lambda: game.shows("Choose a predicate, or put the cursor"))
+        await game.press("enter")
+        await _tree(game)
+        await game.press("at")
+        assert len(view(game).pins) == 1
+        await game.press("escape")
+        game.inspector.open("Nowhere")
+        await game.until(lambda: game.shows("The program has no predicate Nowhere."))
+
+
+async def _tree(game: Opened) -> Tree[object]:
+    await game.until(lambda: game.app.screen.query(Tree))
+    return game.app.screen.query_one(Tree)
