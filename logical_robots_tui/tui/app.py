@@ -24,6 +24,7 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from textual.binding import BindingType
+    from textual.geometry import Region
     from textual.theme import Theme
 
     from logical_robots_tui.game import Source
@@ -115,6 +116,10 @@ class LogicalRobotsApp(SparingApp, inherit_bindings=False):
         key = event.key if isinstance(event, events.Key) and self.screen is self.main else ""
         if not self.main.goes_there(key):
             await super().on_event(event)
+
+    def moving_picture(self) -> Region | None:
+        """The labyrinth, unless something lies over it."""
+        return self.main.labyrinth.view.region if self.screen is self.main else None
 
     def suit_terminal(self) -> None:
         """Draw the labyrinth in the way that suits the terminal of this process."""
