@@ -87,6 +87,11 @@ class Difference:
             wanted[column:stop] = cells
             self._mark(row, column, stop)
 
+    def forget(self) -> None:
+        """Forget what the terminal shows: everything is to be sent again."""
+        self._shown = [[None] * self.columns for _ in range(self.rows)]
+        self._behind = dict.fromkeys(range(self.rows), (0, self.columns))
+
     def sequence(self, limit: float = inf, last: Region | None = None) -> str:
         """Return what to write so that the terminal shows what it is to show.
 

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any
 from rich.color import ColorSystem
 from textual import events
 from textual._compositor import ChopsUpdate, CompositorUpdate, LayoutUpdate
+from textual.driver import Driver
 
 from logical_robots_tui.tui.crash import CarefulApp
 from logical_robots_tui.tui.difference import Difference
@@ -51,9 +52,11 @@ class SparingApp(CarefulApp):
         super().__init__(driver_class=ListeningDriver)
         self._line = Line()
 
-    def forget_terminal(self) -> None:
-        """Send everything again the next time: the terminal may show something else."""
-        self._sent = None
+    def redraw(self) -> None:
+        """Send everything again: the terminal may show something else."""
+        if self._sent is not None:
+            self._sent.forget()
+            self._send()
 
     def moving_picture(self) -> Region | None:
         """What moves by itself, and is sent after all else."""
@@ -65,14 +68,11 @@ class SparingApp(CarefulApp):
             self._line.answered(event.time)
             self._send()
             return
-        if isinstance(event, events.Resize):
-            self.forget_terminal()
+        if isinstance(event, Driver.SignalResume):
+            self._line = Line()
+        if isinstance(event, events.Resize | Driver.SignalResume):
+            self.redraw()
         await super().on_event(event)
-
-    def _resume_signal(self) -> None:
-        self.forget_terminal()
-        self._line = Line()
-        super()._resume_signal()
 
     def _display(self, screen: Screen[Any], renderable: RenderableType | None) -> None:
         driver = self._driver
@@ -84,7 +84,7 @@ class SparingApp(CarefulApp):
             or not isinstance(driver, ListeningDriver)
         ):
             if isinstance(renderable, CompositorUpdate):
-                self.forget_terminal()
+                self._sent = None
             super()._display(screen, renderable)
             return
         columns, rows = self.size
@@ -101,6 +101,8 @@ class SparingApp(CarefulApp):
         driver = self._driver
         if self._sent is None or self._closed or not isinstance(driver, ListeningDriver):
             return
+        if (self._sent.columns, self._sent.rows) != self.size:
+            return  # all of it is about to be drawn anew
         if not self._line.is_free:
             if not self._is_waiting:
                 self._is_waiting = True
