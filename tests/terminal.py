@@ -23,6 +23,7 @@ if TYPE_CHECKING:
 __all__ = ["Terminal", "looks"]
 
 CHUNK = 65536
+WHERE_IS_THE_CURSOR = b"\x1b[6n"
 
 
 class Terminal:
@@ -41,9 +42,11 @@ class Terminal:
         size: tuple[int, int] = (100, 40),
         env: Mapping[str, str] | None = None,
     ) -> None:
-        self.screen = _AnsweringScreen(*size)
-        self._stream = pyte.ByteStream(self.screen)
+        self._screen = pyte.Screen(*size)
+        self._stream = pyte.ByteStream(self._screen)
         self._raw = bytearray()
+        self._drawn = 0
+        self._answered = 0
         self._command = [str(word) for word in command]
         self._env = {
             **os.environ,
@@ -54,7 +57,6 @@ class Terminal:
 
     def __enter__(self) -> Self:
         self._ours, theirs = os.openpty()
-        self.screen.answer = self.send
         self._tell_size(theirs)
         self.process = subprocess.Popen(
             self._command,
@@ -73,6 +75,14 @@ class Terminal:
         self.process.kill()
         self.process.wait()
         os.close(self._ours)
+
+    @property
+    def screen(self) -> pyte.Screen:
+        """The cells; drawn when somebody looks, because that takes longer than to receive them."""
+        if self._drawn < len(self._raw):
+            self._stream.feed(bytes(self._raw[self._drawn :]))
+            self._drawn = len(self._raw)
+        return self._screen
 
     @property
     def text(self) -> str:
@@ -99,6 +109,11 @@ class Terminal:
         while not (condition in self.text if isinstance(condition, str) else condition()):
             assert monotonic() < deadline, f"not within {PATIENCE} s; instead:\n{self.text}"
             assert self._read(deadline), f"it ended before that; its screen:\n{self.text}"
+
+    def wait_to_receive(self, text: str) -> None:
+        """Read on until a text comes in; quicker than looking at the screen again and again."""
+        begun, sought = len(self._raw), text.encode()
+        self.wait_for(lambda: self._raw.find(sought, begun) >= 0)
 
     def wait_for_quiet(self, seconds: float = 1.0) -> None:
         """Read on until nothing has been written for some time."""
@@ -127,21 +142,14 @@ class Terminal:
         except OSError:  # how Linux says that the last process has closed the terminal
             return False
         self._raw += chunk
-        self._stream.feed(chunk)
+        questions = self._raw.count(WHERE_IS_THE_CURSOR)
+        self.send("\x1b[1;1R" * (questions - self._answered))
+        self._answered = questions
         return bool(chunk)
 
     def _tell_size(self, terminal: int) -> None:
-        size = struct.pack("HHHH", self.screen.lines, self.screen.columns, 0, 0)
+        size = struct.pack("HHHH", self._screen.lines, self._screen.columns, 0, 0)
         ioctl(terminal, termios.TIOCSWINSZ, size)
-
-
-class _AnsweringScreen(pyte.Screen):
-    """A screen that answers what a program asks its terminal, such as where the cursor is."""
-
-    answer: Callable[[str], None]
-
-    def write_process_input(self, data: str) -> None:
-        self.answer(data)
 
 
 def looks(screen: pyte.Screen) -> list[list[tuple[object, ...]]]:

@@ -2,16 +2,17 @@
 
 from __future__ import annotations
 
+import argparse
 import os
+import re
 import sys
 from typing import TYPE_CHECKING
 
 from logical_robots_tui.cli.command import add_data_dir, add_engine, check_engine, new_command
+from logical_robots_tui.cli.folders import folder_of
 from logical_robots_tui.errors import InputError
 
 if TYPE_CHECKING:
-    import argparse
-
     from logical_robots_tui.cli.command import Commands
 
 __all__ = ["declare"]
@@ -40,6 +41,24 @@ def declare(commands: Commands) -> None:
     command.add_argument("program", nargs="?", metavar="PROGRAM", help="a program's name or file")
     add_engine(command)
     add_data_dir(command)
+    command.add_argument(
+        "--player",
+        metavar="NAME",
+        type=_player,
+        default=os.environ.get("LOGICAL_ROBOTS_PLAYER"),
+        help="who plays, where many share an account: each has a folder of their own",
+    )
+    command.add_argument(
+        "--restricted",
+        action="store_true",
+        default=os.environ.get("LOGICAL_ROBOTS_RESTRICTED", "") not in ("", "0"),
+        help="for shared machines: your own files only, no other program, bounded resources",
+    )
+    command.add_argument(
+        "--allow-clipboard",
+        action="store_true",
+        help="let a restricted game write to your terminal's clipboard",
+    )
 
 
 def start(options: argparse.Namespace) -> int:
@@ -60,6 +79,24 @@ def start(options: argparse.Namespace) -> int:
         os.environ.pop(name, None)
     # What is told of a tick follows its picture within so much; Textual waits twice as long.
     os.environ.setdefault("TEXTUAL_FPS", "120")
+    from logical_robots_tui.tui.freedoms import Freedoms
     from logical_robots_tui.tui.play import play
 
-    return play(options.level, options.program, options.data_dir, options.engine)
+    data_dir = folder_of(options.data_dir, options.player)
+    freedoms = Freedoms()
+    if options.restricted:
+        from logical_robots_tui.cli.fence import fence_in
+
+        data_dir = data_dir.absolute()
+        fence_in(data_dir)
+        freedoms = Freedoms(programs=False, clipboard=options.allow_clipboard)
+    return play(options.level, options.program, data_dir, options.engine, freedoms)
+
+
+def _player(text: str) -> str:
+    """Read a name that can be a folder's; the names are a teacher's, not a player's."""
+    if not re.fullmatch(r"[A-Za-z0-9][A-Za-z0-9_.-]{0,31}", text):
+        raise argparse.ArgumentTypeError(
+            f"{text!r} is no name of at most 32 letters, digits and the signs _ . -"
+        )
+    return text

@@ -376,7 +376,7 @@ class Actions:
     def redraw(self) -> None:
         """Paint the whole screen again."""
         if isinstance(self._screen.app, SparingApp):
-            self._screen.app.forget_terminal()
+            self._screen.app.redraw()
         self._screen.refresh(layout=True, repaint=True)
 
     def quit(self) -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import os
+import signal
 from time import monotonic
 from typing import TYPE_CHECKING, ClassVar
 
@@ -13,6 +14,7 @@ from textual.binding import Binding
 from logical_robots_tui.progress import FILE_NAME
 from logical_robots_tui.tui.colours import colours_in
 from logical_robots_tui.tui.commands import use_keys
+from logical_robots_tui.tui.freedoms import Freedoms
 from logical_robots_tui.tui.journal import Journal
 from logical_robots_tui.tui.screen import MainScreen
 from logical_robots_tui.tui.settings import Settings
@@ -24,6 +26,7 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from textual.binding import BindingType
+    from textual.geometry import Region
     from textual.theme import Theme
 
     from logical_robots_tui.game import Source
@@ -48,6 +51,7 @@ class LogicalRobotsApp(SparingApp, inherit_bindings=False):
         engine: What the robots think with.
         settings: What the player has set once for all.
         theme: The theme to begin with where the settings name none.
+        freedoms: What the player may do with the machine; by default everything.
     """
 
     TITLE = "Logical Robots"
@@ -55,6 +59,7 @@ class LogicalRobotsApp(SparingApp, inherit_bindings=False):
     ENABLE_COMMAND_PALETTE = False
     BINDINGS: ClassVar[list[BindingType]] = [
         Binding("ctrl+c", "interrupt", "Leave", show=False, system=True),
+        Binding("ctrl+z", "suspend_process", "Suspend", show=False, system=True),
     ]
 
     def __init__(
@@ -69,6 +74,7 @@ class LogicalRobotsApp(SparingApp, inherit_bindings=False):
         engine: Engine = "sqlite",
         settings: Settings | None = None,
         theme: str = NIGHT.name,
+        freedoms: Freedoms | None = None,
     ) -> None:
         super().__init__()
         self._settings = settings or Settings()
@@ -78,6 +84,7 @@ class LogicalRobotsApp(SparingApp, inherit_bindings=False):
         self.main = MainScreen(
             level, source, data_dir, journal, text=text, welcome=welcome, engine=engine
         )
+        self.main.freedoms = freedoms or Freedoms()
         self.animation_level = "none"
         self._interrupted_at = float("-inf")
         self._event_loop: asyncio.AbstractEventLoop | None = None
@@ -99,6 +106,8 @@ class LogicalRobotsApp(SparingApp, inherit_bindings=False):
 
     def on_mount(self) -> None:
         """Do as the settings say, and tell what in them can't be used."""
+        if not self.main.freedoms.programs:
+            signal.signal(signal.SIGTSTP, signal.SIG_IGN)
         self.main.follow(self._settings)
         self.theme_changed_signal.subscribe(self, self._keep_theme)
 
@@ -115,6 +124,10 @@ class LogicalRobotsApp(SparingApp, inherit_bindings=False):
         key = event.key if isinstance(event, events.Key) and self.screen is self.main else ""
         if not self.main.goes_there(key):
             await super().on_event(event)
+
+    def moving_picture(self) -> Region | None:
+        """The labyrinth, unless something lies over it."""
+        return self.main.labyrinth.view.region if self.screen is self.main else None
 
     def suit_terminal(self) -> None:
         """Draw the labyrinth in the way that suits the terminal of this process."""
@@ -133,6 +146,20 @@ class LogicalRobotsApp(SparingApp, inherit_bindings=False):
         """Ask the app to end; may be called on any thread or in a signal handler."""
         if self._event_loop is not None:
             self._event_loop.call_soon_threadsafe(self.exit)
+
+    def action_suspend_process(self) -> None:
+        """Go to the background, to the shell that the game was started from."""
+        if self.main.freedoms.programs:
+            super().action_suspend_process()
+        else:
+            self.main.warn("There is no shell to go to here; q leaves the game.")
+
+    def copy_to_clipboard(self, text: str) -> None:
+        """Keep a text to be pasted; the terminal's clipboard gets it where that is allowed."""
+        if self.main.freedoms.clipboard:
+            super().copy_to_clipboard(text)
+        else:
+            self._clipboard = text
 
     def action_interrupt(self) -> None:
         """Leave at the second ^C in a row; the first may have been meant for something else."""

@@ -77,7 +77,8 @@ def end_on_hangup(last_words: Callable[[], None], leave: Callable[[], None]) -> 
         leave()
 
     before: dict[int, Any] = {
-        number: signal.signal(number, handler) for number in (signal.SIGHUP, signal.SIGTERM)
+        number: signal.signal(number, handler)
+        for number in (signal.SIGHUP, signal.SIGTERM, signal.SIGXCPU)
     }
     threading.Thread(target=_raise_hangup, name="logical-robots-hangup", daemon=True).start()
 

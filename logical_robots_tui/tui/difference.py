@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from functools import lru_cache
-from typing import TYPE_CHECKING, NamedTuple
+from math import inf
+from typing import TYPE_CHECKING, NamedTuple, TypeAlias
 
 from rich.cells import cell_len
 
@@ -15,6 +16,7 @@ if TYPE_CHECKING:
     from rich.color import ColorSystem
     from rich.segment import Segment
     from rich.style import Style
+    from textual.geometry import Region
 
 __all__ = ["Difference", "Look", "look_of"]
 
@@ -35,9 +37,12 @@ class Look(NamedTuple):
 
 _PLAIN = Look("", "", "")
 
+_Cell: TypeAlias = tuple[str, Look]
+"""A character, or "" where one of two cells goes on, and its look."""
+
 
 class Difference:
-    """What a terminal shows, and how to make it show something else.
+    """What a terminal shows, what it is to show, and how to get from the one to the other.
 
     Args:
         columns: Cells across.
@@ -48,86 +53,161 @@ class Difference:
     def __init__(self, columns: int, rows: int, colours: ColorSystem | None) -> None:
         self.columns, self.rows = columns, rows
         self._colours = colours
-        self._texts: list[list[str | None]] = [[None] * columns for _ in range(rows)]
-        self._looks: list[list[Look]] = [[_PLAIN] * columns for _ in range(rows)]
+        self._shown: list[list[_Cell | None]] = [[None] * columns for _ in range(rows)]
+        self._wanted: list[list[_Cell | None]] = [[None] * columns for _ in range(rows)]
+        self._behind: dict[int, tuple[int, int]] = {}
+        self._turn = 0
 
-    def sequence(self, pieces: Iterable[tuple[int, int, Sequence[Segment]]]) -> str:
-        """Return what to write so that the terminal shows pieces of lines.
+    @property
+    def is_behind(self) -> bool:
+        """Whether something may be left to send."""
+        return bool(self._behind)
+
+    def take(self, pieces: Iterable[tuple[int, int, Sequence[Segment]]]) -> None:
+        """Learn what is to be shown; what was to be shown there before is forgotten.
 
         Args:
             pieces: (row, first column, segments). What lies outside the terminal is left out.
+        """
+        for row, column, segments in pieces:
+            if not 0 <= row < self.rows:
+                continue
+            cells = _cells(segments, self._colours)
+            if column < 0:
+                cells, column = cells[-column:], 0
+            cells = cells[: self.columns - column]
+            if not cells:
+                continue
+            wanted, stop = self._wanted[row], column + len(cells)
+            # Half of a character that is overwritten takes the other half with it.
+            if column and _is_second_half(wanted[column]):
+                wanted[column - 1] = None
+            if stop < self.columns and _is_second_half(wanted[stop]):
+                wanted[stop] = None
+            wanted[column:stop] = cells
+            self._mark(row, column, stop)
+
+    def forget(self) -> None:
+        """Forget what the terminal shows: everything is to be sent again."""
+        self._shown = [[None] * self.columns for _ in range(self.rows)]
+        self._behind = dict.fromkeys(range(self.rows), (0, self.columns))
+
+    def sequence(self, limit: float = inf, last: Region | None = None) -> str:
+        """Return what to write so that the terminal shows what it is to show.
+
+        Args:
+            limit: Bytes after which no other run of cells is begun; the rest stays to be sent.
+            last: What is sent after all else: a picture that moves by itself. When there is not
+                room for all of it, its rows take turns.
 
         Returns:
             Text and escape sequences, or "" if all of it is there already. They leave the style
             plain and the cursor anywhere.
         """
+        spans = self._spans(last)
+        self._behind.clear()
         sent: list[str] = []
-        pen = _PLAIN
+        pen, size = _PLAIN, 0
         at: tuple[int, int] | None = None
-        for row, column, segments in pieces:
-            if not 0 <= row < self.rows:
-                continue
-            texts, looks = self._texts[row], self._looks[row]
-            for start, stop, found in self._runs(row, column, segments):
-                sent.append(_move(at, row, start))
-                # Half of a character that is overwritten takes the other half with it.
-                if start and texts[start] == "":
-                    texts[start - 1] = None
-                if stop < self.columns and texts[stop] == "":
-                    texts[stop] = None
-                for place, (text, look) in enumerate(found, start):
-                    texts[place], looks[place] = text, look
-                    if look is not pen and text:
-                        # A blank looks the same in any ink.
-                        if text == " " and not look.attributes:
-                            look = Look("", pen.ink if not pen.attributes else "", look.paper)
-                        sent.append(_change(pen, look))
-                        pen = look
-                    sent.append(text)
+        for number, (row, first, stop) in enumerate(spans):
+            if size >= limit:
+                self._turn = row
+                for rest in spans[number:]:
+                    self._mark(*rest)
+                break
+            for start, end in self._runs(row, first, stop):
+                run = [_move(at, row, start)]
+                pen = self._write(run, pen, row, start, end)
                 # After the last column a terminal's cursor is wherever it likes.
-                at = (row, stop) if stop < self.columns else None
+                at = (row, end) if end < self.columns else None
+                sent += run
+                size += len("".join(run).encode())
         if pen != _PLAIN:
             sent.append("\x1b[m")
         return "".join(sent)
 
-    def _runs(
-        self, row: int, column: int, segments: Sequence[Segment]
-    ) -> Iterator[tuple[int, int, list[tuple[str, Look]]]]:
-        """Return the runs of cells that differ, as (first column, column after the last, cells)."""
-        cells = _cells(segments, self._colours)
-        if column < 0:
-            cells, column = cells[-column:], 0
-        cells = cells[: self.columns - column]
-        texts, looks = self._texts[row], self._looks[row]
+    def _mark(self, row: int, first: int, stop: int) -> None:
+        """Remember that some cells of a row may differ."""
+        before = self._behind.get(row, (first, stop))
+        self._behind[row] = min(first, before[0]), max(stop, before[1])
+
+    def _spans(self, last: Region | None) -> list[tuple[int, int, int]]:
+        """Return where cells may differ, in the order in which to send them."""
+        soon: list[tuple[int, int, int]] = []
+        late: list[tuple[int, int, int]] = []
+        for row, (first, stop) in sorted(self._behind.items()):
+            if last is None or not last.y <= row < last.bottom:
+                soon.append((row, first, stop))
+                continue
+            left, right = max(first, last.x), min(stop, last.right)
+            beside = (first, min(stop, left)), (max(first, right), stop)
+            soon += [(row, start, end) for start, end in beside if start < end]
+            if left < right:
+                late.append((row, left, right))
+        late.sort(key=lambda span: (span[0] < self._turn, span[0]))
+        return soon + late
+
+    def _runs(self, row: int, first: int, stop: int) -> Iterator[tuple[int, int]]:
+        """Return the runs of cells that differ, as (first column, column after the last)."""
+        wanted, shown = self._wanted[row], self._shown[row]
         differing = [
             place
-            for place, (text, look) in enumerate(cells, column)
-            if texts[place] != text or (looks[place] is not look and looks[place] != look)
+            for place, (new, old) in enumerate(
+                zip(wanted[first:stop], shown[first:stop], strict=True), first
+            )
+            if new is not None and new != old
         ]
-        first = last = -1
+        start = end = -1
         for place in differing:
-            if first >= 0 and place - last > _CLOSE:
-                yield self._whole(row, column, first, last, cells)
-                first = -1
-            first, last = (place if first < 0 else first), place
-        if first >= 0:
-            yield self._whole(row, column, first, last, cells)
+            if start >= 0 and (place - end > _CLOSE or None in wanted[end:place]):
+                yield self._whole(row, start, end)
+                start = -1
+            start, end = (place if start < 0 else start), place
+        if start >= 0:
+            yield self._whole(row, start, end)
 
-    def _whole(
-        self, row: int, column: int, first: int, last: int, cells: list[tuple[str, Look]]
-    ) -> tuple[int, int, list[tuple[str, Look]]]:
+    def _whole(self, row: int, first: int, last: int) -> tuple[int, int]:
         """Return a run, widened so that no character of two cells is cut."""
-        texts, stop = self._texts[row], last + 1
-        while first > column and (cells[first - column][0] == "" or texts[first] == ""):
+        wanted, shown, stop = self._wanted[row], self._shown[row], last + 1
+
+        def cut(place: int) -> bool:
+            return _is_second_half(wanted[place]) or _is_second_half(shown[place])
+
+        while first > 0 and cut(first) and wanted[first - 1] is not None:
             first -= 1
-        while stop < column + len(cells) and (cells[stop - column][0] == "" or texts[stop] == ""):
+        while stop < self.columns and cut(stop) and wanted[stop] is not None:
             stop += 1
-        return first, stop, cells[first - column : stop - column]
+        return first, stop
+
+    def _write(self, run: list[str], pen: Look, row: int, start: int, stop: int) -> Look:
+        """Write a run of cells; return the look that the terminal's pen is left with."""
+        shown = self._shown[row]
+        if start and _is_second_half(shown[start]):
+            shown[start - 1] = None
+        if stop < self.columns and _is_second_half(shown[stop]):
+            shown[stop] = None
+        shown[start:stop] = cells = self._wanted[row][start:stop]
+        for cell in cells:
+            assert cell is not None
+            text, look = cell
+            if look is not pen and text:
+                # A blank looks the same in any ink.
+                if text == " " and not look.attributes:
+                    look = Look("", pen.ink if not pen.attributes else "", look.paper)
+                run.append(_change(pen, look))
+                pen = look
+            run.append(text)
+        return pen
 
 
-def _cells(segments: Sequence[Segment], colours: ColorSystem | None) -> list[tuple[str, Look]]:
+def _is_second_half(cell: _Cell | None) -> bool:
+    """Whether a cell is covered by the character of two cells that begins before it."""
+    return cell is not None and cell[0] == ""
+
+
+def _cells(segments: Sequence[Segment], colours: ColorSystem | None) -> list[_Cell]:
     """Return text and look of each cell; a character of two cells is followed by an empty text."""
-    cells: list[tuple[str, Look]] = []
+    cells: list[_Cell] = []
     for text, style, control in segments:
         if control:
             continue

@@ -12,6 +12,7 @@ from logical_robots_tui.game import level_key, load_program
 from logical_robots_tui.progress import FILE_NAME
 from logical_robots_tui.tui.app import LogicalRobotsApp
 from logical_robots_tui.tui.crash import end_on_hangup
+from logical_robots_tui.tui.freedoms import Freedoms
 from logical_robots_tui.tui.journal import LAST_LEVEL, THEME, TOUR, Journal
 from logical_robots_tui.tui.settings import read_settings, settings_path
 from logical_robots_tui.tui.terminal import assume_colours
@@ -35,6 +36,7 @@ def play(
     program: str | None = None,
     data_dir: Path | None = None,
     engine: Engine = "sqlite",
+    freedoms: Freedoms | None = None,
 ) -> int:
     """Open the game and return when the player leaves it.
 
@@ -46,6 +48,7 @@ def play(
         data_dir: Where drafts, the player's programs and progress are; by default the system's
             place.
         engine: What the robots think with.
+        freedoms: What the player may do with this machine; by default everything.
 
     Returns:
         The exit status.
@@ -68,6 +71,7 @@ def play(
         journal=journal,
         text=journal.progress.newest(level_key(level)) if goes_on else None,
         engine=engine,
+        freedoms=freedoms or Freedoms(),
         settings=read_settings(settings_path()),
         theme=journal.progress.fact(THEME) or NIGHT.name,
         welcome=level_name is None and journal.progress.fact(TOUR) is None,

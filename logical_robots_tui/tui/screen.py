@@ -16,6 +16,7 @@ from logical_robots_tui.tui.background import in_background
 from logical_robots_tui.tui.bar import CommandBar, CommandChosen, PaneTabs
 from logical_robots_tui.tui.celebration import Celebration
 from logical_robots_tui.tui.commands import bindings, command
+from logical_robots_tui.tui.freedoms import Freedoms
 from logical_robots_tui.tui.guide import Guide
 from logical_robots_tui.tui.inspector.choice import DECISION, ROBOTS, WATCH, WHY
 from logical_robots_tui.tui.inspector.decision import DecisionView
@@ -71,6 +72,9 @@ class MainScreen(Screen[None]):
         text: What the player made of the program, or None.
         welcome: Whether to begin with the tour.
         engine: What the robots think with.
+
+    Attributes:
+        freedoms: What the player may do with the machine.
     """
 
     def __init__(
@@ -87,6 +91,7 @@ class MainScreen(Screen[None]):
         super().__init__(id="main")
         # As a class variable they would be the same for every player; a keymap can't take one away.
         self._bindings = BindingsMap.merge([self._bindings, BindingsMap(bindings())])
+        self.freedoms = Freedoms()
         self.journal = journal
         self.session = Session(
             level,

@@ -88,6 +88,9 @@ class Scribe:
     def edit_elsewhere(self) -> None:
         """Hand the terminal to the player's own editor until that ends, and take its text."""
         screen = self._screen
+        if not screen.freedoms.programs:
+            screen.warn("Other editors are off here; this one is all there is.")
+            return
         screen.session.pause()
         try:
             with screen.app.suspend():

@@ -1,4 +1,4 @@
-"""An app that sends only those cells that differ from what its terminal shows.
+"""An app that sends only those cells that differ from what its terminal shows, when it can.
 
 Textual paints a region again as a whole, with the full style of every segment: eight times as much
 as needed here. There is no public hook for this, so ``App._display`` is overridden; Textual is
@@ -7,20 +7,25 @@ pinned, and a test compares what a terminal shows with a full rendering of the s
 
 from __future__ import annotations
 
+from time import monotonic
 from typing import TYPE_CHECKING, Any
 
 from rich.color import ColorSystem
 from textual import events
 from textual._compositor import ChopsUpdate, CompositorUpdate, LayoutUpdate
+from textual.driver import Driver
 
 from logical_robots_tui.tui.crash import CarefulApp
 from logical_robots_tui.tui.difference import Difference
+from logical_robots_tui.tui.driver import ListeningDriver
+from logical_robots_tui.tui.line import ASK, PATIENCE, Line
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
     from rich.console import RenderableType
     from rich.segment import Segment
+    from textual.geometry import Region
     from textual.screen import Screen
 
 __all__ = ["SparingApp"]
@@ -33,24 +38,41 @@ _SYSTEMS = {
 
 
 class SparingApp(CarefulApp):
-    """Sends what changed, and nothing if nothing did."""
+    """Sends what changed, nothing if nothing did, and no more than its terminal can take.
 
-    _shown: Difference | None = None
-    _cursor_shown: tuple[int, int] | None = None
+    On a line that can't keep up, what is to be shown goes on changing while the last sending is
+    under way; the next one leads straight to what is to be shown by then.
+    """
 
-    def forget_terminal(self) -> None:
-        """Send everything again the next time: the terminal may show something else."""
-        self._shown = None
+    _sent: Difference | None = None
+    _cursor_sent: tuple[int, int] | None = None
+    _is_waiting = False
+
+    def __init__(self) -> None:
+        super().__init__(driver_class=ListeningDriver)
+        self._line = Line()
+
+    def redraw(self) -> None:
+        """Send everything again: the terminal may show something else."""
+        if self._sent is not None:
+            self._sent.forget()
+            self._send()
+
+    def moving_picture(self) -> Region | None:
+        """What moves by itself, and is sent after all else."""
+        return None
 
     async def on_event(self, event: events.Event) -> None:
         """Handle an event; a terminal that was resized or came back shows anything."""
-        if isinstance(event, events.Resize):
-            self.forget_terminal()
+        if isinstance(event, events.CursorPosition):
+            self._line.answered(event.time)
+            self._send()
+            return
+        if isinstance(event, Driver.SignalResume):
+            self._line = Line()
+        if isinstance(event, events.Resize | Driver.SignalResume):
+            self.redraw()
         await super().on_event(event)
-
-    def _resume_signal(self) -> None:
-        self.forget_terminal()
-        super()._resume_signal()
 
     def _display(self, screen: Screen[Any], renderable: RenderableType | None) -> None:
         driver = self._driver
@@ -59,28 +81,47 @@ class SparingApp(CarefulApp):
             or self._batch_count
             or not self._running
             or self._closed
-            or driver is None
-            or driver.is_inline
-            or self.is_headless
+            or not isinstance(driver, ListeningDriver)
         ):
             if isinstance(renderable, CompositorUpdate):
-                self.forget_terminal()
+                self._sent = None
             super()._display(screen, renderable)
             return
         columns, rows = self.size
-        if self._shown is None or (self._shown.columns, self._shown.rows) != (columns, rows):
+        if self._sent is None or (self._sent.columns, self._sent.rows) != (columns, rows):
             colours = _SYSTEMS.get(self.console.color_system or "")
-            self._shown = Difference(columns, rows, colours)
-            self._cursor_shown = None
-        sent = self._shown.sequence(_pieces(renderable))
-        cursor = self.screen.outer_size.clamp_offset(self.cursor_position)
-        if sent or cursor != self._cursor_shown:
-            self._cursor_shown = cursor
-            self._begin_update()
-            driver.write(f"{sent}\x1b[{cursor[1] + 1};{cursor[0] + 1}H")
-            self._end_update()
-            driver.flush()
+            self._sent = Difference(columns, rows, colours)
+            self._cursor_sent = None
+        self._sent.take(_pieces(renderable))
+        self._send()
         self.post_display_hook()
+
+    def _send(self) -> None:
+        """Send what differs if the line is free; otherwise its next answer leads here again."""
+        driver = self._driver
+        if self._sent is None or self._closed or not isinstance(driver, ListeningDriver):
+            return
+        if (self._sent.columns, self._sent.rows) != self.size:
+            return  # all of it is about to be drawn anew
+        if not self._line.is_free:
+            if not self._is_waiting:
+                self._is_waiting = True
+                self.set_timer(PATIENCE, self._stop_waiting)
+            return
+        text = self._sent.sequence(self._line.room, self.moving_picture())
+        cursor = self.screen.outer_size.clamp_offset(self.cursor_position)
+        if text or cursor != self._cursor_sent:
+            self._cursor_sent = cursor
+            self._begin_update()
+            driver.write(f"{text}\x1b[{cursor[1] + 1};{cursor[0] + 1}H")
+            self._end_update()
+            driver.ask(ASK)
+            self._line.sent(len(text.encode()), monotonic())
+
+    def _stop_waiting(self) -> None:
+        self._is_waiting = False
+        self._line.forget(monotonic())
+        self._send()
 
 
 def _pieces(

@@ -16,7 +16,7 @@ from tests.waiting import PATIENCE, until
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-__all__ = ["PROMPT", "Tmux"]
+__all__ = ["PROMPT", "Tmux", "runs"]
 
 PROMPT = "at-the-shell$ "
 
@@ -89,11 +89,7 @@ class Tmux:
     @property
     def is_running(self) -> bool:
         """Whether what was started still runs."""
-        try:
-            state = Path(f"/proc/{self.pid}/stat").read_text().rpartition(")")[2].split()[0]
-        except (FileNotFoundError, ProcessLookupError):
-            return False
-        return state != "Z"  # Z: it is over, only nobody has asked yet how it ended
+        return runs(self.pid)
 
     def hang_up(self) -> None:
         """Tell the process what the system tells it when its terminal is gone."""
@@ -162,3 +158,12 @@ class Tmux:
         )
         assert not check or done.returncode == 0, f"tmux {arguments[0]}: {done.stdout}"
         return done.stdout
+
+
+def runs(pid: int) -> bool:
+    """Whether a process still runs."""
+    try:
+        state = Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()[0]
+    except (FileNotFoundError, ProcessLookupError):
+        return False
+    return state != "Z"  # Z: it is over, only nobody has asked yet how it ended

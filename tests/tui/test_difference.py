@@ -2,19 +2,26 @@
 
 from __future__ import annotations
 
+import re
+from typing import TYPE_CHECKING
+
 import pyte
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 from rich.color import Color, ColorSystem
 from rich.console import Console
 from rich.segment import Segment
 from rich.style import Style
+from textual.geometry import Region
 from textual.strip import Strip
 
 from logical_robots_tui.tui.difference import Difference
 from logical_robots_tui.tui.reduction import reduced
 from tests.terminal import looks
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Sequence
 
 COLUMNS, ROWS = 12, 4
 
@@ -40,6 +47,12 @@ _pieces = st.lists(
 )
 
 
+def send(difference: Difference, pieces: Iterable[tuple[int, int, Sequence[Segment]]]) -> str:
+    """Show pieces of lines; returns what is written for that."""
+    difference.take(pieces)
+    return difference.sequence()
+
+
 def fitting(pieces: list[tuple[int, int, list[Segment]]]) -> list[tuple[int, int, Strip]]:
     """Pieces as a compositor gives them: within the screen, no character of two cells cut."""
     return [
@@ -58,11 +71,11 @@ def test_differences_show_what_everything_would_show(
     theirs, ours = pyte.Stream(other), pyte.Stream(one)
     difference = Difference(COLUMNS, ROWS, ColorSystem.TRUECOLOR)
     blank = [Segment(" " * COLUMNS)]
-    ours.feed(difference.sequence((row, 0, blank) for row in range(ROWS)))
+    ours.feed(send(difference, [(row, 0, blank) for row in range(ROWS)]))
     for update in updates:
         for row, column, strip in fitting(update):
             theirs.feed(f"\x1b[{row + 1};{column + 1}H{strip.render(console)}")
-            ours.feed(difference.sequence([(row, column, list(strip))]))
+            ours.feed(send(difference, [(row, column, list(strip))]))
         assert looks(one) == looks(other)
 
 
@@ -73,15 +86,15 @@ def test_characters_of_two_cells_are_replaced_whole(texts: list[str]) -> None:
     difference = Difference(COLUMNS, ROWS, ColorSystem.TRUECOLOR)
     for text in texts:
         line = Strip([Segment(text)]).adjust_cell_length(COLUMNS)
-        stream.feed(difference.sequence([(0, 0, list(line))]))
+        stream.feed(send(difference, [(0, 0, list(line))]))
         assert screen.display[0] == line.text
 
 
 def test_a_character_that_lost_a_half_is_sent_again() -> None:
     difference = Difference(4, 1, None)
-    difference.sequence([(0, 0, [Segment("機機")])])
-    difference.sequence([(0, 1, [Segment("ab")])])
-    assert difference.sequence([(0, 0, [Segment("機機")])]) == "\x1b[1;1H機機"
+    send(difference, [(0, 0, [Segment("機機")])])
+    send(difference, [(0, 1, [Segment("ab")])])
+    assert send(difference, [(0, 0, [Segment("機機")])]) == "\x1b[1;1H機機"
 
 
 @given(_pieces)
@@ -90,8 +103,8 @@ def test_what_is_there_already_is_not_sent_again(
 ) -> None:
     difference = Difference(COLUMNS, ROWS, ColorSystem.TRUECOLOR)
     for row, column, strip in fitting(pieces):
-        difference.sequence([(row, column, list(strip))])
-        assert difference.sequence([(row, column, list(strip))]) == ""
+        send(difference, [(row, column, list(strip))])
+        assert send(difference, [(row, column, list(strip))]) == ""
 
 
 @given(_pieces)
@@ -99,21 +112,61 @@ def test_pieces_that_reach_out_of_the_terminal_do_no_harm(
     pieces: list[tuple[int, int, list[Segment]]],
 ) -> None:
     screen = pyte.Screen(COLUMNS, ROWS)
-    pyte.Stream(screen).feed(Difference(COLUMNS, ROWS, None).sequence(pieces))
+    pyte.Stream(screen).feed(send(Difference(COLUMNS, ROWS, None), pieces))
     assert len(screen.display) == ROWS
+
+
+@settings(max_examples=50)
+@given(
+    st.lists(_pieces, min_size=1, max_size=4),
+    st.builds(Region, *(st.integers(0, size) for size in (COLUMNS, ROWS, COLUMNS, ROWS))),
+    st.integers(1, 40),
+)
+def test_what_there_was_no_room_for_is_sent_later(
+    updates: list[list[tuple[int, int, list[Segment]]]], last: Region, limit: int
+) -> None:
+    one, other = pyte.Screen(COLUMNS, ROWS), pyte.Screen(COLUMNS, ROWS)
+    ours, theirs = pyte.Stream(one), pyte.Stream(other)
+    sparing = Difference(COLUMNS, ROWS, ColorSystem.TRUECOLOR)
+    plain = Difference(COLUMNS, ROWS, ColorSystem.TRUECOLOR)
+    for update in updates:
+        pieces = [(row, column, list(strip)) for row, column, strip in fitting(update)]
+        theirs.feed(send(plain, pieces))
+        sparing.take(pieces)
+        ours.feed(sparing.sequence(limit, last))
+    for _ in range(2 * ROWS):
+        ours.feed(sparing.sequence(limit, last))
+    assert not sparing.is_behind
+    assert looks(one) == looks(other)
+
+
+def test_a_text_is_sent_before_the_picture_whose_rows_take_turns() -> None:
+    difference = Difference(4, 3, None)
+    send(difference, [(row, 0, [Segment("    ")]) for row in range(3)])
+    picture = Region(0, 0, 2, 3)
+    sent = []
+    for text in ("abcd", "efgh", "ijkl"):
+        difference.take([(row, 0, [Segment(text)]) for row in range(3)])
+        sent.append(difference.sequence(25, picture))
+    assert [re.sub(r"\x1b.*?[HC]", " ", each) for each in sent] == [
+        " cd cd cd ab",
+        " gh gh gh ef",
+        " kl kl kl ij",
+    ]
+    assert [re.findall(r"\x1b\[(\d)", each)[-1] for each in sent] == ["1", "2", "3"]
 
 
 def test_one_changed_cell_costs_a_move_and_a_colour() -> None:
     difference = Difference(40, 2, ColorSystem.TRUECOLOR)
     style = Style(color="#ff0000", bgcolor="#000000")
-    difference.sequence([(1, 0, [Segment("a" * 40, style)])])
-    sent = difference.sequence([(1, 0, [Segment("a" * 20 + "b" + "a" * 19, style)])])
+    send(difference, [(1, 0, [Segment("a" * 40, style)])])
+    sent = send(difference, [(1, 0, [Segment("a" * 20 + "b" + "a" * 19, style)])])
     assert sent == "\x1b[2;21H\x1b[38;2;255;0;0;48;2;0;0;0mb\x1b[m"
 
 
 def test_without_colours_none_are_sent() -> None:
     difference = Difference(10, 1, None)
-    sent = difference.sequence([(0, 0, [Segment("ab", Style(color="#ff0000", bold=True))])])
+    sent = send(difference, [(0, 0, [Segment("ab", Style(color="#ff0000", bold=True))])])
     assert sent == "\x1b[1;1H\x1b[1mab\x1b[m"
 
 

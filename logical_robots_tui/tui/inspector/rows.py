@@ -76,7 +76,9 @@ class RowCommands:
 
     def copy(self) -> None:
         """Send the rows to the terminal's clipboard, as CSV."""
-        if (table := self._table()) is not None:
+        if not self._screen.freedoms.clipboard:
+            self._screen.warn("Your terminal's clipboard is off here; the rows can be saved.")
+        elif (table := self._table()) is not None:
             self._screen.app.copy_to_clipboard(as_csv(table.shown))
             self._screen.tell(
                 f"{len(table.shown.rows)} rows sent to your terminal's clipboard; "

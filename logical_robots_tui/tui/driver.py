@@ -1,0 +1,96 @@
+"""Textual's driver for terminals, with an ear for what the terminal answers."""
+
+from __future__ import annotations
+
+import os
+import re
+import select
+import threading
+from codecs import getincrementaldecoder
+from typing import Any
+
+from textual import events
+from textual._xterm_parser import XTermParser
+from textual.drivers.linux_driver import LinuxDriver
+
+__all__ = ["Ear", "ListeningDriver"]
+
+_LAST_ANSWER = 0.5  # seconds to wait for it before the terminal is somebody else's
+
+_CHUNK = 4096
+_LOOK_UP_EVERY = 0.1  # seconds
+
+_ANSWER = re.compile(r"\x1b\[(\d+);(\d+)R")
+_BEGUN = re.compile(r"\x1b\[[\d;]*\Z")
+
+
+class Ear:
+    """Takes a terminal's answers out of what a player types or pastes.
+
+    A terminal answers at once, even if a paste comes in at that moment, and the parser of Textual
+    takes anything within a paste for text.
+    """
+
+    def __init__(self) -> None:
+        self._begun = ""
+
+    def listen(self, typed: str) -> tuple[str, int]:
+        """Return what was typed and how many answers came in between.
+
+        Args:
+            typed: What came in. An answer that has only begun is kept for the next time.
+        """
+        typed, answers = _ANSWER.subn("", self._begun + typed)
+        begun = _BEGUN.search(typed)
+        self._begun = begun[0] if begun else ""
+        return typed.removesuffix(self._begun), answers
+
+
+class ListeningDriver(LinuxDriver):
+    """Tells the app of each answer by ``CursorPosition``, wherever it comes in."""
+
+    def __init__(self, *arguments: Any, **options: Any) -> None:
+        super().__init__(*arguments, **options)
+        self._asked = 0
+        self._all_answered = threading.Condition()
+
+    def ask(self, text: str) -> None:
+        """Write something that ends in a question to the terminal."""
+        with self._all_answered:
+            self._asked += 1
+        self.write(text)
+
+    def disable_input(self) -> None:
+        """Stop listening; an answer that is due is waited for, lest the next program reads it."""
+        with self._all_answered:
+            self._all_answered.wait_for(lambda: not self._asked, _LAST_ANSWER)
+            self._asked = 0
+        super().disable_input()
+
+    def run_input_thread(self) -> None:
+        """Pass on what comes in until the driver stops."""
+        parser = XTermParser(self._debug)
+        ear = Ear()
+        decode = getincrementaldecoder("utf-8")(errors="replace").decode
+        terminal = select.poll()
+        terminal.register(self.fileno, select.POLLIN)
+        while not self.exit_event.is_set():
+            typed = ""
+            if terminal.poll(1000 * _LOOK_UP_EVERY):
+                try:
+                    data = os.read(self.fileno, _CHUNK)
+                except OSError:  # the terminal is gone
+                    break
+                if not data:
+                    break
+                typed, answers = ear.listen(decode(data))
+                for _ in range(answers):
+                    self._hear()
+            for message in (*(parser.feed(typed) if typed else ()), *parser.tick()):
+                self.process_message(message)
+
+    def _hear(self) -> None:
+        self.process_message(events.CursorPosition(0, 0))
+        with self._all_answered:
+            self._asked = max(0, self._asked - 1)
+            self._all_answered.notify_all()

@@ -1,0 +1,159 @@
+"""Restricted mode: whoever plays has a folder and the game, and nothing else of the machine."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+from typing import TYPE_CHECKING
+
+import pytest
+
+from tests.terminal import Terminal
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+    from pathlib import Path
+
+ATTEMPTS = """\
+import ctypes, io, json, os, pathlib, shutil, socket, sqlite3, subprocess, sys
+from logical_robots_tui.cli.fence import fence_in
+
+secret, neighbour, own = map(pathlib.Path, sys.argv[1:])
+own.mkdir(parents=True, exist_ok=True)
+(own / "link.l").symlink_to(secret)
+(own / "folder").symlink_to(neighbour)
+fence_in(own)
+found = {}
+def attempt(name, work):
+    try:
+        work()
+        found[name] = "done"
+    except Exception as error:
+        found[name] = type(error).__name__
+
+attempt("read", lambda: secret.read_text())
+attempt("read by link", lambda: (own / "link.l").read_text())
+attempt("read around a corner", lambda: open(f"{own}/../../{secret.name}"))
+attempt("read by bytes", lambda: os.open(os.fsencode(secret), os.O_RDONLY))
+attempt("read a home", lambda: open("/etc/passwd"))
+attempt("read memory", lambda: open("/proc/self/environ"))
+attempt("write", lambda: secret.write_text("mine"))
+attempt("write at a neighbour's", lambda: (own / "folder" / "x").write_text("mine"))
+attempt("write into the game", lambda: open(sys.modules["logical_robots_tui"].__file__, "a"))
+attempt("list", lambda: os.listdir(neighbour))
+attempt("list by link", lambda: os.scandir(own / "folder"))
+attempt("move", lambda: secret.rename(own / "mine"))
+attempt("move away", lambda: (own / "link.l").rename(neighbour / "x"))
+attempt("delete", lambda: secret.unlink())
+attempt("link", lambda: (own / "more").symlink_to(secret))
+attempt("hard link", lambda: os.link(secret, own / "more"))
+attempt("make a folder", lambda: (neighbour / "x").mkdir())
+attempt("attach", lambda: sqlite3.connect(neighbour / "x.db"))
+attempt("attach by address", lambda: sqlite3.connect(f"file:{secret}?mode=ro", uri=True))
+attempt("shell", lambda: os.system("true"))
+attempt("run", lambda: subprocess.run(["true"]))
+attempt("run python", lambda: subprocess.run([sys.executable, "-c", "pass"]))
+attempt("become", lambda: os.execv("/bin/sh", ["sh"]))
+attempt("fork", lambda: os.fork())
+attempt("call", lambda: socket.create_connection(("127.0.0.1", 9)))
+attempt("load", lambda: ctypes.CDLL("libc.so.6"))
+attempt("fill the disk", lambda: (own / "big").write_bytes(bytes(65 * 1024**2)))
+attempt("fill memory", lambda: bytearray(3 * 1024**3))
+attempt("own file", lambda: (own / "mine.l").write_text("mine"))
+attempt("own file read", lambda: (own / "mine.l").read_text())
+attempt("own folder", lambda: list(own.iterdir()))
+attempt("own database", lambda: sqlite3.connect(own / "mine.db").execute("create table t(a)"))
+attempt("database in memory", lambda: sqlite3.connect(":memory:").execute("select 1"))
+
+from logical_robots_tui import Program, load_level, list_levels
+from logical_robots_tui.game import load_program
+attempt("a level", lambda: load_level(list_levels()[0]))
+attempt("compile", lambda: Program.compile(load_program("first-steps").text))
+print(json.dumps(found))
+"""
+
+ALLOWED = {
+    *("own file", "own file read", "own folder", "own database", "database in memory"),
+    *("a level", "compile"),
+}
+REFUSALS = {"fill the disk": "OSError", "fill memory": "MemoryError", "link": "PermissionError"}
+
+
+def test_a_restricted_process_reaches_its_own_folder_and_the_game_and_nothing_else(
+    tmp_path: Path,
+) -> None:
+    secret = tmp_path / "secret.l"
+    secret.write_text("nobody's business")
+    neighbour = tmp_path / "players" / "ben"
+    neighbour.mkdir(parents=True)
+    own = tmp_path / "players" / "ada"
+    done = subprocess.run(
+        [sys.executable, "-c", ATTEMPTS, secret, neighbour, own],
+        capture_output=True,
+        text=True,
+        check=True,
+        timeout=60,
+    )
+    found = json.loads(done.stdout)
+    expected = {
+        name: "done" if name in ALLOWED else REFUSALS.get(name, "PermissionError") for name in found
+    }
+    assert found == expected
+    assert set(found) > ALLOWED
+    assert secret.read_text() == "nobody's business"
+    assert not list(neighbour.iterdir())
+
+
+def game(folder: Path, *arguments: str) -> Sequence[object]:
+    command = [sys.executable, "-m", "logical_robots_tui", "play", "--restricted"]
+    return [*command, "--data-dir", folder, "--player", "ada", *arguments]
+
+
+def unwrapped(text: str) -> str:
+    return " ".join(text.replace("│", " ").split())
+
+
+def test_a_restricted_game_says_what_is_off(tmp_path: Path) -> None:
+    secret = tmp_path / "secret.l"
+    secret.write_text("# nobody's business")
+    with Terminal(game(tmp_path, "02-open-space"), size=(160, 40)) as terminal:
+        terminal.wait_for("· applied")
+        terminal.send("E")
+        terminal.wait_for("Other editors are off")
+        terminal.send("\x1a")
+        terminal.wait_for("no shell")
+        for key, asks, path in (
+            ("o", "type to filter", secret),
+            ("s", "my-open-space", tmp_path / "stolen.l"),
+        ):
+            terminal.send(key)
+            terminal.wait_for(asks)
+            if key == "s":
+                terminal.send("\x15")
+                terminal.wait_for(lambda: "my-open-space" not in terminal.text)
+            terminal.send(str(path))
+            terminal.wait_for(path.name)
+            terminal.send("\r")
+            terminal.wait_for(lambda: "restricted mode allows" in unwrapped(terminal.text))
+            terminal.send("\x1b")
+            terminal.wait_for(lambda: "restricted mode" not in unwrapped(terminal.text))
+        terminal.send("q")
+        assert terminal.finish() == 0
+        assert "nobody" not in terminal.everything
+        assert "\x1b]52" not in terminal.everything
+    assert not (tmp_path / "stolen.l").exists()
+    assert (tmp_path / "players" / "ada").is_dir()
+
+
+@pytest.mark.parametrize("name", ["../ben", "", ".", "a/b", "x" * 40])
+def test_a_players_name_is_no_path(name: str) -> None:
+    done = subprocess.run(
+        [sys.executable, "-m", "logical_robots_tui", "play", "--player", name],
+        capture_output=True,
+        text=True,
+        check=False,
+        timeout=60,
+    )
+    assert done.returncode == 2
+    assert "is no name" in done.stderr

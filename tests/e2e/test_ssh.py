@@ -1,0 +1,184 @@
+"""The installed game over a real sshd, a real ssh client and lines of all kinds."""
+
+from __future__ import annotations
+
+import os
+import re
+import shlex
+import statistics
+from contextlib import contextmanager
+from dataclasses import dataclass
+from time import monotonic
+from typing import TYPE_CHECKING
+
+import pytest
+
+from tests.e2e.tmux import PROMPT, Tmux, runs
+from tests.sshd import SSHD, Line, Server
+from tests.terminal import Terminal
+from tests.waiting import until
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+    from pathlib import Path
+
+    from tests.installed import Installed
+
+pytestmark = pytest.mark.skipif(
+    SSHD is None and "CI" not in os.environ, reason="openssh-server is not installed"
+)
+
+THREE_ROBOTS = ("07-station-management", "station-management")
+SIX_ROBOTS = ("10-distributed-mapping", "distributed-mapping")
+TYPED = "# an idea worth keeping"
+
+
+@dataclass(frozen=True)
+class Host:
+    """A machine with the game on it, and where the game keeps things there."""
+
+    server: Server
+    folder: Path
+    game: Path
+
+    def command(self, data: Path, *arguments: object) -> str:
+        """What a shell there is to run; it notes its number in a file ``pid``."""
+        play = shlex.join(map(str, (self.game, "play", *arguments, "--data-dir", data)))
+        return f"sh -c {shlex.quote(f'echo $$ > {self.folder}/pid; exec {play}')}"
+
+    @property
+    def is_playing(self) -> bool:
+        """Whether what was started last still runs."""
+        return runs(int((self.folder / "pid").read_text()))
+
+
+@pytest.fixture(scope="module")
+def host(installed: Installed, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Host]:
+    """A machine that one can log in to."""
+    folder = tmp_path_factory.mktemp("host")
+    settings = f"SetEnv LOGICAL_ROBOTS_CACHE_DIR={folder}/cache COLORTERM=truecolor"
+    with Server(folder, settings) as server:
+        yield Host(server, folder, installed.command)
+
+
+@contextmanager
+def playing(
+    host: Host,
+    line: Line,
+    data: Path,
+    level: tuple[str, str],
+    size: tuple[int, int],
+    *options: str,
+) -> Iterator[Terminal]:
+    """A player who has started a level over a line."""
+    ssh = host.server.client("-t", *options, port=line.port)
+    with Terminal([*ssh, host.command(data, *level)], size=size) as terminal:
+        terminal.wait_for("· applied")
+        terminal.wait_for_quiet(0.5)
+        yield terminal
+
+
+def traffic(line: Line, terminal: Terminal, seconds: float) -> float:
+    """Kilobytes a second that come over the line."""
+    before, began = line.traffic, monotonic()
+    terminal.read_for(seconds)
+    return (line.traffic - before) / 1000 / (monotonic() - began)
+
+
+@pytest.mark.parametrize(
+    ("level", "size", "options", "allowed"),
+    [
+        (THREE_ROBOTS, (120, 40), (), 60),
+        pytest.param(THREE_ROBOTS, (120, 40), ("-C",), 15, marks=pytest.mark.proof),
+        pytest.param(THREE_ROBOTS, (80, 24), (), 30, marks=pytest.mark.proof),
+        pytest.param(THREE_ROBOTS, (80, 24), ("-C",), 7.5, marks=pytest.mark.proof),
+        pytest.param(SIX_ROBOTS, (120, 40), (), 100, marks=pytest.mark.proof),
+        pytest.param(SIX_ROBOTS, (120, 40), ("-C",), 25, marks=pytest.mark.proof),
+    ],
+)
+def test_a_running_game_sends_little_and_a_paused_one_nothing(
+    host: Host,
+    tmp_path: Path,
+    level: tuple[str, str],
+    size: tuple[int, int],
+    options: tuple[str, ...],
+    allowed: float,
+) -> None:
+    with (
+        Line(host.server.port) as line,
+        playing(host, line, tmp_path, level, size, *options) as terminal,
+    ):
+        terminal.send(" ")
+        terminal.wait_for("RUNNING")
+        assert 0 < traffic(line, terminal, 3) <= allowed
+        terminal.send(" ")
+        terminal.wait_for("PAUSED")
+        terminal.wait_for_quiet()
+        assert traffic(line, terminal, 1) == 0
+
+
+@pytest.mark.parametrize(
+    ("rate", "milliseconds"),
+    [(20_000, 300), pytest.param(64_000, 100, marks=pytest.mark.proof)],
+)
+def test_on_a_slow_line_a_key_shows_its_effect_at_once(
+    host: Host, tmp_path: Path, rate: int, milliseconds: float
+) -> None:
+    with (
+        Line(host.server.port, rate) as line,
+        playing(host, line, tmp_path, SIX_ROBOTS, (120, 40)) as terminal,
+    ):
+        terminal.send(" ")
+        terminal.wait_for("RUNNING")
+        terminal.send("2")
+        terminal.wait_for("Leave")
+        found = []
+        for letter in "αβγδεζηθικλ":
+            terminal.read_for(0.2)
+            began = monotonic()
+            terminal.send(letter)
+            terminal.wait_to_receive(letter)
+            found.append(1000 * (monotonic() - began))
+        assert statistics.median(found) <= milliseconds, found
+
+
+def test_who_loses_the_connection_goes_on_there(host: Host, tmp_path: Path) -> None:
+    with Line(host.server.port) as line, Tmux(tmp_path, 120, 40) as tmux:
+        ssh = host.server.client("-t", port=line.port)
+        tmux.start(*ssh, host.command(tmp_path / "data", *THREE_ROBOTS))
+        tmux.wait_for("· applied")
+        tmux.press("2")
+        tmux.type(TYPED)
+        tmux.wait_for(TYPED)
+        tmux.press("F5")
+        tmux.wait_for("RUNNING")
+        line.cut()
+        until(lambda: not host.is_playing, patience=2)
+        tmux.mend()
+        tmux.start(*ssh, host.command(tmp_path / "data", *THREE_ROBOTS))
+        tmux.wait_for("unsaved")
+        tmux.press("Enter")
+        tmux.wait_for(TYPED)
+
+
+def test_a_game_is_suspended_and_resized_and_goes_on(host: Host, tmp_path: Path) -> None:
+    with Tmux(tmp_path, 120, 40) as tmux:
+        tmux.start(*host.server.client("-t"), f"PS1='{PROMPT}' sh -i")
+        tmux.wait_until(lambda screen: screen.rstrip().endswith(PROMPT.strip()), "a shell")
+        tmux.type(host.command(tmp_path / "data", *THREE_ROBOTS))
+        tmux.press("Enter")
+        tmux.wait_for("· applied")
+        tmux.press("n")
+        tmux.wait_for("tick 1")
+        tmux.press("C-z")
+        tmux.wait_for("Stopped")
+        tmux.type("fg")
+        tmux.press("Enter")
+        tmux.wait_for("tick 1")
+        tmux.press("Space")
+        tmux.wait_for("RUNNING")
+        tmux.resize(80, 24)
+        tmux.wait_until(lambda screen: re.search(r"tick [1-9]\d", screen), "it runs on")
+        assert max(map(len, tmux.screen.splitlines())) <= 80
+        tmux.press("q")
+        tmux.wait_until(lambda screen: screen.rstrip().endswith(PROMPT.strip()), "a shell")

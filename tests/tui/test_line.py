@@ -1,0 +1,92 @@
+"""What is under way to a terminal is never much, and its answers are never taken for keys."""
+
+from __future__ import annotations
+
+import heapq
+import re
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from logical_robots_tui.tui.driver import Ear
+from logical_robots_tui.tui.line import PATIENCE, Line
+
+
+def watch(rate: float, way: float, frame: int, seconds: float = 20.0) -> tuple[float, float]:
+    """Send frames thirty times a second over a line; a terminal answers each at once.
+
+    Args:
+        rate: Of the line, in bytes a second.
+        way: Seconds from one end to the other.
+        frame: Bytes that differ after each thirtieth of a second; they add up to three frames.
+        seconds: How long.
+
+    Returns:
+        The longest time in seconds that a frame takes to the terminal, and frames a second, both
+        for the second half.
+    """
+    line, free_at, slowest, count = Line(), 0.0, 0.0, 0
+    answers: list[float] = []
+    line.sent(0, 0.0)
+    line.answered(2 * way)
+    for turn in range(int(1000 * seconds)):
+        now = 2 * way + turn / 1000
+        while answers and answers[0] <= now:
+            line.answered(heapq.heappop(answers))
+        if turn % 33 == 0 and line.is_free:
+            size = int(min(line.room, 3 * frame))
+            free_at = max(free_at, now) + size / rate
+            heapq.heappush(answers, free_at + 2 * way)
+            line.sent(size, now)
+            if now > seconds / 2:
+                slowest, count = max(slowest, free_at + way - now), count + 1
+    return slowest, count / (seconds / 2)
+
+
+@pytest.mark.parametrize("rate", [20_000, 64_000])
+def test_on_a_slow_line_nothing_waits_for_long(rate: int) -> None:
+    slowest, _ = watch(rate, 0.01, 4000)
+    assert slowest < 0.12
+
+
+def test_on_a_long_line_that_is_not_slow_many_frames_are_under_way() -> None:
+    slowest, frames = watch(10_000_000, 0.1, 4000)
+    assert slowest < 0.12
+    assert frames > 15
+
+
+def test_a_terminal_that_never_answers_is_not_waited_for() -> None:
+    line = Line()
+    for turn in range(5):
+        assert line.is_free
+        line.sent(1000, turn / 30)
+
+
+def test_a_lost_answer_is_given_up_after_a_while() -> None:
+    line = Line()
+    line.sent(1000, 0.0)
+    line.answered(0.01)
+    line.sent(1000, 1.0)
+    assert not line.is_free
+    line.forget(1.0 + PATIENCE / 2)
+    assert not line.is_free
+    line.forget(1.1 + PATIENCE)
+    assert line.is_free
+
+
+@given(st.lists(st.text("ab[;0R1m", max_size=8), min_size=1), st.integers(1, 9))
+def test_answers_are_heard_wherever_they_come_in_and_a_paste_around_them_stays_whole(
+    texts: list[str], size: int
+) -> None:
+    came = "\x1b[200~" + "\x1b[12;34R".join(texts) + "\x1b[201~"
+    ear, typed, answers = Ear(), "", 0
+    # A cut right after an escape is left out: that may be the escape key.
+    for chunk in re.findall(rf"(?s).{{{size}}}(?:(?<=\x1b).)?|.+", came):
+        more, heard = ear.listen(chunk)
+        typed, answers = typed + more, answers + heard
+    assert (typed, answers) == ("\x1b[200~" + "".join(texts) + "\x1b[201~", len(texts) - 1)
+
+
+def test_the_escape_key_is_not_held_back() -> None:
+    assert Ear().listen("a\x1b") == ("a\x1b", 0)
