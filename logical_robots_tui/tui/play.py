@@ -15,7 +15,6 @@ from logical_robots_tui.tui.crash import end_on_hangup
 from logical_robots_tui.tui.journal import LAST_LEVEL, THEME, TOUR, Journal
 from logical_robots_tui.tui.settings import read_settings, settings_path
 from logical_robots_tui.tui.terminal import assume_colours
-from logical_robots_tui.tui.theme import NIGHT
 from logical_robots_tui.world import list_levels, load_level
 
 if TYPE_CHECKING:
@@ -69,7 +68,7 @@ def play(
         text=journal.progress.newest(level_key(level)) if goes_on else None,
         engine=engine,
         settings=read_settings(settings_path()),
-        theme=journal.progress.fact(THEME) or NIGHT.name,
+        theme=journal.progress.fact(THEME) or "",
         welcome=level_name is None and journal.progress.fact(TOUR) is None,
     )
     app.suit_terminal()
