@@ -12,6 +12,7 @@ from logical_robots_tui import __version__
 from logical_robots_tui.cli import (
     bench,
     check,
+    completion,
     config,
     crash,
     failure,
@@ -105,6 +106,7 @@ def parser() -> argparse.ArgumentParser:
     level.declare(commands)
     bench.declare(commands)
     config.declare(commands)
+    completion.declare(commands)
     return top
 
 
