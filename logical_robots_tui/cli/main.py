@@ -15,6 +15,7 @@ from logical_robots_tui.cli import (
     completion,
     config,
     crash,
+    doctor,
     failure,
     listing,
     play,
@@ -51,6 +52,7 @@ examples:
   logical-robots level new FILE        make a level
   logical-robots bench                 say how fast this machine is
   logical-robots config                show settings and keys
+  logical-robots doctor                say what was found on this machine
 
 A LEVEL or PROGRAM is a name from these lists or the path of a file.
 """
@@ -106,6 +108,7 @@ def parser() -> argparse.ArgumentParser:
     level.declare(commands)
     bench.declare(commands)
     config.declare(commands)
+    doctor.declare(commands)
     completion.declare(commands)
     return top
 
