@@ -20,6 +20,7 @@ from logical_robots_tui.cli import (
     listing,
     play,
     query,
+    record,
     run,
     trace,
     why,
@@ -51,6 +52,8 @@ examples:
   logical-robots help FUNCTION         explain a function of the language
   logical-robots level new FILE        make a level
   logical-robots bench                 say how fast this machine is
+  logical-robots record LEVEL PROGRAM -o run.cast
+                                       film a run
   logical-robots config                show settings and keys
   logical-robots doctor                say what was found on this machine
 
@@ -108,6 +111,7 @@ def parser() -> argparse.ArgumentParser:
     level.declare(commands)
     bench.declare(commands)
     config.declare(commands)
+    record.declare(commands)
     doctor.declare(commands)
     completion.declare(commands)
     return top
