@@ -12,12 +12,15 @@ from logical_robots_tui import __version__
 from logical_robots_tui.cli import (
     bench,
     check,
+    completion,
     config,
     crash,
+    doctor,
     failure,
     listing,
     play,
     query,
+    record,
     run,
     trace,
     why,
@@ -49,7 +52,10 @@ examples:
   logical-robots help FUNCTION         explain a function of the language
   logical-robots level new FILE        make a level
   logical-robots bench                 say how fast this machine is
+  logical-robots record LEVEL PROGRAM -o run.cast
+                                       film a run
   logical-robots config                show settings and keys
+  logical-robots doctor                say what was found on this machine
 
 A LEVEL or PROGRAM is a name from these lists or the path of a file.
 """
@@ -105,6 +111,9 @@ def parser() -> argparse.ArgumentParser:
     level.declare(commands)
     bench.declare(commands)
     config.declare(commands)
+    record.declare(commands)
+    doctor.declare(commands)
+    completion.declare(commands)
     return top
 
 

@@ -373,6 +373,14 @@ class Actions:
 
         self._screen.app.push_screen(CommandPalette([ThemeProvider], placeholder="Find a theme…"))
 
+    def screenshot(self) -> None:
+        """Save what is shown, once the palette is gone."""
+        self._screen.call_after_refresh(self._screen.capture.picture)
+
+    def record(self) -> None:
+        """Begin to record the screen, or end it."""
+        self._screen.capture.toggle_recording()
+
     def redraw(self) -> None:
         """Paint the whole screen again."""
         if isinstance(self._screen.app, SparingApp):

@@ -50,7 +50,7 @@ class LogicalRobotsApp(SparingApp, inherit_bindings=False):
         welcome: Whether to begin with the tour.
         engine: What the robots think with.
         settings: What the player has set once for all.
-        theme: The theme to begin with where the settings name none.
+        theme: The theme to begin with where the settings name none; "" is what suits the terminal.
         freedoms: What the player may do with the machine; by default everything.
     """
 
@@ -73,7 +73,7 @@ class LogicalRobotsApp(SparingApp, inherit_bindings=False):
         welcome: bool = False,
         engine: Engine = "sqlite",
         settings: Settings | None = None,
-        theme: str = NIGHT.name,
+        theme: str = "",
         freedoms: Freedoms | None = None,
     ) -> None:
         super().__init__()
@@ -101,8 +101,10 @@ class LogicalRobotsApp(SparingApp, inherit_bindings=False):
         """Dress up before the first picture."""
         self._event_loop = asyncio.get_running_loop()
         self.register_theme(NIGHT)
-        known = self._first_theme in self.available_themes
-        self.theme = self._first_theme if known else NIGHT.name
+        wanted = self._first_theme
+        if not wanted and self.console.color_system == "standard":
+            wanted = "ansi-dark"  # of dark colours among 16 there would be only black
+        self.theme = wanted if wanted in self.available_themes else NIGHT.name
 
     def on_mount(self) -> None:
         """Do as the settings say, and tell what in them can't be used."""

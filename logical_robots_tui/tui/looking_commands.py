@@ -220,6 +220,20 @@ LOOKING: tuple[Command, ...] = (
         _HELP,
         (),
     ),
+    Command(
+        "screenshot",
+        "Screenshot",
+        "Save what is shown as SVG and as text, in the data folder.",
+        _HELP,
+        (),
+    ),
+    Command(
+        "record",
+        "Record the screen",
+        "Begin to record the screen as an asciicast in the data folder, or end that.",
+        _HELP,
+        (),
+    ),
     Command("tour", "Guided tour", "Walk once round the parts of the screen.", _HELP, ()),
     Command("redraw", "Redraw", "Paint the whole screen again.", _HELP, ("ctrl+l",)),
     Command(

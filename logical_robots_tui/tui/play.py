@@ -16,7 +16,6 @@ from logical_robots_tui.tui.freedoms import Freedoms
 from logical_robots_tui.tui.journal import LAST_LEVEL, THEME, TOUR, Journal
 from logical_robots_tui.tui.settings import read_settings, settings_path
 from logical_robots_tui.tui.terminal import assume_colours
-from logical_robots_tui.tui.theme import NIGHT
 from logical_robots_tui.world import list_levels, load_level
 
 if TYPE_CHECKING:
@@ -73,7 +72,7 @@ def play(
         engine=engine,
         freedoms=freedoms or Freedoms(),
         settings=read_settings(settings_path()),
-        theme=journal.progress.fact(THEME) or NIGHT.name,
+        theme=journal.progress.fact(THEME) or "",
         welcome=level_name is None and journal.progress.fact(TOUR) is None,
     )
     app.suit_terminal()

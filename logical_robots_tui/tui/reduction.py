@@ -11,6 +11,9 @@ __all__ = ["reduced"]
 _LEVELS = (0, 95, 135, 175, 215, 255)
 """Values of a channel in the colour cube of 256 colours."""
 
+_FOR_A_HUE = 5
+"""How many times as wrong a colour may be as a grey, to keep its hue."""
+
 _GREYS = tuple(8 + 10 * step for step in range(24))
 
 
@@ -35,7 +38,8 @@ def reduced(color: Color, colours: ColorSystem) -> Color:
     grey = min(range(24), key=lambda n: sum((_GREYS[n] - value) ** 2 for value in wanted))
     colourful = sum((_LEVELS[n] - value) ** 2 for n, value in zip(cube, wanted, strict=True))
     plain = sum((_GREYS[grey] - value) ** 2 for value in wanted)
-    if plain < colourful and strongest - min(wanted) < 22:
+    is_hue = strongest - min(wanted) >= 22 and colourful <= _FOR_A_HUE * plain
+    if plain < colourful and not is_hue:
         return Color.from_ansi(232 + grey)
     red, green, blue = cube
     if red == green == blue and plain < colourful:

@@ -14,6 +14,7 @@ from logical_robots_tui.tui.actions import Actions
 from logical_robots_tui.tui.arrangement import Arrangement
 from logical_robots_tui.tui.background import in_background
 from logical_robots_tui.tui.bar import CommandBar, CommandChosen, PaneTabs
+from logical_robots_tui.tui.capture import Capture
 from logical_robots_tui.tui.celebration import Celebration
 from logical_robots_tui.tui.commands import bindings, command
 from logical_robots_tui.tui.freedoms import Freedoms
@@ -111,6 +112,7 @@ class MainScreen(Screen[None]):
         self.library = Library(self, data_dir / "programs")
         self.rows = RowCommands(self, data_dir / "rows")
         self.guide = Guide(self)
+        self.capture = Capture(self, data_dir / "screens")
         self.scribe = Scribe(self)
         self._text_to_begin_with = source.text if text is None else text
         self._watch = FileWatch()
@@ -166,6 +168,7 @@ class MainScreen(Screen[None]):
 
     async def on_unmount(self) -> None:
         """Bring the text to safety and stop all work."""
+        self.capture.close()
         self.keeper.close()
         await self.session.close()
         await self.journal.close()

@@ -17,7 +17,9 @@ from tests.tui.conftest import opened
 if TYPE_CHECKING:
     from pathlib import Path
 
-ONLY_IN_THE_PALETTE = {"find_next", "rename", "revert", "stop_measuring", "theme", "tour"}
+ONLY_IN_THE_PALETTE = {
+    *("find_next", "record", "rename", "revert", "screenshot", "stop_measuring", "theme", "tour")
+}
 TAKEN_BY_OTHERS = {"ctrl+a", "ctrl+b", "ctrl+s", "ctrl+q", "ctrl+z", "ctrl+c"}
 
 

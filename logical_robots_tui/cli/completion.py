@@ -1,0 +1,120 @@
+"""``logical-robots completion``: what lets a shell complete our commands, options and names."""
+
+from __future__ import annotations
+
+import argparse
+from typing import TYPE_CHECKING
+
+from logical_robots_tui.cli.command import new_command
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from logical_robots_tui.cli.command import Commands
+
+__all__ = ["declare"]
+
+SHELLS = ("bash", "zsh", "fish")
+NAMES = ("levels", "programs")
+FILES, FOLDERS = "file", "directory"  # words of shtab
+
+EPILOG = """\
+examples:
+  logical-robots completion bash > ~/.local/share/bash-completion/completions/logical-robots
+  logical-robots completion zsh > ~/.zfunc/_logical-robots      with fpath+=~/.zfunc in ~/.zshrc
+  logical-robots completion fish > ~/.config/fish/completions/logical-robots.fish
+
+In a shell that is open already: eval "$(logical-robots completion bash)"
+
+levels and programs print their names, one a line; the scripts ask for them.
+"""
+
+
+def declare(commands: Commands) -> None:
+    """Add the command to the list."""
+    command = new_command(
+        commands,
+        "completion",
+        start=start,
+        summary="print a script that lets your shell complete commands and names",
+        description="Print a script that lets a shell complete commands, options, levels and "
+        "programs.",
+        epilog=EPILOG,
+    )
+    command.add_argument("what", choices=(*SHELLS, *NAMES), help="the shell, or names to print")
+
+
+def start(options: argparse.Namespace) -> int:
+    """Print the script or the names."""
+    if options.what == "levels":
+        from logical_robots_tui.shipped import shipped_names
+
+        print(*shipped_names("levels", ".toml"), sep="\n")
+    elif options.what == "programs":
+        from logical_robots_tui.cli.folders import own_programs
+        from logical_robots_tui.game.source import list_programs
+
+        print(*list_programs(own_programs(None)), sep="\n")
+    else:
+        from shtab import complete
+
+        from logical_robots_tui.cli.main import parser
+
+        top = parser()
+        for action in _arguments(top):
+            completion = _completion(str(action.metavar))
+            if completion:
+                action.complete = completion  # type: ignore[attr-defined] # shtab looks for it
+        print(complete(top, options.what))
+    return 0
+
+
+def _arguments(parser: argparse.ArgumentParser) -> Iterator[argparse.Action]:
+    """Every argument and option, those of the commands too."""
+    for action in parser._actions:
+        yield action
+        if isinstance(action, argparse._SubParsersAction):
+            for command in dict.fromkeys(action.choices.values()):
+                yield from _arguments(command)
+
+
+def _completion(metavar: str) -> dict[str, object] | str | None:
+    """How to complete what a metavariable stands for, as shtab wants to be told."""
+    if metavar == "LEVEL":
+        return _names_or_files("levels", ("toml", "json"))
+    if metavar == "PROGRAM":
+        return _names_or_files("programs", ("l",))
+    return {"FILE": FILES, "FOLDER": FOLDERS}.get(metavar)
+
+
+def _names_or_files(kind: str, endings: tuple[str, ...]) -> dict[str, object]:
+    """Names that come with the game or are the player's own, and files."""
+    name = f"_logical_robots_{kind}"
+    ask = f"logical-robots completion {kind} 2>/dev/null"
+    globs = " ".join(f"'!*.{ending}'" for ending in endings)
+    return {
+        "bash": name,
+        "zsh": name,
+        "fish": f"({name})",
+        "preamble": {
+            "bash": f"""
+{name}() {{
+  compgen -W "$({ask})" -- "$1"
+  local glob
+  for glob in {globs}; do compgen -f -X "$glob" -- "$1"; done
+  compgen -d -- "$1"
+}}""",
+            "zsh": f"""
+{name}() {{
+  local -a names
+  names=(${{(f)"$({ask})"}})
+  compadd -a names
+  _files -g '*.({"|".join(endings)})'
+}}""",
+            "fish": f"""
+function {name}
+  {ask}
+  __fish_complete_suffix {" ".join(f".{ending}" for ending in endings)}
+end""",
+        },
+    }

@@ -1,0 +1,75 @@
+"""Shell completion, typed into the real shells."""
+
+from __future__ import annotations
+
+import os
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import pytest
+
+from tests.terminal import Terminal
+
+if TYPE_CHECKING:
+    from tests.cli.running import Command
+
+SHELLS = {
+    "bash": ["bash", "--norc", "--noprofile", "-i"],
+    "zsh": ["zsh", "-f", "-i"],
+}
+LOAD = {
+    "bash": "source {}",
+    "zsh": 'autoload -Uz compinit; compinit -u -D; eval "$(cat {})"',
+}
+
+
+@pytest.fixture
+def script(request: pytest.FixtureRequest, command: Command, tmp_path: Path) -> Path:
+    """The script for a shell that is installed."""
+    if shutil.which(request.param) is None:
+        pytest.skip(f"{request.param} is not installed")
+    path = tmp_path / f"completion.{request.param}"
+    path.write_text(command("completion", request.param).out, encoding="utf-8")
+    return path
+
+
+@pytest.fixture
+def path() -> str:
+    """Where shells find the command."""
+    return f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"
+
+
+@pytest.mark.parametrize("script", SHELLS, indirect=True)
+def test_a_shell_completes_commands_levels_programs_and_options(script: Path, path: str) -> None:
+    shell = script.suffix[1:]
+    with Terminal(SHELLS[shell], env={"PATH": path, "HOME": str(script.parent)}) as shown:
+        shown.send(f"{LOAD[shell].format(script)}; echo rea''dy\r")
+        shown.wait_for("\nready")
+        shown.send("logical-robots ru\t01-f\tfirst-steps-s\t--ti\t")
+        shown.wait_for("logical-robots run 01-first-steps first-steps-starter --ticks")
+
+
+@pytest.mark.parametrize("script", ["fish"], indirect=True)
+def test_fish_completes_the_same(script: Path, path: str) -> None:
+    asked = ("logical-robots run 01-f", "logical-robots run 01-first-steps first-steps-s")
+    lines = "; ".join(f"complete -C '{line}'" for line in asked)
+    told = subprocess.run(
+        ["fish", "--no-config", "-c", f"source {script}; {lines}"],
+        env={**os.environ, "PATH": path},
+        capture_output=True,
+        text=True,
+        check=True,
+    ).stdout
+    assert "01-first-steps" in told
+    assert "first-steps-starter" in told
+
+
+def test_names_are_printed_for_the_scripts(command: Command, home: Path) -> None:
+    own = home / ".local" / "share" / "logical-robots" / "programs"
+    own.mkdir(parents=True)
+    (own / "mine.l").write_text("Robot();", encoding="utf-8")
+    assert "01-first-steps" in command("completion", "levels").out.splitlines()
+    assert {"mine", "first-steps"} <= set(command("completion", "programs").out.splitlines())

@@ -1,0 +1,70 @@
+"""What the game finds: ``doctor``, and the settings: ``config``."""
+
+from __future__ import annotations
+
+import tomllib
+from typing import TYPE_CHECKING
+
+from tests.cli.running import in_terminal
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    import pytest
+
+    from tests.cli.running import Command
+
+
+def values(told: object) -> dict[str, str]:
+    assert isinstance(told, list)
+    return {finding["name"]: finding["value"] for finding in told}
+
+
+def test_it_tells_terminal_versions_and_places(
+    command: Command, monkeypatch: pytest.MonkeyPatch, home: Path
+) -> None:
+    for name in ("NO_COLOR", "COLORTERM", "SSH_CONNECTION", "STY"):
+        monkeypatch.delenv(name, raising=False)
+    monkeypatch.setenv("TERM", "xterm-256color")
+    monkeypatch.setenv("TMUX", "/tmp/tmux-0/default,1,0")
+    told = command("doctor", "--json")
+    found = values(told.data)
+    assert told.status == 0
+    assert (found["name"], found["colours"], found["inside"]) == ("xterm-256color", "256", "tmux")
+    assert found["data"].startswith(str(home))
+    assert found["configuration"].endswith("config.toml (none)")
+    assert {"python", "textual", "logica", "sqlite", "numpy", "cache"} <= found.keys()
+    monkeypatch.setenv("NO_COLOR", "1")
+    assert values(command("doctor", "--json").data)["drawn in"] == "ascii"
+
+
+def test_what_stands_in_the_way_is_marked(command: Command, tmp_path: Path, home: Path) -> None:
+    path = home / ".config" / "logical-robots" / "config.toml"
+    path.parent.mkdir(parents=True)
+    path.write_text("frames = 0", encoding="utf-8")
+    (tmp_path / "file").write_text("", encoding="utf-8")
+    told = command("doctor", "--data-dir", tmp_path / "file" / "data")
+    assert told.status == 1
+    assert "(can't be written to: what you write can't be kept)" in told.out
+    assert "(logical-robots config says what is wrong)" in told.out
+
+
+def test_it_knows_the_size_of_its_terminal() -> None:
+    with in_terminal("doctor") as shown:
+        shown.wait_for("cache")
+        assert "size           100x40" in shown.text
+        assert "colours        16 million" in shown.text
+
+
+def test_config_prints_a_file_that_sets_the_same(command: Command, home: Path) -> None:
+    path = home / ".config" / "logical-robots" / "config.toml"
+    assert command("config", "--path").out == f"{path}\n"
+    path.parent.mkdir(parents=True)
+    path.write_text('theme = "nord"\n[keys]\nrun = "%"\nstep = "^B"\n', encoding="utf-8")
+    told = command("config")
+    assert told.status == 2
+    assert "config.toml:4: keys.step: ^B can't be used: tmux keeps it for itself." in told.err
+    found = tomllib.loads(told.out)
+    assert found["theme"] == "nord"
+    assert found["keys"]["run"] == ["%"]
+    assert tomllib.loads(command("config", "--default").out)["keys"]["run"] == ["space", "F5"]
