@@ -51,7 +51,8 @@ class Cast:
             self._shown = Difference(columns, len(lines), ColorSystem.TRUECOLOR)
             self._line([round(seconds, 4), "r", f"{columns}x{len(lines)}"])
             self._line([round(seconds, 4), "o", _BEGIN])
-        sent = self._shown.sequence((row, 0, line) for row, line in enumerate(lines))
+        self._shown.take((row, 0, line) for row, line in enumerate(lines))
+        sent = self._shown.sequence()
         if sent:
             self._line([round(seconds, 4), "o", sent])
 
