@@ -21,6 +21,9 @@ examples:
   logical-robots play                  where you stopped, or the first level
   logical-robots play LEVEL            another level of the list
   logical-robots play my-level.toml my-program.l
+  logical-robots play LEVEL PROGRAM --plain
+                                       in lines of text; with a pipe too:
+  echo run | logical-robots play LEVEL PROGRAM --plain
 
 exit status: 0 after quitting, 2 if the game can't be opened
 """
@@ -38,6 +41,11 @@ def declare(commands: Commands) -> None:
     )
     command.add_argument("level", nargs="?", metavar="LEVEL", help="a level's name or file")
     command.add_argument("program", nargs="?", metavar="PROGRAM", help="a program's name or file")
+    command.add_argument(
+        "--plain",
+        action="store_true",
+        help="no screen: type commands, and read a line for each event",
+    )
     add_engine(command)
     add_data_dir(command)
 
@@ -48,6 +56,8 @@ def start(options: argparse.Namespace) -> int:
     Raises:
         InputError: There is no terminal, no such engine, or the level or program can't be used.
     """
+    if options.plain:
+        return _play_in_lines(options)
     streams = (sys.stdin, sys.stdout, sys.stderr)
     if not all(stream.isatty() for stream in streams) or os.environ.get("TERM") == "dumb":
         raise InputError(
@@ -63,3 +73,18 @@ def start(options: argparse.Namespace) -> int:
     from logical_robots_tui.tui.play import play
 
     return play(options.level, options.program, options.data_dir, options.engine)
+
+
+def _play_in_lines(options: argparse.Namespace) -> int:
+    from logical_robots_tui.cli.command import opened
+    from logical_robots_tui.cli.folders import own_programs
+    from logical_robots_tui.cli.plain import play_in_lines
+    from logical_robots_tui.game import load_program
+    from logical_robots_tui.game.source import DEFAULT_PROGRAM
+    from logical_robots_tui.world import list_levels, load_level
+
+    options.level = options.level or list_levels()[0]
+    options.program = options.program or load_level(options.level).starter or DEFAULT_PROGRAM
+    level, program = opened(options)
+    path = load_program(options.program, own_programs(options.data_dir)).path
+    return play_in_lines(level, program, path, options.engine)
