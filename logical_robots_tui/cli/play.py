@@ -22,6 +22,9 @@ examples:
   logical-robots play                  where you stopped, or the first level
   logical-robots play LEVEL            another level of the list
   logical-robots play my-level.toml my-program.l
+  logical-robots play LEVEL PROGRAM --plain
+                                       in lines of text; with a pipe too:
+  echo run | logical-robots play LEVEL PROGRAM --plain
 
 exit status: 0 after quitting, 2 if the game can't be opened
 """
@@ -39,6 +42,11 @@ def declare(commands: Commands) -> None:
     )
     command.add_argument("level", nargs="?", metavar="LEVEL", help="a level's name or file")
     command.add_argument("program", nargs="?", metavar="PROGRAM", help="a program's name or file")
+    command.add_argument(
+        "--plain",
+        action="store_true",
+        help="no screen: type commands, and read a line for each event",
+    )
     add_engine(command)
     add_data_dir(command)
     command.add_argument(
@@ -67,30 +75,59 @@ def start(options: argparse.Namespace) -> int:
     Raises:
         InputError: There is no terminal, no such engine, or the level or program can't be used.
     """
+    if not options.plain:
+        _prepare_screen()
+    check_engine(options)
+    options.data_dir = folder_of(options.data_dir, options.player)
+    if options.restricted:
+        from logical_robots_tui.cli.fence import fence_in
+
+        options.data_dir = options.data_dir.absolute()
+        fence_in(options.data_dir)
+    return _play_in_lines(options) if options.plain else _play_on_screen(options)
+
+
+def _prepare_screen() -> None:
+    """Set up the environment for the screen.
+
+    Raises:
+        InputError: There is no terminal.
+    """
     streams = (sys.stdin, sys.stdout, sys.stderr)
     if not all(stream.isatty() for stream in streams) or os.environ.get("TERM") == "dumb":
         raise InputError(
             "the game needs a terminal.",
-            hint="Without one, use: logical-robots run LEVEL PROGRAM",
+            hint="Without one, use: logical-robots play --plain, or logical-robots run",
         )
-    check_engine(options)
     # The terminal knows its size better than a shell that once exported it.
     for name in ("COLUMNS", "LINES"):
         os.environ.pop(name, None)
     # What is told of a tick follows its picture within so much; Textual waits twice as long.
     os.environ.setdefault("TEXTUAL_FPS", "120")
+
+
+def _play_on_screen(options: argparse.Namespace) -> int:
     from logical_robots_tui.tui.freedoms import Freedoms
     from logical_robots_tui.tui.play import play
 
-    data_dir = folder_of(options.data_dir, options.player)
-    freedoms = Freedoms()
-    if options.restricted:
-        from logical_robots_tui.cli.fence import fence_in
+    free = not options.restricted
+    freedoms = Freedoms(programs=free, clipboard=free or options.allow_clipboard)
+    return play(options.level, options.program, options.data_dir, options.engine, freedoms)
 
-        data_dir = data_dir.absolute()
-        fence_in(data_dir)
-        freedoms = Freedoms(programs=False, clipboard=options.allow_clipboard)
-    return play(options.level, options.program, data_dir, options.engine, freedoms)
+
+def _play_in_lines(options: argparse.Namespace) -> int:
+    from logical_robots_tui.cli.command import opened
+    from logical_robots_tui.cli.folders import own_programs
+    from logical_robots_tui.cli.plain import play_in_lines
+    from logical_robots_tui.game import load_program
+    from logical_robots_tui.game.source import DEFAULT_PROGRAM
+    from logical_robots_tui.world import list_levels, load_level
+
+    options.level = options.level or list_levels()[0]
+    options.program = options.program or load_level(options.level).starter or DEFAULT_PROGRAM
+    level, program = opened(options)
+    path = load_program(options.program, own_programs(options.data_dir)).path
+    return play_in_lines(level, program, path, options.engine)
 
 
 def _player(text: str) -> str:

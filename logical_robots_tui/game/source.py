@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from collections.abc import Mapping
 
 __all__ = [
+    "DEFAULT_PROGRAM",
     "MAX_PROGRAM_BYTES",
     "SUFFIX",
     "Source",
@@ -23,6 +24,9 @@ __all__ = [
     "save_program",
     "shipped_texts",
 ]
+
+DEFAULT_PROGRAM = "obstacle-avoider"
+"""What the robots think in a level that does not name a program to start with."""
 
 SUFFIX = ".l"
 MAX_PROGRAM_BYTES = 1_000_000

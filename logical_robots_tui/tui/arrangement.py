@@ -92,6 +92,23 @@ class Arrangement:
         """Give the program more columns, or the inspector more rows, at the next ``show``."""
         self._shares = self._shares.changed(columns, rows)
 
+    def pull(self, pane: Pane, side: str, columns: int, rows: int) -> None:
+        """Move a side of a pane, and what is beyond it, at the next ``show``.
+
+        Args:
+            pane: Whose side.
+            side: ``left``, ``right``, ``top`` or ``bottom``; those at the rim stay.
+            columns: How far to the right.
+            rows: How far down.
+        """
+        labyrinth, program, inspector = self.panes
+        beside = self.layout is Layout.WIDE
+        if beside and (pane, side) in ((labyrinth, "right"), (program, "left")):
+            self.change(-columns, 0)
+        above = (labyrinth, program) if beside else (program,)
+        if (pane, side) == (inspector, "top") or (pane in above and side == "bottom"):
+            self.change(0, -rows)
+
     def _lay_out(self, grid: Grid) -> None:
         labyrinth, program, inspector = self.panes
         beside = self.layout is Layout.WIDE and labyrinth.display and program.display

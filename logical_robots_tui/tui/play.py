@@ -9,6 +9,7 @@ from platformdirs import user_data_path
 
 from logical_robots_tui.errors import InputError
 from logical_robots_tui.game import level_key, load_program
+from logical_robots_tui.game.source import DEFAULT_PROGRAM
 from logical_robots_tui.progress import FILE_NAME
 from logical_robots_tui.tui.app import LogicalRobotsApp
 from logical_robots_tui.tui.crash import end_on_hangup
@@ -24,10 +25,7 @@ if TYPE_CHECKING:
     from logical_robots_tui.mind import Engine
     from logical_robots_tui.progress import Progress
 
-__all__ = ["DEFAULT_PROGRAM", "play"]
-
-DEFAULT_PROGRAM = "obstacle-avoider"
-"""What the robots think in a level that does not name a program to start with."""
+__all__ = ["play"]
 
 
 def play(

@@ -333,6 +333,11 @@ class MainScreen(Screen[None]):
     def _tick_pointed(self, event: Timeline.Pointed) -> None:
         self.travel.go_to(event.tick)
 
+    @on(Pane.Pulled)
+    def _side_pulled(self, event: Pane.Pulled) -> None:
+        self.arrangement.pull(event.pane, event.side, *event.moved)
+        self.arrangement.show()
+
     @on(Pane.Retitled)
     def _pane_retitled(self) -> None:
         self._draw_lines()

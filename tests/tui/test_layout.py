@@ -182,3 +182,27 @@ async def test_panes_are_resized(data_dir: Path) -> None:
         await game.until(lambda: game.main.labyrinth.region.size - (4, 2) == before)
         await game.press("D", "I")
         await game.until(lambda: game.main.labyrinth.region.size == before)
+
+
+async def test_a_border_is_pulled_with_the_mouse(data_dir: Path) -> None:
+    async with opened(data_dir) as game:
+        labyrinth, program, inspector = game.main.arrangement.panes
+
+        async def pull(begin: tuple[int, int], end: tuple[int, int]) -> None:
+            await game.pilot.mouse_down(offset=begin)
+            await game.pilot.hover(offset=end)
+            await game.pilot.mouse_up(offset=end)
+            await game.pilot.pause()
+
+        await game.until(lambda: program.region.width)
+        columns, side = program.outer_size.width, labyrinth.region.right - 1
+        await pull((side, 10), (side - 10, 12))
+        await game.until(lambda: program.outer_size.width == columns + 10)
+        await pull((side - 9, 10), (side - 4, 10))
+        await game.until(lambda: program.outer_size.width == columns + 5)
+        rows, top = inspector.outer_size.height, inspector.region.y
+        await pull((30, top), (40, top + 3))
+        await game.until(lambda: inspector.outer_size.height == rows - 3)
+        await pull((0, 10), (9, 10))
+        await game.pilot.hover(offset=(50, 20))
+        assert program.outer_size.width == columns + 5

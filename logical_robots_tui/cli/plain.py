@@ -1,0 +1,161 @@
+"""The game in lines of text, for screen readers and for pipes: typed commands, told events."""
+
+from __future__ import annotations
+
+import asyncio
+import math
+import sys
+from typing import TYPE_CHECKING
+
+from logical_robots_tui.cli.text import harmless
+from logical_robots_tui.game import (
+    Breakpoint,
+    Game,
+    NoSuchTickError,
+    goals,
+    load_program,
+    mistake_in,
+)
+from logical_robots_tui.game.events import events_between
+from logical_robots_tui.mind import Program, ProgramError
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator
+    from pathlib import Path
+
+    from logical_robots_tui.game import Frame
+    from logical_robots_tui.mind import Engine
+    from logical_robots_tui.world import Level
+
+__all__ = ["play_in_lines"]
+
+MOST = 5000
+"""Ticks that ``run`` goes on when nothing happens that ends it."""
+
+HELP = f"""\
+run [N]         go on until victory or a stop, for {MOST} ticks at most, or for N
+step [N]        one tick, or N
+back [N]        one tick back, or N
+restart         begin again at tick 0
+where           where the robots are and who is in a goal
+stop PREDICATE  stop a run when a predicate has rows; again: no longer
+apply           read the program's file again and go on with it
+help            this list
+quit            leave; so does the end of the input"""
+
+
+def play_in_lines(level: Level, program: Program, path: Path, engine: Engine) -> int:
+    """Play by lines of text until the player leaves; return the exit status.
+
+    Args:
+        level: Where it happens.
+        program: What the robots think to begin with.
+        path: The program's file, for ``apply``.
+        engine: What the robots think with.
+    """
+    return asyncio.run(_Table(level, program, path, engine).play())
+
+
+class _Table:
+    """A game, and the words for it."""
+
+    def __init__(self, level: Level, program: Program, path: Path, engine: Engine) -> None:
+        self._level, self._path = level, path
+        self._game = Game(level, program, engine=engine)
+        self._game.listen(self._tell_events)
+        self._past = self._game.frame
+        self._commands: dict[str, Callable[[int], object]] = {
+            "back": self._back,
+            "restart": lambda _: self._go(self._game.restart),
+            "where": lambda _: _say(*self._places()),
+            "apply": lambda _: self._apply(),
+            "help": lambda _: _say(HELP),
+        }
+
+    async def play(self) -> int:
+        """Obey one line after the other."""
+        _say(self._level.title, *self._level.briefing.strip().splitlines(), *self._places())
+        _say("Type help for the commands.")
+        try:
+            while line := await asyncio.to_thread(sys.stdin.readline):
+                if line.strip() in ("quit", "q"):
+                    break
+                await self._obey(line)
+        finally:
+            await self._game.close()
+        return 0
+
+    async def _obey(self, line: str) -> None:
+        word, _, rest = line.strip().partition(" ")
+        if not word:
+            return
+        if word == "stop":
+            self._stop_at(rest.strip())
+            return
+        if rest and not (rest.isdecimal() and int(rest)):
+            _say(f"{rest} is not a number of ticks.")
+        elif word in ("run", "step"):
+            await self._run(int(rest or (MOST if word == "run" else 1)))
+        elif word in self._commands:
+            self._commands[word](int(rest or 1))
+        else:
+            _say(f"There is no command {word}. Type help for a list.")
+
+    async def _run(self, ticks: int) -> None:
+        frame = await self._game.run_until(tick=self._game.frame.tick + ticks)
+        for hit in self._game.hits:
+            _say(f"Stopped: {hit.breakpoint.words}. {hit.values}")
+        _say(f"Tick {frame.tick}.")
+
+    def _back(self, ticks: int) -> None:
+        self._go(lambda: self._game.back(ticks))
+
+    def _go(self, move: Callable[[], Frame]) -> None:
+        """Go to another tick without telling what happened on the way."""
+        try:
+            self._past = move()
+        except NoSuchTickError as error:
+            _say(str(error))
+        _say(f"Tick {self._game.frame.tick}.")
+
+    def _stop_at(self, predicate: str) -> None:
+        wanted = Breakpoint("rows", predicate)
+        if wanted in self._game.breakpoints:
+            self._game.breakpoints.remove(wanted)
+            _say(f"No stop any more when {wanted.words}.")
+            return
+        mistake = mistake_in(wanted, self._level, self._game.program)
+        if not mistake:
+            self._game.breakpoints.add(wanted)
+        _say(mistake or f"A run stops when {wanted.words}.")
+
+    def _apply(self) -> None:
+        try:
+            self._game.use(Program.compile(load_program(self._path).text))
+        except ProgramError as error:
+            for found in error.diagnostics:
+                _say(f"Line {found.line}: {found.message} {found.hint}")
+        else:
+            _say("The robots think with it from the next tick on.")
+
+    def _tell_events(self, frame: Frame) -> None:
+        if frame.tick == self._past.tick + 1:
+            for event in events_between(self._level, self._past, frame):
+                _say(f"Tick {frame.tick}: {event}")
+        self._past = frame
+
+    def _places(self) -> Iterator[str]:
+        frame = self._game.frame
+        for given, robot in zip(self._level.robots, frame.after.robots, strict=True):
+            heading = f"{math.degrees(robot.angle) % 360:.0f} degrees"
+            charge = f", battery {robot.battery_level:.0f}" if given.has_battery else ""
+            yield f"{robot.name}: at {robot.x:.0f}, {robot.y:.0f}, heading {heading}{charge}."
+        for goal in goals(self._level, frame.after):
+            yield f"{goal.area_name}: {len(goal.inside)} of {len(goal.wanted)} are in."
+
+
+def _say(*sentences: str) -> None:
+    """Print, at once: a screen reader, or a program at the other end, waits for it."""
+    for sentence in sentences:
+        for line in sentence.splitlines():
+            print(harmless(line), flush=True)

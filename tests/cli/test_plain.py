@@ -1,0 +1,104 @@
+"""The game in lines of text."""
+
+from __future__ import annotations
+
+import io
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+import pytest
+
+from logical_robots_tui.game.events import events_between
+from logical_robots_tui.game.start import start_frame
+from logical_robots_tui.world import load_level
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from tests.cli.running import Command, Told
+
+
+@pytest.fixture
+def typed(
+    command: Command, monkeypatch: pytest.MonkeyPatch, level: Path, tmp_path: Path
+) -> TypedCommand:
+    return TypedCommand(command, monkeypatch, level, tmp_path / "program.l")
+
+
+class TypedCommand:
+    """The game without a screen, and what is typed into it."""
+
+    def __init__(
+        self, command: Command, monkeypatch: pytest.MonkeyPatch, level: Path, program: Path
+    ) -> None:
+        self._command, self._monkeypatch = command, monkeypatch
+        self._level, self.program = level, program
+
+    def __call__(self, *lines: str) -> Told:
+        self._monkeypatch.setattr("sys.stdin", io.StringIO("".join(f"{line}\n" for line in lines)))
+        return self._command("play", self._level, self.program, "--plain")
+
+
+def test_events_are_told_in_lines(typed: TypedCommand, ahead: Path) -> None:
+    typed.program = ahead
+    told = typed("run", "run 200", "back 2", "where", "restart", "step 2")
+    lines = told.out.splitlines()
+    assert told.status == 0
+    assert lines[:3] == [
+        "A short way",
+        "Pip: at 12, 12, heading 0 degrees.",
+        "Door: 0 of 1 are in.",
+    ]
+    won = next(line for line in lines if "Won after" in line)
+    tick = int(won.split()[-2])
+    assert f"Tick {tick}: Pip enters Door." in lines
+    assert f"Tick {tick}: Door: 1 of 1 are in." in lines
+    assert f"Tick {tick + 198}." in lines
+    assert any(line.endswith(": Pip is blocked by a wall.") for line in lines)
+    assert lines[-2:] == ["Tick 0.", "Tick 2."]
+
+
+def test_what_can_not_be_done_is_said(typed: TypedCommand, ahead: Path) -> None:
+    typed.program = ahead
+    told = typed("jump", "step many", "back 3", "stop Nobody", "", "quit", "step").out
+    assert "There is no command jump. Type help for a list." in told
+    assert "many is not a number of ticks." in told
+    assert "Tick 0." in told
+    assert "Nobody" in told
+    assert "Tick 1." not in told
+
+
+def test_a_run_stops_where_it_is_asked_to(typed: TypedCommand) -> None:
+    typed.program.write_text(
+        "Late() :- Sensor(sensor:), sensor.clock == 3;\n"
+        "Robot(robot_name:, desire: {left_engine: 0, right_engine: 0}, memory: 0) :-\n"
+        "  Sensor(robot_name:);\n",
+        encoding="utf-8",
+    )
+    told = typed("stop Late", "run 9", "stop Late", "run 9").out
+    assert "A run stops when Late has rows." in told
+    assert "Stopped: Late has rows." in told
+    assert "\nTick 3.\nNo stop any more when Late has rows.\nTick 12.\n" in told
+
+
+def test_the_program_is_read_again(typed: TypedCommand, ahead: Path) -> None:
+    typed.program = ahead
+    assert "The robots think with it from the next tick on." in typed("apply").out
+    ahead.write_text("Robot(", encoding="utf-8")
+    assert typed("apply").status == 2
+
+
+def test_batteries_and_switches_are_told(level: Path) -> None:
+    start = start_frame(load_level(level))
+    (robot,), (area,) = start.after.robots, start.after.areas
+    changed = replace(
+        start.after,
+        tick=1,
+        robots=(replace(robot, dead=True),),
+        areas=(replace(area, active=not area.active),),
+    )
+    frame = replace(start, tick=1, after=changed)
+    told = [*events_between(load_level(level), start, frame)]
+    assert told == ["The battery of Pip is empty.", "Door is switched off."]
+    back = [*events_between(load_level(level), frame, start)]
+    assert back == ["Pip has charge again.", "Door is switched on."]
