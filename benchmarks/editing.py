@@ -2,7 +2,11 @@
 
 from __future__ import annotations
 
+import asyncio
+import statistics
+import tempfile
 from functools import partial
+from pathlib import Path
 from time import process_time
 from typing import TYPE_CHECKING
 
@@ -10,7 +14,8 @@ from benchmarks.halls import halls
 from benchmarks.measure import Effort, Measurement, median_of
 from logical_robots_tui.editing.edits import Edits
 from logical_robots_tui.editing.walls import paint
-from logical_robots_tui.game import Frame
+from logical_robots_tui.game import Frame, load_program
+from logical_robots_tui.tui.app import LogicalRobotsApp
 from logical_robots_tui.tui.drawing import Look, Picture, Viewport
 from logical_robots_tui.world import AreaState, RobotState, WorldState
 
@@ -38,6 +43,39 @@ def editing(effort: Effort) -> Iterator[Measurement]:
             subject = f"{SIDE:,}x{SIDE:,}, {count} of each, {name} view"
             once = partial(_stroke_milliseconds, level, view)
             yield median_of("brush stroke", subject, "ms", effort.repeats, once, required="<= 50")
+
+    for count in (10, 100, 1000):
+        level = halls(SIDE, SIDE, robots=count, beacons=count, areas=count)
+        found = [asyncio.run(_in_the_app(level)) for _ in range(effort.repeats)]
+        subject = f"{SIDE:,}x{SIDE:,}, {count} of each"
+        middle = statistics.median(found)
+        yield Measurement(
+            *("brush stroke in the game", subject, middle, "ms", min(found), max(found), "<= 50")
+        )
+
+
+async def _in_the_app(level: Level) -> float:
+    """The median of milliseconds of processor time from a mouse that moves to lines to send."""
+    with tempfile.TemporaryDirectory() as folder:
+        app = LogicalRobotsApp(level, load_program("first-steps-starter"), data_dir=Path(folder))
+        async with app.run_test(size=(COLUMNS, ROWS)) as pilot:
+            main = app.main
+            while main.session.game is None:
+                await pilot.pause(0.02)
+            main.editing.open()
+            main.editing.do("brush")
+            view, found = main.labyrinth.view, []
+            assert view.overlay is not None
+            view.overlay.pointer.press(1000, 1000)
+            for i in range(STROKES):
+                await pilot.pause(0)
+                began = process_time()
+                view.overlay.pointer.hover(1000 + 40 * i, 1000 + 10 * i, is_held=True)
+                for row in range(view.size.height):
+                    view.render_line(row)
+                found.append(1000 * (process_time() - began))
+            view.overlay.pointer.release()
+    return statistics.median(found)
 
 
 def _stroke_milliseconds(level: Level, view: Viewport) -> float:

@@ -6,6 +6,7 @@ import argparse
 import os
 import re
 import sys
+from importlib import import_module
 from typing import TYPE_CHECKING
 
 from logical_robots_tui.cli.command import add_data_dir, add_engine, check_engine, new_command
@@ -82,6 +83,8 @@ def start(options: argparse.Namespace) -> int:
     if options.restricted:
         from logical_robots_tui.cli.fence import fence_in
 
+        # What the game consists of is loaded before; within the fence no library can be.
+        import_module("logical_robots_tui." + ("cli.plain" if options.plain else "tui.play"))
         options.data_dir = options.data_dir.absolute()
         fence_in(options.data_dir)
     return _play_in_lines(options) if options.plain else _play_on_screen(options)

@@ -141,6 +141,10 @@ class History:
             )
         return self._course.moment(max(tick - 1, 0)), self._course.moment(tick)
 
+    def is_changed_up_to(self, tick: int) -> bool:
+        """Whether anything was changed by hand after the start, up to the end of a tick."""
+        return self._course.levels.is_changed_up_to(tick)
+
     def known(self, tick: int) -> Known:
         """A tick, to be gone through again.
 

@@ -51,6 +51,10 @@ class Levels:
         """Whether something was changed at the end of a tick."""
         return tick in self._ticks[1:]
 
+    def is_changed_up_to(self, tick: int) -> bool:
+        """Whether something was changed between the beginning and the end of a tick."""
+        return any(changed <= tick for changed in self._ticks[1:])
+
     def change(self, tick: int, level: Level) -> None:
         """Go on in another level at the end of a tick, not before the latest one changed."""
         if tick > self._ticks[-1]:

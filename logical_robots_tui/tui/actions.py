@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import partial
 from typing import TYPE_CHECKING
 
 from logical_robots_tui.tui.drawing.glyphs import Drawing
@@ -140,6 +141,18 @@ class Actions:
     def level(self) -> None:
         """Choose a level."""
         self._screen.spawn(self._screen.library.choose_level, "library", exclusive=True)
+
+    def edit_level(self) -> None:
+        """Edit the level at hand."""
+        self._screen.editing.open()
+
+    def new_level(self) -> None:
+        """Make a level."""
+        from logical_robots_tui.tui.editing.new_level import make_level
+
+        screen = self._screen
+        work = partial(make_level, screen, screen.editing.own)
+        screen.spawn(work, "library", exclusive=True)
 
     def next_level(self) -> None:
         """Go on to the next level."""

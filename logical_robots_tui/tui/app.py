@@ -143,6 +143,7 @@ class LogicalRobotsApp(SparingApp, inherit_bindings=False):
     def last_words(self) -> None:
         """Write what was typed to its draft."""
         self.main.keeper.flush()
+        self.main.editing.flush()
 
     def leave_soon(self) -> None:
         """Ask the app to end; may be called on any thread or in a signal handler."""

@@ -8,7 +8,7 @@ from textual.content import Content
 from textual.message import Message
 from textual.widget import Widget
 
-from logical_robots_tui.tui.commands import command, commands
+from logical_robots_tui.tui.commands import EDITING, command, commands
 from logical_robots_tui.tui.theme import INK
 
 if TYPE_CHECKING:
@@ -20,6 +20,7 @@ __all__ = ["CommandBar", "CommandChosen", "PaneTabs"]
 
 
 _GAP = 2
+_WHILE_EDITING = ("run", "help")
 
 
 class CommandChosen(Message):
@@ -73,22 +74,28 @@ class CommandBar(_Labels):
         super().__init__("commands")
         self._typing = False
         self._game_runs = False
+        self._edits = False
 
-    def show(self, *, typing: bool, running: bool) -> None:
+    def show(self, *, typing: bool, running: bool, editing: bool = False) -> None:
         """Show the commands for a situation.
 
         Args:
             typing: Whether printable keys are text at the moment.
             running: Whether the robots go on by themselves.
+            editing: Whether keys edit the level.
         """
-        if (typing, running) != (self._typing, self._game_runs):
-            self._typing, self._game_runs = typing, running
+        now = typing, running, editing
+        if now != (self._typing, self._game_runs, self._edits):
+            self._typing, self._game_runs, self._edits = now
             self.refresh()
 
     def render(self) -> Content:
         """The line, as wide as the widget."""
         unwanted = "outside" if self._typing else "editor"
         shown = [entry for entry in commands() if entry.bar and entry.place != unwanted]
+        if self._edits and not self._typing:
+            kept = [entry for entry in shown if entry.id in _WHILE_EDITING]
+            shown = [*kept[:1], *(entry for entry in EDITING if entry.bar), *kept[1:]]
         if self._typing:
             shown.sort(key=lambda entry: entry.id != "apply")
         labels = {entry.id: self._label(entry) for entry in shown}

@@ -40,7 +40,8 @@ class Celebration:
         alone = len(screen.session.level.robots) == 1
         who = "You are there" if alone else "Everybody is there"
         screen.labyrinth.briefing.display = False
-        screen.journal.won(screen.session)
+        if screen.session.is_by_the_book:
+            screen.journal.won(screen.session)
         screen.labyrinth.banner.celebrate(won_at, who, screen.journal)
         arrangement = screen.arrangement
         if arrangement.layout is Layout.NARROW and arrangement.active is not screen.labyrinth:

@@ -1,4 +1,4 @@
-"""Every command of the game, each declared once.
+"""Every command of the game, each declared once; those for editing act only while one edits.
 
 A declaration yields the key binding, the entry in the command bar, the entry in the palette and
 the line in the help.
@@ -12,6 +12,8 @@ from typing import TYPE_CHECKING
 from textual.binding import Binding
 
 from logical_robots_tui.tui.command import Command, Place, key_name
+from logical_robots_tui.tui.editing_commands import EDITING, MAKING
+from logical_robots_tui.tui.editing_commands import GROUPS as EDITING_GROUPS
 from logical_robots_tui.tui.looking_commands import GROUPS as LOOKING_GROUPS
 from logical_robots_tui.tui.looking_commands import LOOKING
 from logical_robots_tui.tui.playing_commands import GROUPS as PLAYING_GROUPS
@@ -22,6 +24,7 @@ if TYPE_CHECKING:
 
 __all__ = [
     "COMMANDS",
+    "EDITING",
     "GROUPS",
     "Command",
     "Place",
@@ -32,10 +35,10 @@ __all__ = [
     "use_keys",
 ]
 
-COMMANDS = PLAYING + LOOKING
-"""All commands as they come."""
+COMMANDS = PLAYING + MAKING + LOOKING
+"""All commands as they come, but those that act only while a level is edited."""
 
-GROUPS = PLAYING_GROUPS + LOOKING_GROUPS
+GROUPS = PLAYING_GROUPS + EDITING_GROUPS + LOOKING_GROUPS
 
 _in_use = {entry.id: entry for entry in COMMANDS}
 

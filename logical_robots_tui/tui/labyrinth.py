@@ -30,6 +30,7 @@ if TYPE_CHECKING:
     from textual.geometry import Offset
 
     from logical_robots_tui.game.frame import Frame
+    from logical_robots_tui.tui.drawing_over import DrawnOver
     from logical_robots_tui.world.level import Level
 
 __all__ = ["LabyrinthView"]
@@ -37,6 +38,9 @@ __all__ = ["LabyrinthView"]
 _PICK_REACH = 2.5
 """Columns beside a robot at which a click still means it."""
 
+
+_CROWD = 30
+"""Robots from which on their light is left out while something is drawn over the picture."""
 
 _BEAT = 0.35
 """Seconds for which a beacon keeps its brightness while the robots run."""
@@ -127,8 +131,10 @@ class LabyrinthView(Widget):
         self._traces = Traces()
         self._cells = self._picture.cells
         self._strips: dict[int, Strip] = {}
+        self.overlay: DrawnOver | None = None
         self._held: Offset | None = None
         self._is_dragged = False
+        self._is_drawing = False
 
     @property
     def view(self) -> Viewport | None:
@@ -143,13 +149,13 @@ class LabyrinthView(Widget):
             frame: What to show.
             hurried: Whether the next frame follows at once, so that less need be sent.
         """
-        if level is not self._level:
+        if self._level is None or _place_of(level) != _place_of(self._level):
             self.set_reactive(LabyrinthView.camera, Camera())
             self._traces.forget()
         self._traces.record(frame)
         self._level, self._frame, self._hurried = level, frame, hurried
         self._follow()
-        self._redraw()
+        self.redraw()
 
     # -- looking elsewhere ---------------------------------------------------------------------
 
@@ -239,13 +245,15 @@ class LabyrinthView(Widget):
         view = self.view
         if view is None or self._level is None or self._frame is None:
             return []
+        # A brush is to be quicker than the light of a crowd.
+        is_calm = self.overlay is not None and len(self._level.robots) > _CROWD
         look = Look(
             drawing=self.drawing,
             palette=self._palette,
-            rays=self.rays,
-            marks=self.marks,
+            rays=self.rays and not is_calm,
+            marks=self.marks and not is_calm,
             lines=self.lines,
-            trails=self.trails,
+            trails=self.trails and not is_calm,
             names=self.names,
             selected=self.selected,
             pulse=int(monotonic() / _BEAT) if self._hurried else 0,
@@ -256,13 +264,17 @@ class LabyrinthView(Widget):
             now, traces = self._frame, self._traces
             self._picture.draw(self._level, now, view, look, traces, hurried=self._hurried)
             cells = self._picture.cells
+            if self.overlay is not None:
+                cells = cells.copy()
+                self.overlay.paint(cells, view, look)
         changes = cells.changes(self._cells)
         self._cells = cells
         for row, _, _ in changes:
             self._strips.pop(row, None)
         return [Region(first, row, stop - first, 1) for row, first, stop in changes]
 
-    def _redraw(self) -> None:
+    def redraw(self) -> None:
+        """Show what is different now."""
         if not self.is_mounted or not self.size:
             return
         regions = self._draw()
@@ -271,7 +283,7 @@ class LabyrinthView(Widget):
 
     def on_mount(self) -> None:
         """Follow the theme."""
-        self.app.theme_changed_signal.subscribe(self, lambda _: self._redraw())
+        self.app.theme_changed_signal.subscribe(self, lambda _: self.redraw())
 
     def on_resize(self) -> None:
         """Fit the picture to the new size."""
@@ -281,6 +293,10 @@ class LabyrinthView(Widget):
 
     def on_click(self, event: events.Click) -> None:
         """Tell which robot was clicked."""
+        if self.overlay is not None:
+            if event.chain == 2 and event.button == 1:
+                self.overlay.pointer.open()
+            return
         offset = event.get_content_offset(self)
         name = None if offset is None or self._is_dragged else self.robot_at(offset.x, offset.y)
         if name is not None:
@@ -288,17 +304,29 @@ class LabyrinthView(Widget):
             self.post_message(self.RobotPicked(self, name))
 
     def on_mouse_down(self, event: events.MouseDown) -> None:
-        """Take hold of the map."""
+        """Take hold of the map, or of what is edited."""
+        if self.overlay is not None and event.button == 1 and (at := self._point(event)):
+            self._is_drawing = True
+            self.capture_mouse()
+            self.overlay.pointer.press(*at)
+            return
         self._held, self._is_dragged = event.screen_offset, False
         self.capture_mouse()
 
     def on_mouse_up(self) -> None:
-        """Let go of the map."""
+        """Let go of it."""
         self._held = None
         self.release_mouse()
+        if self._is_drawing and self.overlay is not None:
+            self.overlay.pointer.release()
+        self._is_drawing = False
 
     def on_mouse_move(self, event: events.MouseMove) -> None:
-        """Pull the map along."""
+        """Pull it along."""
+        if self._held is None and self.overlay is not None:
+            if at := self._point(event):
+                self.overlay.pointer.hover(*at, is_held=self._is_drawing)
+            return
         if self._held is None or event.screen_offset == self._held:
             return
         moved = self._held - event.screen_offset
@@ -313,6 +341,13 @@ class LabyrinthView(Widget):
         """Zoom out at the pointer."""
         self._wheel(event, -1)
 
+    def _point(self, event: events.MouseEvent) -> tuple[float, float] | None:
+        """Where the mouse points on the map, also beside the picture while a button is held."""
+        view = self.view
+        if view is None or self.camera.sight is Sight.SENSES:
+            return None
+        return view.position(event.y, event.x)
+
     def _wheel(self, event: events.MouseEvent, steps: int) -> None:
         offset = event.get_content_offset(self)
         if offset is not None and self.view is not None:
@@ -321,18 +356,23 @@ class LabyrinthView(Widget):
 
     def watch_camera(self) -> None:
         """Show it, and say so."""
-        self._redraw()
+        self.redraw()
         self.post_message(self.Looked(self))
 
     def watch_selected(self) -> None:
         """Bring it out."""
         self._follow(at_once=True)
-        self._redraw()
+        self.redraw()
 
     def watch_rays(self) -> None:
         """Show it."""
-        self._redraw()
+        self.redraw()
 
     watch_marks = watch_lines = watch_trails = watch_names = watch_drawing = watch_palette = (
         watch_rays
     )
+
+
+def _place_of(level: Level) -> tuple[str, str, int, int]:
+    """What stays the same of a level while it is edited, unless it is given another size."""
+    return level.name, level.source, level.width, level.height

@@ -38,12 +38,17 @@ class Library:
 
     async def choose_level(self) -> None:
         """Ask for a level and go there."""
-        from logical_robots_tui.tui.levels.screen import LevelScreen
+        from logical_robots_tui.tui.levels.screen import LevelScreen, NewLevel
 
         screen = self._screen
-        choice = LevelScreen(screen.session.level, screen.journal, screen.labyrinth.view.drawing)
+        drawing, own = screen.labyrinth.view.drawing, screen.editing.own
+        choice = LevelScreen(screen.session.opened, screen.journal, drawing, own)
         level = await screen.app.push_screen_wait(choice)
-        if level is not None:
+        if isinstance(level, NewLevel):
+            from logical_robots_tui.tui.editing.new_level import make_level
+
+            await make_level(screen, own)
+        elif level is not None:
             await self.open_level(level)
 
     async def next_level(self) -> None:

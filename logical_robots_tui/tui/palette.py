@@ -7,10 +7,10 @@ from typing import TYPE_CHECKING
 
 from textual.command import DiscoveryHit, Hit, Provider
 
-from logical_robots_tui.tui.commands import commands
+from logical_robots_tui.tui.commands import EDITING, commands
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Iterable
 
     from textual.command import Hits
 
@@ -20,11 +20,11 @@ __all__ = ["CommandProvider"]
 
 
 class CommandProvider(Provider):
-    """Offers every command of the game."""
+    """Offers every command of the game; while a level is edited, those for that come first."""
 
     async def discover(self) -> Hits:
         """All commands, before anything is typed."""
-        for entry in commands():
+        for entry in self._offered():
             if entry.id != "palette":
                 yield DiscoveryHit(
                     _title(entry), self._caller(entry), text=entry.title, help=entry.help
@@ -33,7 +33,7 @@ class CommandProvider(Provider):
     async def search(self, query: str) -> Hits:
         """The commands whose title or help matches."""
         matcher = self.matcher(query)
-        for entry in commands():
+        for entry in self._offered():
             if entry.id == "palette":
                 continue
             score = max(matcher.match(entry.title), matcher.match(entry.help) * 0.5)
@@ -41,6 +41,12 @@ class CommandProvider(Provider):
                 yield Hit(
                     score, _title(entry), self._caller(entry), text=entry.title, help=entry.help
                 )
+
+    def _offered(self) -> Iterable[Command]:
+        from logical_robots_tui.tui.screen import MainScreen
+
+        edits = isinstance(self.screen, MainScreen) and self.screen.editing.is_on
+        return (*EDITING, *commands()) if edits else commands()
 
     def _caller(self, entry: Command) -> Callable[[], object]:
         return partial(self.screen.run_action, f"command('{entry.id}')")

@@ -16,7 +16,8 @@ from logical_robots_tui.tui.background import in_background
 from logical_robots_tui.tui.bar import CommandBar, CommandChosen, PaneTabs
 from logical_robots_tui.tui.capture import Capture
 from logical_robots_tui.tui.celebration import Celebration
-from logical_robots_tui.tui.commands import bindings, command
+from logical_robots_tui.tui.commands import EDITING, bindings, command
+from logical_robots_tui.tui.editing.door import EditingDoor
 from logical_robots_tui.tui.freedoms import Freedoms
 from logical_robots_tui.tui.guide import Guide
 from logical_robots_tui.tui.inspector.choice import DECISION, ROBOTS, WATCH, WHY
@@ -59,6 +60,7 @@ if TYPE_CHECKING:
 __all__ = ["MainScreen"]
 
 _COMPLAINTS = 3  # of the configuration that are told; `logical-robots config` tells all
+_EDITING_IDS = {entry.id for entry in EDITING}
 _HEARTBEAT = 0.25  # seconds between two looks at a clock that runs
 
 
@@ -110,6 +112,7 @@ class MainScreen(Screen[None]):
             failed=self.warn,
         )
         self.library = Library(self, data_dir / "programs")
+        self.editing = EditingDoor(self, data_dir)
         self.rows = RowCommands(self, data_dir / "rows")
         self.guide = Guide(self)
         self.capture = Capture(self, data_dir / "screens")
@@ -162,14 +165,19 @@ class MainScreen(Screen[None]):
     def _start(self) -> None:
         self.session.apply(self.text)
         self.journal.open(self.session.level)
-        self.spawn(self.library.offer_drafts, "drafts", exclusive=False)
+        self.spawn(self._offer_drafts, "drafts", exclusive=False)
         if self._is_new_here:
             self.tours.begin()
+
+    async def _offer_drafts(self) -> None:
+        await self.library.offer_drafts()
+        await self.editing.offer()
 
     async def on_unmount(self) -> None:
         """Bring the text to safety and stop all work."""
         self.capture.close()
         self.keeper.close()
+        self.editing.close()
         await self.session.close()
         await self.journal.close()
 
@@ -206,6 +214,7 @@ class MainScreen(Screen[None]):
 
     def begin_level(self) -> None:
         """Show what the level asks for."""
+        self.editing.level_left()
         self.labyrinth.select(None)
         self.labyrinth.briefing.tell(self.session.level)
         self.celebration.forget()
@@ -238,20 +247,22 @@ class MainScreen(Screen[None]):
         now = (session.level, session.frame, session.running)
         if not self.arrangement.is_tiny and self._drawn != now:
             self._drawn = now
-            self.labyrinth.show(session.level, session.frame, hurried=session.running)
+            level = self.editing.shown(session.level)
+            self.labyrinth.show(level, session.frame, hurried=session.running)
         saved = self.text == session.source.text
         self.program.show(session.state, session.source.name, saved=saved)
-        self._draw_lines()
+        self.redraw_lines()
         if session.frame.tick:
             self.journal.moved()
         self.celebration.follow()
         self.inspector.follow()
 
-    def _draw_lines(self) -> None:
+    def redraw_lines(self) -> None:
+        """Show what has changed around the panes."""
         self._status.show(status_of(self.session))
         self.timeline.show(self.session, self.labyrinth.view.selected)
         typing = isinstance(self.focused, (TextArea, Input))
-        self._bar.show(typing=typing, running=self.session.busy)
+        self._bar.show(typing=typing, running=self.session.busy, editing=self.editing.is_on)
         tabs = tuple((pane.command_id, pane.label) for pane in self.arrangement.panes)
         self._tabs.show(tabs, self.arrangement.active.command_id)
 
@@ -260,7 +271,7 @@ class MainScreen(Screen[None]):
         if newer is not None:
             self.library.take_from_disk(newer)
         if self.session.busy:
-            self._draw_lines()
+            self.redraw_lines()
 
     def _stopped(self, hits: tuple[Hit, ...]) -> None:
         self.travel.tell_hits(hits)
@@ -306,6 +317,8 @@ class MainScreen(Screen[None]):
         """
         if isinstance(self.focused, TextArea | Input):
             return False
+        if self.editing.obeys(key):
+            return True
         for pane in self.arrangement.panes:
             if key in command(pane.command_id).keys:
                 self.go_to(pane)
@@ -316,7 +329,7 @@ class MainScreen(Screen[None]):
         """Remember which pane is worked in, and offer the commands that fit."""
         if self.arrangement.focused():
             self.tours.end()
-        self._draw_lines()
+        self.redraw_lines()
 
     # -- messages ------------------------------------------------------------------------------
 
@@ -340,7 +353,7 @@ class MainScreen(Screen[None]):
 
     @on(Pane.Retitled)
     def _pane_retitled(self) -> None:
-        self._draw_lines()
+        self.redraw_lines()
 
     @on(CommandChosen)
     def _command_chosen(self, event: CommandChosen) -> None:
@@ -372,4 +385,7 @@ class MainScreen(Screen[None]):
 
     def action_command(self, command_id: str) -> None:
         """Do what a command says."""
-        getattr(self._actions, command_id)()
+        if command_id in _EDITING_IDS:
+            self.editing.do(command_id)
+        else:
+            getattr(self._actions, command_id)()

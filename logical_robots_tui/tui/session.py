@@ -7,6 +7,7 @@ from functools import partial
 from time import perf_counter
 from typing import TYPE_CHECKING, Any, Protocol
 
+from logical_robots_tui.editing.delta import alike
 from logical_robots_tui.game import (
     Breakpoints,
     Frame,
@@ -21,13 +22,14 @@ from logical_robots_tui.mind import ProgramError, why_not_duckdb
 from logical_robots_tui.tui.program.state import ProgramState
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Coroutine
+    from collections.abc import Callable, Coroutine, Mapping
 
     from logical_robots_tui.game import Breakpoint, Hit, Source
     from logical_robots_tui.game.history import History
     from logical_robots_tui.mind import Engine, Predicate, Program, Table
     from logical_robots_tui.tui.background import Work
     from logical_robots_tui.world import Level
+    from logical_robots_tui.world.changing import Pose
 
 __all__ = ["Session", "Spawn"]
 
@@ -43,7 +45,9 @@ class Spawn(Protocol):
 
 
 class Session:
-    """One level under one program at a time; changes of either end in a new game.
+    """One level under one program at a time; another level begins a new game.
+
+    `level` is that of the frame on the screen, `opened` the one that its file holds.
 
     Args:
         level: Where to begin.
@@ -66,7 +70,7 @@ class Session:
         stopped: Callable[[tuple[Hit, ...]], None],
         engine: Engine = "sqlite",
     ) -> None:
-        self.level = level
+        self.level = self.opened = level
         self.source = source
         self.state = ProgramState()
         self.pace = Pace()
@@ -134,6 +138,14 @@ class Session:
         return self.frame.after.won_at
 
     @property
+    def is_by_the_book(self) -> bool:
+        """Whether all up to the present frame happened in the level as it is in its file."""
+        if self.game is None:
+            return self.level is self.opened
+        history, tick = self.game.history, self.frame.tick
+        return not history.is_changed_up_to(tick) and alike(history.level_at(0), self.opened)
+
+    @property
     def thinking_for(self) -> float:
         """Seconds that the thought under way has taken, 0.0 as long as that is not worth saying."""
         if self.game is None or not (self.game.running or self._stepping is not None):
@@ -148,7 +160,7 @@ class Session:
         """Go to a level with a program; its robots stand at the start."""
         self._end_game()
         self.state = ProgramState()
-        self.level = level
+        self.level = self.opened = level
         self.frame = start_frame(level)
         self.source = source
         self.apply(text)
@@ -248,6 +260,14 @@ class Session:
             self.state = ProgramState("applied", text, text, self._program.warnings)
             self._changed()
 
+    def change_level(self, level: Level, poses: Mapping[str, Pose]) -> None:
+        """Go on in a changed level, with robots put elsewhere, from the present tick on."""
+        if self.game is not None:
+            self.game.change_level(level, poses)
+        else:
+            self.level, self.frame = level, start_frame(level)
+            self._changed()
+
     def restart(self) -> None:
         """Begin the level again, standing still."""
         self.pause()
@@ -325,7 +345,7 @@ class Session:
 
     def _show(self, game: Game, frame: Frame) -> None:
         if game is self.game:
-            self.frame = frame
+            self.frame, self.level = frame, game.level
             self._waiting_since = perf_counter()
             self._changed()
 

@@ -10,7 +10,7 @@ from textual.containers import Vertical, VerticalScroll
 from textual.content import Content
 from textual.widgets import Static
 
-from logical_robots_tui.tui.commands import GROUPS, commands
+from logical_robots_tui.tui.commands import EDITING, GROUPS, commands
 from logical_robots_tui.tui.dialogs.dialog import Dialog
 from logical_robots_tui.tui.drawing.glyphs import Drawing, legend
 from logical_robots_tui.tui.theme import INK, hex_colour, palette_of
@@ -81,7 +81,7 @@ class Help(Dialog[None]):
         lines: list[Content] = []
         for group in GROUPS:
             lines.append(_heading(group))
-            for entry in commands():
+            for entry in (*commands(), *EDITING):
                 if entry.group == group:
                     lines += _entry(entry.key_names or "^P", entry.title, entry.help, width)
         lines.append(_heading("In the editor"))

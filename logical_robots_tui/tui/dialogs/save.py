@@ -6,7 +6,7 @@ import asyncio
 import re
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Literal
 
 from textual import on
 from textual.containers import Vertical
@@ -88,34 +88,48 @@ class SaveAs(Dialog[Source]):
         return source.name if source.path.parent == self._own else str(source.path)
 
 
-def target(name: str, own: Path) -> Path:
-    """The file for a program of that name; a name with a slash is a path.
+def target(
+    name: str,
+    own: Path,
+    *,
+    folder: Literal["levels", "programs"] = "programs",
+    suffixes: tuple[str, ...] = (SUFFIX,),
+    usual: str = SUFFIX,
+) -> Path:
+    """The file for something of that name; a name with a slash is a path.
+
+    Args:
+        name: What was typed.
+        own: Folder of what the player made.
+        folder: ``programs`` or ``levels``.
+        suffixes: The endings that such files may have.
+        usual: The one that is put to a name without one.
 
     Raises:
-        InputError: It is no name for a program of one's own.
+        InputError: It is no name for something of one's own.
     """
     if not name:
-        raise InputError("A program needs a name.")
+        raise InputError(f"A {folder.removesuffix('s')} needs a name.")
     if "/" in name:
         path = Path(name).expanduser().absolute()
-        path = path if path.suffix else path.with_suffix(SUFFIX)
+        path = path if path.suffix else path.with_suffix(usual)
     else:
-        stem = name.removesuffix(SUFFIX)
+        stem = name.removesuffix(usual)
         if not re.fullmatch(r"[\w][\w .+-]*", stem):
             raise InputError(
                 "A name is made of letters, digits, spaces and the signs _ - + .",
                 hint="Put a slash in it to name a file anywhere.",
             )
-        if stem in shipped_names("programs", SUFFIX):
+        if any(stem in shipped_names(folder, suffix) for suffix in suffixes):
             raise InputError(
                 f"{stem} came with the game and stays as it is.", hint="Choose another name."
             )
-        path = own / f"{stem}{SUFFIX}"
+        path = own / f"{stem}{usual}"
     if path.is_dir():
         raise InputError("is a folder.", place=str(path), hint="Choose another name.")
-    if path.resolve().parent == shipped_folder("programs").resolve():
+    if path.resolve().parent == shipped_folder(folder).resolve():
         raise InputError(
-            "The programs that came with the game stay as they are.",
+            f"The {folder} that came with the game stay as they are.",
             hint="Save it in another folder.",
         )
     return path

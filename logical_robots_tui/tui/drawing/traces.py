@@ -41,6 +41,11 @@ class Traces:
         """Remember a frame that is shown."""
         tick = frame.tick
         places = np.array([(robot.x, robot.y) for robot in frame.after.robots], np.float64)
+        if any(
+            len(then) != len(places) or len(self._active[at]) != len(frame.after.areas)
+            for at, then in self._places.items()
+        ):
+            self.forget()  # robots or areas came or went
         known = self._places.get(tick)
         if known is not None and not np.array_equal(known, places):
             self._drop(lambda other: other >= tick)

@@ -145,8 +145,10 @@ class Questions:
         return self._session.game.program
 
     def _inquire(self) -> Inquiry:
-        if self._inquiry is None or self._level is not self._session.level:
-            old, self._level = self._inquiry, self._session.level
+        level = self._session.level
+        seen_alike = self._level is not None and self._level.visibility == level.visibility
+        if self._inquiry is None or not seen_alike:
+            old, self._level = self._inquiry, level
             if old is not None:
                 self._session.release(old.close)
             self._inquiry = Inquiry(self._level)

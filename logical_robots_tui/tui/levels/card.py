@@ -15,6 +15,8 @@ from logical_robots_tui.tui.results import brief
 from logical_robots_tui.tui.theme import INK, rich_style
 
 if TYPE_CHECKING:
+    from pathlib import Path
+
     from rich.style import Style
 
     from logical_robots_tui.progress import State
@@ -57,6 +59,7 @@ class LevelCard:
         record: What the player has achieved there.
         complaint: Why the level can't be used, or "".
         is_here: Whether it is the level at hand.
+        file: Its file if the player has made it, else None.
     """
 
     name: str
@@ -64,10 +67,13 @@ class LevelCard:
     record: LevelRecord = NEW
     complaint: str = ""
     is_here: bool = False
+    file: Path | None = None
 
     @property
     def title(self) -> str:
         """Number and title, as far as they are known."""
+        if self.file is not None:
+            return one_line(self.level.title) if self.level else self.name
         number, _, rest = self.name.partition("-")
         title = one_line(self.level.title) if self.level else rest.replace("-", " ")
         return f"{int(number)} {title}" if number.isdecimal() else title or self.name
@@ -77,6 +83,8 @@ class LevelCard:
         """What is new in the level, or why it can't be used."""
         if self.complaint or self.level is None:
             return one_line(self.complaint)
+        if self.file is not None and not self.level.idea:
+            return "a level of your own"
         first = self.level.briefing.strip().partition("\n")[0]
         return one_line(self.level.idea or first)
 

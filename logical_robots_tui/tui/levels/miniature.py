@@ -1,4 +1,4 @@
-"""Shipped levels and small pictures of them, each made once and kept."""
+"""Shipped levels, and small pictures of levels, each made once and kept."""
 
 from __future__ import annotations
 
@@ -27,9 +27,9 @@ def shipped_level(name: str) -> Level:
 
 
 @lru_cache(maxsize=128)
-def miniature(name: str, columns: int, rows: int, drawing: Drawing, palette: Palette) -> Cells:
-    """A shipped level at its start, in so many cells. Takes milliseconds the first time."""
-    return draw_miniature(shipped_level(name), columns, rows, drawing, palette)
+def miniature(level: Level, columns: int, rows: int, drawing: Drawing, palette: Palette) -> Cells:
+    """A level at its start, in so many cells. Takes milliseconds the first time."""
+    return draw_miniature(level, columns, rows, drawing, palette)
 
 
 def draw_miniature(

@@ -21,6 +21,7 @@ from logical_robots_tui.tui.dialogs.dialog import Dialog
 from logical_robots_tui.tui.levels.card import LevelCard
 from logical_robots_tui.tui.levels.cards import LevelCards
 from logical_robots_tui.tui.levels.miniature import miniature, shipped_level
+from logical_robots_tui.tui.levels.own import own_levels
 from logical_robots_tui.tui.plain import one_line
 from logical_robots_tui.tui.theme import INK, palette_of
 from logical_robots_tui.world import Level, list_levels, load_level
@@ -33,16 +34,24 @@ if TYPE_CHECKING:
     from logical_robots_tui.tui.drawing.glyphs import Drawing
     from logical_robots_tui.tui.journal import Journal
 
-__all__ = ["LevelScreen"]
+__all__ = ["LevelScreen", "NewLevel"]
 
 
-class LevelScreen(Dialog[Level]):
-    """Shows all levels; gives the one that was taken.
+_KEYS = "enter play   ←↑↓→ choose   ^N new level   esc close"
+
+
+class NewLevel:
+    """The wish to make a level."""
+
+
+class LevelScreen(Dialog["Level | NewLevel"]):
+    """Shows all levels; gives the one that was taken, or that a new one is wanted.
 
     Args:
         here: The level at hand.
         journal: What the player has achieved.
         drawing: Which characters draw the miniatures.
+        own: Folder of the player's levels.
     """
 
     DEFAULT_CSS = """
@@ -62,10 +71,12 @@ class LevelScreen(Dialog[Level]):
         Binding("down", "go('down')", show=False, priority=True),
         Binding("pageup", "go('page_up')", show=False, priority=True),
         Binding("pagedown", "go('page_down')", show=False, priority=True),
+        Binding("ctrl+n", "new", show=False, priority=True),
     ]
 
-    def __init__(self, here: Level, journal: Journal, drawing: Drawing) -> None:
+    def __init__(self, here: Level, journal: Journal, drawing: Drawing, own: Path) -> None:
         super().__init__()
+        self._own = own
         self._here = here
         self._journal = journal
         self._drawing = drawing
@@ -85,7 +96,7 @@ class LevelScreen(Dialog[Level]):
             yield self._cards
             yield Static(id="detail")
             yield Static(id="complaint")
-            yield Static("enter play   ←↑↓→ choose   esc close", id="keys", markup=False)
+            yield Static(_KEYS, id="keys", markup=False)
 
     def on_mount(self) -> None:
         """Begin with names alone; the rest follows as it is read and drawn."""
@@ -100,6 +111,10 @@ class LevelScreen(Dialog[Level]):
         if self._all:
             in_background(self, self._draw_all, "pictures", exclusive=True)
 
+    def action_new(self) -> None:
+        """Close, and make a level."""
+        self.dismiss(NewLevel())
+
     def action_go(self, motion: str) -> None:
         """Choose another card while the line to type in keeps the focus."""
         across, page = self._cards.across, self._cards.page
@@ -109,18 +124,24 @@ class LevelScreen(Dialog[Level]):
     # -- content -------------------------------------------------------------------------------
 
     async def _read_all(self) -> None:
-        names = await asyncio.to_thread(list_levels)
+        shipped = await asyncio.to_thread(list_levels)
+        own = await asyncio.to_thread(own_levels, self._own)
         here = self._here.name
-        self._all = [LevelCard(name, is_here=name == here) for name in names]
+        self._all = [LevelCard(name, is_here=name == here) for name in shipped] + [
+            LevelCard(name, is_here=str(file) == self._here.source, file=file)
+            for name, file in own.items()
+            if name not in shipped
+        ]
         self._filter(here)
         painted = asyncio.Event()
         self.call_after_refresh(painted.set)
         await painted.wait()  # reading would only hold up the first picture
-        records = await self._journal.ask(partial(_records, names))
-        for index, name in enumerate(names):
-            card = replace(self._all[index], record=records[name])
+        keys = [str(card.file.absolute()) if card.file else card.name for card in self._all]
+        records = await self._journal.ask(partial(_records, keys))
+        for index, name in enumerate(card.name for card in self._all):
+            card = replace(self._all[index], record=records[keys[index]])
             try:
-                level = await asyncio.to_thread(shipped_level, name)
+                level = await asyncio.to_thread(_level_of, card)
                 self._all[index] = replace(card, level=level)
             except LogicalRobotsError as error:
                 self._all[index] = replace(card, complaint=str(error))
@@ -131,10 +152,11 @@ class LevelScreen(Dialog[Level]):
     async def _draw_all(self) -> None:
         palette = palette_of(self.app.current_theme)
         for index in self._cards.seen_first():
-            if index < len(self._shown) and self._shown[index].level is not None:
+            level = self._shown[index].level if index < len(self._shown) else None
+            if level is not None:
                 name = self._shown[index].name
                 drawn = await asyncio.to_thread(
-                    miniature, name, *self._cards.picture_size, self._drawing, palette
+                    miniature, level, *self._cards.picture_size, self._drawing, palette
                 )
                 self._cards.set_picture(name, drawn)
 
@@ -206,7 +228,8 @@ class LevelScreen(Dialog[Level]):
         if is_path(text):
             in_background(self, partial(self._open, text), "take", exclusive=True)
         elif self._chosen is not None:
-            in_background(self, partial(self._open, self._chosen.name), "take", exclusive=True)
+            wanted = str(self._chosen.file or self._chosen.name)
+            in_background(self, partial(self._open, wanted), "take", exclusive=True)
 
     async def _open(self, name_or_path: str) -> None:
         try:
@@ -217,6 +240,10 @@ class LevelScreen(Dialog[Level]):
             complaint.display = True
         else:
             self.dismiss(level)
+
+
+def _level_of(card: LevelCard) -> Level:
+    return shipped_level(card.name) if card.file is None else load_level(card.file)
 
 
 def _load(name_or_path: str) -> Level:

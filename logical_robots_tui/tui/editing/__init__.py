@@ -1,0 +1,1 @@
+"""Editing levels on the screen."""

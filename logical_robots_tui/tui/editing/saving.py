@@ -1,0 +1,166 @@
+"""Saving an edited level, keeping it as a new one, or throwing it away."""
+
+from __future__ import annotations
+
+import asyncio
+from functools import partial
+from typing import TYPE_CHECKING
+
+from textual import on
+from textual.containers import Vertical
+from textual.content import Content
+from textual.widgets import Input, Static
+
+from logical_robots_tui.editing.files import save_level
+from logical_robots_tui.editing.properties import set_words
+from logical_robots_tui.errors import InputError
+from logical_robots_tui.tui.background import in_background
+from logical_robots_tui.tui.dialogs.dialog import Dialog
+from logical_robots_tui.tui.dialogs.question import Question
+from logical_robots_tui.tui.dialogs.save import target
+from logical_robots_tui.tui.plain import one_line
+from logical_robots_tui.world import Level
+from logical_robots_tui.world.load import NATIVE, SUFFIXES
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from textual.app import ComposeResult
+
+    from logical_robots_tui.tui.editing.mode import EditMode
+
+__all__ = ["SaveLevel", "ask_to_throw_away", "ask_what_to_keep", "save", "save_as"]
+
+
+async def save(mode: EditMode) -> bool:
+    """Save a level in its file; whether it is saved. Without a file of its own, ask for a name."""
+    if mode.file is None:
+        return await save_as(mode)
+    if await asyncio.to_thread(mode.is_changed_on_disk):
+        name = one_line(mode.file.name)
+        mode.screen.warn(f"{name} was changed by another program. Save under another name.")
+        return await save_as(mode)
+    if mode.is_saved:
+        mode.screen.tell("It is saved already.")
+        return True
+    level = mode.editor.level
+    mode.screen.tell("Saving…")
+    try:
+        saved = await asyncio.to_thread(save_level, level, mode.file)
+    except InputError as error:
+        mode.screen.warn(str(error))
+        return False
+    mode.saved(level, saved)
+    return True
+
+
+async def save_as(mode: EditMode) -> bool:
+    """Ask for a name and save a level under it; whether it is saved."""
+    level = mode.editor.level
+    dialog = SaveLevel(level, _proposal(mode), mode.own, mode.file)
+    saved = await mode.screen.app.push_screen_wait(dialog)
+    if saved is None:
+        return False
+    mode.editor.do("title", lambda level: set_words(level, title=saved.title))
+    mode.saved(mode.editor.level, saved)
+    return True
+
+
+async def ask_what_to_keep(mode: EditMode) -> None:
+    """Leave editing, and ask what becomes of the changes."""
+    answers = [("keep", "Keep as a level"), ("game", "Just for this game"), ("away", "Throw away")]
+    if mode.file is not None:
+        answers.insert(0, ("save", "Save"))
+    question = "What becomes of the changes to the level?"
+    answer = await mode.screen.app.push_screen_wait(Question("Leave editing", question, answers))
+    if answer == "away":
+        mode.throw_away()
+    elif (answer == "save" and not await save(mode)) or (
+        answer == "keep" and not await save_as(mode)
+    ):
+        return
+    if answer is not None:
+        mode.leave()
+
+
+async def ask_to_throw_away(mode: EditMode) -> None:
+    """Go back to the level as it is in its file, if the player is sure."""
+    if not mode.has_changes:
+        mode.screen.tell("Nothing has changed.")
+        return
+    answers = [("no", "No, keep them"), ("yes", "Yes, throw them away")]
+    question = "Throw all changes away? Undo brings them back as long as you stay."
+    if await mode.screen.app.push_screen_wait(Question("Throw away", question, answers)) == "yes":
+        mode.throw_away()
+        mode.redraw()
+
+
+def _proposal(mode: EditMode) -> str:
+    if mode.file is not None:
+        return mode.file.stem if mode.file.parent == mode.own else str(mode.file)
+    name = mode.base.name
+    return f"my-{name.lstrip('0123456789-') or name}" if mode.base.source else name
+
+
+class SaveLevel(Dialog[Level]):
+    """Asks for a name and a title and saves; gives the saved level.
+
+    Args:
+        level: What to save.
+        name: What to propose.
+        own: Folder of the player's levels.
+        file: The level's own file, which needs no asking, or None.
+    """
+
+    DEFAULT_CSS = """
+    SaveLevel > #box { max-width: 72; padding: 1 2 0 2; }
+    SaveLevel .label { color: $ink-dim; height: 1; }
+    """
+
+    def __init__(self, level: Level, name: str, own: Path, file: Path | None) -> None:
+        super().__init__()
+        self._level = level
+        self._proposed = name
+        self._own = own
+        self._file = file
+        self._confirmed: Path | None = None
+
+    def compose(self) -> ComposeResult:
+        """The name of the file, the title, and what is wrong with them."""
+        with Vertical(id="box") as box:
+            box.border_title = "Save the level as"
+            yield Static("Name of the file", classes="label", markup=False)
+            yield Input(self._proposed, id="name", select_on_focus=False)
+            yield Static("Title", classes="label", markup=False)
+            yield Input(self._level.title, id="title", select_on_focus=False)
+            yield Static(id="complaint")
+            yield Static("enter save   tab title   esc close", id="keys", markup=False)
+
+    @on(Input.Changed)
+    def _changed(self) -> None:
+        self._confirmed = None
+        self.query_one("#complaint").display = False
+
+    @on(Input.Submitted)
+    def _submitted(self) -> None:
+        in_background(self, self._save, "save", exclusive=True)
+
+    async def _save(self) -> None:
+        name = self.query_one("#name", Input).value.strip()
+        title = self.query_one("#title", Input).value.strip()
+        try:
+            path = target(name, self._own, folder="levels", suffixes=SUFFIXES, usual=NATIVE)
+            if path.exists() and path not in (self._file, self._confirmed):
+                self._confirmed = path
+                self._complain(f"{path.stem} is there already. Press enter again to replace it.")
+                return
+            level = set_words(self._level, title=title or self._level.title)
+            anew = path != self._file
+            self.dismiss(await asyncio.to_thread(partial(save_level, level, path, anew=anew)))
+        except InputError as error:
+            self._complain(str(error))
+
+    def _complain(self, message: str) -> None:
+        complaint = self.query_one("#complaint", Static)
+        complaint.update(Content(one_line(message)))
+        complaint.display = True

@@ -1,0 +1,75 @@
+"""The tools of the level editor, and how they are set."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from enum import Enum
+
+__all__ = ["GRIDS", "PAINTING", "PLACING", "WIDTHS", "Settings", "Tool"]
+
+
+class Tool(Enum):
+    """What pressing a mouse button does; the values are the names of commands."""
+
+    HAND = "hand"
+    BRUSH = "brush"
+    LINE = "line"
+    RECTANGLE = "rectangle"
+    FILL = "fill"
+    ERASER = "eraser"
+    ROBOT = "robot"
+    BEACON = "beacon"
+    AREA = "area"
+
+
+PAINTING = (Tool.BRUSH, Tool.LINE, Tool.RECTANGLE, Tool.ERASER)
+"""Tools that have a width."""
+
+PLACING = (Tool.ROBOT, Tool.BEACON, Tool.AREA)
+"""Tools that place something."""
+
+WIDTHS = (1, 2, 3, 4, 6, 8, 12, 16, 24, 40)
+"""Squares of the grid that a brush or a border may be wide."""
+
+GRIDS = (1, 2, 5, 10, 20, 50)
+"""Map units that the squares of the grid may be wide."""
+
+
+@dataclass(frozen=True, slots=True)
+class Settings:
+    """How tools work.
+
+    Attributes:
+        tool: The one in hand.
+        width: Of brush, line and border, in squares of the grid.
+        grid: Map units of a square.
+        is_grid_shown: Whether the grid is drawn.
+        is_wall: Whether lines, rectangles and fillings are walls, or floor.
+        is_filled: Whether rectangles are filled.
+    """
+
+    tool: Tool = Tool.HAND
+    width: int = 1
+    grid: int = 5
+    is_grid_shown: bool = True
+    is_wall: bool = True
+    is_filled: bool = False
+
+    @property
+    def paints_wall(self) -> bool:
+        """Whether the tool in hand makes walls."""
+        return self.is_wall and self.tool is not Tool.ERASER
+
+    def wider(self, steps: int) -> Settings:
+        """The same with another width."""
+        return replace(self, width=_beside(WIDTHS, self.width, steps))
+
+    def next_grid(self) -> Settings:
+        """The same with the next size of the grid; after the last comes the first."""
+        later = [grid for grid in GRIDS if grid > self.grid]
+        return replace(self, grid=later[0] if later else GRIDS[0])
+
+
+def _beside(choices: tuple[int, ...], now: int, steps: int) -> int:
+    at = min(range(len(choices)), key=lambda place: abs(choices[place] - now))
+    return choices[min(max(at + steps, 0), len(choices) - 1)]

@@ -1,0 +1,261 @@
+"""Editing while the robots run, playing what is edited, and what becomes of it."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+import pytest
+from textual.widgets import Checkbox, Input, Select, SelectionList, TextArea
+
+from logical_robots_tui.tui.editing.finding_list import FindingList
+from logical_robots_tui.tui.editing.forms import ThingForm
+from logical_robots_tui.tui.editing.level_form import LevelForm
+from logical_robots_tui.tui.levels.screen import LevelScreen
+from logical_robots_tui.world import Visibility, load_level
+from tests.tui.conftest import opened
+from tests.tui.editing.conftest import ROOM, studio
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+
+def said(file: Path) -> str:
+    return file.read_text("utf-8")
+
+
+def say(file: Path, text: str) -> None:
+    file.write_text(text, "utf-8")
+
+
+async def test_a_robot_is_stopped_by_a_wall_and_taken_elsewhere_under_way(
+    data_dir: Path, room_file: Path
+) -> None:
+    async with studio(data_dir, room_file) as s:
+        game, session = s.game, s.game.session
+        await s.press("N")
+        await game.until(lambda: game.tick == 10)
+        before = session.frame
+        await s.press("b")
+        await s.drag((85, 20), (85, 80))
+        await game.until(lambda: session.level.walls[50, 85])
+        marks = session.game.history.marks if session.game else None
+        assert marks is not None
+        assert marks.at(10)[0].kind == "edit"
+        await s.press("space")
+        await game.until(lambda: session.frame.after.robots[0].blocked)
+        tick = game.tick
+        await s.press("h")
+        body = session.frame.after.robots[0]
+        await s.drag((body.x, body.y), (150, 50))
+        await game.until(lambda: session.frame.after.robots[0].x > 140)
+        await s.press("space")
+        await game.until(lambda: not session.running)
+        assert game.tick >= tick
+        last = session.frame
+        session.go_to(9)
+        await game.until(lambda: game.tick == 9)
+        assert session.frame.after.robots == before.before.robots
+        assert not session.level.walls[50, 85]
+        await game.until(lambda: not s.level.walls[50, 85])
+        assert s.editor.edits.can_undo == "go to tick 9"
+        session.go_to(last.tick)
+        await game.until(lambda: game.tick == last.tick)
+        assert session.frame == last
+        assert not session.is_by_the_book
+        await s.press("u", "u", "u")
+        await s.press("escape")
+        await game.until(lambda: game.shows("What becomes of the changes"))
+        await s.press("t")
+        await game.until(lambda: not game.main.editing.is_on)
+        assert np.array_equal(session.level.walls, s.mode.base.walls)
+
+
+async def test_undoing_brings_a_robot_back_to_where_it_was_taken(
+    data_dir: Path, room_file: Path
+) -> None:
+    async with studio(data_dir, room_file) as s:
+        await s.press("N")
+        await s.game.until(lambda: s.game.tick == 10)
+        x = s.game.session.frame.after.robots[0].x
+        assert x > 44
+        await s.drag((x, 50), (180, 60))
+        assert s.game.session.frame.after.robots[0].x > 170
+        await s.press("u")
+        assert s.game.session.frame.after.robots[0].x == x
+        assert s.level.robots[0].x == 40
+        await s.press("U")
+        assert s.game.session.frame.after.robots[0].x > 170
+
+
+async def test_playing_what_is_edited_loses_no_stroke_and_counts_for_nothing(
+    data_dir: Path, room_file: Path
+) -> None:
+    async with studio(data_dir, room_file) as s:
+        game = s.game
+        await s.drag((240, 50), (80, 50))
+        await s.press("t")
+        await game.until(lambda: game.session.won_at is not None)
+        assert not game.main.editing.is_on
+        assert game.main.journal.record.state != "won"
+        await s.press("t")
+        await game.until(lambda: game.main.editing.is_on and game.tick == 0)
+        assert s.editor.edits.can_undo == "move"
+        assert game.session.frame.after.robots[0].x == 40
+
+
+async def test_properties_are_set_in_forms_with_the_choices_there_are(
+    data_dir: Path, room_file: Path
+) -> None:
+    async with studio(data_dir, room_file, size=(80, 24)) as s:
+        game = s.game
+        await s.press("shift+tab", "i")
+        await game.until(lambda: isinstance(game.app.screen, ThingForm))
+        form = game.app.screen
+        form.query_one("#name", Input).value = "Gate"
+        form.query_one("#radius", Input).value = "wide"
+        await s.press("f2")
+        await game.until(lambda: game.shows("The radius is to be a number"))
+        form.query_one("#radius", Input).value = "22"
+        form.query_one("#solid", Checkbox).value = True
+        form.query_one("#off", Select).value = "Lamp"
+        form.query_one("#goal", SelectionList).deselect_all()
+        await s.press("f2")
+        await game.until(lambda: game.app.screen is game.main)
+        area = s.level.areas[0]
+        assert (area.name, area.radius, area.impenetrable) == ("Gate", 22, True)
+        assert (area.off_beacon, area.victory_robots) == ("Lamp", ())
+        await s.press("tab", "i")
+        await game.until(lambda: isinstance(game.app.screen, ThingForm))
+        form = game.app.screen
+        form.query_one("#battery", Checkbox).value = True
+        form.query_one("#capacity", Input).value = "300"
+        form.query_one("#heading", Input).value = "90"
+        await s.press("enter")
+        await game.until(lambda: game.app.screen is game.main)
+        robot = s.level.robots[0]
+        assert (robot.has_battery, robot.battery_capacity) == (True, 300)
+        assert robot.angle == pytest.approx(1.5708, abs=1e-4)
+        await s.press("m")
+        await game.until(lambda: isinstance(game.app.screen, LevelForm))
+        form = game.app.screen
+        form.query_one("#width", Input).value = "300"
+        form.query_one("#briefing", TextArea).text = "Go there."
+        form.query_one("#hints", TextArea).text = "Turn.\n\nGo on."
+        form.query_one("#sensor", Select).value = "all"
+        await s.press("f2")
+        await game.until(lambda: game.app.screen is game.main)
+        assert s.live.width == 300
+        assert s.live.briefing == "Go there."
+        assert s.live.hints == ("Turn.", "Go on.")
+        assert s.live.visibility == Visibility("own", "all")
+
+
+async def test_findings_are_listed_and_lead_to_their_place(data_dir: Path, room_file: Path) -> None:
+    async with studio(data_dir, room_file) as s:
+        game = s.game
+        await game.until(lambda: s.mode.findings == [])
+        await s.press("b", "right_square_bracket", "right_square_bracket")
+        await s.drag((200, 30))
+        await game.until(lambda: s.mode.findings)
+        await s.press("j")
+        await game.until(lambda: isinstance(game.app.screen, FindingList))
+        assert game.shows("is inside a wall")
+        await s.press("enter")
+        await game.until(lambda: s.editor.cursor == (200, 30))
+
+
+async def test_a_save_changes_little_and_one_without_a_change_nothing(
+    data_dir: Path, room_file: Path
+) -> None:
+    async with studio(data_dir, room_file) as s:
+        game = s.game
+        await s.press("s")
+        await game.until(lambda: game.shows("It is saved already"))
+        assert said(room_file) == ROOM
+        await s.drag((200, 30), (180, 30))
+        await s.press("s")
+        await game.until(lambda: game.shows("Saved as room"))
+        x = s.level.beacons[0].x
+        assert said(room_file) == ROOM.replace("x = 200", f"x = {x:g}")
+        assert s.mode.is_saved
+        say(room_file, ROOM.replace("A room", "Another room", 1))
+        await s.press("b")
+        await s.drag((100, 50))
+        await s.press("s")
+        await game.until(lambda: game.shows("was changed by another program"))
+        await s.press("escape")
+        assert "Another room" in said(room_file)
+
+
+async def test_changes_are_kept_as_a_new_level_that_the_chooser_shows(
+    data_dir: Path, room_file: Path
+) -> None:
+    async with studio(data_dir, room_file) as s:
+        game = s.game
+        await s.press("b")
+        await s.drag((100, 20), (100, 60))
+        await s.press("M")
+        await game.until(lambda: game.shows("What becomes of the changes"))
+        await s.press("k")
+        await game.until(lambda: game.shows("Save the level as"))
+        await game.until(lambda: game.app.screen.query("#name"))
+        game.app.screen.query_one("#name", Input).value = "mine"
+        game.app.screen.query_one("#title", Input).value = "Mine"
+        await s.press("enter")
+        await game.until(lambda: not game.main.editing.is_on)
+        kept = load_level(data_dir / "levels" / "mine.toml")
+        assert kept.title == "Mine"
+        assert kept.walls[40, 100]
+        assert said(room_file) == ROOM
+        assert game.session.opened.source == kept.source
+        await s.press("l")
+        await game.until(lambda: isinstance(game.app.screen, LevelScreen))
+        await s.press(*"mine")
+        await game.until(lambda: game.shows("▸ Mine"))
+
+
+async def test_a_new_level_is_made_from_a_labyrinth_drawn_by_lot(data_dir: Path) -> None:
+    async with opened(data_dir) as game:
+        await game.ready()
+        await game.press("H")
+        await game.until(lambda: game.shows("New level"))
+        form = game.app.screen
+        await game.until(lambda: form.query("#kind"))
+        form.query_one("#kind", Select).value = "labyrinth"
+        form.query_one("#columns", Input).value = "0"
+        await game.press("f2")
+        await game.until(lambda: game.shows("A labyrinth needs at least 2 places"))
+        form.query_one("#columns", Input).value = "3"
+        form.query_one("#rows", Input).value = "2"
+        form.query_one("#seed", Input).value = "7"
+        form.query_one("#title", Input).value = "Short cut"
+        await game.press("f2")
+        await game.until(lambda: game.main.editing.is_on)
+        assert game.session.level.title == "Short cut"
+        assert (game.session.level.width, game.session.level.height) == (220, 150)
+        assert game.shows("not saved")
+        await game.press("s")
+        await game.until(lambda: game.shows("Save the level as"))
+        await game.press("enter")
+        await game.until(lambda: (data_dir / "levels" / "labyrinth-7.toml").exists())
+        await game.press("escape")
+        await game.until(lambda: not game.main.editing.is_on)
+
+
+async def test_what_was_edited_is_offered_after_a_hangup(data_dir: Path, room_file: Path) -> None:
+    async with studio(data_dir, room_file) as s:
+        await s.press("b")
+        await s.drag((100, 20), (100, 60))
+    assert said(room_file) == ROOM
+    async with opened(data_dir) as game:
+        await game.until(lambda: game.shows("Go on editing the level “A room”"))
+        await game.press("y")
+        await game.until(lambda: game.main.editing.is_on and game.session.level.width == 280)
+        await game.until(lambda: game.session.level.walls[40, 100])
+        await game.press("u")
+        await game.until(lambda: not game.session.level.walls[40, 100])
+    async with opened(data_dir) as game:
+        await game.ready()
+        await game.until(lambda: game.main.journal.record)
+        assert not game.shows("Go on editing")
