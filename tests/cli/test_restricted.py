@@ -146,6 +146,21 @@ def test_a_restricted_game_says_what_is_off(tmp_path: Path) -> None:
     assert (tmp_path / "players" / "ada").is_dir()
 
 
+def test_a_restricted_game_in_lines_is_fenced_in_as_well(tmp_path: Path) -> None:
+    def played(*arguments: str) -> subprocess.CompletedProcess[str]:
+        command = list(map(str, game(tmp_path, "--plain", *arguments)))
+        return subprocess.run(
+            command, input="step\n", capture_output=True, text=True, check=False, timeout=60
+        )
+
+    done = played("02-open-space")
+    assert (done.returncode, done.stderr) == (0, "")
+    assert "Tick 1." in done.stdout
+    done = played("02-open-space", "/etc/passwd")
+    assert done.returncode == 2
+    assert "restricted mode allows only your own files" in done.stderr
+
+
 @pytest.mark.parametrize("name", ["../ben", "", ".", "a/b", "x" * 40])
 def test_a_players_name_is_no_path(name: str) -> None:
     done = subprocess.run(
