@@ -350,7 +350,9 @@ class Actions:
         """Show the help."""
         from logical_robots_tui.tui.dialogs.help import Help
 
-        self._screen.app.push_screen(Help(self._screen.labyrinth.view.drawing))
+        self._screen.app.push_screen(
+            Help(self._screen.labyrinth.view.drawing, self._screen.worked_in)
+        )
 
     def palette(self) -> None:
         """Find a command by its name."""
