@@ -6,7 +6,6 @@ import json
 import os
 import platform
 import shutil
-import sqlite3
 import sys
 from dataclasses import asdict, dataclass
 from importlib.metadata import PackageNotFoundError, version
@@ -128,6 +127,8 @@ def _colours(system: str | None) -> str:
 
 
 def _versions() -> Iterator[Finding]:
+    import sqlite3
+
     yield Finding("versions", "logical-robots", __version__)
     yield Finding("versions", "python", f"{platform.python_version()} on {platform.platform()}")
     yield Finding("versions", "sqlite", sqlite3.sqlite_version)

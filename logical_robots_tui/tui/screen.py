@@ -53,6 +53,7 @@ if TYPE_CHECKING:
     from logical_robots_tui.game import Breakpoint, Frame, Hit, Source
     from logical_robots_tui.mind import Engine
     from logical_robots_tui.tui.background import Work
+    from logical_robots_tui.tui.dialogs.help import Subject
     from logical_robots_tui.tui.journal import Journal
     from logical_robots_tui.tui.settings import Settings
     from logical_robots_tui.world import Level
@@ -195,6 +196,15 @@ class MainScreen(Screen[None]):
     def text(self) -> str:
         """What stands in the editor."""
         return self.program.text
+
+    @property
+    def worked_in(self) -> Subject:
+        """Where the player works: in a pane, or on the timeline."""
+        if self.focused is self.timeline:
+            return "timeline"
+        labyrinth: Subject = "editing" if self.editing.is_on else "labyrinth"
+        subjects: tuple[Subject, ...] = (labyrinth, "editor", "inspector")
+        return subjects[self.arrangement.panes.index(self.arrangement.active)]
 
     def put_text(self, text: str) -> None:
         """Put another program's text into the editor."""

@@ -99,6 +99,28 @@ async def test_the_palette_finds_a_command_and_does_it(data_dir: Path) -> None:
         assert game.app.screen is game.main
 
 
+async def test_the_help_begins_with_what_the_player_works_in(data_dir: Path) -> None:
+    async with opened(data_dir) as game:
+
+        async def headings(about: str) -> list[str]:
+            await game.press("f1")
+            await game.until(lambda: game.shows(f"Help · {about}"))
+            shown = game.app.screen.query_one("#help", Static)
+            await game.until(lambda: "Restart" in str(shown.visual))
+            await game.press("escape")
+            await game.until(lambda: game.app.screen is game.main)
+            return [line for line in str(shown.visual).splitlines() if line[:1].isalpha()][:5]
+
+        assert "Running" in await headings("labyrinth")
+        await game.press("2")
+        assert "In the program" in await headings("editor")
+        await game.press("escape", "3")
+        assert "In the inspector" in await headings("inspector")
+        await game.press("T")
+        await game.until(lambda: game.main.focused is game.main.timeline)
+        assert "In the timeline" in await headings("timeline")
+
+
 async def test_the_help_lists_every_command_with_its_keys(data_dir: Path) -> None:
     async with opened(data_dir) as game:
         await game.press("question_mark")

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from textwrap import wrap
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING, ClassVar, Literal, TypeAlias
 
 from textual.binding import Binding
 from textual.containers import Vertical, VerticalScroll
@@ -13,13 +13,16 @@ from textual.widgets import Static
 from logical_robots_tui.tui.commands import EDITING, GROUPS, commands
 from logical_robots_tui.tui.dialogs.dialog import Dialog
 from logical_robots_tui.tui.drawing.glyphs import Drawing, legend
+from logical_robots_tui.tui.editing_commands import WHILE_EDITING
 from logical_robots_tui.tui.theme import INK, hex_colour, palette_of
 from logical_robots_tui.tui.timeline.drawing import PARTING, SIGNS, TRACKS
 
 if TYPE_CHECKING:
+    from collections.abc import Iterable
+
     from textual.app import ComposeResult
 
-__all__ = ["Help"]
+__all__ = ["Help", "Subject"]
 
 _EDITOR_KEYS = (
     ("tab", "two spaces"),
@@ -37,15 +40,50 @@ _INSPECTOR_SIGNS = (
     ("◦", "a predicate that comes with the game"),
     ("ƒ", "a function of its arguments: it has no rows of its own"),
 )
+Subject: TypeAlias = Literal["labyrinth", "editing", "editor", "inspector", "timeline"]
+"""What the help can begin with."""
+
+_ABOUT: dict[Subject, tuple[str, tuple[str, ...]]] = {
+    "labyrinth": (
+        "The labyrinth shows the world at the tick on the screen. Arrows or a drag move the view, "
+        "the wheel zooms, a click chooses a robot. Single letters are commands here.",
+        ("Running", "Looking", "In the labyrinth"),
+    ),
+    "editing": (
+        "The level is edited here, by mouse or with a cursor that arrows move, further with shift. "
+        "A tool acts at a press of enter or of the mouse button; what changes is undone by one "
+        "key. The robots may run meanwhile.",
+        (WHILE_EDITING, "Making levels", "In the labyrinth"),
+    ),
+    "editor": (
+        "The program is edited here; letters are text, so commands have Ctrl or function keys. "
+        "What you type is kept. A line with ✗ holds a mistake, one with ! looks odd; the line "
+        "below the text says why.",
+        ("In the program", "Program and level"),
+    ),
+    "inspector": (
+        "The inspector shows what the program found at the tick on the screen. Choose a page or "
+        "a predicate on the left; tab goes to what it shows, arrows move there.",
+        ("In the inspector", "Rows and values"),
+    ),
+    "timeline": (
+        "The timeline holds the ticks that are known. Arrows, page up and down, home and end move "
+        "along it, and so does the mouse.",
+        ("In the timeline", "Time"),
+    ),
+}
+"""A sentence or two about each subject, and the sections that come first then."""
+
 _KEYS_WIDTH, _TITLE_WIDTH = 12, 27
 _BESIDE_FROM = 84  # columns from which on a sentence stands beside its title
 
 
 class Help(Dialog[None]):
-    """A text to scroll.
+    """A text to scroll: about the pane that is worked in, then about all else.
 
     Args:
         drawing: Whose signs to explain.
+        about: Where the player works; that is explained first.
     """
 
     DEFAULT_CSS = """
@@ -57,14 +95,14 @@ class Help(Dialog[None]):
         Binding("question_mark,f1,q", "leave", "Close", show=False),
     ]
 
-    def __init__(self, drawing: Drawing) -> None:
+    def __init__(self, drawing: Drawing, about: Subject = "labyrinth") -> None:
         super().__init__()
-        self._drawing = drawing
+        self._drawing, self._about = drawing, about
 
     def compose(self) -> ComposeResult:
         """One long text."""
         with Vertical(id="box") as box:
-            box.border_title = "Help"
+            box.border_title = f"Help · {self._about}"
             with VerticalScroll():
                 yield Static(id="help")
             yield Static("↑↓ scroll   esc close", id="keys", markup=False)
@@ -78,26 +116,37 @@ class Help(Dialog[None]):
         self.query_one("#help", Static).update(self._content(width))
 
     def _content(self, width: int) -> Content:
-        lines: list[Content] = []
-        for group in GROUPS:
-            lines.append(_heading(group))
-            for entry in (*commands(), *EDITING):
-                if entry.group == group:
-                    lines += _entry(entry.key_names or "^P", entry.title, entry.help, width)
-        lines.append(_heading("In the editor"))
-        for keys, what in _EDITOR_KEYS:
-            lines += _entry(keys, what, "", width)
-        lines.append(_heading("In the labyrinth"))
-        for sign, colour, meaning in legend(self._drawing, palette_of(self.app.current_theme)):
-            style = hex_colour(colour)
-            lines.append(Content.assemble("  ", (sign, style), "  ", (meaning, INK.text)))
-        lines.append(_heading("In the timeline"))
-        for sign, style, meaning in (*SIGNS.values(), PARTING, *TRACKS):
-            lines.append(Content.assemble("  ", (sign, style), "  ", (meaning, INK.text)))
-        lines.append(_heading("In the inspector"))
-        for sign, meaning in _INSPECTOR_SIGNS:
-            lines.append(Content.assemble("  ", (sign, INK.key), "  ", (meaning, INK.text)))
+        sections = {group: _commands_of(group, width) for group in GROUPS}
+        editing = [line for keys, what in _EDITOR_KEYS for line in _entry(keys, what, "", width)]
+        sections["In the program"] = editing
+        palette = palette_of(self.app.current_theme)
+        signs = [
+            (sign, hex_colour(rgb), said) for sign, rgb, said in legend(self._drawing, palette)
+        ]
+        sections["In the labyrinth"] = _signs(signs)
+        sections["In the timeline"] = _signs([*SIGNS.values(), PARTING, *TRACKS])
+        sections["In the inspector"] = _signs([(s, INK.key, said) for s, said in _INSPECTOR_SIGNS])
+        sentence, first = _ABOUT[self._about]
+        lines = [Content(""), *(Content.styled(line, INK.text) for line in wrap(sentence, width))]
+        for heading in dict.fromkeys((*first, *sections)):
+            lines += [_heading(heading), *sections[heading]]
         return Content("\n").join(lines)
+
+
+def _commands_of(group: str, width: int) -> list[Content]:
+    found = [entry for entry in (*commands(), *EDITING) if entry.group == group]
+    return [
+        line
+        for entry in found
+        for line in _entry(entry.key_names or entry.key_name, entry.title, entry.help, width)
+    ]
+
+
+def _signs(signs: Iterable[tuple[str, str, str]]) -> list[Content]:
+    """Signs, each with its style and what it means."""
+    return [
+        Content.assemble("  ", (sign, style), "  ", (said, INK.text)) for sign, style, said in signs
+    ]
 
 
 def _heading(text: str) -> Content:
