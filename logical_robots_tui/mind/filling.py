@@ -222,7 +222,7 @@ def _rays(moment: Moment, columns: tuple[str, ...]) -> Sequence[Filling]:
     for first, radar in enumerate(radars):
         values: list[Any] = [first * RAYS]
         for column in columns:
-            values += map(to_input, radar) if column == "value" else [r[column] for r in radar]
+            values += map(to_input if column == "value" else itemgetter(column), radar)
         items.append(values)
     return (Filling(_insert_rays(columns, usual), items),)
 

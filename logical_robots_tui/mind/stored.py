@@ -17,15 +17,11 @@ __all__ = ["TooDeepError", "from_sql", "size_of", "to_input", "to_json", "to_sql
 _DEEPEST = 100
 _LARGEST = 2**63
 
-_HIDES = re.compile(r"""\\|"[{\[]|Inf|e\+?\d\d\d""")
+_HIDING = ("\\", '"{', '"[', "Inf")
+_ENDLESS = re.compile(r"e\+?\d\d\d")
 """What a text has that may hide a record in a text, half a character, or a number without end."""
 
 _INFINITE = re.compile(r"(?<=[:\[,-])Inf(?=[,\]}])")
-
-
-_QUOTED = re.compile(r'"[^"]*"')
-_NO_BRACKETS = re.compile(r"[^][{}]+")
-_INNERMOST = re.compile(r"\[\]|\{\}")
 
 
 class TooDeepError(ValueError):
@@ -87,7 +83,7 @@ def from_sql(value: Any, deepest: int = _DEEPEST) -> Value:
 def _from_json(text: str, deepest: int) -> Value:
     try:
         parsed = _parsed(text)
-        if not _HIDES.search(text) and _is_shallow(text, deepest):
+        if _is_shallow(text, deepest) and not _may_hide(text):
             return parsed  # type: ignore[no-any-return]  # there is nothing to unescape
     except RecursionError:
         raise _too_deep() from None
@@ -97,15 +93,17 @@ def _from_json(text: str, deepest: int) -> Value:
 
 
 def _is_shallow(text: str, deepest: int) -> bool:
-    """Whether records and lists are nested no deeper in JSON text that escapes nothing."""
-    if text.count("[") + text.count("{") <= deepest:
-        return True
-    brackets = _NO_BRACKETS.sub("", _QUOTED.sub("", text))
-    for _ in range(deepest):
-        if not brackets:
-            return True
-        brackets = _INNERMOST.sub("", brackets)
-    return not brackets
+    """Whether JSON text is certainly nested no deeper; a list of records opens one after another.
+
+    What opens right after another of its kind was closed lies no deeper than that did.
+    """
+    opened = text.count("[") + text.count("{")
+    return opened <= deepest or opened - text.count("},{") - text.count("],[") <= deepest
+
+
+def _may_hide(text: str) -> bool:
+    """Whether JSON text may have to be looked at value by value."""
+    return any(map(text.__contains__, _HIDING)) or _ENDLESS.search(text) is not None
 
 
 def _parsed(text: str) -> Any:
