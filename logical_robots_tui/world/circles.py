@@ -14,11 +14,15 @@ if TYPE_CHECKING:
 
     from logical_robots_tui.world.rays import Rays
 
-__all__ = ["Circles", "take_nearer_circles"]
+__all__ = ["FEW", "Circles", "take_nearer_circles"]
+
+FEW = 96
+"""Pairs of robot and circle of which it is quicker to try all rays."""
 
 _PAIRS_AT_ONCE = 4096  # bounds the memory for robots that crowd around each other
 _PER_RADIAN = (RADAR_RAYS - 1) / RADAR_SPAN
 _MIDDLE = (RADAR_RAYS - 1) / 2
+_EACH_RAY = np.arange(RAYS)
 _THREE = np.arange(3.0)[:, None]
 
 
@@ -104,6 +108,8 @@ def _within_reach(
     hits: NDArray[np.int64], codes: int, rays: Rays, circles: Circles
 ) -> _Pairs | None:
     """Return who may meet what is not hidden by a wall, or None."""
+    if len(circles.number) == 1 == len(rays.robot):
+        return None
     to_x = circles.x - rays.x[:, None]
     to_y = circles.y - rays.y[:, None]
     away = to_x * to_x
@@ -126,11 +132,11 @@ def _take(hits: NDArray[np.int64], codes: int, rays: Rays, circles: Circles, pai
     A chord through the circle tells within less than a step where a ray enters it; whether a
     step is inside is then decided by the distance itself, at the three steps around there.
     """
-    left, count = _between_tangents(rays, pairs)
-    pair = np.arange(len(left)).repeat(count)
-    ray = np.arange(len(pair)) + (left - count.cumsum() + count + pairs.robot * RAYS)[pair]
+    pair, ray = _all_rays(pairs) if len(pairs.robot) <= FEW else _between_tangents(rays, pairs)
     hits = hits.reshape(-1)
     shown = (pairs.least[pair] < hits[ray]).nonzero()[0]
+    if not len(shown):
+        return
     pair, ray = pair[shown], ray[shown]
 
     cos, sin = rays.cos.reshape(-1)[ray], rays.sin.reshape(-1)[ray]
@@ -143,7 +149,7 @@ def _take(hits: NDArray[np.int64], codes: int, rays: Rays, circles: Circles, pai
     half_squared = size_squared - aside * aside
     half_squared += 1e-9 * size + 1e-14 * (along * along + size_squared)
     half = np.sqrt(np.maximum(half_squared, 0.0))
-    met = np.nonzero((half_squared >= 0) & (along + half > 0.5))[0]
+    met = ((half_squared >= 0) & (along + half > 0.5)).nonzero()[0]
 
     pair, ray = pair[met], ray[met]
     robot, circle = pairs.robot[pair], pairs.circle[pair]
@@ -154,13 +160,19 @@ def _take(hits: NDArray[np.int64], codes: int, rays: Rays, circles: Circles, pai
     inside = _is_nearer(dx, dy, size[met])
     inside &= step < SENSOR_RANGE
     which = inside.argmax(axis=0)
-    found = np.nonzero(inside.any(axis=0))[0]
+    found = np.flatnonzero(inside.any(axis=0))
     hit = (entry + which)[found].astype(np.int64) * codes + circles.number[circle[found]] + 1
     np.minimum.at(hits, ray[found], hit)
 
 
+def _all_rays(pairs: _Pairs) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
+    """Return every ray of every pair, as `_between_tangents` does with those that may meet."""
+    ray = (pairs.robot * RAYS)[:, None] + _EACH_RAY
+    return np.arange(len(ray)).repeat(RAYS), ray.reshape(-1)
+
+
 def _between_tangents(rays: Rays, pairs: _Pairs) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
-    """Return for each pair the leftmost ray that may meet the circle, and how many from there."""
+    """Return the rays that may meet the circle of a pair, all in a row: the pair, and the ray."""
     dx, dy, robot = pairs.dx, pairs.dy, pairs.robot
     cos, sin = rays.cos[robot, FORWARD], rays.sin[robot, FORWARD]
     ahead, right = dx * cos + dy * sin, dy * cos - dx * sin
@@ -177,7 +189,9 @@ def _between_tangents(rays: Rays, pairs: _Pairs) -> tuple[NDArray[np.intp], NDAr
     # The forward ray stands behind the middle one.
     first += first >= FORWARD
     last += last >= FORWARD - 1
-    return first, last - first + 1
+    count = last - first + 1
+    pair = np.arange(len(first)).repeat(count)
+    return pair, np.arange(len(pair)) + (first - count.cumsum() + count + robot * RAYS)[pair]
 
 
 def _is_nearer(
@@ -189,6 +203,8 @@ def _is_nearer(
     """
     squared, limit = dx * dx + dy * dy, radius * radius
     nearer = squared < limit
-    for i, j in np.argwhere(np.abs(squared - limit) <= 1e-12 * limit):
-        nearer[i, j] = math.hypot(dx[i, j], dy[i, j]) < radius[j]
+    rim = np.abs(squared - limit) <= 1e-12 * limit
+    if rim.any():
+        for i, j in np.argwhere(rim):
+            nearer[i, j] = math.hypot(dx[i, j], dy[i, j]) < radius[j]
     return nearer

@@ -30,6 +30,7 @@ FORWARD = RADAR_RAYS // 2 + 1
 by side stand side by side."""
 
 _TURNS = np.array([i * (RADAR_SPAN / (RADAR_RAYS - 1)) for i in range(RADAR_RAYS)])
+_TURNS = np.insert(_TURNS, FORWARD, 0.0)
 
 
 class Rays(NamedTuple):
@@ -40,9 +41,9 @@ class Rays(NamedTuple):
         x: Where they start, of shape (robots,).
         y: The same.
         angle: The robots' headings in radians, of shape (robots,).
-        aside: Reported angles of the radar in radians, left positive, of shape (robots, radar).
-        cos: Of the rays' headings, of shape (robots, rays), from left to right with the forward
-            ray at ``FORWARD``.
+        aside: Reported angles of the rays in radians, left positive, of shape (robots, rays), from
+            left to right with the forward ray at ``FORWARD``.
+        cos: Of the rays' headings, of the same shape.
         sin: The same.
     """
 
@@ -76,13 +77,10 @@ def rays_of(robots: Sequence[RobotState]) -> Rays:
     x = np.array([robot.x for robot in robots])
     y = np.array([robot.y for robot in robots])
     angle = np.array([robot.angle for robot in robots])
-    radar = (angle - RADAR_SPAN / 2)[:, None] + _TURNS
-    headings = np.empty((len(robots), RAYS))
-    headings[:, :FORWARD] = radar[:, :FORWARD]
+    headings = (angle - RADAR_SPAN / 2)[:, None] + _TURNS
     headings[:, FORWARD] = angle
-    headings[:, FORWARD + 1 :] = radar[:, FORWARD:]
     # math.cos and not numpy's, which differs between processors.
     each = headings.ravel().tolist()
     cos = np.fromiter(map(math.cos, each), np.float64, len(each)).reshape(headings.shape)
     sin = np.fromiter(map(math.sin, each), np.float64, len(each)).reshape(headings.shape)
-    return Rays(np.arange(len(robots)), x, y, angle, angle[:, None] - radar, cos, sin)
+    return Rays(np.arange(len(robots)), x, y, angle, angle[:, None] - headings, cos, sin)

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from logical_robots_tui.values import SensorRow
-    from logical_robots_tui.world.level import Level
+    from logical_robots_tui.world.level import Level, Robot
     from logical_robots_tui.world.rays import Rays
     from logical_robots_tui.world.state import AreaState, RobotState
 
@@ -123,7 +123,7 @@ class Senses:
         code: NDArray[np.int64],
         clock: int,
     ) -> list[SensorRow]:
-        columns = zip(
+        each = zip(
             self._robots,
             robots,
             rays.aside.tolist(),
@@ -133,26 +133,40 @@ class Senses:
             strict=True,
         )
         return [
-            {
-                "robot_name": robot.name,
-                "sensor": {
-                    "forward_distance": distances.pop(FORWARD),
-                    "forward_object": objects.pop(FORWARD),
-                    "forward_label": labels.pop(FORWARD),
-                    "radar": [
-                        {"angle": angle, "distance": distance, "object": kind, "label": label}
-                        for angle, distance, kind, label in zip(
-                            angles, distances, objects, labels, strict=True
-                        )
-                    ],
-                    "self": {
-                        "can_charge": robot.can_charge,
-                        "has_battery": robot.has_battery,
-                        "battery_level": state.battery_level,
-                        "battery_capacity": robot.battery_capacity,
-                    },
-                    "clock": clock,
-                },
-            }
-            for robot, state, angles, distances, objects, labels in columns
+            _row(robot, state, angles, distances, objects, labels, clock)
+            for robot, state, angles, distances, objects, labels in each
         ]
+
+
+def _row(
+    robot: Robot,
+    state: RobotState,
+    angles: list[float],
+    distances: list[int],
+    objects: list[str],
+    labels: list[str],
+    clock: int,
+) -> SensorRow:
+    """What one robot senses; the lists hold a value for each ray and are used up."""
+    del angles[FORWARD]
+    return {
+        "robot_name": robot.name,
+        "sensor": {
+            "forward_distance": distances.pop(FORWARD),
+            "forward_object": objects.pop(FORWARD),
+            "forward_label": labels.pop(FORWARD),
+            "radar": [
+                {"angle": angle, "distance": distance, "object": kind, "label": label}
+                for angle, distance, kind, label in zip(
+                    angles, distances, objects, labels, strict=True
+                )
+            ],
+            "self": {
+                "can_charge": robot.can_charge,
+                "has_battery": robot.has_battery,
+                "battery_level": state.battery_level,
+                "battery_capacity": robot.battery_capacity,
+            },
+            "clock": clock,
+        },
+    }

@@ -198,6 +198,8 @@ def _engines(desire: Desire | None) -> tuple[float, float]:
 
 def _power(engine: object) -> float:
     """Return an engine's power as a plain finite float, 0 for anything that isn't a number."""
+    if type(engine) is float:
+        return engine if math.isfinite(engine) else 0.0  # quicker for what is usual
     if not isinstance(engine, Real):
         return 0.0
     try:

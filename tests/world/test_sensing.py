@@ -4,15 +4,16 @@ from __future__ import annotations
 
 import math
 from typing import TYPE_CHECKING, Any
+from unittest.mock import patch
 
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from logical_robots_tui.world import Area, Beacon, Level, Robot, World, load_level
+from logical_robots_tui.world import Area, Beacon, Level, Robot, World, circles, load_level
 from logical_robots_tui.world.rays import SENSOR_RANGE, rays_of
-from logical_robots_tui.world.walls import FEW, Walls
+from logical_robots_tui.world.walls import FEW, FEWEST, Walls
 
 from .making import levels, make_level
 from .plain_sensing import plain_look
@@ -29,11 +30,18 @@ def forward(level: Level) -> tuple[int, str, str]:
     return sensor["forward_distance"], sensor["forward_object"], sensor["forward_label"]
 
 
+def assert_sees_what_the_plain_rays_see(world: World) -> None:
+    """Both with all rays tried at a circle and with those between its tangents."""
+    plain = plain_look(world)
+    assert world.look() == plain
+    with patch.object(circles, "FEW", 0):
+        assert world.look() == plain
+
+
 @settings(max_examples=300, deadline=None)
 @given(levels())
 def test_the_fast_rays_hit_what_the_plain_rays_hit(level: Level) -> None:
-    world = World(level)
-    assert world.look() == plain_look(world)
+    assert_sees_what_the_plain_rays_see(World(level))
 
 
 @settings(max_examples=300, deadline=None)
@@ -42,11 +50,12 @@ def test_few_rays_are_cast_as_many_are(level: Level) -> None:
     rays = rays_of(World(level).robots)
     walls = Walls(level.walls, SENSOR_RANGE)
     found = []
-    for times in (1, 1 + FEW // rays.cos.size):
+    for times in (1, 1 + FEWEST // rays.cos.size, 1 + FEW // rays.cos.size):
         x, y = np.tile(rays.x, times), np.tile(rays.y, times)
         cos, sin = (np.tile(turn, (times, 1)) for turn in (rays.cos, rays.sin))
         found.append(walls.distances(x, y, cos, sin)[: len(rays.x)])
-    few, many = found
+    fewest, few, many = found
+    assert (fewest == many).all()
     assert (few == many).all()
 
 
@@ -78,8 +87,8 @@ def test_a_ray_that_grazes_a_circle_decides_as_the_plain_one(
         impenetrable=True,
     )
     robot = Robot("Ann", 500.3, 500.7, heading)
-    world = World(make_level([robot], width=1000, height=1000, areas=[area]))
-    assert world.look() == plain_look(world)
+    level = make_level([robot], width=1000, height=1000, areas=[area])
+    assert_sees_what_the_plain_rays_see(World(level))
 
 
 def test_a_level_without_robots_has_nobody_to_see() -> None:
