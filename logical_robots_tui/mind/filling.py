@@ -91,33 +91,32 @@ def _sensors(moment: Moment, columns: tuple[str, ...]) -> Sequence[Filling]:
 
 def _memories(moment: Moment, columns: tuple[str, ...]) -> Sequence[Filling]:
     """All memories. A column of a field is written with the field, as in ``field_0=seen``."""
-    names = tuple(column.partition("=")[0] for column in columns)
-    if names == ("robot_name",):
-        return (Filling(_insert("Memory", names), moment.memories),)
-    values = [_memory_value(column) for column in columns if column != "robot_name"]
+    insert, fields = _memory_columns(columns)
+    if not fields:
+        return (Filling(insert, moment.memories),)
     stored = {
-        name: [value(memory) for value in values] for name, memory in moment.remembered.items()
+        name: [_stored(_found(field, memory)) if field else to_sql(memory) for field in fields]
+        for name, memory in moment.remembered.items()
     }
-    nothing = [None] * len(values)
-    rows = [(number, *stored.get(name, nothing), name) for number, name in moment.memories]
-    return (Filling(_insert("Memory", names), rows),)
+    nothing = [None] * len(fields)
+    rows = [(number, name, *stored.get(name, nothing)) for number, name in moment.memories]
+    return (Filling(insert, rows),)
 
 
-def _memory_value(column: str) -> Callable[[Any], Any]:
-    _, _, field = column.partition("=")
-    return partial(_field, field) if field else to_sql
+@cache
+def _memory_columns(columns: tuple[str, ...]) -> tuple[str, tuple[str, ...]]:
+    """The statement that inserts a memory, and the fields in it; "" for the whole memory."""
+    pairs = [column.partition("=") for column in columns if column != "robot_name"]
+    names = ("robot_name", *(name for name, _, _ in pairs))
+    return _insert("Memory", names), tuple(field for _, _, field in pairs)
 
 
-def _field(field: str, memory: Any) -> Any:
-    """A field of a memory as SQLite would find it in the text of the memory.
+def _found(field: str, memory: Any) -> Any:
+    """A field of a memory.
 
     Raises:
         ValueError: Only SQLite can tell: the memory is a text that may spell a record.
     """
-    return _stored(_found(field, memory))
-
-
-def _found(field: str, memory: Any) -> Any:
     if memory.__class__ is dict:
         return memory.get(field)
     if memory.__class__ is str and memory.lstrip()[:1] == "{":
@@ -130,7 +129,10 @@ def _stored(value: Any) -> Any:
     kind = value.__class__
     if kind is float:
         return value if isfinite(value) else None
-    return to_input(value) if kind is dict or kind is list else value
+    return to_input(value) if kind in _NESTED else value
+
+
+_NESTED = frozenset({dict, list})
 
 
 def spelled_item(column: str, place: int, field: str, key: str) -> str:

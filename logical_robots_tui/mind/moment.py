@@ -90,7 +90,7 @@ class Moment:
         found = self._rays_to.get(kind)
         if found is None:
             found = self._rays_to[kind] = [
-                [item for item in enumerate(row["sensor"]["radar"]) if item[1]["object"] == kind]
+                [(n, ray) for n, ray in enumerate(row["sensor"]["radar"]) if ray["object"] == kind]
                 for row in self.sensors
             ]
         return found
