@@ -103,32 +103,36 @@ def _columns(tree: exp.Expr, query: str, name: str) -> Iterator[exp.Column]:
 
 def _split(
     arms: Sequence[exp.Select], name: str, pairs: Sequence[tuple[exp.Expr, exp.Expr]]
-) -> str:
+) -> exp.Identifier:
     """Let selects give the parts of their pairs; the name of the column of the values."""
-    same = set.intersection(
-        *(
-            {item.alias for item in arm.expressions if item.this == value}
+    places = range(len(arms[0].expressions))
+    same = [
+        arms[0].expressions[place].args["alias"]
+        for place in places
+        if all(
+            arm.expressions[place].this == value
             for arm, (_, value) in zip(arms, pairs, strict=True)
         )
-    )
-    values = min(same, default=f"t_0_{name}_value")
+    ]
+    values = same[0] if same else exp.to_identifier(f"t_0_{name}_value")
     for arm, (argument, value) in zip(arms, pairs, strict=True):
         kept = [item for item in arm.expressions if item.alias != name]
         kept.append(exp.alias_(argument, f"t_0_{name}_arg"))
         if not same:
-            kept.append(exp.alias_(value, values))
+            kept.append(exp.alias_(value, values.copy()))
         arm.set("expressions", kept)
     return values
 
 
-def _ask(call: exp.Anonymous, name: str, value: str) -> None:
+def _ask(call: exp.Anonymous, name: str, value: exp.Identifier) -> None:
     """Let a call of ArgMin ask for columns.
 
     A number without end can't be written into a record. Where one would be the best, the query is
     made to fail, so that the plain way is asked.
     """
     table = next(call.find_all(exp.Column)).table
-    argument, values = exp.column(f"t_0_{name}_arg", table), exp.column(value, table)
+    argument = exp.column(f"t_0_{name}_arg", table)
+    values = exp.column(value.copy(), table)
     best = exp.Anonymous(this=call.this, expressions=[argument, values])
     least = exp.Anonymous(this=call.name[4:], expressions=[values.copy()])
     endless = [exp.Var(this="9e999"), exp.Var(this="-9e999")]

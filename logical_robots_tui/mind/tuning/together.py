@@ -211,7 +211,7 @@ def _give_row_to_each(select: exp.Select) -> None:
 
     Grouped by viewer, there would be none for a viewer without rows.
     """
-    if select.args.get("distinct"):
+    if select.args.get("distinct") or not all(item.alias for item in select.expressions):
         raise _UnsuitableError
     values = []
     for item in select.expressions:
@@ -219,7 +219,7 @@ def _give_row_to_each(select: exp.Select) -> None:
         for part in ("from_", "joins", "where"):
             if (found := select.args.get(part)) is not None:
                 alone.set(part, [one.copy() for one in found] if part == "joins" else found.copy())
-        values.append(exp.alias_(exp.Subquery(this=alone), item.alias_or_name))
+        values.append(exp.Alias(this=exp.Subquery(this=alone), alias=item.args["alias"].copy()))
     select.set("expressions", values)
     for part in ("from_", "joins", "where"):
         select.set(part, None)

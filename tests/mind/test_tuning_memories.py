@@ -1,0 +1,122 @@
+"""Lists in memories, pairs for ArgMin and totals: the quick way gives what the plain one gives."""
+
+from __future__ import annotations
+
+from dataclasses import asdict
+from typing import Any
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from logical_robots_tui.mind import Mind, Program
+from tests.mind.rows import ROBOT, nearly_same, row, think
+
+ROADS = """
+Road(start: r.start, best? ArgMin= r.length -> r.doubt, doubt? Min= r.doubt) distinct :-
+  Memory(memory:), r in memory.report;
+Road(start: r.start, best? ArgMin= r.length -> r.doubt, doubt? Min= r.doubt) distinct :-
+  Memory(memory:), r in memory.roads;
+Longest(start:, road? ArgMax= {length:, doubt:} -> length) distinct :-
+  Road(start:, best: length, doubt:);
+Mine(robot_name:, start: r.start) :- Memory(robot_name:, memory:), r in memory.report;
+Number(n? Count= start) distinct :- Mine(start:);
+Starts(items? List= start) distinct :- Mine(start:);
+"""
+TOLD = f"""{ROADS}{ROBOT}
+  m = {{
+    roads: List{{{{start:, best:, doubt:}} :- Road(start:, best:, doubt:)}},
+    longest: List{{{{start:, road:}} :- Longest(start:, road:)}},
+    number: Max{{n :- Number(n:)}}, starts: AnyValue{{i :- Starts(items: i)}},
+    mine: List{{s :- Mine(robot_name:, start: s)}}
+  }};
+"""
+
+number = st.integers(-3, 3) | st.sampled_from([0.5, -2.25, 1e15, float("inf"), float("-inf")])
+value = st.none() | st.booleans() | number | st.sampled_from(["A", "B", "", "é", '{"a":1}'])
+record = st.fixed_dictionaries(
+    {}, optional={"start": value, "length": value | st.just({"deep": [1]}), "doubt": number | value}
+)
+usual = st.fixed_dictionaries(
+    {"start": st.sampled_from("ABC"), "length": number, "doubt": st.integers(0, 2)}
+)
+roads = st.lists(usual, max_size=40) | st.lists(record, max_size=5)
+odd = value | st.lists(record | value, max_size=4) | record
+memory = st.fixed_dictionaries({}, optional={"report": roads | odd, "roads": roads}) | value
+
+
+@pytest.mark.parametrize("visible", ["own", "seen", "all"])
+def test_whatever_lists_hold_both_ways_give_the_same(visible: Any) -> None:
+    program = Program.compile(TOLD)
+    tuned, plain = (Mind(program, memory=visible, plain=plain) for plain in (False, True))
+    rows = [row("Ada", sees={3: (40, "robot", "Bo")}), row("Bo"), row("Cy")]
+
+    @settings(max_examples=60, deadline=None)
+    @given(st.dictionaries(st.sampled_from(["Ada", "Bo", "Cy"]), memory))
+    def same(memories: dict[str, Any]) -> None:
+        quick, slow = ([asdict(d) for d in m.think(rows, memories)] for m in (tuned, plain))
+        assert nearly_same(quick, slow)
+
+    try:
+        same()
+    finally:
+        tuned.close()
+        plain.close()
+
+
+def test_records_in_lists_are_not_passed_as_text() -> None:
+    read = Program.compile(TOLD).tuned["Robot"].columns
+    assert read["Memory"] == ("robot_name",)
+    assert {spelled.partition(":")[2] for spelled in read["Item"]} == {
+        *("report.start", "report.length", "report.doubt"),
+        *("roads.start", "roads.length", "roads.doubt"),
+    }
+
+
+def test_argmin_needs_no_function_of_ours_and_no_record() -> None:
+    sql = Program.compile(TOLD).tuned["Robot"].sql
+    assert "ARG_M" not in sql.upper()
+    assert "'arg'" not in sql
+
+
+def test_argmin_beside_another_extreme_stays_a_function() -> None:
+    text = f"""
+    Road(start: r.start, best? ArgMin= r.length -> r.doubt, far? Max= r.length) distinct :-
+      Memory(memory:), r in memory;
+    {ROBOT} m = List{{{{start:, best:, far:}} :- Road(start:, best:, far:)}};
+    """
+    assert "ARG_MIN" in Program.compile(text).tuned["Robot"].sql.upper()
+    roads = [{"start": "A", "length": n, "doubt": abs(n - 3)} for n in range(6)]
+    (decision,) = think(text, [row("Ada")], {"Ada": roads})
+    assert decision.memory == [{"start": "A", "best": 3, "far": 5}]
+
+
+@pytest.mark.parametrize("visible", ["own", "seen", "all"])
+def test_a_total_is_there_for_a_robot_that_has_nothing_to_count(visible: str) -> None:
+    text = f"""@Visible(Memory, "{visible}");
+    Near(robot_name:, label: ray.label) :-
+      Sensor(robot_name:, sensor:), ray in sensor.radar, ray.object == "robot";
+    Number(n? Count= label, all? Set= label, turns? Sum= t) distinct :-
+      Near(label:), Memory(memory:), t == memory.turn;
+    {ROBOT} Number(n:, all:, turns:), m = {{n:, all:, turns:, again: Sum{{x :- Number(n: x)}}}};
+    """
+    rows = [row("Ada", sees={4: (20, "robot", "Bo"), 5: (20, "robot", "Cy")}), row("Bo"), row("Cy")]
+    memories = {"Ada": {"turn": 1}, "Bo": {"turn": 2}, "Cy": {"turn": 4}}
+    tuned = Program.compile(text).tuned["Robot"]
+    assert tuned.together
+    assert tuned.together_alike
+    counted: list[Any] = [decision.memory for decision in think(text, rows, memories)]
+    assert [memory["n"] for memory in counted] == [2, 0, 0]
+    assert counted[1] == {"n": 0, "all": None, "turns": None, "again": 0}
+
+
+def test_what_all_see_alike_is_computed_once_for_all() -> None:
+    text = f"""Known(far? Min= p.far) distinct :- Memory(memory:), p in memory.places;
+    {ROBOT} Known(far:), m = far + sensor.clock;"""
+    tuned = Program.compile(text).tuned["Robot"]
+    assert "?5" in tuned.together
+    assert "?5" not in tuned.together_alike
+    assert (tuned.for_all(alike=False)[1], tuned.for_all(alike=True)[1]) == (5, 4)
+    memories = {"Ada": {"places": [{"far": 3}]}, "Bo": {"places": [{"far": 2}, {"near": 1}]}}
+    found = think(text, [row("Ada", clock=10), row("Bo", clock=20)], memories, memory="all")
+    assert [decision.memory for decision in found] == [12, 22]
