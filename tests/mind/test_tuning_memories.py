@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import OrderedDict
 from dataclasses import asdict
 from typing import Any
 
@@ -10,7 +11,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from logical_robots_tui.mind import Mind, Program
-from tests.mind.rows import ROBOT, nearly_same, row, think
+from tests.mind.rows import ROBOT, nearly_same, remembered, row, think
 
 ROADS = """
 Road(start: r.start, best? ArgMin= r.length -> r.doubt, doubt? Min= r.doubt) distinct :-
@@ -62,6 +63,22 @@ def test_whatever_lists_hold_both_ways_give_the_same(visible: Any) -> None:
     finally:
         tuned.close()
         plain.close()
+
+
+@pytest.mark.parametrize(
+    ("memory", "turn"),
+    [
+        (OrderedDict(turn=3), 3),
+        ('{"turn": 3}', 3),
+        ({"turn": {"turn": 3}}, {"turn": 3}),
+        ({"turn": "[1"}, "[1"),
+        ("turn", None),
+        ([1], None),
+        (True, None),
+    ],
+)
+def test_a_field_is_found_in_whatever_spells_a_record(memory: Any, turn: Any) -> None:
+    assert remembered("{turn: memory.turn}", memory) == {"turn": turn}
 
 
 def test_records_in_lists_are_not_passed_as_text() -> None:
