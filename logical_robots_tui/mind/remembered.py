@@ -110,7 +110,7 @@ def items(moment: Moment, columns: tuple[str, ...]) -> Sequence[Filling]:
         columns: As `spelled_item` has them.
 
     Raises:
-        ValueError: What should be a list of records is something else.
+        ValueError: What should be a list of records is something else, or there are too many.
     """
     lists: dict[tuple[int, str], list[tuple[str, str]]] = {}
     for spelled in columns:
@@ -127,6 +127,8 @@ def items(moment: Moment, columns: tuple[str, ...]) -> Sequence[Filling]:
         for number, name in moment.memories:
             start = (number * len(MEMORY_FIELDS) + place) * ITEMS
             rows += [(start + n, *item) for n, item in enumerate(values.get(name, ()))]
+        if len(rows) > ITEMS:
+            raise ValueError("too many records")
         found += in_blocks("Item", tuple(column for column, _ in pairs), rows)
     return found
 

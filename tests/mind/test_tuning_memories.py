@@ -11,6 +11,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from logical_robots_tui.mind import Mind, Program
+from logical_robots_tui.mind.tuning import tune
 from tests.mind.rows import ROBOT, nearly_same, remembered, row, think
 
 ROADS = """
@@ -137,3 +138,12 @@ def test_what_all_see_alike_is_computed_once_for_all() -> None:
     memories = {"Ada": {"places": [{"far": 3}]}, "Bo": {"places": [{"far": 2}, {"near": 1}]}}
     found = think(text, [row("Ada", clock=10), row("Bo", clock=20)], memories, memory="all")
     assert [decision.memory for decision in found] == [12, 22]
+
+
+def test_a_total_over_a_query_written_in_place_is_of_what_its_viewer_sees() -> None:
+    statement = """WITH t_1_All AS (
+      SELECT SUM(u.c) AS n FROM (SELECT T.clock AS c FROM Sensor AS T) AS u
+    ) SELECT S.robot_name AS r, (SELECT MAX(N.n) AS x FROM t_1_All AS N) AS m FROM Sensor AS S"""
+    tuned = tune(statement, for_all=True)
+    assert tuned is not None
+    assert "T.id BETWEEN S.id AND S.id" in tuned.together
