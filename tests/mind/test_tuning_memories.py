@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import OrderedDict
 from dataclasses import asdict
 from typing import Any
 
@@ -10,7 +11,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from logical_robots_tui.mind import Mind, Program
-from tests.mind.rows import ROBOT, nearly_same, row, think
+from logical_robots_tui.mind.tuning import tune
+from tests.mind.rows import ROBOT, nearly_same, remembered, row, think
 
 ROADS = """
 Road(start: r.start, best? ArgMin= r.length -> r.doubt, doubt? Min= r.doubt) distinct :-
@@ -62,6 +64,22 @@ def test_whatever_lists_hold_both_ways_give_the_same(visible: Any) -> None:
     finally:
         tuned.close()
         plain.close()
+
+
+@pytest.mark.parametrize(
+    ("memory", "turn"),
+    [
+        (OrderedDict(turn=3), 3),
+        ('{"turn": 3}', 3),
+        ({"turn": {"turn": 3}}, {"turn": 3}),
+        ({"turn": "[1"}, "[1"),
+        ("turn", None),
+        ([1], None),
+        (True, None),
+    ],
+)
+def test_a_field_is_found_in_whatever_spells_a_record(memory: Any, turn: Any) -> None:
+    assert remembered("{turn: memory.turn}", memory) == {"turn": turn}
 
 
 def test_records_in_lists_are_not_passed_as_text() -> None:
@@ -120,3 +138,12 @@ def test_what_all_see_alike_is_computed_once_for_all() -> None:
     memories = {"Ada": {"places": [{"far": 3}]}, "Bo": {"places": [{"far": 2}, {"near": 1}]}}
     found = think(text, [row("Ada", clock=10), row("Bo", clock=20)], memories, memory="all")
     assert [decision.memory for decision in found] == [12, 22]
+
+
+def test_a_total_over_a_query_written_in_place_is_of_what_its_viewer_sees() -> None:
+    statement = """WITH t_1_All AS (
+      SELECT SUM(u.c) AS n FROM (SELECT T.clock AS c FROM Sensor AS T) AS u
+    ) SELECT S.robot_name AS r, (SELECT MAX(N.n) AS x FROM t_1_All AS N) AS m FROM Sensor AS S"""
+    tuned = tune(statement, for_all=True)
+    assert tuned is not None
+    assert "T.id BETWEEN S.id AND S.id" in tuned.together

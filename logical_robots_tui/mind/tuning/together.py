@@ -125,9 +125,12 @@ class _Lifting:
 
     def _lift_select(self, select: exp.Select, *, must: bool) -> bool:
         if not select.args.get("group") and any(map(sql.own_aggregates, select.expressions)):
-            if not must and not self._depends(select):
+            bound = any(map(self._is_bound, select.find_all(exp.Between)))
+            if not must and not bound and not self._depends(select):
                 return False
             _give_row_to_each(select)
+            if len(select.expressions) > 1:  # what they read is better computed once
+                self._mentions.update(table.name for table in select.find_all(exp.Table))
         sources = sql.sources(select)
         told = {name: viewer for name, t in sources.items() if (viewer := self._told(name, t))}
         if not told:

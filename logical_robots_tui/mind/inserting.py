@@ -1,0 +1,49 @@
+"""Statements that fill the tables of tuned queries, and the values that they take."""
+
+from __future__ import annotations
+
+from functools import cache
+from itertools import chain
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+__all__ = ["Filling", "in_blocks", "insert_into"]
+
+_AT_ONCE = 16  # rows that are inserted with one statement; each fewer is a statement of its own
+
+
+class Filling(NamedTuple):
+    """What goes into a table.
+
+    Attributes:
+        insert: A statement that inserts one of the items.
+        items: Its values, each time.
+    """
+
+    insert: str
+    items: Sequence[Sequence[Any]]
+
+
+def in_blocks(
+    table: str, columns: tuple[str, ...], rows: Sequence[Sequence[Any]]
+) -> Sequence[Filling]:
+    """Rows for a table, many with one statement."""
+    together = len(rows) // _AT_ONCE * _AT_ONCE
+    whole = [[*chain.from_iterable(rows[i : i + _AT_ONCE])] for i in range(0, together, _AT_ONCE)]
+    rest = [*chain.from_iterable(rows[together:])]
+    return [
+        Filling(insert_into(table, columns, count), items)
+        for count, items in ((_AT_ONCE, whole), (len(rows) - together, [rest]))
+        if count and items
+    ]
+
+
+@cache
+def insert_into(table: str, columns: tuple[str, ...], rows: int = 1) -> str:
+    """A statement that inserts rows, with a parameter for ``id`` and for each column of each."""
+    names = ", ".join(("id", *columns))
+    row = ", ".join("?" * (len(columns) + 1))
+    values = ", ".join([f"({row})"] * rows)
+    return f"INSERT OR FAIL INTO {table}({names}) VALUES {values}"  # noqa: S608 - our own names

@@ -1,0 +1,168 @@
+"""Rows of memories for the tables of tuned queries: their fields, and records in their lists."""
+
+from __future__ import annotations
+
+import re
+from functools import cache
+from math import inf, isfinite
+from operator import itemgetter
+from typing import TYPE_CHECKING, Any
+
+from logical_robots_tui.mind.inserting import Filling, in_blocks, insert_into
+from logical_robots_tui.mind.stored import to_input, to_sql
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from logical_robots_tui.mind.moment import Moment
+
+__all__ = ["ITEMS", "ITEM_FIELDS", "MEMORY_FIELDS", "items", "memories", "spelled_item"]
+
+MEMORY_FIELDS = tuple(f"field_{number}" for number in range(24))
+"""Columns of ``Memory`` that hold a field each; which, a program says for itself."""
+
+ITEM_FIELDS = tuple(f"item_{number}" for number in range(16))
+"""Columns of ``Item``, which holds records of lists in memories: a field of these each."""
+
+ITEMS = 100_000
+"""Most records of a list; those of field f of memory row n, of F fields, are numbered from
+(n * F + f) * ITEMS on."""
+
+
+def memories(moment: Moment, columns: tuple[str, ...]) -> Sequence[Filling]:
+    """What fills ``Memory``.
+
+    Args:
+        moment: Where the memories come from.
+        columns: As for `fillings`.
+
+    Raises:
+        ValueError: A memory is a text that may spell a record.
+    """
+    insert, fields = _memory_columns(columns)
+    if not fields:
+        return (Filling(insert, moment.memories),)
+    stored = {
+        name: [_stored(_found(field, memory)) if field else to_sql(memory) for field in fields]
+        for name, memory in moment.remembered.items()
+    }
+    nothing = [None] * len(fields)
+    rows = [(number, name, *stored.get(name, nothing)) for number, name in moment.memories]
+    return (Filling(insert, rows),)
+
+
+@cache
+def _memory_columns(columns: tuple[str, ...]) -> tuple[str, tuple[str, ...]]:
+    """The statement that inserts a memory, and the fields in it; "" for the whole memory."""
+    pairs = [column.partition("=") for column in columns if column != "robot_name"]
+    names = ("robot_name", *(name for name, _, _ in pairs))
+    return insert_into("Memory", names), tuple(field for _, _, field in pairs)
+
+
+def _found(field: str, memory: Any) -> Any:
+    """A field of a memory.
+
+    Raises:
+        ValueError: Only SQLite can tell: the memory is a text that may spell a record.
+    """
+    kind = memory.__class__
+    if kind is dict:
+        return memory.get(field)
+    if kind not in _NO_RECORDS and not (kind is str and memory.lstrip()[:1] != "{"):
+        raise ValueError("what may be a record")
+    return None
+
+
+_NO_RECORDS = frozenset({type(None), bool, int, float, list})
+
+
+def _stored(value: Any) -> Any:
+    """A part of a memory as SQLite would find it in text."""
+    kind = value.__class__
+    if kind is float:
+        return value if isfinite(value) else None
+    return to_input(value) if kind in _NESTED else value
+
+
+_NESTED = frozenset({dict, list})
+
+
+def spelled_item(column: str, place: int, field: str, key: str) -> str:
+    """A column of ``Item``, with what it holds.
+
+    Args:
+        column: Its name.
+        place: The place of the list among `MEMORY_FIELDS`.
+        field: The field of memories that is the list.
+        key: The field of its records.
+    """
+    return f"{column}={place}:{field}.{key}"
+
+
+_SPELLED = re.compile(r"(\w+)=(\d+):(\w+)\.(\w+)")
+
+
+def items(moment: Moment, columns: tuple[str, ...]) -> Sequence[Filling]:
+    """What fills ``Item``: records in lists of memories, with null where a field is missing.
+
+    Args:
+        moment: Where the memories come from.
+        columns: As `spelled_item` has them.
+
+    Raises:
+        ValueError: What should be a list of records is something else, or there are too many.
+    """
+    lists: dict[tuple[int, str], list[tuple[str, str]]] = {}
+    for spelled in columns:
+        column, place, field, key = _SPELLED.findall(spelled)[0]
+        lists.setdefault((int(place), field), []).append((column, key))
+    found: list[Filling] = []
+    for (place, field), pairs in lists.items():
+        keys = tuple(key for _, key in pairs)
+        values = {
+            name: _records(_found(field, memory), keys)
+            for name, memory in moment.remembered.items()
+        }
+        rows: list[Sequence[Any]] = []
+        for number, name in moment.memories:
+            start = (number * len(MEMORY_FIELDS) + place) * ITEMS
+            rows += [(start + n, *item) for n, item in enumerate(values.get(name, ()))]
+        if len(rows) > ITEMS:
+            raise ValueError("too many records")
+        found += in_blocks("Item", tuple(column for column, _ in pairs), rows)
+    return found
+
+
+def _records(found: Any, keys: tuple[str, ...]) -> Sequence[Sequence[Any]]:
+    """The values of some fields of each record in a list.
+
+    Raises:
+        ValueError: It is no list, or too long, or holds texts: only SQLite can tell what they are.
+    """
+    if found is None:
+        return ()
+    if found.__class__ is not list or len(found) > ITEMS or str in map(type, found):
+        raise ValueError("not a list of records")
+    try:
+        values = [*zip(*(map(itemgetter(key), found) for key in keys), strict=True)]
+    except (KeyError, TypeError):
+        values = []
+    if not values or not all(map(_is_stored_as_it_is, zip(*values, strict=True))):
+        nothing = [None] * len(keys)
+        return [
+            [_stored(item.get(key)) for key in keys] if item.__class__ is dict else nothing
+            for item in found
+        ]
+    return values
+
+
+def _is_stored_as_it_is(values: Sequence[Any]) -> bool:
+    """Whether values of one column need no look at each of them, as is usual."""
+    kinds = set(map(type, values))
+    if kinds <= _NUMBERS:
+        return bool(min(values) > -inf and max(values) < inf)
+    return kinds <= _TEXTS
+
+
+_NUMBERS = frozenset({float, int})
+_TEXTS = frozenset({str, int, type(None), bool})
