@@ -12,7 +12,7 @@ PIP := $(BIN)/python -m pip --disable-pip-version-check --require-virtualenv
 .DELETE_ON_ERROR:
 .SUFFIXES:
 
-.PHONY: help play test lint check format proof prove bench lock screenshot reference learn measures wheel clean
+.PHONY: help play test lint check format proof prove bench lock screenshot reference learn debugging measures wheel clean
 
 help: ## Show this list
 	@grep -E '^[a-z]+:.*##' $(MAKEFILE_LIST) | sed -E 's/^([a-z]+):.*## (.*)/  make \1\t\2/' | expand -t 20
@@ -53,6 +53,9 @@ reference: $(VENV)/.dev ## Write docs/reference.md anew
 
 learn: $(VENV)/.dev ## Write docs/learn.md and its pictures anew
 	$(BIN)/python -m docs.learn
+
+debugging: $(VENV)/.dev ## Write docs/debugging.md and its pictures anew
+	$(BIN)/python -m docs.debugging
 
 measures: $(VENV)/.dev ## Measure the reference programs anew; ARGS="LEVEL" only that one's
 	$(BIN)/python -m benchmarks.reference $(ARGS)

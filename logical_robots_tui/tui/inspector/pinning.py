@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from logical_robots_tui.game import ROBOT_COLUMNS, Pin, pin_of_cell
-from logical_robots_tui.tui.inspector.choice import ASK, DECISION, ROBOTS
+from logical_robots_tui.tui.inspector.choice import ASK, DECISION, ROBOTS, WHY
 from logical_robots_tui.tui.inspector.tree import Branch
 
 if TYPE_CHECKING:
@@ -15,6 +15,8 @@ if TYPE_CHECKING:
     from logical_robots_tui.tui.inspector.table import ValueTable
 
 __all__ = ["branches_here", "pin_here"]
+
+_OF_A_ROBOT = (ROBOTS, DECISION, WHY)
 
 
 def pin_here(inspected: str, table: ValueTable | None, robot: str) -> Pin | None:
@@ -28,7 +30,7 @@ def pin_here(inspected: str, table: ValueTable | None, robot: str) -> Pin | None
     Returns:
         The pin, or None if there is nothing, or nothing tells the value's row from others.
     """
-    if inspected in (ROBOTS, DECISION):
+    if inspected in _OF_A_ROBOT:
         return Pin("Memory", "memory", (("robot_name", robot),))
     if table is None or inspected == ASK:
         return None
@@ -54,7 +56,7 @@ def branches_here(
     Returns:
         A title, and the values by their names, or none.
     """
-    if inspected in (ROBOTS, DECISION):
+    if inspected in _OF_A_ROBOT:
         return f"Decision of {robot}", _decision(frame, robot)
     if table is None or table.pointed is None:
         return "", ()

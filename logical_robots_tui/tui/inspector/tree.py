@@ -83,6 +83,7 @@ class ValueTree(Dialog[None]):
     DEFAULT_CSS = """
     ValueTree > #box { height: 90%; max-width: 110; }
     ValueTree Tree { width: 1fr; height: 1fr; background: $surface; padding: 1 0 0 0; }
+    ValueTree Tree:focus { background-tint: $foreground 0%; }
     ValueTree Tree > .tree--guides { color: $faint; }
     ValueTree #radar { width: auto; height: auto; padding: 1 1; display: none; }
     """
