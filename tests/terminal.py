@@ -99,6 +99,23 @@ class Terminal:
         """How many bytes were ever written to the screen."""
         return len(self._raw)
 
+    @property
+    def frames(self) -> int:
+        """How many frames were ever sent that asked whether they have arrived."""
+        return self._answered
+
+    def fileno(self) -> int:
+        """What to wait on for something to read."""
+        return self._ours
+
+    def receive(self) -> bool:
+        """Read what is there; whether there will be more."""
+        return self._read(0.0)
+
+    def has_received(self, text: str, since: int = 0) -> bool:
+        """Whether a text came in after so many bytes of `traffic`."""
+        return self._raw.find(text.encode(), since) >= 0
+
     def send(self, keys: str) -> None:
         """Type."""
         os.write(self._ours, keys.encode())

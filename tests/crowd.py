@@ -1,0 +1,64 @@
+"""Many players at once, each at a terminal of their own."""
+
+from __future__ import annotations
+
+import select
+from time import monotonic
+from typing import TYPE_CHECKING
+
+from tests.waiting import PATIENCE
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Sequence
+
+    from tests.terminal import Terminal
+
+__all__ = ["Crowd"]
+
+
+class Crowd:
+    """Reads from all terminals, so that none of them waits.
+
+    Args:
+        terminals: Of the players.
+    """
+
+    def __init__(self, terminals: Sequence[Terminal]) -> None:
+        self._terminals = terminals
+
+    def wait_for(self, condition: Callable[[], object], patience: float = PATIENCE) -> None:
+        """Read on until a condition holds."""
+        deadline = monotonic() + patience
+        while not condition():
+            assert monotonic() < deadline, f"not within {patience} s"
+            for terminal in select.select(self._terminals, [], [], 0.05)[0]:
+                assert terminal.receive(), f"a game ended; its screen:\n{terminal.text}"
+
+    def everybody_sees(self, text: str, patience: float = PATIENCE) -> None:
+        """Read on until a text has come to each terminal."""
+        self.wait_for(
+            lambda: all(terminal.has_received(text) for terminal in self._terminals), patience
+        )
+
+    def frames_per_second(self, seconds: float) -> list[float]:
+        """Frames a second of each player."""
+        before, began = [terminal.frames for terminal in self._terminals], monotonic()
+        self.wait_for(lambda: monotonic() - began > seconds)
+        took = monotonic() - began
+        return [
+            (terminal.frames - start) / took
+            for terminal, start in zip(self._terminals, before, strict=True)
+        ]
+
+    def key_milliseconds(self, letters: str) -> list[float]:
+        """Milliseconds from a letter typed into the editor to its being shown, in turn."""
+        found = []
+        for number, letter in enumerate(letters):
+            terminal = self._terminals[number % len(self._terminals)]
+            pause = monotonic()
+            self.wait_for(lambda: monotonic() - pause > 0.1)  # noqa: B023 - called in this turn
+            since, began = terminal.traffic, monotonic()
+            terminal.send(letter)
+            self.wait_for(lambda: terminal.has_received(letter, since))  # noqa: B023 - as above
+            found.append(1000 * (monotonic() - began))
+        return found

@@ -1,0 +1,194 @@
+"""The recipe of docs/ssh.md for a class, word for word, against a real sshd."""
+
+from __future__ import annotations
+
+import getpass
+import os
+import re
+import socket
+import statistics
+import subprocess
+from contextlib import ExitStack, contextmanager
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import pytest
+
+from tests.crowd import Crowd
+from tests.installed import CHECKOUT
+from tests.sshd import SSHD, Server
+from tests.terminal import Terminal
+from tests.waiting import until
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+    from pathlib import Path
+
+    from tests.installed import Installed
+
+pytestmark = pytest.mark.skipif(
+    SSHD is None and "CI" not in os.environ, reason="openssh-server is not installed"
+)
+
+NAMES = [f"player-{number}" for number in range(30)]
+LETTERS = "αβγδεζηθικλμνξοπρστυφχψωабвгдежзийклмнопрстуфхцчшщ"
+
+
+def recipe(kind: str) -> str:
+    """The block of that kind in the page."""
+    (found,) = re.findall(
+        rf"```{kind}\n(.*?)```", (CHECKOUT / "docs/ssh.md").read_text(), re.DOTALL
+    )
+    return str(found)
+
+
+@dataclass(frozen=True)
+class School:
+    """A machine set up by the recipe."""
+
+    server: Server
+    players: Path
+
+    @contextmanager
+    def seat(
+        self, name: str, *options: str, size: tuple[int, int] = (80, 24)
+    ) -> Iterator[Terminal]:
+        """A player who has logged in."""
+        ssh = self.server.client("-t", *options, player=name)
+        with Terminal(ssh, size=size) as terminal:
+            yield terminal
+
+    def ssh(self, *options: str, words: tuple[str, ...] = ()) -> subprocess.CompletedProcess[str]:
+        """A client that wants something else."""
+        return subprocess.run(
+            [*self.server.client(*options, player=NAMES[0]), *words],
+            stdin=subprocess.DEVNULL,
+            capture_output=True,
+            text=True,
+            check=False,
+            timeout=30,
+        )
+
+
+@pytest.fixture(scope="module")
+def school(installed: Installed, tmp_path_factory: pytest.TempPathFactory) -> Iterator[School]:
+    """A machine on which the recipe was followed; the account is that of these tests."""
+    folder = tmp_path_factory.mktemp("school")
+    config = recipe("sshd_config")
+    for ours, theirs in (
+        ("User robots", f"User {getpass.getuser()}"),
+        ("/usr/local/bin/logical-robots", str(installed.command)),
+        ("/srv/robots", str(folder / "srv")),
+        ("/etc/ssh/robots.keys", str(folder / "keys")),
+    ):
+        assert ours in config
+        config = config.replace(ours, theirs)
+    line = recipe("authorized_keys").strip().replace("ada", "{name}", 1)
+    keys = line.replace(line[line.index("ssh-ed25519") :], "{key}")
+    with Server(folder, config, NAMES, keys) as server:
+        yield School(server, folder / "srv" / "players")
+
+
+def test_each_player_has_the_game_and_a_folder_by_the_name_of_their_key(school: School) -> None:
+    with school.seat(NAMES[0]) as ada, school.seat(NAMES[1], "-o", "SendEnv=LOGICAL_*") as ben:
+        for terminal in (ada, ben):
+            terminal.wait_for("skips the tour")
+            terminal.wait_for("· applied")
+        ada.send("\x1b")
+        ada.wait_for(lambda: "skips the tour" not in ada.text)
+        ada.send("E")
+        ada.wait_for("off here")
+    assert {NAMES[0], NAMES[1]} <= {folder.name for folder in school.players.iterdir()}
+
+
+def test_a_hostile_client_gets_no_shell_no_file_and_no_forwarding(
+    school: School, tmp_path: Path
+) -> None:
+    stolen = tmp_path / "stolen"
+    for wish in ("sh -c 'echo pw$((1))ned'", "cat /etc/passwd", "scp -f /etc/passwd"):
+        done = school.ssh(words=(wish,))
+        assert done.returncode == 2
+        assert "the game needs a terminal" in done.stderr
+        assert "pw1ned" not in done.stdout
+        assert "root:" not in done.stdout
+    school.ssh(words=("touch", str(stolen)))
+    assert not stolen.exists()
+    assert school.ssh("-s", words=("sftp",)).returncode != 0
+
+    someone_else = "-o", "SetEnv=LOGICAL_ROBOTS_PLAYER=mallory"
+    with school.seat(NAMES[0], *someone_else, "-o", "SetEnv=LD_PRELOAD=x.so") as terminal:
+        terminal.wait_for("· applied")
+    assert not (school.players / "mallory").exists()
+
+    with socket.create_server(("127.0.0.1", 0)) as inside:
+        port = inside.getsockname()[1]
+        assert school.ssh("-W", f"127.0.0.1:{port}").returncode != 0
+        inside.setblocking(False)
+        with pytest.raises(BlockingIOError):
+            inside.accept()
+        back = school.ssh("-N", "-o", "ExitOnForwardFailure=yes", "-R", f"0:127.0.0.1:{port}")
+        assert back.returncode != 0
+    for way in (("-L", "{free}:127.0.0.1:{sshd}"), ("-D", "{free}")):
+        assert not leads_anywhere(school, *way)
+
+
+def leads_anywhere(school: School, option: str, way: str) -> bool:
+    """Whether a port that a client opens on its side leads to a server beyond the school's."""
+    with socket.socket() as probe:
+        probe.bind(("127.0.0.1", 0))
+        free = probe.getsockname()[1]
+    sshd = school.server.port
+    ssh = school.server.client("-N", option, way.format(free=free, sshd=sshd), player=NAMES[0])
+    greeting = b"\x05\x01\x00" if option == "-D" else b""
+    target = b"\x05\x01\x00\x01\x7f\x00\x00\x01" + sshd.to_bytes(2, "big")
+    with subprocess.Popen(ssh, stdin=subprocess.DEVNULL, stderr=subprocess.DEVNULL) as client:
+        try:
+            until(lambda: is_open(free), patience=10)
+            with socket.create_connection(("127.0.0.1", free), 10) as end:
+                if greeting:
+                    end.sendall(greeting)
+                    assert end.recv(2) == b"\x05\x00"
+                    end.sendall(target)
+                return b"SSH" in end.recv(64)
+        except ConnectionError:
+            return False
+        finally:
+            client.terminate()
+
+
+def is_open(port: int) -> bool:
+    """Whether something listens on a port."""
+    try:
+        socket.create_connection(("127.0.0.1", port), 1).close()
+    except OSError:
+        return False
+    return True
+
+
+@pytest.mark.proof
+@pytest.mark.parametrize(("players", "frames", "milliseconds"), [(12, 10, 150), (30, 0, 300)])
+def test_a_class_plays_at_once(
+    school: School, players: int, frames: float, milliseconds: float
+) -> None:
+    with ExitStack() as stack:
+        terminals = [stack.enter_context(school.seat(name)) for name in NAMES[:players]]
+        crowd = Crowd(terminals)
+        crowd.everybody_sees("applied", patience=180)
+        for terminal in terminals:
+            terminal.send("\x1b")
+        crowd.frames_per_second(1)
+        for terminal in terminals:
+            terminal.send(">")
+        crowd.everybody_sees("winding corridor", patience=60)
+        crowd.frames_per_second(1)
+        for terminal in terminals:
+            terminal.send(" ")
+        crowd.everybody_sees("RUNNING", patience=60)
+        assert min(crowd.frames_per_second(5)) >= frames
+        print(sorted(crowd.frames_per_second(5)))
+        for terminal in terminals:
+            terminal.send("2")
+        crowd.everybody_sees("Leave", patience=60)
+        found = crowd.key_milliseconds(LETTERS[: max(players, 24)])
+        print(found)
+        assert statistics.median(found) <= milliseconds, sorted(found)
