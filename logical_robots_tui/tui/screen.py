@@ -117,7 +117,7 @@ class MainScreen(Screen[None]):
         self.rows = RowCommands(self, data_dir / "rows")
         self.guide = Guide(self)
         self.capture = Capture(self, data_dir / "screens")
-        self.scribe = Scribe(self)
+        self.scribe = Scribe(self, data_dir / "copied.txt")
         self._text_to_begin_with = source.text if text is None else text
         self._watch = FileWatch()
         self._is_new_here = welcome
@@ -351,6 +351,10 @@ class MainScreen(Screen[None]):
     @on(Editor.Leave)
     def _editor_left(self) -> None:
         self._actions.leave()
+
+    @on(Editor.Copied)
+    def _text_copied(self, event: Editor.Copied) -> None:
+        self.scribe.keep_copy(event.text)
 
     @on(Timeline.Pointed)
     def _tick_pointed(self, event: Timeline.Pointed) -> None:

@@ -14,6 +14,7 @@ from textual.app import SuspendNotSupported
 from logical_robots_tui.game.source import SUFFIX
 from logical_robots_tui.tui.plain import clip, one_line
 from logical_robots_tui.tui.program.searching import find_after, is_predicate_name, rename
+from logical_robots_tui.writing import write_atomically
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -30,11 +31,25 @@ class Scribe:
 
     Args:
         screen: Where the editor is.
+        copies: The file that holds what was copied last.
     """
 
-    def __init__(self, screen: MainScreen) -> None:
-        self._screen = screen
+    def __init__(self, screen: MainScreen, copies: Path) -> None:
+        self._screen, self._copies = screen, copies
         self._wanted = ""
+        self._is_copy_told = False
+
+    def keep_copy(self, text: str) -> None:
+        """Keep what was copied in a file, too: no terminal says whether it took it."""
+        try:
+            self._copies.parent.mkdir(parents=True, exist_ok=True)
+            write_atomically(self._copies, text)
+        except OSError as error:
+            self._screen.warn(f"What was copied can't be kept: {error.strerror}.")
+            return
+        if not self._is_copy_told:
+            self._screen.tell(f"Sent to your terminal's clipboard, and into {self._copies}.")
+        self._is_copy_told = True
 
     async def find(self) -> None:
         """Ask what to find, and go there or replace it."""

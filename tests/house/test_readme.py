@@ -14,6 +14,7 @@ from logical_robots_tui import Program, list_levels, load_level
 from logical_robots_tui.cli.main import main
 from logical_robots_tui.cli.main import parser as command_parser
 from logical_robots_tui.tui.commands import COMMANDS
+from logical_robots_tui.tui.settings import read_settings
 from tests.installed import CHECKOUT
 
 if TYPE_CHECKING:
@@ -87,8 +88,17 @@ def test_the_program_compiles() -> None:
     assert Program.compile(text).predicate("Robot")
 
 
+def test_the_settings_can_be_used(tmp_path: Path) -> None:
+    _, text = blocks("toml")
+    path = tmp_path / "config.toml"
+    path.write_text(text)
+    found = read_settings(path)
+    assert not found.complaints
+    assert found.keys == {"run": ("space", "f9"), "restart": ()}
+
+
 def test_the_level_loads(tmp_path: Path) -> None:
-    (text,) = blocks("toml")
+    text, _ = blocks("toml")
     path = tmp_path / "level.toml"
     path.write_text(text)
     assert load_level(path).areas[0].victory_robots == ("Ada",)

@@ -251,3 +251,18 @@ async def test_who_has_chosen_duckdb_is_told_when_a_program_can_not_use_it(data_
         await game.press("2")
         await game.until(lambda: game.shows("applied, 1 warning"))
         assert game.shows("DuckDB can't compute Robot")
+
+
+async def test_what_is_copied_or_cut_is_in_a_file_too(data_dir: Path) -> None:
+    copied = data_dir / "copied.txt"
+    async with opened(data_dir, text=STILL) as game:
+        await game.ready()
+        await game.press("2", "f6", "ctrl+c")
+        await game.until(copied.exists)
+        first = STILL.splitlines()[0]
+        assert game.app.clipboard == copied.read_text("utf-8").strip() == first
+        await game.press("f7", "ctrl+x")
+        await game.until(lambda: copied.read_text("utf-8") == STILL)
+        assert game.editor.text == ""
+        await game.press("ctrl+v")
+        await game.until(lambda: game.editor.text == STILL)

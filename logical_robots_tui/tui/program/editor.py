@@ -45,6 +45,17 @@ class Editor(TextArea):
     class Leave(Message):
         """The player wants to go elsewhere."""
 
+    class Copied(Message):
+        """A text was copied or cut.
+
+        Attributes:
+            text: Which one.
+        """
+
+        def __init__(self, text: str) -> None:
+            super().__init__()
+            self.text = text
+
     def __init__(self) -> None:
         super().__init__(
             id="text",
@@ -195,6 +206,16 @@ class Editor(TextArea):
             self.replace(
                 chosen.name, (row, column - begun), (row, column), maintain_selection_offset=False
             )
+
+    def action_copy(self) -> None:
+        """Copy what is selected, and say so."""
+        super().action_copy()
+        self.post_message(self.Copied(self.app.clipboard))
+
+    def action_cut(self) -> None:
+        """Cut what is selected, or the line, and say so."""
+        super().action_cut()
+        self.post_message(self.Copied(self.app.clipboard))
 
     def action_toggle_comment(self) -> None:
         """Make the selected lines comments, or make them text again, as one edit."""
