@@ -74,6 +74,13 @@ class Live:
         now = perf_counter()
         self._next_at = now + max(_AGAIN_AFTER, _SHARE * (now - began))
 
+    def stop(self) -> None:
+        """The game is another one: bring nothing into it."""
+        if self._timer is not None:
+            self._timer.stop()
+            self._timer = None
+        self._applied = self._editor.level
+
     def shown(self, level: Level) -> Level:
         """The level to draw, given that of the game."""
         if level is not self._applied:

@@ -131,6 +131,8 @@ class EditMode:
 
     def end(self) -> None:
         """The level is left; what is not saved stays in its draft."""
+        self.editor.cancel()
+        self.live.stop()
         if self.is_on or self.is_testing:
             self.leave()
         self.autosave.stop()

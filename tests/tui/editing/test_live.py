@@ -6,9 +6,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 import pytest
-from textual.widgets import Checkbox, Input, Select, SelectionList, TextArea
+from textual.widgets import Checkbox, Input, Select, TextArea
 
 from logical_robots_tui.tui.editing.finding_list import FindingList
+from logical_robots_tui.tui.editing.form import Ticks
 from logical_robots_tui.tui.editing.forms import ThingForm
 from logical_robots_tui.tui.editing.level_form import LevelForm
 from logical_robots_tui.tui.levels.screen import LevelScreen
@@ -119,7 +120,7 @@ async def test_properties_are_set_in_forms_with_the_choices_there_are(
         form.query_one("#radius", Input).value = "22"
         form.query_one("#solid", Checkbox).value = True
         form.query_one("#off", Select).value = "Lamp"
-        form.query_one("#goal", SelectionList).deselect_all()
+        form.query_one("#goal", Ticks).toggle("Pip")
         await s.press("f2")
         await game.until(lambda: game.app.screen is game.main)
         area = s.level.areas[0]
