@@ -205,6 +205,11 @@ class EditMode:
         """The level to draw, given that of the game."""
         return self.live.shown(level) if self.is_on else level
 
+    @property
+    def cursor(self) -> tuple[float, float]:
+        """Where the player is at work, map units."""
+        return self.editor.cursor
+
     def paint(self, cells: Cells, view: Viewport, look: Look) -> None:
         """Draw over a picture of the level."""
         mark(cells, view, self.editor, self.findings or (), look)

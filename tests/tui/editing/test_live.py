@@ -214,6 +214,15 @@ async def test_changes_are_kept_as_a_new_level_that_the_chooser_shows(
         await game.until(lambda: isinstance(game.app.screen, LevelScreen))
         await s.press(*"mine")
         await game.until(lambda: game.shows("▸ Mine"))
+        await s.press("ctrl+n")
+        await game.until(lambda: game.app.screen.query("#kind"))
+        form = game.app.screen
+        form.query_one("#kind", Select).value = "copy"
+        form.query_one("#original", Select).value = "mine"
+        await s.press("f2")
+        await game.until(lambda: game.main.editing.is_on)
+        assert game.session.level.title == "Mine (copy)"
+        assert game.session.level.walls[40, 100]
 
 
 async def test_a_new_level_is_made_from_a_labyrinth_drawn_by_lot(data_dir: Path) -> None:
