@@ -30,7 +30,7 @@ class Celebration:
         """Celebrate if the robots have just won, and keep the banner true."""
         screen = self._screen
         won_at = screen.session.won_at
-        if won_at is not None and not self._is_over:
+        if won_at is not None and not self._is_over and not screen.editing.is_on:
             self._is_over = True
             self._celebrate(won_at)
         screen.labyrinth.banner.follow(screen.journal)
@@ -42,6 +42,8 @@ class Celebration:
         screen.labyrinth.briefing.display = False
         if screen.session.is_by_the_book:
             screen.journal.won(screen.session)
+        else:
+            screen.tell("The level was changed by hand: this victory is not kept.")
         screen.labyrinth.banner.celebrate(won_at, who, screen.journal)
         arrangement = screen.arrangement
         if arrangement.layout is Layout.NARROW and arrangement.active is not screen.labyrinth:

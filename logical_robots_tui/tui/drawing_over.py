@@ -35,5 +35,9 @@ class DrawnOver(Protocol):
     def pointer(self) -> Pointing:
         """What is told of the mouse."""
 
+    @property
+    def cursor(self) -> tuple[float, float]:
+        """Where the player is at work, map units; zooming keeps it in its place."""
+
     def paint(self, cells: Cells, view: Viewport, look: Look) -> None:
         """Draw over a picture."""

@@ -172,11 +172,13 @@ class LabyrinthView(Widget):
 
         Args:
             steps: How far.
-            at: The point, in map units, that stays where it is; without one a selected robot is
-                followed.
+            at: The point, in map units, that stays where it is; without one that of what lies
+                over the picture, or else a selected robot is followed.
         """
         if self.view is None:
             return
+        if self.overlay is not None:
+            at = at or self.overlay.cursor
         if at is None and steps > 0 and self.selected and self.camera.sight is Sight.WHOLE:
             self.camera = Camera(Sight.FOLLOW, steps)
             self._follow(at_once=True)

@@ -79,7 +79,8 @@ class LabyrinthPane(Pane, can_focus=True):
             Sight.FREE: times,
             Sight.FOLLOW: f"{clip(one_line(self.view.selected or ''), 12)} {times}",
         }
-        self.note(words[camera.sight])
+        note = words[camera.sight]
+        self.note(note if self.view.overlay is None else f"editing {note}".rstrip())
         self.select(self.view.selected)
 
     def action_pan(self, across: int, down: int) -> None:

@@ -267,12 +267,17 @@ class MainScreen(Screen[None]):
         self.celebration.follow()
         self.inspector.follow()
 
+    @property
+    def _edits(self) -> bool:
+        """Whether keys edit the level."""
+        return self.editing.is_on and self.labyrinth.has_focus
+
     def redraw_lines(self) -> None:
         """Show what has changed around the panes."""
         self._status.show(status_of(self.session))
         self.timeline.show(self.session, self.labyrinth.view.selected)
         typing = isinstance(self.focused, (TextArea, Input))
-        self._bar.show(typing=typing, running=self.session.busy, editing=self.editing.is_on)
+        self._bar.show(typing=typing, running=self.session.busy, editing=self._edits)
         tabs = tuple((pane.command_id, pane.label) for pane in self.arrangement.panes)
         self._tabs.show(tabs, self.arrangement.active.command_id)
 

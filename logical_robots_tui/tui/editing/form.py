@@ -9,19 +9,73 @@ from textual import on
 from textual.binding import Binding
 from textual.containers import Horizontal, Vertical, VerticalScroll
 from textual.content import Content
-from textual.widgets import Button, Checkbox, Input, Select, SelectionList, Static, TextArea
+from textual.widgets import Button, Checkbox, Input, OptionList, Select, Static, TextArea
 
 from logical_robots_tui.tui.dialogs.dialog import Dialog
 from logical_robots_tui.tui.plain import one_line
+from logical_robots_tui.tui.theme import INK
 from logical_robots_tui.world import LevelError
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
+    from collections.abc import Set as AbstractSet
 
     from textual.app import ComposeResult
     from textual.widget import Widget
 
-__all__ = ["Form", "choice", "flag", "number", "several", "text"]
+__all__ = ["Form", "Ticks", "choice", "flag", "number", "several", "text"]
+
+
+class Tick(Checkbox):
+    """A box to tick that needs no colours to be read."""
+
+    def on_mount(self) -> None:
+        """Show the state to begin with."""
+        self.BUTTON_INNER = "X" if self.value else " "
+
+    def watch_value(self) -> None:
+        """Show the new state."""
+        self.BUTTON_INNER = "X" if self.value else " "
+        super().watch_value()
+
+
+class Ticks(OptionList):
+    """Names to tick: enter, or a click, ticks one or takes that back.
+
+    Args:
+        name: Its id.
+        names: All names.
+        known: Those that are there.
+        ticked: Those that are ticked.
+    """
+
+    def __init__(
+        self, name: str, names: Sequence[str], known: AbstractSet[str], ticked: Sequence[str]
+    ) -> None:
+        self._names = names
+        self._known = known
+        self._ticked = set(ticked)
+        super().__init__(*map(self._line, names), id=name, markup=False, compact=True)
+
+    @property
+    def ticked(self) -> tuple[str, ...]:
+        """What is ticked, in the order of the list."""
+        return tuple(name for name in self._names if name in self._ticked)
+
+    def toggle(self, name: str) -> None:
+        """Tick a name, or take that back."""
+        self._ticked ^= {name}
+        self.replace_option_prompt_at_index(self._names.index(name), self._line(name))
+
+    def on_option_list_option_selected(self, event: OptionList.OptionSelected) -> None:
+        """Tick it."""
+        event.stop()
+        self.toggle(self._names[event.option_index])
+
+    def _line(self, name: str) -> Content:
+        sign = "[X] " if name in self._ticked else "[ ] "
+        gone = "" if name in self._known else " (is not there)"
+        return Content.assemble((sign, INK.key), one_line(name), (gone, INK.dim))
 
 
 class Form(Dialog[bool]):
@@ -39,11 +93,11 @@ class Form(Dialog[bool]):
     Form .row { height: auto; }
     Form .label { width: 17; height: 1; color: $ink-dim; }
     Form Input { width: 1fr; margin: 0; }
-    Form Checkbox, Form Select, Form SelectionList, Form TextArea {
+    Form Checkbox, Form Select, Form Ticks, Form TextArea {
         width: 1fr; border: none; padding: 0; }
     Form Checkbox { background: $surface; }
     Form Checkbox:focus { background: $block-cursor-background; }
-    Form SelectionList, Form TextArea { height: auto; max-height: 6; background: $panel; }
+    Form Ticks, Form TextArea { height: auto; max-height: 6; background: $panel; }
     Form TextArea { min-height: 3; padding: 0 1; }
     Form #buttons { height: 1; margin-top: 1; }
     Form Button { height: 1; min-width: 8; border: none; margin-right: 2; padding: 0 1;
@@ -152,13 +206,7 @@ class Form(Dialog[bool]):
 
     def several_of(self, name: str) -> tuple[str, ...]:
         """All that is ticked, in the order of the list."""
-        box = self.query_one(f"#{name}", SelectionList)
-        ticked = set(box.selected)
-        return tuple(
-            each.value
-            for each in map(box.get_option_at_index, range(box.option_count))
-            if each.value in ticked
-        )
+        return self.query_one(f"#{name}", Ticks).ticked
 
     def lines_of(self, name: str) -> str:
         """A text of several lines."""
@@ -177,7 +225,7 @@ def number(name: str, value: float) -> Input:
 
 def flag(name: str, label: str, *, value: bool) -> Checkbox:
     """A box to tick."""
-    return Checkbox(Content(label), value, id=name, compact=True)
+    return Tick(Content(label), value, id=name, compact=True)
 
 
 def choice(name: str, names: Sequence[str], value: str, nothing: str) -> Select[str]:
@@ -189,10 +237,6 @@ def choice(name: str, names: Sequence[str], value: str, nothing: str) -> Select[
     return Select(options, prompt=nothing, value=value or Select.NULL, id=name, compact=True)
 
 
-def several(name: str, names: Sequence[str], ticked: Sequence[str]) -> SelectionList[str]:
+def several(name: str, names: Sequence[str], ticked: Sequence[str]) -> Ticks:
     """Any of several names; one that is not there any more can stay."""
-    known = list(dict.fromkeys(names))
-    gone = [each for each in ticked if each not in known]
-    options = [(Content(one_line(each)), each, each in ticked) for each in known]
-    options += [(Content(f"{one_line(each)} (is not there)"), each, True) for each in gone]
-    return SelectionList(*options, id=name, compact=True)
+    return Ticks(name, list(dict.fromkeys([*names, *ticked])), set(names), ticked)

@@ -36,7 +36,7 @@ class ToolLine(Widget):
     ALLOW_SELECT: ClassVar[bool] = False
 
     def __init__(self, editor: LevelEditor) -> None:
-        super().__init__(id="tools")
+        super().__init__()
         self._editor = editor
         self._places: list[tuple[int, int, int, str]] = []
         self._shown: object = None
@@ -106,7 +106,7 @@ class InfoLine(Widget):
     ALLOW_SELECT: ClassVar[bool] = False
 
     def __init__(self, editor: LevelEditor) -> None:
-        super().__init__(id="info")
+        super().__init__()
         self._editor = editor
         self._line = Content("")
 

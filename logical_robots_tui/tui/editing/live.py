@@ -44,9 +44,12 @@ class Live:
         self._applied = editor.level
         self._next_at = 0.0
         self._timer: Timer | None = None
+        self._is_over = False
 
     def edited(self) -> None:
         """The level has changed; the game follows at once, or soon if only walls did."""
+        if self._is_over:
+            return
         before, after = self._applied, self._editor.level
         only_walls = (
             before.robots is after.robots
@@ -62,11 +65,9 @@ class Live:
 
     def flush(self) -> None:
         """Bring the game up to date now."""
-        if self._timer is not None:
-            self._timer.stop()
-            self._timer = None
+        self._drop_timer()
         before, after = self._applied, self._editor.level
-        if after is before:
+        if after is before or self._is_over:
             return
         began = perf_counter()
         self._applied = after
@@ -74,11 +75,21 @@ class Live:
         now = perf_counter()
         self._next_at = now + max(_AGAIN_AFTER, _SHARE * (now - began))
 
+    def stop(self) -> None:
+        """The game is another one: bring nothing into it."""
+        self._drop_timer()
+        self._is_over = True
+
     def shown(self, level: Level) -> Level:
         """The level to draw, given that of the game."""
         if level is not self._applied:
             self._follow(level)
         return self._editor.level
+
+    def _drop_timer(self) -> None:
+        if self._timer is not None:
+            self._timer.stop()
+            self._timer = None
 
     def _follow(self, level: Level) -> None:
         """The game went elsewhere: what it shows is what is edited now; undo leads back."""

@@ -59,21 +59,24 @@ class EditMode:
     """
 
     def __init__(self, screen: MainScreen, own: Path, drafts: Drafts, key: str = "") -> None:
-        level = screen.session.level
+        base = screen.session.opened
         self.screen = screen
         self.own = own
-        self.base = screen.session.opened
-        self.file = Path(level.source) if level.source and not is_shipped(level) else None
+        self.base = base
+        self.file = Path(base.source) if base.source and not is_shipped(base) else None
         self.findings: list[Finding] | None = None
         self.is_on = self.is_testing = False
         self.editor = LevelEditor(
-            level, lambda: screen.session.frame.after, self._edited, screen.warn
+            screen.session.level,
+            lambda: screen.session.frame.after,
+            self._edited,
+            screen.warn,
         )
         self.live = Live(screen, self.editor, self._adopted)
         self.autosave = Autosave(
             drafts,
-            level.source or key or f"new {level.name} {token_hex(4)}",
-            level.title,
+            base.source or key or f"new {base.name} {token_hex(4)}",
+            base.title,
             lambda: None if self.is_saved or self._is_unwanted else self.editor.level,
             screen.warn,
         )
@@ -131,6 +134,7 @@ class EditMode:
 
     def end(self) -> None:
         """The level is left; what is not saved stays in its draft."""
+        self.live.stop()
         if self.is_on or self.is_testing:
             self.leave()
         self.autosave.stop()
@@ -178,9 +182,10 @@ class EditMode:
             saved: The same with the name and source of the file.
         """
         self.autosave.drop()
+        if saved.source != self.base.source:
+            self.screen.journal.open(saved)
         self.base, self.file = saved, Path(saved.source)
         self.screen.session.opened = saved
-        self.screen.journal.open(saved)
         if level is self.editor.level:
             self.editor.edits.saved()
         self.autosave.rename(saved.source, saved.title)
@@ -199,6 +204,11 @@ class EditMode:
     def shown(self, level: Level) -> Level:
         """The level to draw, given that of the game."""
         return self.live.shown(level) if self.is_on else level
+
+    @property
+    def cursor(self) -> tuple[float, float]:
+        """Where the player is at work, map units."""
+        return self.editor.cursor
 
     def paint(self, cells: Cells, view: Viewport, look: Look) -> None:
         """Draw over a picture of the level."""

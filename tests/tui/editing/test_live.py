@@ -6,9 +6,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 import pytest
-from textual.widgets import Checkbox, Input, Select, SelectionList, TextArea
+from textual.widgets import Checkbox, Input, Select, TextArea
 
 from logical_robots_tui.tui.editing.finding_list import FindingList
+from logical_robots_tui.tui.editing.form import Ticks
 from logical_robots_tui.tui.editing.forms import ThingForm
 from logical_robots_tui.tui.editing.level_form import LevelForm
 from logical_robots_tui.tui.levels.screen import LevelScreen
@@ -119,7 +120,7 @@ async def test_properties_are_set_in_forms_with_the_choices_there_are(
         form.query_one("#radius", Input).value = "22"
         form.query_one("#solid", Checkbox).value = True
         form.query_one("#off", Select).value = "Lamp"
-        form.query_one("#goal", SelectionList).deselect_all()
+        form.query_one("#goal", Ticks).toggle("Pip")
         await s.press("f2")
         await game.until(lambda: game.app.screen is game.main)
         area = s.level.areas[0]
@@ -213,6 +214,15 @@ async def test_changes_are_kept_as_a_new_level_that_the_chooser_shows(
         await game.until(lambda: isinstance(game.app.screen, LevelScreen))
         await s.press(*"mine")
         await game.until(lambda: game.shows("▸ Mine"))
+        await s.press("ctrl+n")
+        await game.until(lambda: game.app.screen.query("#kind"))
+        form = game.app.screen
+        form.query_one("#kind", Select).value = "copy"
+        form.query_one("#original", Select).value = "mine"
+        await s.press("f2")
+        await game.until(lambda: game.main.editing.is_on)
+        assert game.session.level.title == "Mine (copy)"
+        assert game.session.level.walls[40, 100]
 
 
 async def test_a_new_level_is_made_from_a_labyrinth_drawn_by_lot(data_dir: Path) -> None:
