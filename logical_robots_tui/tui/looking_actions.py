@@ -2,9 +2,14 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 from logical_robots_tui.tui.drawing.glyphs import Drawing
 from logical_robots_tui.tui.screen_actions import ScreenActions
 from logical_robots_tui.tui.sparing import SparingApp
+
+if TYPE_CHECKING:
+    from logical_robots_tui.tui.dialogs.help import Subject
 
 __all__ = ["LookingActions"]
 
@@ -171,13 +176,21 @@ class LookingActions(ScreenActions):
         if not self._screen.labyrinth.briefing.toggle():
             self._screen.tell("This level says nothing about itself.")
 
+    @property
+    def _worked_in(self) -> Subject:
+        """Where the player works: in a pane, on the level, or on the timeline."""
+        screen = self._screen
+        if screen.focused is screen.timeline:
+            return "timeline"
+        labyrinth: Subject = "editing" if screen.editing.is_on else "labyrinth"
+        subjects: tuple[Subject, ...] = (labyrinth, "editor", "inspector")
+        return subjects[screen.arrangement.panes.index(screen.arrangement.active)]
+
     def help(self) -> None:
         """Show the help."""
         from logical_robots_tui.tui.dialogs.help import Help
 
-        self._screen.app.push_screen(
-            Help(self._screen.labyrinth.view.drawing, self._screen.worked_in)
-        )
+        self._screen.app.push_screen(Help(self._screen.labyrinth.view.drawing, self._worked_in))
 
     def palette(self) -> None:
         """Find a command by its name."""

@@ -50,10 +50,9 @@ if TYPE_CHECKING:
     from textual.app import ComposeResult
     from textual.widget import Widget
 
-    from logical_robots_tui.game import Breakpoint, Frame, Hit, Source
+    from logical_robots_tui.game import Breakpoint, Frame, Source
     from logical_robots_tui.mind import Engine
     from logical_robots_tui.tui.background import Work
-    from logical_robots_tui.tui.dialogs.help import Subject
     from logical_robots_tui.tui.journal import Journal
     from logical_robots_tui.tui.settings import Settings
     from logical_robots_tui.world import Level
@@ -103,7 +102,7 @@ class MainScreen(Screen[None]):
             spawn=self.spawn,
             changed=self._changed,
             used=journal.used,
-            stopped=self._stopped,
+            stopped=lambda hits: self.travel.tell_hits(hits),
             engine=engine,
         )
         self.keeper = Keeper(
@@ -197,15 +196,6 @@ class MainScreen(Screen[None]):
         """What stands in the editor."""
         return self.program.text
 
-    @property
-    def worked_in(self) -> Subject:
-        """Where the player works: in a pane, or on the timeline."""
-        if self.focused is self.timeline:
-            return "timeline"
-        labyrinth: Subject = "editing" if self.editing.is_on else "labyrinth"
-        subjects: tuple[Subject, ...] = (labyrinth, "editor", "inspector")
-        return subjects[self.arrangement.panes.index(self.arrangement.active)]
-
     def put_text(self, text: str) -> None:
         """Put another program's text into the editor."""
         self.program.editor.load_text(text)
@@ -287,9 +277,6 @@ class MainScreen(Screen[None]):
             self.library.take_from_disk(newer)
         if self.session.busy:
             self.redraw_lines()
-
-    def _stopped(self, hits: tuple[Hit, ...]) -> None:
-        self.travel.tell_hits(hits)
 
     # -- layout --------------------------------------------------------------------------------
 

@@ -31,7 +31,7 @@ def test_each_command_has_its_own_keys() -> None:
 
 
 def test_each_command_is_done_and_nothing_else() -> None:
-    done = {name for name in vars(Actions) if not name.startswith("_")}
+    done = {name for name in dir(Actions) if not name.startswith("_")}
     assert done == {entry.id for entry in COMMANDS}
 
 
