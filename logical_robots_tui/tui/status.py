@@ -117,10 +117,10 @@ def fit(status: Status, width: int) -> Content:
     candidates: list[tuple[int, int, Content]] = [
         (2, 0, Content.styled(sign, sign_style)),
         (3, 1, Content.styled(tick, INK.text)),
-        (5, 2, _goals(status.goals, long=True)),
-        (4, 3, Content.styled(_speed(status), INK.number)),
-        (1, 4, Content.styled(clip(one_line(status.title), 40), INK.text)),
-        (6, 5, Content.styled(_thought(status), INK.dim)),
+        (6, 2, Content.styled(_thought(status), INK.dim)),
+        (5, 3, _goals(status.goals, long=True)),
+        (4, 4, Content.styled(_speed(status), INK.number)),
+        (1, 5, Content.styled(clip(one_line(status.title), 40), INK.text)),
         (0, 6, Content.styled("LOGICAL ROBOTS", f"bold {INK.title}")),
     ]
     gap, left = 3, width - 2

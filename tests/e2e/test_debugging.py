@@ -27,9 +27,7 @@ def test_the_mistake_is_found_and_mended_as_the_page_says(
         shutil.copy(PROGRAM, player.folder)
         player.play("play", LEVEL.name, PROGRAM.name)
         pictures = [
-            step.picture
-            for step in play(player.tmux.type, player.tmux.wait_for)
-            if step.picture
+            step.picture for step in play(player.tmux.type, player.tmux.wait_for) if step.picture
         ]
         assert pictures == list(PICTURES)
         player.tmux.press("C")
