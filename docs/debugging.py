@@ -199,8 +199,8 @@ row: Dot has read something.
 ## What happened there?
 
 `w` again, down to `Mind` and `Enter`: one step deeper, why `Mind` has this row. Its first rule gave
-it, from `Sign`. One more `Enter` shows the rule of `Sign` with its values, and its place is marked
-in the program.
+it, from `Sign`. One more `Enter` shows the rule of `Sign` with its values. The program on the right
+shows the place of each line that the cursor is on.
 
 {pictures["6"]}
 

@@ -114,19 +114,20 @@ def fit(status: Status, width: int) -> Content:
     sign, sign_style = _SIGNS[status.activity]
     if status.thinking_for:
         sign, sign_style = f"◌ thinking… {status.thinking_for:.1f} s", f"bold {INK.warn}"
+    thought = Content.styled(_thought(status), INK.dim)
     candidates: list[tuple[int, int, Content]] = [
         (2, 0, Content.styled(sign, sign_style)),
         (3, 1, Content.styled(tick, INK.text)),
         (5, 2, _goals(status.goals, long=True)),
-        (4, 3, Content.styled(_speed(status), INK.number)),
-        (1, 4, Content.styled(clip(one_line(status.title), 40), INK.text)),
-        (6, 5, Content.styled(_thought(status), INK.dim)),
+        (6, 3, thought),
+        (4, 4, Content.styled(_speed(status), INK.number)),
+        (1, 5, Content.styled(clip(one_line(status.title), 40), INK.text)),
         (0, 6, Content.styled("LOGICAL ROBOTS", f"bold {INK.title}")),
     ]
     gap, left = 3, width - 2
     chosen: list[tuple[int, Content]] = []
     for place, _, part in sorted(candidates, key=lambda candidate: candidate[1]):
-        if place == 5 and part.cell_length > left - gap:
+        if place == 5 and part.cell_length + thought.cell_length > left - 2 * gap:
             part = _goals(status.goals, long=False)
         need = part.cell_length + (gap if chosen else 0)
         if part.cell_length and need <= left:
