@@ -130,25 +130,14 @@ def _keys(found: object, complain: Complain) -> dict[str, tuple[str, ...]]:
     for name, value in found.items():
         if name not in given:
             hint = did_you_mean(name, given) or "logical-robots config lists all."
-            complain(name, f'keys: there is no command "{name}". {hint}')
+            complain(f"keys.{name}", f'keys: there is no command "{name}". {hint}')
             continue
         keys = []
         for text in value if isinstance(value, list) else [value]:
             try:
-                key = key_from(text)
-            except (ValueError, TypeError) as error:
-                complain(name, f"keys.{name}: {error}")
-                continue
-            if key in owners:
-                other = owners[key]
-                complain(
-                    name,
-                    f"keys.{name}: {key_name(key)} is the key of {other}. Give that another key, "
-                    f"or none: {other} = []",
-                )
-                continue
-            owners[key] = name
-            keys.append(key)
+                keys.append(_taken(text, name, owners))
+            except ValueError as error:
+                complain(f"keys.{name}", f"keys.{name}: {error}")
         if keys or value == []:
             chosen[name] = tuple(keys)
     for name in found.keys() & given.keys() - chosen.keys():
@@ -156,10 +145,25 @@ def _keys(found: object, complain: Complain) -> dict[str, tuple[str, ...]]:
     return chosen
 
 
+def _taken(text: object, name: str, owners: dict[str, str]) -> str:
+    """The key that a command takes, if no other has it."""
+    key = key_from(text)
+    other = owners.setdefault(key, name)
+    if other != name:
+        raise ValueError(
+            f"{key_name(key)} is the key of {other}. Give that another key, or none: {other} = []"
+        )
+    return key
+
+
 def _line_of(name: str, text: str) -> str:
-    """Where a name stands in a file, as ``:3``, or "" if it can't be told."""
-    begins = re.compile(rf"""\s*["']?{re.escape(name)}["']?\s*[=.]""")
-    numbers = (n for n, line in enumerate(text.splitlines(), start=1) if begins.match(line))
+    """Where a name, such as ``keys.run``, stands in a file, as ``:3``; "" if it can't be told."""
+    table, _, last = name.rpartition(".")
+    lines = text.splitlines()
+    begins = re.compile(rf"""\s*["']?{re.escape(last)}["']?\s*[=.]""")
+    heads = (number for number, line in enumerate(lines) if line.strip() == f"[{table}]")
+    first = next(heads, 0)
+    numbers = (n for n, line in enumerate(lines[first:], start=first + 1) if begins.match(line))
     return next((f":{number}" for number in numbers), "")
 
 

@@ -69,6 +69,7 @@ def test_what_is_printed_sets_the_same(tmp_path: Path, given: Settings) -> None:
         ("[keys]\nrun = 'enter'", "enter can't be used: it moves within a pane, or types."),
         ("[keys]\nrun = 'alt+x'", "many terminals can't tell it from the key without Shift or"),
         ("[keys]\nrun = 'ctrl+5'", "many terminals can't tell it from the key without Ctrl."),
+        ("trails = true\n[keys]\ntrails = '^A'", ":3: keys.trails: ^A can't be used: GNU screen"),
         ("[keys]\nrun = 'n'", ":2: keys.run: n is the key of step. Give that another key, or"),
         ("[keys]\nrun = 'F9'\nstep = 'f9'", ":3: keys.step: F9 is the key of run. Give that"),
         ("theme = x", "Invalid value (at line 1, column 9). Nothing of it is used."),
