@@ -185,10 +185,8 @@ def test_a_class_plays_at_once(
             terminal.send(" ")
         crowd.everybody_sees("RUNNING", patience=60)
         assert min(crowd.frames_per_second(5)) >= frames
-        print(sorted(crowd.frames_per_second(5)))
         for terminal in terminals:
             terminal.send("2")
         crowd.everybody_sees("Leave", patience=60)
         found = crowd.key_milliseconds(LETTERS[: max(players, 24)])
-        print(found)
         assert statistics.median(found) <= milliseconds, sorted(found)
