@@ -166,6 +166,11 @@ class History:
         """Whether the level was changed by hand at the end of a tick, or a robot put elsewhere."""
         return self._course.levels.is_changed_in(tick)
 
+    def is_by_another(self, text: str, tick: int) -> bool:
+        """Whether another program than the one of that text decided in a tick."""
+        program = self.program_at(tick)
+        return program is not None and program.text != text
+
     def is_all_by(self, text: str, tick: int) -> bool:
         """Whether one program's text decided in every tick up to that one."""
         return self._course.is_all_by(text, tick)

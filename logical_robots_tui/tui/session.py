@@ -109,13 +109,6 @@ class Session:
         """What the robots think with, or None before the first compilation."""
         return self._program
 
-    def is_by_another_program(self, tick: int) -> bool:
-        """Whether another program than the present one decided in a tick of history."""
-        if self.game is None:
-            return False
-        program = self.game.history.program_at(tick)
-        return program is not None and program.text != self.game.program.text
-
     @property
     def predicates(self) -> tuple[Predicate, ...]:
         """The predicates of the program that the robots think with."""

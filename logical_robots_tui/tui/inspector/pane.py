@@ -306,9 +306,15 @@ class InspectorPane(Pane):
         parts = [Content.styled(one_line(name), f"bold {INK.title}"), Content(f"tick {tick}")]
         if more:
             parts.append(Content(more))
-        if self._session.is_by_another_program(tick) and self._inspected != ROBOTS:
+        if self._inspected != ROBOTS and self._is_by_another_program(tick):
             parts.append(Content.styled("by the present program", INK.warn))
         self._subject.update(Content(" · ").join(parts), layout=False)
+
+    def _is_by_another_program(self, tick: int) -> bool:
+        history, program = self._session.history, self._session.program
+        if history is None or program is None:
+            return False
+        return history.is_by_another(program.text, tick)
 
     def _go_to_page(self, page: str) -> None:
         self._choice.go_to(page)
