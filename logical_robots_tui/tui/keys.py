@@ -50,7 +50,7 @@ def key_from(text: object) -> str:
         reason = "many terminals can't tell it from the key without Ctrl"
     if reason:
         raise ValueError(f"{key_name(wanted)} can't be used: {reason}")
-    is_function = wanted[:1] == "f" and wanted[1:].isdigit() and 1 <= int(wanted[1:]) <= 12
+    is_function = wanted[:1] == "f" and wanted[1:].isdecimal() and 1 <= int(wanted[1:]) <= 12
     if _is_control(wanted) or is_function or wanted in ("space", "escape"):
         return wanted
     if len(text) == 1 and text.isascii() and text.isprintable():

@@ -5,9 +5,11 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
+from textual._context import active_app
 from textual.style import Style
 from textual.theme import BUILTIN_THEMES, Theme
 
+from logical_robots_tui.tui.colours import colours_in
 from logical_robots_tui.tui.drawing.palette import DARK, LIGHT, Palette, mix, parse
 
 if TYPE_CHECKING:
@@ -101,8 +103,12 @@ SYNTAX = {
 def rich_style(text: str) -> RichStyle:
     """Return a style such as ``bold $ink-key`` with the colours of the present theme.
 
-    Content takes such texts as they are; this is for widgets that paint segments.
+    Content takes such texts as they are; this is for widgets that paint segments. What is painted
+    without an app is painted as in the theme Night.
     """
+    if active_app.get(None) is None:
+        given = NIGHT.to_color_system().generate()
+        return Style.parse(text, given | colours_in(NIGHT)).rich_style
     return Style.parse(text).rich_style
 
 
