@@ -87,18 +87,24 @@ def tune(statement: str, known: Known | None = None, *, for_all: bool = False) -
         columns.rays_as_rows(tree)
         columns.sensor_fields_as_columns(tree)
         columns.bound_to_viewer(tree)
-        duck = _for_duckdb(tree.copy()) if for_all else None
+        for_duckdb = tree.copy()
         pairs_as_columns(tree)
         memory_fields_as_columns(tree, known.fields)
         items = items_as_rows(tree, known.fields, known.items)
         aggregates.grouped_arg_min(tree)
+        is_alike = tree == for_duckdb
         result, read = _finished(tree)
+        at_once = [together(tree), together(tree, alike=True)] if for_all else [None, None]
+        duck = None
+        if for_all and is_alike:
+            duck = in_duckdb(tree, at_once[0], result, read)
+        elif for_all:
+            duck = _for_duckdb(for_duckdb)
         if "Memory" in read:
             read["Memory"] = _with_fields(read["Memory"], known.fields)
         if items:
             read["Item"] = items
         bounds = 4 if "Memory" in read else 2 if "Sensor" in read else 0
-        at_once = [together(tree), together(tree, alike=True)] if for_all else [None, None]
         if any(at_once):
             read.setdefault("Sensor", ("robot_name",))
         texts = [_as_rows_come(query) if query else "" for query in at_once]
