@@ -20,6 +20,7 @@ from benchmarks.inspector import inspector
 from benchmarks.machine import machine
 from benchmarks.measure import Effort, Measurement
 from benchmarks.mind import compiling, thinking
+from benchmarks.ssh import processor, ssh
 from benchmarks.swarm import swarms
 from benchmarks.whole_game import whole_game
 from benchmarks.with_screen import traffic, with_screen
@@ -40,6 +41,8 @@ BENCHMARKS = {
     "inspector": inspector,
     "screen": with_screen,
     "traffic": traffic,
+    "ssh": ssh,
+    "processor": processor,
     "first-frame": first_frame,
 }
 THOROUGH = Effort(repeats=7, ticks=400)

@@ -1,0 +1,108 @@
+"""Over a real sshd: traffic, keys on slow lines, the first screen; and the processor it takes."""
+
+from __future__ import annotations
+
+import os
+import shlex
+import statistics
+import sys
+import tempfile
+from contextlib import contextmanager
+from pathlib import Path
+from time import perf_counter
+from typing import TYPE_CHECKING
+
+from benchmarks.measure import Effort, Measurement
+from tests.crowd import Crowd
+from tests.sshd import Line, Server
+from tests.terminal import Terminal
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+__all__ = ["processor", "ssh"]
+
+SIZE = (120, 40)
+SIX_ROBOTS = ("10-distributed-mapping", "distributed-mapping")
+RATES = ((20_000, 300), (64_000, 100))  # bytes a second, milliseconds that a key may take
+LETTERS = "αβγδεζηθικλμνξοπρστυφχψω"
+
+
+def ssh(effort: Effort) -> Iterator[Measurement]:
+    """Kilobytes a second plain and compressed, and keys on lines that can't keep up."""
+    seconds = effort.ticks / 60
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
+        with Server(folder, f"SetEnv LOGICAL_ROBOTS_CACHE_DIR={folder}/cache") as server:
+            for option, allowed in (("-q", 100), ("-C", 25)):
+                with Line(server.port) as line, _running(server, line, folder, option) as terminal:
+                    before, began = line.traffic, perf_counter()
+                    terminal.read_for(seconds)
+                    rate = (line.traffic - before) / 1000 / (perf_counter() - began)
+                    how = "compressed" if option == "-C" else "plain"
+                    yield Measurement(
+                        *("over ssh", f"120x40, 6 robots, {how}", rate, "kB/s"),
+                        *(rate, rate, f"<= {allowed}"),
+                    )
+            for limit, milliseconds in RATES:
+                with (
+                    Line(server.port, limit) as line,
+                    _running(server, line, folder, "-q") as terminal,
+                ):
+                    terminal.send("2")
+                    terminal.wait_for("Leave")
+                    found = Crowd([terminal]).key_milliseconds(LETTERS)
+                    yield Measurement(
+                        "key over ssh",
+                        f"{limit // 1000} kB/s, 6 robots running",
+                        statistics.median(found),
+                        "ms",
+                        min(found),
+                        max(found),
+                        f"<= {milliseconds}",
+                    )
+
+
+@contextmanager
+def _running(server: Server, line: Line, folder: Path, option: str) -> Iterator[Terminal]:
+    """Six robots that run at the other end of a line."""
+    game = [sys.executable, "-m", "logical_robots_tui", "play", *SIX_ROBOTS]
+    command = shlex.join([*game, "--data-dir", str(folder / "data")])
+    with Terminal([*server.client("-t", option, port=line.port), command], size=SIZE) as terminal:
+        terminal.wait_for("· applied")
+        terminal.send(" ")
+        terminal.wait_for("RUNNING")
+        yield terminal
+
+
+def processor(effort: Effort) -> Iterator[Measurement]:
+    """Percent of one core that a game takes, thinking included, paused and running."""
+    seconds = effort.ticks / 60
+    game = [sys.executable, "-m", "logical_robots_tui", "play", *SIX_ROBOTS]
+    with (
+        tempfile.TemporaryDirectory() as folder,
+        Terminal([*game, "--data-dir", folder], size=SIZE) as terminal,
+    ):
+        terminal.wait_for("· applied")
+        terminal.wait_for_quiet()
+        paused = _percent(terminal, seconds)
+        terminal.send(" ")
+        terminal.wait_for("RUNNING")
+        running = _percent(terminal, seconds)
+    for state, percent, required in (("paused", paused, "<= 1"), ("running", running, "")):
+        yield Measurement(
+            *("processor", f"120x40, 6 robots, {state}", percent, "% of a core"),
+            *(percent, percent, required),
+        )
+
+
+def _percent(terminal: Terminal, seconds: float) -> float:
+    before, began = _computed(terminal.process.pid), perf_counter()
+    terminal.read_for(seconds)
+    return 100 * (_computed(terminal.process.pid) - before) / (perf_counter() - began)
+
+
+def _computed(pid: int) -> float:
+    """Seconds of computing of a process so far."""
+    fields = Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()
+    return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
