@@ -17,7 +17,7 @@ from logical_robots_tui.tui.dialogs.dialog import Dialog
 from logical_robots_tui.tui.inspector.cells import cell
 from logical_robots_tui.tui.inspector.polar import polar
 from logical_robots_tui.tui.plain import one_line
-from logical_robots_tui.tui.theme import INK
+from logical_robots_tui.tui.theme import INK, rich_style
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
@@ -152,10 +152,11 @@ class ValueTree(Dialog[None]):
             self._picture.update(Content("\n").join(polar(radar, _PICTURE_ROWS)))
 
     def _add(self, node: TreeNode[_Part], name: str, part: _Part) -> TreeNode[_Part]:
-        label = Text.assemble((one_line(name), INK.text if _size(part.value) else INK.dim), "  ")
+        colour = INK.text if _size(part.value) else INK.dim
+        label = Text.assemble((one_line(name), rich_style(colour)), "  ")
         if part.within is None:
             text, colour = cell(part.value, _GLIMPSE)
-            label.append(text, INK.dim if _size(part.value) else colour)
+            label.append(text, rich_style(INK.dim if _size(part.value) else colour))
         if _size(part.value):
             return node.add(label, part)
         return node.add_leaf(label, part)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, ClassVar
 
-from rich.style import Style
 from textual.binding import Binding
 from textual.content import Content
 from textual.geometry import Region
@@ -14,12 +13,13 @@ from logical_robots_tui.tui.inspector.cells import cell
 from logical_robots_tui.tui.inspector.lines import LinesView
 from logical_robots_tui.tui.inspector.sparkline import scale, sparkline
 from logical_robots_tui.tui.plain import clip, one_line
-from logical_robots_tui.tui.theme import INK
+from logical_robots_tui.tui.theme import INK, rich_style
 from logical_robots_tui.tui.timeline.widget import Timeline
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
+    from rich.style import Style
     from textual import events
 
     from logical_robots_tui.game import Pin, Reading
@@ -32,7 +32,7 @@ _NOTHING = (
     "chosen robot's memory; in the tree of a value it pins a part."
 )
 _KEYS = "enter open  ← → to where it changes  del unpin"
-_HERE = "#2c3760"
+_HERE = "on $here"
 _INDENT = 2
 _SCALE = 17  # columns for the lowest and the highest number
 _LINES = 2  # of each pin
@@ -175,7 +175,7 @@ class WatchView(LinesView):
     def fill(self, number: int) -> Style:
         """The style behind the end of a line."""
         is_here = self.has_focus and self._pins and number // _LINES == self._at
-        return self.rich_style + Style(bgcolor=_HERE) if is_here else self.rich_style
+        return self.rich_style + rich_style(_HERE) if is_here else self.rich_style
 
     def _draw(self) -> None:
         if self.columns <= 0:
@@ -185,7 +185,7 @@ class WatchView(LinesView):
         for number, pin in enumerate(self._pins):
             pair = self._value(pin), self._course(pin, ticks)
             is_here = number == self._at and self.has_focus
-            lines += [each.stylize_before(f"on {_HERE}") for each in pair] if is_here else pair
+            lines += [each.stylize_before(_HERE) for each in pair] if is_here else pair
         if lines:
             words = f"{_KEYS}  ticks {ticks[0]} to {ticks[-1]}"
             lines += [Content(""), Content.styled(clip(words, self.columns), INK.dim)]
