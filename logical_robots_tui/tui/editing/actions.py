@@ -9,6 +9,8 @@ from typing import TYPE_CHECKING, Any
 from logical_robots_tui.tui.editing.tools import Tool
 
 if TYPE_CHECKING:
+    from collections.abc import Callable, Coroutine
+
     from logical_robots_tui.tui.editing.mode import EditMode
 
 __all__ = ["EditActions"]
@@ -212,8 +214,11 @@ class EditActions:
     def _closed(self, _: object) -> None:
         self._mode.redraw()
 
-    def _spawn(self, work: Any) -> None:
-        self._mode.screen.spawn(work, "library", exclusive=True)
+    def _spawn(self, work: Callable[[], Coroutine[Any, Any, object]]) -> None:
+        async def done() -> None:
+            await work()
+
+        self._mode.screen.spawn(done, "library", exclusive=True)
 
     async def _choose_finding(self) -> None:
         from logical_robots_tui.tui.editing.finding_list import FindingList

@@ -5,7 +5,7 @@ from __future__ import annotations
 import asyncio
 from pathlib import Path
 from secrets import token_hex
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Literal
 
 from logical_robots_tui.editing.checks import check
 from logical_robots_tui.editing.delta import alike
@@ -167,12 +167,13 @@ class EditMode:
 
     # -- what becomes of it --------------------------------------------------------------------
 
-    def is_changed_on_disk(self) -> bool:
-        """Whether another program has written the file since it was read or saved. Blocks."""
+    def on_disk(self) -> Literal["same", "another", "none"]:
+        """Which level the file holds by now, compared with what was read or saved. Blocks."""
         try:
-            return not alike(load_level(Path(self.base.source)), self.base)
+            found = load_level(Path(self.base.source))
         except LevelError:
-            return False  # it is gone, or no level any more: nothing of it can be lost
+            return "none"  # nothing of a level can be lost
+        return "same" if alike(found, self.base) else "another"
 
     def saved(self, level: Level, saved: Level) -> None:
         """The level is saved.

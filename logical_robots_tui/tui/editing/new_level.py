@@ -13,10 +13,9 @@ from textual.widgets import Select
 
 from logical_robots_tui.editing.labyrinths import empty_room, labyrinth
 from logical_robots_tui.editing.properties import set_words
-from logical_robots_tui.errors import InputError
 from logical_robots_tui.tui.editing.form import Form, number, text
 from logical_robots_tui.tui.levels.own import own_levels
-from logical_robots_tui.world import Level, LevelError, list_levels, load_level
+from logical_robots_tui.world import Level, list_levels, load_level
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -106,19 +105,14 @@ class NewLevelForm(Form):
 
 
 def _copy(name: str, own: Path) -> Level:
-    try:
-        level = load_level(own_levels(own).get(name, name))
-    except LevelError:
-        raise
-    except InputError as error:
-        raise LevelError(error.message) from error
+    level = load_level(own_levels(own).get(name, name))
     return replace(level, name=f"{name}-copy", title=f"{level.title} (copy)", source="")
 
 
 async def make_level(screen: MainScreen, own: Path) -> None:
     """Ask what to make, go there and edit it."""
     own_names = await asyncio.to_thread(partial(own_levels, own))
-    names = [*await asyncio.to_thread(list_levels), *own_names]
+    names = list(dict.fromkeys([*await asyncio.to_thread(list_levels), *own_names]))
     form = NewLevelForm(names, screen.session.level.name, own)
     if await screen.app.push_screen_wait(form) and form.made is not None:
         await screen.library.open_level(form.made)

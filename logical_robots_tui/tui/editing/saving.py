@@ -36,11 +36,12 @@ async def save(mode: EditMode) -> bool:
     """Save a level in its file; whether it is saved. Without a file of its own, ask for a name."""
     if mode.file is None:
         return await save_as(mode)
-    if await asyncio.to_thread(mode.is_changed_on_disk):
+    on_disk = await asyncio.to_thread(mode.on_disk)
+    if on_disk == "another":
         name = one_line(mode.file.name)
         mode.screen.warn(f"{name} was changed by another program. Save under another name.")
         return await save_as(mode)
-    if mode.is_saved:
+    if mode.is_saved and on_disk == "same":
         mode.screen.tell("It is saved already.")
         return True
     level = mode.editor.level
@@ -97,7 +98,8 @@ async def ask_to_throw_away(mode: EditMode) -> None:
 
 def _proposal(mode: EditMode) -> str:
     if mode.file is not None:
-        return mode.file.stem if mode.file.parent == mode.own else str(mode.file)
+        other = mode.file.with_stem(f"{mode.file.stem}-2")
+        return other.stem if other.parent == mode.own else str(other)
     name = mode.base.name
     return f"my-{name.lstrip('0123456789-') or name}" if mode.base.source else name
 
@@ -109,7 +111,7 @@ class SaveLevel(Dialog[Level]):
         level: What to save.
         name: What to propose.
         own: Folder of the player's levels.
-        file: The level's own file, which needs no asking, or None.
+        file: The level's own file, of which as much as can be is kept, or None.
     """
 
     DEFAULT_CSS = """
@@ -150,7 +152,7 @@ class SaveLevel(Dialog[Level]):
         title = self.query_one("#title", Input).value.strip()
         try:
             path = target(name, self._own, folder="levels", suffixes=SUFFIXES, usual=NATIVE)
-            if path.exists() and path not in (self._file, self._confirmed):
+            if path.exists() and path != self._confirmed:
                 self._confirmed = path
                 self._complain(f"{path.stem} is there already. Press enter again to replace it.")
                 return
