@@ -84,7 +84,7 @@ class ValueTree(Dialog[None]):
     ValueTree > #box { height: 90%; max-width: 110; }
     ValueTree Tree { width: 1fr; height: 1fr; background: $surface; padding: 1 0 0 0; }
     ValueTree Tree:focus { background-tint: $foreground 0%; }
-    ValueTree Tree > .tree--guides { color: $faint; }
+    ValueTree Tree > .tree--guides { color: $ink-faint; }
     ValueTree #radar { width: auto; height: auto; padding: 1 1; display: none; }
     """
 
