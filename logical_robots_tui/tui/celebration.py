@@ -4,15 +4,17 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from logical_robots_tui.editing.delta import alike
 from logical_robots_tui.tui.layout import Layout
 from logical_robots_tui.tui.plain import one_line
 
 if TYPE_CHECKING:
     from logical_robots_tui.progress import Measures
     from logical_robots_tui.tui.screen import MainScreen
+    from logical_robots_tui.tui.session import Session
     from logical_robots_tui.world import Level
 
-__all__ = ["Celebration"]
+__all__ = ["Celebration", "is_by_the_book"]
 
 
 class Celebration:
@@ -40,7 +42,7 @@ class Celebration:
         alone = len(screen.session.level.robots) == 1
         who = "You are there" if alone else "Everybody is there"
         screen.labyrinth.briefing.display = False
-        if screen.session.is_by_the_book:
+        if is_by_the_book(screen.session):
             screen.journal.won(screen.session)
         else:
             screen.tell("The level was changed by hand: this victory is not kept.")
@@ -60,3 +62,12 @@ class Celebration:
         """Take the banner away; the next victory is celebrated again."""
         self._is_over = False
         self._screen.labyrinth.banner.display = False
+
+
+def is_by_the_book(session: Session) -> bool:
+    """Whether all up to the present frame happened in the level as it is in its file."""
+    history = session.history
+    if history is None:
+        return session.level is session.opened
+    tick = session.frame.tick
+    return not history.is_changed_up_to(tick) and alike(history.level_at(0), session.opened)

@@ -7,7 +7,6 @@ from functools import partial
 from time import perf_counter
 from typing import TYPE_CHECKING, Any, Protocol
 
-from logical_robots_tui.editing.delta import alike
 from logical_robots_tui.game import (
     Breakpoints,
     Frame,
@@ -129,14 +128,6 @@ class Session:
     def won_at(self) -> int | None:
         """The tick of victory as of the present frame, or None."""
         return self.frame.after.won_at
-
-    @property
-    def is_by_the_book(self) -> bool:
-        """Whether all up to the present frame happened in the level as it is in its file."""
-        if self.game is None:
-            return self.level is self.opened
-        history, tick = self.game.history, self.frame.tick
-        return not history.is_changed_up_to(tick) and alike(history.level_at(0), self.opened)
 
     @property
     def thinking_for(self) -> float:

@@ -45,15 +45,17 @@ def test_after_some_steps(game: Terminal, pytestconfig: pytest.Config) -> None:
 
 def assert_looks_like(name: str, game: Terminal, config: pytest.Config) -> None:
     """Wait until the screen is the stored picture of that name, or store it."""
-    screen = game.screen
-    path = HERE / f"{name}.{screen.columns}x{screen.lines}.txt"
+    path = HERE / f"{name}.{game.screen.columns}x{game.screen.lines}.txt"
     if config.getoption("--update-snapshots"):
         game.wait_for_quiet()
-        path.write_text(picture(cells_of(screen)), encoding="utf-8")
+        path.write_text(picture(cells_of(game.screen)), encoding="utf-8")
         return
     wanted = read_picture(path.read_text(encoding="utf-8"))
     try:
-        game.wait_for(lambda: cells_of(screen) == wanted)
+        game.wait_for(lambda: cells_of(game.screen) == wanted)
     except AssertionError:
-        told = [f"the screen differs from {path.name}:", *differences(wanted, cells_of(screen))]
+        told = [
+            f"the screen differs from {path.name}:",
+            *differences(wanted, cells_of(game.screen)),
+        ]
         pytest.fail("\n".join(told), pytrace=False)

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from textual.widgets import Checkbox, Input, Select, TextArea
 
+from logical_robots_tui.tui.celebration import is_by_the_book
 from logical_robots_tui.tui.editing.finding_list import FindingList
 from logical_robots_tui.tui.editing.form import Ticks
 from logical_robots_tui.tui.editing.forms import ThingForm
@@ -63,7 +64,7 @@ async def test_a_robot_is_stopped_by_a_wall_and_taken_elsewhere_under_way(
         session.go_to(last.tick)
         await game.until(lambda: game.tick == last.tick)
         assert session.frame == last
-        assert not session.is_by_the_book
+        assert not is_by_the_book(session)
         await s.press("u", "u", "u")
         await s.press("escape")
         await game.until(lambda: game.shows("What becomes of the changes"))
