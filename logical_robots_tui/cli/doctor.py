@@ -5,7 +5,6 @@ from __future__ import annotations
 import json
 import os
 import platform
-import shutil
 import sys
 from dataclasses import asdict, dataclass
 from importlib.metadata import PackageNotFoundError, version
@@ -99,7 +98,7 @@ def _terminal() -> Iterator[Finding]:
     yield _finding("name", environ.get("TERM", "") or "none")
     yield _finding("reached", "directly" if is_there else "through a pipe or a file")
     if is_there:
-        columns, lines = shutil.get_terminal_size()
+        columns, lines = os.get_terminal_size(sys.stdout.fileno())
         is_small = columns < LEAST_WIDTH or lines < LEAST_HEIGHT
         wish = f"{LEAST_WIDTH}x{LEAST_HEIGHT} needed" if is_small else ""
         yield _finding("size", f"{columns}x{lines}", wish)

@@ -100,7 +100,7 @@ def _prepare_screen() -> None:
     if not all(stream.isatty() for stream in streams) or os.environ.get("TERM") == "dumb":
         raise InputError(
             "the game needs a terminal.",
-            hint="Without one, use: logical-robots play --plain, or logical-robots run",
+            hint="Without one: logical-robots play --plain, or: logical-robots run LEVEL PROGRAM",
         )
     # The terminal knows its size better than a shell that once exported it.
     for name in ("COLUMNS", "LINES"):

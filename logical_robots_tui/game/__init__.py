@@ -19,6 +19,7 @@ from logical_robots_tui.game.marks import MARK_KINDS, Mark, MarkKind
 from logical_robots_tui.game.pace import FLAT_OUT, SPEEDS, Pace
 from logical_robots_tui.game.parting import Difference, Parting
 from logical_robots_tui.game.pins import MIND, ROBOT_COLUMNS, Path, Pin, Reading, pin_of_cell, read
+from logical_robots_tui.game.place import Place, place_of
 from logical_robots_tui.game.reference import is_shipped, level_key, reference_for
 from logical_robots_tui.game.rules import count_rules
 from logical_robots_tui.game.source import Source, list_programs, load_program, save_program
@@ -49,6 +50,7 @@ __all__ = [
     "Parting",
     "Path",
     "Pin",
+    "Place",
     "Reading",
     "Source",
     "Superseded",
@@ -61,6 +63,7 @@ __all__ = [
     "load_program",
     "mistake_in",
     "pin_of_cell",
+    "place_of",
     "read",
     "reference_for",
     "save_program",

@@ -137,12 +137,16 @@ class Course:
         copy.hits = {at: hits for at, hits in self.hits.items() if at <= tick}
         copy._length = self._length
         copy._oldest = self._oldest
-        copy._programs = [(at, program) for at, program in self._programs if at <= tick]
+        copy._programs = self.programs(tick)
         whole = min((tick - self._oldest) // _TOGETHER, len(self._packs))
         copy._packs = deque(pack for pack, _ in zip(self._packs, range(whole), strict=False))
         begin = self._oldest + whole * _TOGETHER
         copy._loose = [self.moment(at) for at in range(begin, tick + 1)]
         return copy
+
+    def programs(self, tick: int) -> list[tuple[int, Program]]:
+        """The programs up to a tick, each with the first tick in which it decided."""
+        return [(begin, program) for begin, program in self._programs if begin <= tick]
 
     def program_at(self, tick: int) -> Program | None:
         """The program that decided in a tick; None at the start."""

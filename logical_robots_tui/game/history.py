@@ -154,6 +154,10 @@ class History:
         moment = self.around(tick)[1]
         return Known(self.level_at(tick - bool(moment.decisions)), moment)
 
+    def programs(self, tick: int) -> list[tuple[int, Program]]:
+        """The programs up to a tick, each with the first tick in which it decided."""
+        return self._course.programs(tick)
+
     def program_at(self, tick: int) -> Program | None:
         """The program that decided in a tick; None at the start."""
         return self._course.program_at(tick)

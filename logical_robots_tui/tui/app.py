@@ -141,9 +141,10 @@ class LogicalRobotsApp(SparingApp, inherit_bindings=False):
         )
 
     def last_words(self) -> None:
-        """Write what was typed to its draft."""
+        """Write what was typed to its draft, and where the game stands."""
         self.main.keeper.flush()
         self.main.editing.flush()
+        self.main.bookmark.flush()
 
     def leave_soon(self) -> None:
         """Ask the app to end; may be called on any thread or in a signal handler."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, TypeAlias
+from typing import TYPE_CHECKING, Any, Protocol, TypeAlias
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Coroutine
@@ -10,10 +10,17 @@ if TYPE_CHECKING:
     from textual.dom import DOMNode
     from textual.worker import Worker
 
-__all__ = ["Work", "in_background"]
+__all__ = ["Spawn", "Work", "in_background"]
 
 Work: TypeAlias = "Callable[[], Coroutine[Any, Any, None]]"
 """A function and not a coroutine: one that is cancelled early has never been begun."""
+
+
+class Spawn(Protocol):
+    """Starts work in the background of the screen."""
+
+    def __call__(self, work: Work, group: str, *, exclusive: bool) -> None:
+        """Run `work`; an exclusive one cancels what its group still does."""
 
 
 def in_background(

@@ -19,7 +19,8 @@ if TYPE_CHECKING:
     from logical_robots_tui.game.measuring import Trial
     from logical_robots_tui.mind import Program
     from logical_robots_tui.progress import Bests, LevelRecord, Version
-    from logical_robots_tui.tui.session import Session, Spawn
+    from logical_robots_tui.tui.background import Spawn
+    from logical_robots_tui.tui.session import Session
     from logical_robots_tui.world import Level
 
 __all__ = ["LAST_LEVEL", "THEME", "TOUR", "Journal"]

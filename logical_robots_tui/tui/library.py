@@ -164,7 +164,7 @@ class Library:
 
     # -- drafts --------------------------------------------------------------------------------
 
-    async def offer_drafts(self) -> None:
+    async def offer(self) -> None:
         """Offer the text that an earlier session left unsaved, if there is any."""
         screen = self._screen
         drafts = [

@@ -14,6 +14,7 @@ from logical_robots_tui.tui.actions import Actions
 from logical_robots_tui.tui.arrangement import Arrangement
 from logical_robots_tui.tui.background import in_background
 from logical_robots_tui.tui.bar import CommandBar, CommandChosen, PaneTabs
+from logical_robots_tui.tui.bookmark import Bookmark
 from logical_robots_tui.tui.capture import Capture
 from logical_robots_tui.tui.celebration import Celebration
 from logical_robots_tui.tui.commands import EDITING, bindings, command
@@ -113,6 +114,7 @@ class MainScreen(Screen[None]):
         )
         self.library = Library(self, data_dir / "programs")
         self.editing = EditingDoor(self, data_dir)
+        self.bookmark = Bookmark(self, data_dir / "places")
         self.rows = RowCommands(self, data_dir / "rows")
         self.guide = Guide(self)
         self.capture = Capture(self, data_dir / "screens")
@@ -170,14 +172,15 @@ class MainScreen(Screen[None]):
             self.tours.begin()
 
     async def _offer_drafts(self) -> None:
-        await self.library.offer_drafts()
-        await self.editing.offer()
+        for keeper in (self.library, self.editing, self.bookmark):
+            await keeper.offer()
 
     async def on_unmount(self) -> None:
         """Bring the text to safety and stop all work."""
         self.capture.close()
         self.keeper.close()
         self.editing.close()
+        self.bookmark.close()
         await self.session.close()
         await self.journal.close()
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 from functools import partial
 from time import perf_counter
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import TYPE_CHECKING, Any
 
 from logical_robots_tui.game import (
     Breakpoints,
@@ -23,24 +23,17 @@ from logical_robots_tui.tui.program.state import ProgramState
 if TYPE_CHECKING:
     from collections.abc import Callable, Coroutine, Mapping
 
-    from logical_robots_tui.game import Breakpoint, Hit, Source
+    from logical_robots_tui.game import Breakpoint, Hit, Place, Source
     from logical_robots_tui.game.history import History
     from logical_robots_tui.mind import Engine, Predicate, Program, Table
-    from logical_robots_tui.tui.background import Work
+    from logical_robots_tui.tui.background import Spawn, Work
     from logical_robots_tui.world import Level
     from logical_robots_tui.world.changing import Pose
 
-__all__ = ["Session", "Spawn"]
+__all__ = ["Session"]
 
 _MOST_OWED = 5  # steps that a key held down may leave behind
 _NOTICEABLE = 0.5  # seconds of thinking from which on the screen says so
-
-
-class Spawn(Protocol):
-    """Starts work in the background of the screen."""
-
-    def __call__(self, work: Work, group: str, *, exclusive: bool) -> None:
-        """Run `work`; an exclusive one cancels what its group still does."""
 
 
 class Session:
@@ -162,7 +155,6 @@ class Session:
     def apply(self, text: str) -> None:
         """Compile a text in the background and use it; an older compilation is given up."""
         if self._program is not None and self._program.text == text:
-            self.state = ProgramState("applied", text, text, self._program.warnings)
             self._use(self._program)
             return
         self.state = ProgramState("compiling", text, self.state.applied)
@@ -211,7 +203,20 @@ class Session:
         """Run flat out up to a tick, a breakpoint or victory."""
         self.pause()
         self._runs_until = tick
-        self._begin(partial(self._run_until, tick))
+        self._begin(lambda game: game.run_until(tick=tick))
+
+    async def replay(self, place: Place) -> None:
+        """Go again where an earlier session of this level stood; a pause ends that on the way.
+
+        Raises:
+            ProgramError: A program can't be compiled any more.
+        """
+        ends = [(await compile_program(text), end) for text, end in place.stretches()]
+        self.restart()
+        self._spawn(_nothing, "compile", exclusive=True)
+        self._use(ends[0][0])
+        self._runs_until = place.tick
+        self._begin(partial(self._replay, ends))
 
     def back(self, ticks: int = 1) -> None:
         """Return by so many ticks, as far as history reaches."""
@@ -239,9 +244,7 @@ class Session:
         if self.game is not None:
             self._spawn(_nothing, "compile", exclusive=True)
             self.game.change_course()
-            self._program = self.game.program
-            text = self._program.text
-            self.state = ProgramState("applied", text, text, self._program.warnings)
+            self._think_with(self.game.program)
             self._changed()
 
     def change_level(self, level: Level, poses: Mapping[str, Pose]) -> None:
@@ -299,10 +302,6 @@ class Session:
             self.state = replace(self.state, phase="mistake", mistakes=error.diagnostics)
             self._changed()
             return
-        warnings = program.warnings
-        if self._engine == "duckdb":
-            warnings += why_not_duckdb(program)
-        self.state = ProgramState("applied", text, text, warnings)
         self._use(program)
 
     def _compiled(self, text: str, done: int, of_all: int) -> None:
@@ -311,7 +310,7 @@ class Session:
             self._changed()
 
     def _use(self, program: Program) -> None:
-        self._program = program
+        self._think_with(program)
         self._used(program)
         if self.game is None:
             game = self.game = Game(
@@ -327,6 +326,11 @@ class Session:
             self.game.use(program)
         self._changed()
 
+    def _think_with(self, program: Program) -> None:
+        self._program, text = program, program.text
+        no_duckdb = why_not_duckdb(program) if self._engine == "duckdb" else ()
+        self.state = ProgramState("applied", text, text, (*program.warnings, *no_duckdb))
+
     def _show(self, game: Game, frame: Frame) -> None:
         if game is self.game:
             self.frame, self.level = frame, game.level
@@ -340,7 +344,7 @@ class Session:
         finally:
             self._changed()
 
-    def _begin(self, work: Callable[[Game], Coroutine[Any, Any, None]]) -> None:
+    def _begin(self, work: Callable[[Game], Coroutine[Any, Any, object]]) -> None:
         """Go on in the background by something that pausing ends."""
         if self.game is not None:
             self._stepping = object()
@@ -349,7 +353,7 @@ class Session:
             self._spawn(move, "move", exclusive=True)
 
     async def _move(
-        self, game: Game, work: Callable[[Game], Coroutine[Any, Any, None]], token: object
+        self, game: Game, work: Callable[[Game], Coroutine[Any, Any, object]], token: object
     ) -> None:
         try:
             await work(game)
@@ -369,8 +373,11 @@ class Session:
             if self._hits(game) or game.won_at == frame.tick:
                 self._steps_owed = 0
 
-    async def _run_until(self, tick: int, game: Game) -> None:
-        await game.run_until(tick=tick)
+    async def _replay(self, ends: list[tuple[Program, int]], game: Game) -> None:
+        for program, end in ends:
+            self._use(program)
+            while game.frame.tick < end:
+                await game.run_until(tick=end)
 
     def _hits(self, game: Game) -> tuple[Hit, ...]:
         """The breakpoints that stop the robots at the present tick."""

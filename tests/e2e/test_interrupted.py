@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import signal
+from functools import partial
 from typing import TYPE_CHECKING
 
 from tests.waiting import until
@@ -26,32 +27,43 @@ TYPED = "# an idea worth keeping"
 
 
 def type_an_idea(player: Player) -> None:
-    player.play_short_way()
     player.tmux.press("2")
     player.tmux.type(TYPED)
     player.tmux.wait_for(TYPED)
     player.tmux.press("Enter")
 
 
-def assert_the_idea_is_offered(player: Player) -> None:
+def is_gone(text: str, screen: str) -> bool:
+    return text not in screen
+
+
+def assert_the_idea_is_offered(player: Player, *others: str) -> None:
     player.play("play", "short.toml", "ahead.l")
-    player.tmux.wait_for("unsaved")
-    player.tmux.press("Enter")
-    player.tmux.wait_until(lambda screen: "unsaved" not in screen)
+    for offer in ("unsaved", *others):
+        player.tmux.wait_for(offer)
+        player.tmux.press("Enter")
+        player.tmux.wait_until(partial(is_gone, offer))
     player.tmux.press("2")
     player.tmux.wait_for(TYPED)
 
 
-def test_after_a_hangup_the_process_ends_at_once_and_the_text_is_offered(player: Player) -> None:
+def test_after_a_hangup_the_process_ends_at_once_and_the_game_goes_on_exactly_there(
+    player: Player,
+) -> None:
+    player.play_short_way()
+    player.tmux.press("n", "n", "n")
+    player.wait_for_tick(3)
     type_an_idea(player)
     player.tmux.hang_up()
     until(lambda: not player.tmux.is_running, lambda: "the process ends", patience=2)
     player.tmux.mend()
-    assert_the_idea_is_offered(player)
+    assert_the_idea_is_offered(player, "cut off at tick 3")
+    player.wait_for_tick(3)
 
 
 def test_when_the_terminal_is_gone_the_process_ends_and_the_text_is_offered(seat: Seat) -> None:
     with seat() as player:
+        player.play_short_way()
         type_an_idea(player)
         player.tmux.close()
         until(lambda: not player.tmux.is_running, lambda: "the process ends", patience=2)
@@ -62,6 +74,7 @@ def test_when_the_terminal_is_gone_the_process_ends_and_the_text_is_offered(seat
 def test_when_the_process_is_killed_what_was_on_disk_a_moment_ago_is_offered(
     player: Player,
 ) -> None:
+    player.play_short_way()
     type_an_idea(player)
     until(lambda: any(TYPED in f.read_text() for f in player.folder.rglob("data/**/*.json")))
     os.kill(player.tmux.pid, signal.SIGKILL)

@@ -1,0 +1,79 @@
+"""Where a game stands, so that another session can go there again."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import asdict, dataclass
+from typing import TYPE_CHECKING
+
+from logical_robots_tui.game.reference import level_key
+
+if TYPE_CHECKING:
+    from logical_robots_tui.game.game import Game
+    from logical_robots_tui.world import Level
+
+__all__ = ["Place", "place_of"]
+
+
+@dataclass(frozen=True, slots=True)
+class Place:
+    """A tick, and how to get there: same level, same programs, same ticks.
+
+    Attributes:
+        level: Name of the level if it came with the game, else the path of its file.
+        title: What it is called.
+        tick: Number of the tick, at least 1.
+        programs: The first tick in which each program decided, and its text, in this order.
+    """
+
+    level: str
+    title: str
+    tick: int
+    programs: tuple[tuple[int, str], ...]
+
+    def as_text(self) -> str:
+        """The place as a text that `from_text` reads."""
+        return json.dumps(asdict(self), ensure_ascii=False)
+
+    @classmethod
+    def from_text(cls, text: str) -> Place:
+        """Read a place.
+
+        Raises:
+            ValueError: It is none.
+        """
+        try:
+            found = json.loads(text)
+            programs = tuple((int(begin), str(program)) for begin, program in found["programs"])
+            place = cls(str(found["level"]), str(found["title"]), int(found["tick"]), programs)
+        except (KeyError, TypeError, ValueError) as error:
+            raise ValueError("this is no place of a game") from error
+        begins = [begin for begin, _ in place.programs]
+        if begins[:1] != [1] or begins != sorted(set(begins)) or begins[-1] > place.tick:
+            raise ValueError("the programs of this place are out of order")
+        return place
+
+    def stretches(self) -> list[tuple[str, int]]:
+        """The programs' texts, each with the last tick in which it decided."""
+        ends = [begin - 1 for begin, _ in self.programs[1:]]
+        return [
+            (text, end) for (_, text), end in zip(self.programs, [*ends, self.tick], strict=True)
+        ]
+
+
+def place_of(game: Game, level: Level) -> Place | None:
+    """Where a game stands.
+
+    Args:
+        game: The game.
+        level: The level as it is in its file.
+
+    Returns:
+        None at the start, and where the level was changed by hand on the way: there is nothing to
+        go back to, or no way.
+    """
+    history, tick = game.history, game.frame.tick
+    if tick == 0 or history.level_at(0) is not level or history.is_changed_up_to(tick):
+        return None
+    programs = tuple((begin, program.text) for begin, program in history.programs(tick))
+    return Place(level_key(level), level.title, tick, programs)

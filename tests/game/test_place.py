@@ -1,0 +1,46 @@
+"""Where a game stands, as another session reads it."""
+
+from __future__ import annotations
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from logical_robots_tui.game import Place
+
+texts = st.text(st.characters(codec="utf-8"))
+
+
+@st.composite
+def places(draw: st.DrawFn) -> Place:
+    later = draw(st.sets(st.integers(2, 20_000), max_size=4))
+    programs = tuple((begin, draw(texts)) for begin in (1, *sorted(later)))
+    last = programs[-1][0]
+    return Place(draw(texts), draw(texts), draw(st.integers(last, last + 100)), programs)
+
+
+@given(places())
+def test_a_place_is_read_as_it_was_written(place: Place) -> None:
+    assert Place.from_text(place.as_text()) == place
+
+
+@given(places())
+def test_the_programs_follow_each_other_up_to_the_tick(place: Place) -> None:
+    stretches = place.stretches()
+    assert [text for text, _ in stretches] == [text for _, text in place.programs]
+    assert stretches[-1][1] == place.tick
+    assert [end + 1 for _, end in stretches[:-1]] == [begin for begin, _ in place.programs[1:]]
+
+
+@given(texts)
+def test_nonsense_is_no_place(text: str) -> None:
+    with pytest.raises(ValueError, match="no place"):
+        Place.from_text(text)
+
+
+@pytest.mark.parametrize(
+    "programs", ["[]", '[[2, ""]]', '[[1, ""], [1, ""]]', '[[1, ""], [9, ""]]']
+)
+def test_programs_out_of_order_are_no_place(programs: str) -> None:
+    with pytest.raises(ValueError, match="out of order"):
+        Place.from_text(f'{{"level": "", "title": "", "tick": 5, "programs": {programs}}}')

@@ -1,0 +1,71 @@
+"""A session that was cut off, and the next one."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from logical_robots_tui.game import place_of
+from logical_robots_tui.game.drafts import Drafts
+from logical_robots_tui.tui.dialogs.question import Question
+from tests.tui.conftest import AHEAD, STILL, opened
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+
+async def test_the_next_session_goes_on_exactly_there_whatever_programs_it_took(
+    data_dir: Path, short: Path
+) -> None:
+    async with opened(data_dir, level=short, text=AHEAD) as game:
+        await game.ready()
+        await game.press("n", "n", "n")
+        await game.until(lambda: game.tick == 3)
+        await game.write(STILL)
+        await game.until(lambda: game.session.state.applied == STILL)
+        await game.press("n", "n")
+        await game.until(lambda: game.tick == 5)
+        there = game.session.frame
+        game.app.last_words()
+        await game.press("n")
+        await game.until(lambda: game.tick == 6)
+
+    async with opened(data_dir, level=short, text=AHEAD) as game:
+        await game.ready()
+        await game.until(lambda: game.shows("Cut off"))
+        await game.press("enter")
+        await game.until(lambda: game.tick == 5 and not game.session.busy)
+        again = game.session.frame
+        assert (again.after, again.memories) == (there.after, there.memories)
+        assert game.session.state.applied == game.editor.text == STILL
+
+    async with opened(data_dir, level=short, text=AHEAD) as game:
+        await game.ready()
+        assert not isinstance(game.app.screen, Question)
+        assert game.tick == 0
+
+
+async def test_there_is_no_going_back_to_the_start_or_through_a_level_changed_by_hand(
+    data_dir: Path, short: Path
+) -> None:
+    async with opened(data_dir, level=short, text=AHEAD) as game:
+        await game.ready()
+        session = game.session
+        assert session.game is not None
+        assert place_of(session.game, session.opened) is None
+        await game.press("n")
+        await game.until(lambda: game.tick == 1)
+        assert place_of(session.game, session.opened) is not None
+        session.change_level(session.level, {"Pip": (20.0, 20.0, 1.0)})
+        await game.press("n")
+        await game.until(lambda: game.tick == 2)
+        assert place_of(session.game, session.opened) is None
+
+
+async def test_a_bookmark_that_cannot_be_read_is_passed_over(data_dir: Path, short: Path) -> None:
+    places = data_dir / "places"
+    places.mkdir(parents=True)
+    (places / "20260101000000abcdef01-0123456789abcdef.json").write_text("{}")
+    async with opened(data_dir, level=short, text=AHEAD) as game:
+        await game.ready()
+        await game.until(lambda: not Drafts(places).adopt())
+        assert not isinstance(game.app.screen, Question)
