@@ -72,11 +72,11 @@ def _texts(level: Level, path: Path, anew: bool) -> tuple[str, str]:
     if anew:
         return "", write_web(level) if is_web else write_native(level)
     try:
-        earlier = load_level(path)
         before = read_text(path)
+        if not is_web:
+            return before, rewritten(before, level)
+        earlier = load_level(path)
     except LevelError:  # there is none, or it is no level
         return _texts(level, path, anew=True)
-    if not is_web:
-        return before, rewritten(before, level)
-    same = write_web(earlier) == write_web(level)
-    return before, before if same else write_web(level)
+    text = write_web(level)
+    return before, before if write_web(earlier) == text else text

@@ -7,7 +7,10 @@ stands for twelve equal ones. One character stands for ``cell`` map units across
 from __future__ import annotations
 
 import re
-from itertools import pairwise
+from functools import cache
+from itertools import cycle, pairwise
+from operator import sub
+from string import whitespace
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
@@ -28,7 +31,8 @@ _WALL = ord("#")
 _STRANGE = re.compile(r"[^#. ]")
 _DIGIT = re.compile(r"\d")
 _SHORT = re.compile(r"(?:(\d{1,4})\*\s*)?(\d{1,4}[#.](?:\s*\d{1,4}[#.])*)", re.ASCII)
-_RUN = re.compile(r"(\d+)([#.])", re.ASCII)
+_NO_KINDS = b"0123456789" + whitespace.encode()
+_ONLY_COUNTS = str.maketrans("#.", "  ")
 _WIDEST_DRAWN = 240  # characters; wider rows are shortened, for nobody draws them by hand
 _LARGEST_CELL = 20  # map units; larger ones would leave no room to draw anything new
 _DRAW = "Draw walls as # and free cells as . or space, one row per line, between ''' and '''."
@@ -176,11 +180,11 @@ def _row(line: str) -> _Row | None:
     found = _SHORT.fullmatch(line.strip())
     if not found or not int(found[1] or 1):
         return None
-    runs = _RUN.findall(found[2])
-    if len(runs) > MOST_SIDE:
+    text = found[2]
+    if text.count("#") + text.count(".") > MOST_SIDE:
         return None
-    counts = np.array([int(count) for count, _ in runs], np.int16)
-    kinds = np.array([character == "#" for _, character in runs], np.bool_)
+    counts = np.fromstring(text.translate(_ONLY_COUNTS), np.int16, sep=" ")
+    kinds = np.frombuffer(text.encode("ascii").translate(None, _NO_KINDS), np.uint8) == _WALL
     return _Row(line, int(found[1] or 1), counts, kinds)
 
 
@@ -213,9 +217,17 @@ def _fresh(cells: NDArray[np.bool_], *, short: bool) -> Iterator[str]:
 
 def _shortened(row: NDArray[np.bool_]) -> str:
     bounds = [0, *(np.flatnonzero(row[1:] != row[:-1]) + 1).tolist(), len(row)]
-    return " ".join(
-        f"{stop - start}{'#' if row[start] else '.'}" for start, stop in pairwise(bounds)
-    )
+    walls, free = _runs()
+    kinds = (walls, free) if row[0] else (free, walls)
+    counts = map(sub, bounds[1:], bounds)
+    return " ".join(kind[count] for kind, count in zip(cycle(kinds), counts, strict=False))
+
+
+@cache
+def _runs() -> tuple[tuple[str, ...], tuple[str, ...]]:
+    """How so many cells of wall are written, and so many free ones; by their count."""
+    counts = range(MOST_SIDE + 1)
+    return tuple(f"{count}#" for count in counts), tuple(f"{count}." for count in counts)
 
 
 def _redrawn(line: str, row: NDArray[np.bool_]) -> str:
