@@ -162,10 +162,12 @@ class Session:
     def apply(self, text: str) -> None:
         """Compile a text in the background and use it; an older compilation is given up."""
         if self._program is not None and self._program.text == text:
-            self.state = ProgramState("applied", text, text, self._program.warnings)
+            self.state = ProgramState.of_applied(text, self._program.warnings)
             self._use(self._program)
             return
-        self.state = ProgramState("compiling", text, self.state.applied)
+        self.state = replace(
+            self.state, phase="compiling", tried=text, mistakes=(), compiled=(0, 0)
+        )
         self._changed()
         self._spawn(partial(self._compile, text), "compile", exclusive=True)
 
@@ -241,7 +243,7 @@ class Session:
             self.game.change_course()
             self._program = self.game.program
             text = self._program.text
-            self.state = ProgramState("applied", text, text, self._program.warnings)
+            self.state = ProgramState.of_applied(text, self._program.warnings)
             self._changed()
 
     def change_level(self, level: Level, poses: Mapping[str, Pose]) -> None:
@@ -302,7 +304,7 @@ class Session:
         warnings = program.warnings
         if self._engine == "duckdb":
             warnings += why_not_duckdb(program)
-        self.state = ProgramState("applied", text, text, warnings)
+        self.state = ProgramState.of_applied(text, warnings)
         self._use(program)
 
     def _compiled(self, text: str, done: int, of_all: int) -> None:
