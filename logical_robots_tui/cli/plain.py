@@ -5,25 +5,41 @@ from __future__ import annotations
 import asyncio
 import math
 import sys
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
+from logical_robots_tui.cli.failure import ProgramFileError
 from logical_robots_tui.cli.text import harmless
+from logical_robots_tui.errors import InputError
 from logical_robots_tui.game import (
     Breakpoint,
     Game,
     NoSuchTickError,
     goals,
+    level_key,
     load_program,
     mistake_in,
+    save_program,
+)
+from logical_robots_tui.game.continuing import (
+    keep_if_own,
+    level_to_begin_with,
+    measured_at_victory,
+    note_level,
+    program_to_begin_with,
 )
 from logical_robots_tui.game.events import events_between
+from logical_robots_tui.game.naming import target
+from logical_robots_tui.game.source import shipped_texts
 from logical_robots_tui.mind import Program, ProgramError
+from logical_robots_tui.progress import FILE_NAME, Progress
+from logical_robots_tui.world import load_level
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
     from pathlib import Path
 
-    from logical_robots_tui.game import Frame
+    from logical_robots_tui.game import Frame, Source
     from logical_robots_tui.mind import Engine
     from logical_robots_tui.world import Level
 
@@ -39,31 +55,64 @@ back [N]        one tick back, or N
 restart         begin again at tick 0
 where           where the robots are and who is in a goal
 stop PREDICATE  stop a run when a predicate has rows; again: no longer
+save NAME       save the program as a file of your own, to change it there
 apply           read the program's file again and go on with it
 help            this list
 quit            leave; so does the end of the input"""
 
 
-def play_in_lines(level: Level, program: Program, path: Path, engine: Engine) -> int:
+def play_in_lines(
+    level_name: str | None, program: str | None, data_dir: Path, engine: Engine
+) -> int:
     """Play by lines of text until the player leaves; return the exit status.
 
     Args:
-        level: Where it happens.
-        program: What the robots think to begin with.
-        path: The program's file, for ``apply``.
+        level_name: A level's name or path; by default the shipped level that was played last.
+        program: A program's name or path; by default what the player last used in that level.
+        data_dir: Where the player's programs and progress are.
         engine: What the robots think with.
+
+    Raises:
+        InputError: The level or the program can't be read.
+        ProgramFileError: The program is wrong.
     """
-    return asyncio.run(_Table(level, program, path, engine).play())
+    progress = Progress(data_dir / FILE_NAME, _say)
+    own = data_dir / "programs"
+    try:
+        level = load_level(level_name or level_to_begin_with(progress))
+        source, kept = program_to_begin_with(progress, level, program, own)
+        if kept is not None and kept != source.text:
+            source = replace(source, text=kept)
+            _say("Your last program for this level is taken up.")
+        try:
+            compiled = Program.compile(source.text)
+        except ProgramError as error:
+            raise ProgramFileError(program or source.name, error) from error
+        table = _Table(level, source, compiled, progress, own, engine)
+        return asyncio.run(table.play())
+    finally:
+        progress.close()
 
 
 class _Table:
     """A game, and the words for it."""
 
-    def __init__(self, level: Level, program: Program, path: Path, engine: Engine) -> None:
-        self._level, self._path = level, path
+    def __init__(
+        self,
+        level: Level,
+        source: Source,
+        program: Program,
+        progress: Progress,
+        own: Path,
+        engine: Engine,
+    ) -> None:
+        self._level, self._source = level, source
+        self._progress, self._key, self._own = progress, level_key(level), own
         self._game = Game(level, program, engine=engine)
         self._game.listen(self._tell_events)
         self._past = self._game.frame
+        note_level(progress, level)
+        keep_if_own(progress, self._key, program.text)
         self._commands: dict[str, Callable[[int], object]] = {
             "back": self._back,
             "restart": lambda _: self._go(self._game.restart),
@@ -91,6 +140,9 @@ class _Table:
             return
         if word == "stop":
             self._stop_at(rest.strip())
+            return
+        if word == "save":
+            self._save(rest.strip())
             return
         if rest and not (rest.isdecimal() and int(rest)):
             _say(f"{rest} is not a number of ticks.")
@@ -129,20 +181,52 @@ class _Table:
             self._game.breakpoints.add(wanted)
         _say(mistake or f"A run stops when {wanted.words}.")
 
-    def _apply(self) -> None:
+    def _save(self, name: str) -> None:
         try:
-            self._game.use(Program.compile(load_program(self._path).text))
+            path = target(name, self._own)
+            if path.exists():
+                raise InputError("is there already.", place=str(path), hint="Choose another name.")
+            save_program(path, self._source.text)
+            self._source = load_program(path)
+        except InputError as error:
+            _say(str(error))
+        else:
+            _say(f"Saved as {path}. Change it there, then type apply.")
+
+    def _apply(self) -> None:
+        if self._source.shipped:
+            _say("This program is in no file of yours. Type save and a name for it first.")
+            return
+        try:
+            self._source = load_program(self._source.path)
+            program = Program.compile(self._source.text)
+        except InputError as error:
+            _say(str(error))
         except ProgramError as error:
             for found in error.diagnostics:
                 _say(f"Line {found.line}: {found.message} {found.hint}")
         else:
+            self._game.use(program)
+            keep_if_own(self._progress, self._key, program.text)
             _say("The robots think with it from the next tick on.")
 
     def _tell_events(self, frame: Frame) -> None:
         if frame.tick == self._past.tick + 1:
             for event in events_between(self._level, self._past, frame):
                 _say(f"Tick {frame.tick}: {event}")
+            if frame.tick == 1:
+                self._progress.begin(self._key)
+            if frame.after.won_at == frame.tick:
+                self._keep_victory(frame.tick)
         self._past = frame
+
+    def _keep_victory(self, tick: int) -> None:
+        text = self._game.program.text
+        if self._level.solution and text == shipped_texts().get(self._level.solution):
+            _say("That was the reference program: it counts for itself.")
+            return
+        self._progress.win(self._key, text, measured_at_victory(self._game.history, text, tick))
+        _say("The victory is kept in your progress.")
 
     def _places(self) -> Iterator[str]:
         frame = self._game.frame

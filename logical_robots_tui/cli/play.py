@@ -23,8 +23,7 @@ examples:
   logical-robots play                  where you stopped, or the first level
   logical-robots play LEVEL            another level of the list
   logical-robots play my-level.toml my-program.l
-  logical-robots play LEVEL PROGRAM --plain
-                                       in lines of text; with a pipe too:
+  logical-robots play --plain          the same in lines of text; with a pipe too:
   echo run | logical-robots play LEVEL PROGRAM --plain
 
 exit status: 0 after quitting, 2 if the game can't be opened
@@ -119,18 +118,9 @@ def _play_on_screen(options: argparse.Namespace) -> int:
 
 
 def _play_in_lines(options: argparse.Namespace) -> int:
-    from logical_robots_tui.cli.command import opened
-    from logical_robots_tui.cli.folders import own_programs
     from logical_robots_tui.cli.plain import play_in_lines
-    from logical_robots_tui.game import load_program
-    from logical_robots_tui.game.source import DEFAULT_PROGRAM
-    from logical_robots_tui.world import list_levels, load_level
 
-    options.level = options.level or list_levels()[0]
-    options.program = options.program or load_level(options.level).starter or DEFAULT_PROGRAM
-    level, program = opened(options)
-    path = load_program(options.program, own_programs(options.data_dir)).path
-    return play_in_lines(level, program, path, options.engine)
+    return play_in_lines(options.level, options.program, options.data_dir, options.engine)
 
 
 def _player(text: str) -> str:

@@ -8,9 +8,10 @@ from concurrent.futures import ThreadPoolExecutor
 from functools import partial
 from typing import TYPE_CHECKING, TypeVar
 
-from logical_robots_tui.game import count_rules, is_shipped, level_key, reference_for
+from logical_robots_tui.game import level_key, reference_for
+from logical_robots_tui.game.continuing import keep_if_own, measured_at_victory, note_level
 from logical_robots_tui.game.source import shipped_texts
-from logical_robots_tui.progress import NEW, Measures, Progress
+from logical_robots_tui.progress import NEW, Progress
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -18,18 +19,17 @@ if TYPE_CHECKING:
 
     from logical_robots_tui.game.measuring import Trial
     from logical_robots_tui.mind import Program
-    from logical_robots_tui.progress import Bests, LevelRecord, Version
+    from logical_robots_tui.progress import Bests, LevelRecord, Measures, Version
     from logical_robots_tui.tui.background import Spawn
     from logical_robots_tui.tui.session import Session
     from logical_robots_tui.world import Level
 
-__all__ = ["LAST_LEVEL", "THEME", "TOUR", "Journal"]
+__all__ = ["THEME", "TOUR", "Journal"]
 
 T = TypeVar("T")
 
-LAST_LEVEL, THEME, TOUR = "level", "theme", "tour"
-"""Names of what is kept of the player: the shipped level last played, the theme, and
-the tour seen."""
+THEME, TOUR = "theme", "tour"
+"""Names of what is kept of the player: the theme, and the tour seen."""
 
 
 class Journal:
@@ -123,19 +123,13 @@ class Journal:
         self._level, self._key = level, level_key(level)
         self.record, self.latest, self._has_begun = NEW, None, False
         self._solution = ""
-        if is_shipped(level):
-            self._write(lambda progress: progress.set_fact(LAST_LEVEL, level.name))
+        self._write(lambda progress: note_level(progress, level))
         self._spawn(self._look, "journal", exclusive=False)
 
     def used(self, program: Program) -> None:
         """The robots begin to think with a program; it is kept if it is the player's own."""
         key, text = self._key, program.text
-
-        def keep(progress: Progress) -> None:
-            if text not in shipped_texts().values():
-                progress.keep(key, text)
-
-        self._write(keep)
+        self._write(lambda progress: keep_if_own(progress, key, text))
 
     def moved(self) -> None:
         """The robots have done something: the level is in work."""
@@ -173,9 +167,8 @@ class Journal:
         if program is None or tick is None or game is None:
             return
         text, key = program.text, self._key
-        self.former, self.latest = self.record.bests, None
-        if game.history.is_all_by(text, tick):
-            self.latest = Measures(tick, count_rules(text), game.history.driven(tick))
+        self.former = self.record.bests
+        self.latest = measured_at_victory(game.history, text, tick)
         self.is_reference = bool(level.solution) and text == self._solution
         if not self.is_reference:
             measures = self.latest

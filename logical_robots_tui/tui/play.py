@@ -7,23 +7,20 @@ from typing import TYPE_CHECKING
 
 from platformdirs import user_data_path
 
-from logical_robots_tui.errors import InputError
-from logical_robots_tui.game import level_key, load_program
-from logical_robots_tui.game.source import DEFAULT_PROGRAM
+from logical_robots_tui.game.continuing import level_to_begin_with, program_to_begin_with
 from logical_robots_tui.progress import FILE_NAME
 from logical_robots_tui.tui.app import LogicalRobotsApp
 from logical_robots_tui.tui.crash import end_on_hangup
 from logical_robots_tui.tui.freedoms import Freedoms
-from logical_robots_tui.tui.journal import LAST_LEVEL, THEME, TOUR, Journal
+from logical_robots_tui.tui.journal import THEME, TOUR, Journal
 from logical_robots_tui.tui.settings import read_settings, settings_path
 from logical_robots_tui.tui.terminal import assume_colours
-from logical_robots_tui.world import list_levels, load_level
+from logical_robots_tui.world import load_level
 
 if TYPE_CHECKING:
     from pathlib import Path
 
     from logical_robots_tui.mind import Engine
-    from logical_robots_tui.progress import Progress
 
 __all__ = ["play"]
 
@@ -56,17 +53,15 @@ def play(
     """
     data_dir = data_dir or user_data_path("logical-robots", appauthor=False)
     journal = Journal(data_dir / FILE_NAME)
-    level = load_level(level_name or _level_to_begin_with(journal.progress))
-    own = data_dir / "programs"
-    source = load_program(program or level.starter or DEFAULT_PROGRAM, own)
-    goes_on = program is None and bool(level.starter)
+    level = load_level(level_name or level_to_begin_with(journal.progress))
+    source, text = program_to_begin_with(journal.progress, level, program, data_dir / "programs")
     assume_colours(os.environ)
     app = LogicalRobotsApp(
         level,
         source,
         data_dir=data_dir,
         journal=journal,
-        text=journal.progress.newest(level_key(level)) if goes_on else None,
+        text=text,
         engine=engine,
         freedoms=freedoms or Freedoms(),
         settings=read_settings(settings_path()),
@@ -82,12 +77,3 @@ def play(
     if app.mistake is not None:
         raise app.mistake
     return app.return_code or 0
-
-
-def _level_to_begin_with(progress: Progress) -> str:
-    """The shipped level that was played last, or the first one."""
-    names = list_levels()
-    if not names:
-        raise InputError("The game came without its levels.", hint="Install it again.")
-    last = progress.fact(LAST_LEVEL)
-    return last if last in names else names[0]

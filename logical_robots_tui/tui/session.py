@@ -157,7 +157,9 @@ class Session:
         if self._program is not None and self._program.text == text:
             self._use(self._program)
             return
-        self.state = ProgramState("compiling", text, self.state.applied)
+        self.state = replace(
+            self.state, phase="compiling", tried=text, mistakes=(), compiled=(0, 0)
+        )
         self._changed()
         self._spawn(partial(self._compile, text), "compile", exclusive=True)
 
@@ -327,9 +329,9 @@ class Session:
         self._changed()
 
     def _think_with(self, program: Program) -> None:
-        self._program, text = program, program.text
+        self._program = program
         no_duckdb = why_not_duckdb(program) if self._engine == "duckdb" else ()
-        self.state = ProgramState("applied", text, text, (*program.warnings, *no_duckdb))
+        self.state = ProgramState.of_applied(program.text, (*program.warnings, *no_duckdb))
 
     def _show(self, game: Game, frame: Frame) -> None:
         if game is self.game:

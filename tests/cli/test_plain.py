@@ -8,8 +8,10 @@ from typing import TYPE_CHECKING
 
 import pytest
 
+from logical_robots_tui.game import load_program
 from logical_robots_tui.game.events import events_between
 from logical_robots_tui.game.start import start_frame
+from logical_robots_tui.progress import FILE_NAME, Progress
 from logical_robots_tui.world import load_level
 
 if TYPE_CHECKING:
@@ -35,8 +37,11 @@ class TypedCommand:
         self._level, self.program = level, program
 
     def __call__(self, *lines: str) -> Told:
+        return self.play(*lines, options=(self._level, self.program))
+
+    def play(self, *lines: str, options: tuple[object, ...] = ()) -> Told:
         self._monkeypatch.setattr("sys.stdin", io.StringIO("".join(f"{line}\n" for line in lines)))
-        return self._command("play", self._level, self.program, "--plain")
+        return self._command("play", *options, "--plain")
 
 
 def test_events_are_told_in_lines(typed: TypedCommand, ahead: Path) -> None:
@@ -86,6 +91,40 @@ def test_the_program_is_read_again(typed: TypedCommand, ahead: Path) -> None:
     assert "The robots think with it from the next tick on." in typed("apply").out
     ahead.write_text("Robot(", encoding="utf-8")
     assert typed("apply").status == 2
+
+
+def test_a_player_goes_on_with_the_last_program_in_the_last_level(
+    typed: TypedCommand, tmp_path: Path
+) -> None:
+    program, data = tmp_path / "mine.l", ("--data-dir", tmp_path / "data")
+    program.write_text(
+        load_program("wall-crawler").text + "\n# Changed by the player.\n", encoding="utf-8"
+    )
+    typed.play("step", options=("03-the-long-hall", program, *data))
+    told = typed.play("apply", "save wall-crawler", "save kept", "apply", options=data).out
+    assert "Your last program for this level is taken up.\nThe long hall\n" in told
+    assert "Type save and a name for it first." in told
+    assert "wall-crawler came with the game" in told
+    kept = tmp_path / "data" / "programs" / "kept.l"
+    assert f"Saved as {kept}." in told
+    assert kept.read_text(encoding="utf-8") == program.read_text(encoding="utf-8")
+    assert told.endswith("The robots think with it from the next tick on.\n")
+
+
+def test_a_victory_is_kept_but_for_that_of_the_reference_program(
+    typed: TypedCommand, level: Path, ahead: Path, tmp_path: Path
+) -> None:
+    data = ("--data-dir", tmp_path / "data")
+    told = typed.play("run", options=(level, ahead, *data)).out
+    assert "The victory is kept in your progress." in told
+    by_the_book = typed.play("run", options=("01-first-steps", "first-steps", *data)).out
+    assert "That was the reference program: it counts for itself." in by_the_book
+    progress = Progress(tmp_path / "data" / FILE_NAME)
+    mine, reference = progress.record(str(level)), progress.record("01-first-steps")
+    progress.close()
+    assert (mine.state, mine.bests.rules) == ("won", 1)
+    assert f"Won after {mine.bests.ticks} ticks." in told
+    assert (reference.state, reference.bests.ticks) == ("in work", None)
 
 
 def test_batteries_and_switches_are_told(level: Path) -> None:

@@ -45,6 +45,8 @@ async def test_a_mistake_is_shown_at_its_place_and_changes_nothing(data_dir: Pat
         assert game.shows("Did you mean robot_name?")
         assert game.tick == 0
         assert line(game).value == "Sensor(robot_nam:)"
+        line(game).value = "Sensor(r"
+        await game.until(lambda: not game.shows("Sensor has no column"))
 
 
 async def test_a_query_that_fails_says_why(data_dir: Path) -> None:

@@ -72,6 +72,10 @@ async def test_a_mistake_is_marked_in_its_line_with_message_and_hint(data_dir: P
         assert game.shows("1 mistake")
         assert mistake.hint
         assert game.shows(mistake.hint.split(".")[0][:30])
+        assert game.session.state.applied is not None
+        game.editor.text = game.session.state.applied  # as undoing all of it does
+        await game.until(lambda: not game.shows("✗"))
+        assert title(game).endswith(" applied")
 
 
 async def test_the_last_good_program_runs_on_after_a_mistake(data_dir: Path) -> None:

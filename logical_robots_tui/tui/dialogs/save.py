@@ -3,10 +3,8 @@
 from __future__ import annotations
 
 import asyncio
-import re
 from functools import partial
-from pathlib import Path
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING
 
 from textual import on
 from textual.containers import Vertical
@@ -15,13 +13,14 @@ from textual.widgets import Input, Static
 
 from logical_robots_tui.errors import InputError
 from logical_robots_tui.game import Source, load_program, save_program
-from logical_robots_tui.game.source import SUFFIX
-from logical_robots_tui.shipped import shipped_folder, shipped_names
+from logical_robots_tui.game.naming import target
 from logical_robots_tui.tui.background import in_background
 from logical_robots_tui.tui.dialogs.dialog import Dialog
 from logical_robots_tui.tui.plain import one_line
 
 if TYPE_CHECKING:
+    from pathlib import Path
+
     from textual.app import ComposeResult
 
 __all__ = ["SaveAs"]
@@ -86,50 +85,3 @@ class SaveAs(Dialog[Source]):
         if source.shipped:
             return f"my-{source.name}"
         return source.name if source.path.parent == self._own else str(source.path)
-
-
-def target(
-    name: str,
-    own: Path,
-    *,
-    folder: Literal["levels", "programs"] = "programs",
-    suffixes: tuple[str, ...] = (SUFFIX,),
-    usual: str = SUFFIX,
-) -> Path:
-    """The file for something of that name; a name with a slash is a path.
-
-    Args:
-        name: What was typed.
-        own: Folder of what the player made.
-        folder: ``programs`` or ``levels``.
-        suffixes: The endings that such files may have.
-        usual: The one that is put to a name without one.
-
-    Raises:
-        InputError: It is no name for something of one's own.
-    """
-    if not name:
-        raise InputError(f"A {folder.removesuffix('s')} needs a name.")
-    if "/" in name:
-        path = Path(name).expanduser().absolute()
-        path = path if path.suffix else path.with_suffix(usual)
-    else:
-        stem = name.removesuffix(usual)
-        if not re.fullmatch(r"[\w][\w .+-]*", stem):
-            raise InputError(
-                "A name is made of letters, digits, spaces and the signs _ - + .",
-                hint="Put a slash in it to name a file anywhere.",
-            )
-        if any(stem in shipped_names(folder, suffix) for suffix in suffixes):
-            raise InputError(
-                f"{stem} came with the game and stays as it is.", hint="Choose another name."
-            )
-        path = own / f"{stem}{usual}"
-    if path.is_dir():
-        raise InputError("is a folder.", place=str(path), hint="Choose another name.")
-    if path.resolve().parent == shipped_folder(folder).resolve():
-        raise InputError(
-            f"The {folder} that came with the game stay as they are.",
-            hint="Save it in another folder.",
-        )
-    return path

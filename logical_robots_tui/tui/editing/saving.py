@@ -14,10 +14,10 @@ from textual.widgets import Input, Static
 from logical_robots_tui.editing.files import save_level
 from logical_robots_tui.editing.properties import set_words
 from logical_robots_tui.errors import InputError
+from logical_robots_tui.game.naming import target
 from logical_robots_tui.tui.background import in_background
 from logical_robots_tui.tui.dialogs.dialog import Dialog
 from logical_robots_tui.tui.dialogs.question import Question
-from logical_robots_tui.tui.dialogs.save import target
 from logical_robots_tui.tui.plain import one_line
 from logical_robots_tui.world import Level
 from logical_robots_tui.world.load import NATIVE, SUFFIXES

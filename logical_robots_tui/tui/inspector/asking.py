@@ -61,7 +61,7 @@ class QueryLine(Input):
     def __init__(self) -> None:
         self._words = _Words()
         super().__init__(
-            placeholder="Ask anything: Robot   Near(robot_name:, d:)   1 + 1",
+            placeholder="Ask anything: Robot   Sensor(robot_name:, sensor:)   1 + 1",
             suggester=self._words,
             compact=True,
             id="query",
@@ -118,7 +118,7 @@ class AskView(Vertical):
 
     def __init__(self, questions: Questions) -> None:
         self._questions = questions
-        self._query = ""
+        self._query = self._refused = ""
         self.line = QueryLine()
         self._said = Static(id="answer-said")
         self.table = ValueTable(id="answer")
@@ -151,6 +151,7 @@ class AskView(Vertical):
 
     def _refuse(self, query: str, error: ProgramError) -> None:
         """Show what is wrong with a query, under its place in the line."""
+        self._refused = query
         first = error.diagnostics[0]
         mark = " " * (first.column - 1) + "^" * max(1, len(first.excerpt))
         self._say(
@@ -167,6 +168,14 @@ class AskView(Vertical):
         self._said.update(content)
         self._said.display = True
         self.table.show((), ())
+
+    @on(Input.Changed)
+    def _changed(self, event: Input.Changed) -> None:
+        """Take away what was said of a wrong query: its mark stands under another text now."""
+        event.stop()
+        if self._refused and event.value.strip() != self._refused:
+            self._query = self._refused = ""
+            self._said.display = False
 
     @on(Input.Submitted)
     def _typed(self, event: Input.Submitted) -> None:

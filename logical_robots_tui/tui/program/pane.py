@@ -55,9 +55,10 @@ class ProgramPane(Pane):
             name: The program's name.
             saved: Whether the text is that of the program's file.
         """
+        state = state.seen_from(self.text)
         star = "" if saved else "*"
         self.note(f"{clip(one_line(name), 24)}{star} · {self._verdict(state)}")
-        if state is not self._state:
+        if state != self._state:
             self._state = state
             self._strip.show(state.mistakes)
             wrong = frozenset(m.line - 1 for m in state.mistakes if m.severity == "error")

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Literal, TypeAlias
 
 if TYPE_CHECKING:
@@ -22,6 +22,7 @@ class ProgramState:
         tried: The text that was last compiled.
         applied: The text that the robots think with, or None.
         mistakes: What is wrong with `tried`, or odd about it though it runs.
+        warnings: What is odd about `applied`.
         compiled: How many predicates of how many are compiled, while compiling.
     """
 
@@ -29,4 +30,19 @@ class ProgramState:
     tried: str = ""
     applied: str | None = None
     mistakes: tuple[Diagnostic, ...] = ()
+    warnings: tuple[Diagnostic, ...] = ()
     compiled: tuple[int, int] = (0, 0)
+
+    @classmethod
+    def of_applied(cls, text: str, warnings: tuple[Diagnostic, ...]) -> ProgramState:
+        """The state when the robots have begun to think with a text."""
+        return cls("applied", text, text, warnings, warnings)
+
+    def seen_from(self, text: str) -> ProgramState:
+        """What to say while that text stands in the editor.
+
+        The mistakes of another text are no matter once that of the robots is back.
+        """
+        if self.phase != "mistake" or text == self.tried or text != self.applied:
+            return self
+        return replace(self, phase="applied", tried=text, mistakes=self.warnings)

@@ -1,0 +1,85 @@
+"""Where a player goes on, and what is kept on the way: on the screen and in lines the same."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from logical_robots_tui.errors import InputError
+from logical_robots_tui.game.reference import is_shipped, level_key
+from logical_robots_tui.game.rules import count_rules
+from logical_robots_tui.game.source import (
+    DEFAULT_PROGRAM,
+    Source,
+    load_program,
+    shipped_texts,
+)
+from logical_robots_tui.progress import Measures
+from logical_robots_tui.world import list_levels
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from logical_robots_tui.game.history import History
+    from logical_robots_tui.progress import Progress
+    from logical_robots_tui.world import Level
+
+__all__ = [
+    "keep_if_own",
+    "level_to_begin_with",
+    "measured_at_victory",
+    "note_level",
+    "program_to_begin_with",
+]
+
+_LAST_LEVEL = "level"
+
+
+def level_to_begin_with(progress: Progress) -> str:
+    """The shipped level that was played last, or the first one.
+
+    Raises:
+        InputError: The game came without its levels.
+    """
+    names = list_levels()
+    if not names:
+        raise InputError("The game came without its levels.", hint="Install it again.")
+    last = progress.fact(_LAST_LEVEL)
+    return last if last in names else names[0]
+
+
+def note_level(progress: Progress, level: Level) -> None:
+    """The player has gone to a level."""
+    if is_shipped(level):
+        progress.set_fact(_LAST_LEVEL, level.name)
+
+
+def program_to_begin_with(
+    progress: Progress, level: Level, named: str | None, own: Path
+) -> tuple[Source, str | None]:
+    """The program to open in a level, and the text last used there if the player goes on with it.
+
+    Args:
+        progress: What the player has tried before.
+        level: Where to begin.
+        named: A program's name or path, or None for what the level starts with.
+        own: Folder of the player's programs.
+
+    Raises:
+        InputError: The program can't be read.
+    """
+    source = load_program(named or level.starter or DEFAULT_PROGRAM, own)
+    goes_on = named is None and bool(level.starter)
+    return source, progress.newest(level_key(level)) if goes_on else None
+
+
+def keep_if_own(progress: Progress, key: str, text: str) -> None:
+    """Keep a program with the level of that key, unless it came with the game."""
+    if text not in shipped_texts().values():
+        progress.keep(key, text)
+
+
+def measured_at_victory(history: History, text: str, tick: int) -> Measures | None:
+    """Measures of a victory at that tick; None if other programs decided on the way, too."""
+    if not history.is_all_by(text, tick):
+        return None
+    return Measures(tick, count_rules(text), history.driven(tick))

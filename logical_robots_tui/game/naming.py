@@ -1,0 +1,60 @@
+"""The file that something of a player's own is saved in, from the name that was typed."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+from typing import Literal
+
+from logical_robots_tui.errors import InputError
+from logical_robots_tui.game.source import SUFFIX
+from logical_robots_tui.shipped import shipped_folder, shipped_names
+
+__all__ = ["target"]
+
+
+def target(
+    name: str,
+    own: Path,
+    *,
+    folder: Literal["levels", "programs"] = "programs",
+    suffixes: tuple[str, ...] = (SUFFIX,),
+    usual: str = SUFFIX,
+) -> Path:
+    """The file for something of that name; a name with a slash is a path.
+
+    Args:
+        name: What was typed.
+        own: Folder of what the player made.
+        folder: ``programs`` or ``levels``.
+        suffixes: The endings that such files may have.
+        usual: The one that is put to a name without one.
+
+    Raises:
+        InputError: It is no name for something of one's own.
+    """
+    if not name:
+        raise InputError(f"A {folder.removesuffix('s')} needs a name.")
+    if "/" in name:
+        path = Path(name).expanduser().absolute()
+        path = path if path.suffix else path.with_suffix(usual)
+    else:
+        stem = name.removesuffix(usual)
+        if not re.fullmatch(r"[\w][\w .+-]*", stem):
+            raise InputError(
+                "A name is made of letters, digits, spaces and the signs _ - + .",
+                hint="Put a slash in it to name a file anywhere.",
+            )
+        if any(stem in shipped_names(folder, suffix) for suffix in suffixes):
+            raise InputError(
+                f"{stem} came with the game and stays as it is.", hint="Choose another name."
+            )
+        path = own / f"{stem}{usual}"
+    if path.is_dir():
+        raise InputError("is a folder.", place=str(path), hint="Choose another name.")
+    if path.resolve().parent == shipped_folder(folder).resolve():
+        raise InputError(
+            f"The {folder} that came with the game stay as they are.",
+            hint="Save it in another folder.",
+        )
+    return path
