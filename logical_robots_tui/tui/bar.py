@@ -8,7 +8,7 @@ from textual.content import Content
 from textual.message import Message
 from textual.widget import Widget
 
-from logical_robots_tui.tui.commands import EDITING, command, commands
+from logical_robots_tui.tui.commands import command, commands, editing_commands
 from logical_robots_tui.tui.theme import INK
 
 if TYPE_CHECKING:
@@ -95,7 +95,8 @@ class CommandBar(_Labels):
         shown = [entry for entry in commands() if entry.bar and entry.place != unwanted]
         if self._edits and not self._typing:
             kept = [entry for entry in shown if entry.id in _WHILE_EDITING]
-            shown = [*kept[:1], *(entry for entry in EDITING if entry.bar), *kept[1:]]
+            editing = [entry for entry in editing_commands().values() if entry.bar]
+            shown = [*kept[:1], *editing, *kept[1:]]
         if self._typing:
             shown.sort(key=lambda entry: entry.id != "apply")
         labels = {entry.id: self._label(entry) for entry in shown}

@@ -31,6 +31,7 @@ __all__ = [
     "bindings",
     "command",
     "commands",
+    "editing_commands",
     "key_name",
     "use_keys",
 ]
@@ -41,6 +42,7 @@ COMMANDS = PLAYING + MAKING + LOOKING
 GROUPS = PLAYING_GROUPS + EDITING_GROUPS + LOOKING_GROUPS
 
 _in_use = {entry.id: entry for entry in COMMANDS}
+_in_use_editing = {entry.id: entry for entry in EDITING}
 
 
 def use_keys(keys: Mapping[str, tuple[str, ...]]) -> None:
@@ -49,13 +51,19 @@ def use_keys(keys: Mapping[str, tuple[str, ...]]) -> None:
     Args:
         keys: By the id of the command; those that are not named get back what they came with.
     """
-    for entry in COMMANDS:
-        _in_use[entry.id] = replace(entry, keys=keys.get(entry.id, entry.keys))
+    for known, in_use in ((COMMANDS, _in_use), (EDITING, _in_use_editing)):
+        for entry in known:
+            in_use[entry.id] = replace(entry, keys=keys.get(entry.id, entry.keys))
 
 
 def commands() -> Iterable[Command]:
-    """All commands with the keys that the player gave them."""
+    """All commands with the keys that the player gave them, but those for editing."""
     return _in_use.values()
+
+
+def editing_commands() -> Mapping[str, Command]:
+    """The commands that act only while a level is edited, by id, with the player's keys."""
+    return _in_use_editing
 
 
 def command(command_id: str) -> Command:

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from textual.command import DiscoveryHit, Hit, Provider
 
-from logical_robots_tui.tui.commands import EDITING, commands
+from logical_robots_tui.tui.commands import commands, editing_commands
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable
@@ -46,7 +46,7 @@ class CommandProvider(Provider):
         from logical_robots_tui.tui.screen import MainScreen
 
         edits = isinstance(self.screen, MainScreen) and self.screen.editing.is_on
-        return (*EDITING, *commands()) if edits else commands()
+        return (*editing_commands().values(), *commands()) if edits else commands()
 
     def _caller(self, entry: Command) -> Callable[[], object]:
         return partial(self.screen.run_action, f"command('{entry.id}')")

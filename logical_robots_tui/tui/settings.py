@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 from platformdirs import user_config_path
 
 from logical_robots_tui.shipped import did_you_mean
-from logical_robots_tui.tui.commands import COMMANDS, key_name
+from logical_robots_tui.tui.commands import COMMANDS, EDITING, key_name
 from logical_robots_tui.tui.drawing.glyphs import Drawing
 from logical_robots_tui.tui.keys import key_from
 from logical_robots_tui.tui.theme import THEMES
@@ -26,6 +26,8 @@ if TYPE_CHECKING:
 __all__ = ["Settings", "as_toml", "read_settings", "settings_path"]
 
 _MOST_FRAMES = 60
+_ONLY_EDITING = ("enter", "tab", "shift+tab", "delete", "backspace")
+"""Keys that only commands for editing can have, as key_name writes them."""
 
 
 @dataclass(frozen=True)
@@ -121,33 +123,42 @@ def _truth(value: object) -> bool:
 
 
 def _keys(found: object, complain: Complain) -> dict[str, tuple[str, ...]]:
-    """The keys of the commands that the file names; each key goes to one command only."""
+    """The keys of the commands that the file names.
+
+    A key goes to one command only, and to another one while a level is edited.
+    """
     if not isinstance(found, dict):
         raise ValueError("this is to be a table, [keys]")
-    given = {entry.id: entry.keys for entry in COMMANDS}
-    owners = {key: name for name, keys in given.items() if name not in found for key in keys}
+    given = {entry.id: entry.keys for entry in (*COMMANDS, *EDITING)}
+    all_owners = [
+        {key: entry.id for entry in known if entry.id not in found for key in entry.keys}
+        for known in (COMMANDS, EDITING)
+    ]
+    edits = {entry.id for entry in EDITING}
     chosen: dict[str, tuple[str, ...]] = {}
     for name, value in found.items():
         if name not in given:
             hint = did_you_mean(name, given) or "logical-robots config lists all."
             complain(f"keys.{name}", f'keys: there is no command "{name}". {hint}')
             continue
+        owners = all_owners[name in edits]
         keys = []
         for text in value if isinstance(value, list) else [value]:
             try:
-                keys.append(_taken(text, name, owners))
+                keys.append(_taken(text, name, owners, edits=name in edits))
             except ValueError as error:
                 complain(f"keys.{name}", f"keys.{name}: {error}")
         if keys or value == []:
             chosen[name] = tuple(keys)
     for name in found.keys() & given.keys() - chosen.keys():
+        owners = all_owners[name in edits]
         chosen[name] = tuple(key for key in given[name] if key not in owners)
     return chosen
 
 
-def _taken(text: object, name: str, owners: dict[str, str]) -> str:
+def _taken(text: object, name: str, owners: dict[str, str], *, edits: bool) -> str:
     """The key that a command takes, if no other has it."""
-    key = key_from(text)
+    key = text if edits and isinstance(text, str) and text in _ONLY_EDITING else key_from(text)
     other = owners.setdefault(key, name)
     if other != name:
         raise ValueError(
@@ -178,7 +189,7 @@ def as_toml(settings: Settings) -> str:
         "",
         "[keys]",
     ]
-    for entry in COMMANDS:
+    for entry in (*COMMANDS, *EDITING):
         keys = settings.keys.get(entry.id, entry.keys)
         lines.append(f"{_set(entry.id, [key_name(key) for key in keys]):<40}  # {entry.title}")
     return "\n".join(lines)

@@ -94,7 +94,7 @@ def test_the_settings_can_be_used(tmp_path: Path) -> None:
     path.write_text(text)
     found = read_settings(path)
     assert not found.complaints
-    assert found.keys == {"run": ("space", "f9"), "restart": ()}
+    assert found.keys == {"run": ("space", "f9"), "restart": (), "brush": ("n",)}
 
 
 def test_the_level_loads(tmp_path: Path) -> None:

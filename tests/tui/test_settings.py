@@ -8,7 +8,7 @@ import pytest
 from textual.widgets import Static
 
 from logical_robots_tui.tui.bar import CommandBar
-from logical_robots_tui.tui.commands import COMMANDS, use_keys
+from logical_robots_tui.tui.commands import COMMANDS, EDITING, use_keys
 from logical_robots_tui.tui.drawing.glyphs import Drawing
 from logical_robots_tui.tui.keys import key_from
 from logical_robots_tui.tui.settings import Settings, as_toml, read_settings
@@ -50,7 +50,7 @@ def test_everything_can_be_set(tmp_path: Path) -> None:
 def test_what_is_printed_sets_the_same(tmp_path: Path, given: Settings) -> None:
     found = settings(tmp_path, as_toml(given))
     assert not found.complaints
-    assert found.keys == {entry.id: entry.keys for entry in COMMANDS}
+    assert found.keys == {entry.id: entry.keys for entry in (*COMMANDS, *EDITING)}
     assert as_toml(found) == as_toml(given)
 
 
@@ -86,6 +86,17 @@ def test_one_wrong_key_leaves_the_others(tmp_path: Path) -> None:
     assert found.keys == {"run": ("percent_sign",), "restart": ("r",)}
 
 
+def test_editing_has_keys_of_its_own(tmp_path: Path) -> None:
+    found = settings(tmp_path, '[keys]\nbrush = "n"\nuse = ["%", "enter"]\nundo = "r"\n')
+    assert found.keys == {
+        "brush": ("n",),
+        "use": ("percent_sign", "enter"),
+        "undo": ("u",),
+    }
+    (complaint,) = found.complaints
+    assert "keys.undo: r is the key of rectangle." in complaint
+
+
 def test_a_key_that_was_given_away_does_not_come_back(tmp_path: Path) -> None:
     found = settings(tmp_path, '[keys]\nrun = "n"\nstep = "^B"\n')
     assert found.keys == {"run": ("n",), "step": ("full_stop", "f8")}
@@ -116,3 +127,17 @@ async def test_the_game_does_as_it_is_set(data_dir: Path) -> None:
         assert "^P           Restart" in str(shown.visual)
         await game.press("escape", "tilde")
         await game.until(lambda: game.editor.has_focus)
+
+
+async def test_a_level_is_edited_with_the_keys_that_are_set(data_dir: Path) -> None:
+    keys = {"brush": ("percent_sign",), "line": (), "edit_level": ("f9",), "stop_editing": ("f9",)}
+    async with opened(data_dir, text=STILL, settings=Settings(keys=keys)) as game:
+        await game.ready()
+        await game.press("f9")
+        await game.until(lambda: game.main.editing.is_on)
+        assert game.shows("% Brush")
+        assert game.shows("^P Line")
+        await game.press("percent_sign")
+        await game.until(lambda: game.shows("units wide"))
+        await game.press("f9")
+        await game.until(lambda: not game.main.editing.is_on)

@@ -10,7 +10,7 @@ from textual.containers import Vertical, VerticalScroll
 from textual.content import Content
 from textual.widgets import Static
 
-from logical_robots_tui.tui.commands import EDITING, GROUPS, commands
+from logical_robots_tui.tui.commands import GROUPS, commands, editing_commands
 from logical_robots_tui.tui.dialogs.dialog import Dialog
 from logical_robots_tui.tui.drawing.glyphs import Drawing, legend
 from logical_robots_tui.tui.editing_commands import WHILE_EDITING
@@ -134,7 +134,8 @@ class Help(Dialog[None]):
 
 
 def _commands_of(group: str, width: int) -> list[Content]:
-    found = [entry for entry in (*commands(), *EDITING) if entry.group == group]
+    known = (*commands(), *editing_commands().values())
+    found = [entry for entry in known if entry.group == group]
     return [
         line
         for entry in found

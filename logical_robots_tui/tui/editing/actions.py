@@ -6,6 +6,7 @@ from dataclasses import replace
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
+from logical_robots_tui.tui.commands import editing_commands
 from logical_robots_tui.tui.editing.tools import Tool
 
 if TYPE_CHECKING:
@@ -194,7 +195,7 @@ class EditActions:
         mode = self._mode
         mode.leave()
         mode.is_testing = True
-        mode.screen.labyrinth.note("test: t ends it")
+        mode.screen.labyrinth.note(f"test: {editing_commands()['test'].key_name} ends it")
         mode.screen.celebration.forget()
         mode.screen.session.restart()
         mode.screen.session.run()

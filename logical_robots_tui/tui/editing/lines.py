@@ -8,9 +8,8 @@ from textual.content import Content
 from textual.widget import Widget
 
 from logical_robots_tui.tui.bar import CommandChosen
-from logical_robots_tui.tui.command import key_name
+from logical_robots_tui.tui.commands import editing_commands
 from logical_robots_tui.tui.editing.tools import PAINTING, Tool
-from logical_robots_tui.tui.editing_commands import EDITING
 from logical_robots_tui.tui.plain import clip, one_line
 from logical_robots_tui.tui.theme import INK
 from logical_robots_tui.world import Area, Beacon, Robot
@@ -23,7 +22,6 @@ if TYPE_CHECKING:
 
 __all__ = ["InfoLine", "ToolLine"]
 
-_COMMANDS = {entry.id: entry for entry in EDITING}
 _CHOSEN = "$block-cursor-foreground on $block-cursor-background"
 
 
@@ -91,7 +89,7 @@ class ToolLine(Widget):
         return found
 
     def _tool(self, tool: Tool) -> Content:
-        entry = _COMMANDS[tool.value]
+        entry = editing_commands()[tool.value]
         if tool is self._editor.settings.tool:
             return Content.styled(f"{_key(tool.value)} {entry.title}", f"bold {_CHOSEN}")
         return Content.assemble((_key(tool.value), INK.key), " ", (entry.title, INK.text))
@@ -155,7 +153,7 @@ def described(thing: Thing | None) -> str:
 
 
 def _key(name: str) -> str:
-    return key_name(_COMMANDS[name].keys[0])
+    return editing_commands()[name].key_name
 
 
 def _setting(keys: str, text: str) -> Content:

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Literal
 from logical_robots_tui.editing.checks import check
 from logical_robots_tui.editing.delta import alike
 from logical_robots_tui.game import is_shipped
+from logical_robots_tui.tui.commands import editing_commands
 from logical_robots_tui.tui.editing.actions import EditActions
 from logical_robots_tui.tui.editing.autosave import Autosave
 from logical_robots_tui.tui.editing.editor import LevelEditor
@@ -17,7 +18,6 @@ from logical_robots_tui.tui.editing.lines import InfoLine, ToolLine
 from logical_robots_tui.tui.editing.live import Live
 from logical_robots_tui.tui.editing.marking import mark
 from logical_robots_tui.tui.editing.pointer import Pointer
-from logical_robots_tui.tui.editing_commands import EDITING
 from logical_robots_tui.tui.plain import one_line
 from logical_robots_tui.world import LevelError, load_level
 from logical_robots_tui.world.drawing import coarsest_cell
@@ -33,8 +33,7 @@ if TYPE_CHECKING:
 
 __all__ = ["EditMode"]
 
-_KEYS = {key: entry.id for entry in EDITING for key in entry.keys}
-_BACK_FROM_TEST = ("M", "t", "escape")
+_BACK_FROM_TEST = ("test", "stop_editing")
 _CHECK_DELAY = 0.3  # seconds without a change before a level is looked through
 _COARSEST = 10  # map units: a grid as coarse as the level's drawing, but not coarser
 
@@ -86,6 +85,8 @@ class EditMode:
         self._tools = ToolLine(self.editor)
         self._info = InfoLine(self.editor)
         self._checked: Level | None = None
+        known = editing_commands().values()
+        self._ids = {key: entry.id for entry in known for key in entry.keys}
 
     @property
     def has_changes(self) -> bool:
@@ -146,15 +147,15 @@ class EditMode:
 
     def obeys(self, key: str) -> bool:
         """Do what a key means while a level is edited; whether it means anything."""
-        if self.is_testing and key in _BACK_FROM_TEST:
+        if self.is_testing and self._ids.get(key) in _BACK_FROM_TEST:
             self.actions.end_test()
             return True
         if not self.is_on or not self.screen.labyrinth.has_focus:
             return False
         if key.removeprefix("shift+") in ("left", "right", "up", "down"):
             self.pointer.move(key)
-        elif key in _KEYS:
-            self.do(_KEYS[key])
+        elif key in self._ids:
+            self.do(self._ids[key])
         else:
             return False
         return True
