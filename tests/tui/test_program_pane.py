@@ -36,6 +36,19 @@ async def test_the_listing_of_the_paper_is_pasted_as_printed_and_applied(data_di
         await game.until(lambda: game.session.frame.memories == {"Solo": "I am a robot"})
 
 
+async def test_a_paste_of_ten_thousand_lines_can_be_undone_and_done_again(data_dir: Path) -> None:
+    long = "# One line of a long paste.\n" * 10_000
+    async with opened(data_dir, text=STILL) as game:
+        await game.ready()
+        await game.press("2")
+        game.app.post_message(events.Paste(long))
+        await game.until(lambda: game.editor.text == long + STILL)
+        await game.press("ctrl+z")
+        await game.until(lambda: game.editor.text == STILL)
+        await game.press("ctrl+y")
+        await game.until(lambda: game.editor.text == long + STILL)
+
+
 async def test_a_paste_through_a_terminal_without_bracketed_paste_is_the_same(
     data_dir: Path,
 ) -> None:

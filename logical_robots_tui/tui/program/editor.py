@@ -233,8 +233,12 @@ class Editor(TextArea):
         self.replace("\n".join(changed), (first, 0), (last, len(lines[-1])))
 
     def scroll_cursor_visible(self, center: bool = False, animate: bool = False) -> Offset:
-        """Scroll so that the cursor is seen; a text area without room waits until it has some."""
-        if not self.content_size.area:
+        """Scroll so that the cursor is seen; a text area without room waits until it has some.
+
+        In the middle of undoing the cursor may stand behind the end of a text that has shrunk;
+        it is put right, and looked for again, before undoing ends.
+        """
+        if not self.content_size.area or self.cursor_location[0] >= self.document.line_count:
             return Offset()
         return super().scroll_cursor_visible(center, animate)
 
