@@ -34,4 +34,6 @@ class InputError(LogicalRobotsError):
 
     def __str__(self) -> str:
         head = f"{self.place}: {self.message}" if self.place else self.message
-        return f"{head} {self.hint}" if self.hint else head
+        if not self.hint:
+            return head
+        return f"{head}{'' if head.endswith(('.', '!', '?')) else '.'} {self.hint}"
