@@ -6,13 +6,15 @@ import getpass
 import os
 import re
 import socket
+import statistics
 import subprocess
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import pytest
 
+from tests.crowd import Crowd
 from tests.installed import CHECKOUT
 from tests.sshd import SSHD, Server
 from tests.terminal import Terminal
@@ -28,7 +30,7 @@ pytestmark = pytest.mark.skipif(
     SSHD is None and "CI" not in os.environ, reason="openssh-server is not installed"
 )
 
-NAMES = ["ada", "ben"]
+NAMES = [f"player-{number}" for number in range(30)]
 
 
 def recipe(kind: str) -> str:
@@ -127,6 +129,21 @@ def test_a_hostile_client_gets_no_shell_no_file_and_no_forwarding(
         assert back.returncode != 0
     for way in (("-L", "{free}:127.0.0.1:{sshd}"), ("-D", "{free}")):
         assert not leads_anywhere(school, *way)
+
+
+@pytest.mark.proof
+@pytest.mark.parametrize(("players", "frames", "milliseconds"), [(12, 10, 150), (30, 1, 300)])
+def test_a_class_plays_at_once(
+    school: School, players: int, frames: float, milliseconds: float
+) -> None:
+    """On two cores that nobody else wants much."""
+    with ExitStack() as stack:
+        crowd = Crowd([stack.enter_context(school.seat(name)) for name in NAMES[:players]])
+        crowd.play()
+        assert min(crowd.frames_per_second(10)) >= frames
+        crowd.edit()
+        *_, slow = statistics.quantiles(crowd.key_milliseconds(2 * players), n=20)
+        assert slow <= milliseconds  # 19 of 20 keys are answered sooner
 
 
 def leads_anywhere(school: School, option: str, way: str) -> bool:
