@@ -47,7 +47,7 @@ class Pace:
     @speed.setter
     def speed(self, speed: float | None) -> None:
         self._speed = speed
-        self._due = perf_counter()
+        self._begin()
         self.wake()
 
     @property
@@ -76,8 +76,7 @@ class Pace:
 
     def start(self) -> None:
         """A run begins."""
-        self._due = perf_counter()
-        self._computed = 0
+        self._begin()
         self._times.clear()
 
     def stop(self) -> None:
@@ -114,6 +113,9 @@ class Pace:
                 await self._changed.wait()
         except TimeoutError:
             pass
+
+    def _begin(self) -> None:
+        self._due, self._computed = perf_counter(), 0
 
     @property
     def _lot(self) -> float:

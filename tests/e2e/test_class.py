@@ -30,7 +30,8 @@ pytestmark = pytest.mark.skipif(
     SSHD is None and "CI" not in os.environ, reason="openssh-server is not installed"
 )
 
-NAMES = [f"player-{number}" for number in range(30)]
+NAMES = [f"player-{number}" for number in range(44)]
+TWELVE, THIRTY = NAMES[2:14], NAMES[14:]
 
 
 def recipe(kind: str) -> str:
@@ -132,18 +133,22 @@ def test_a_hostile_client_gets_no_shell_no_file_and_no_forwarding(
 
 
 @pytest.mark.proof
-@pytest.mark.parametrize(("players", "frames", "milliseconds"), [(12, 10, 150), (30, 1, 300)])
+@pytest.mark.parametrize(
+    ("names", "frames", "milliseconds"), [(TWELVE, 10, 150), (THIRTY, 1, 300)], ids=["12", "30"]
+)
 def test_a_class_plays_at_once(
-    school: School, players: int, frames: float, milliseconds: float
+    school: School, names: list[str], frames: float, milliseconds: float
 ) -> None:
     """On two cores that nobody else wants much."""
     with ExitStack() as stack:
-        crowd = Crowd([stack.enter_context(school.seat(name)) for name in NAMES[:players]])
+        crowd = Crowd([stack.enter_context(school.seat(name)) for name in names])
         crowd.play()
-        assert min(crowd.frames_per_second(10)) >= frames
+        drawn = crowd.frames_per_second(10)
+        assert min(drawn) >= frames, drawn
         crowd.edit()
-        *_, slow = statistics.quantiles(crowd.key_milliseconds(2 * players), n=20)
-        assert slow <= milliseconds  # 19 of 20 keys are answered sooner
+        found = crowd.key_milliseconds(2 * len(names))
+        *_, slow = statistics.quantiles(found, n=20)
+        assert slow <= milliseconds, found  # 19 of 20 keys are answered sooner
 
 
 def leads_anywhere(school: School, option: str, way: str) -> bool:

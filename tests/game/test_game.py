@@ -253,6 +253,18 @@ async def test_on_a_busy_machine_ticks_come_in_lots_and_then_more_slowly(
     assert 0.9 * seconds < monotonic() - began < 5
 
 
+async def test_ticks_that_ran_flat_out_are_not_waited_for_later() -> None:
+    pace = Pace(FLAT_OUT)
+    for _ in range(10_000):
+        pace.count()
+    await pace.wait()
+    pace.speed = 40.0
+    pace.count()
+    began = monotonic()
+    await pace.wait()
+    assert monotonic() - began < 5
+
+
 async def test_speeds_go_from_slow_motion_to_flat_out(hall_game: Game) -> None:
     pace = hall_game.pace
     for _ in range(20):
