@@ -17,9 +17,9 @@ __all__ = ["Tempo", "processor_times"]
 _SCHEDULE = Path("/proc/thread-self/schedstat")
 # Seconds waited per second of computing, and seconds to leave to others between two pictures:
 # nobody else wants much; ten pictures a second, for as long as that can be held; three.
-_STRAINS = 0.3, 2.0, 4.0, 7.0
+_STRAINS = 0.3, 2.0, 3.5, 4.5
 _SPACINGS = 0.0, 0.06, 0.06, 0.3
-_MOST = 10.0  # of strain; what is more makes no difference
+_MOST = 6.0  # of strain; what is more makes no difference
 _SMOOTH = 0.1  # how much the last picture counts
 _HURRY = 0.1  # seconds after a key press
 
