@@ -7,19 +7,15 @@ from pathlib import Path
 from time import perf_counter, thread_time
 from typing import TYPE_CHECKING
 
-import numpy as np
-
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
 
 __all__ = ["Tempo", "processor_times"]
 
 _SCHEDULE = Path("/proc/thread-self/schedstat")
-# Seconds waited per second of computing, and seconds to leave to others between two pictures:
-# nobody else wants much; ten pictures a second, for as long as that can be held; three.
-_STRAINS = 0.3, 2.0, 3.5, 4.5
-_SPACINGS = 0.0, 0.06, 0.06, 0.3
-_MOST = 6.0  # of strain; what is more makes no difference
+_USUAL = 0.3  # seconds waited per second of computing where nobody else wants much
+_LEAVE = 0.03  # seconds between pictures, for each second waited per second of computing
+_MOST = 10.0  # seconds waited per second of computing; more makes no difference
 _SMOOTH = 0.1  # how much the last picture counts
 _HURRY = 0.1  # seconds after a key press
 
@@ -40,8 +36,8 @@ class Tempo:
     """Lets pictures give way where others want the processors, so that keys needn't wait.
 
     The longer computing has to wait for a processor, the more time is left to others between two
-    pictures: where it takes three times as long as alone, there are ten pictures a second. All
-    times are in seconds.
+    pictures: where it takes three times as long as alone, there are about 12 pictures a second.
+    All times are in seconds.
 
     Args:
         times: Tells how long the thread that draws has computed and waited so far. If it can't,
@@ -70,7 +66,7 @@ class Tempo:
     @property
     def spacing(self) -> float:
         """What to leave to others between two pictures, besides the usual."""
-        return float(np.interp(self._strain, _STRAINS, _SPACINGS))
+        return _LEAVE * max(self._strain - _USUAL, 0.0)
 
     @property
     def rested(self) -> float:
