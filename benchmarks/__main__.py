@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any
 from rich.console import Console
 from rich.table import Table
 
+from benchmarks.classes import classes
 from benchmarks.editing import editing
 from benchmarks.first_frame import first_frame
 from benchmarks.history import history
@@ -42,6 +43,7 @@ BENCHMARKS = {
     "screen": with_screen,
     "traffic": traffic,
     "ssh": ssh,
+    "class": classes,
     "processor": processor,
     "first-frame": first_frame,
 }

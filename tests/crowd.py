@@ -15,6 +15,9 @@ if TYPE_CHECKING:
 
 __all__ = ["Crowd"]
 
+_LETTERS = "αβγδεζηθικλμνξοπρστυφχψω"  # that nothing but a key puts on the screen
+_SETTLED = 20  # frames after which robots run, and none is still being compiled
+
 
 class Crowd:
     """Reads from all terminals, so that none of them waits.
@@ -40,6 +43,20 @@ class Crowd:
             lambda: all(terminal.has_received(text) for terminal in self._terminals), patience
         )
 
+    def play(self) -> None:
+        """Let robots run at each terminal in which the game was opened for the first time."""
+        self.everybody_sees("applied", patience=180)
+        for keys, shown in (("\x1b>", "winding corridor"), (" ", "RUNNING")):
+            self._type(keys)
+            self.everybody_sees(shown, patience=60)
+        begun = {terminal: terminal.frames for terminal in self._terminals}
+        self.wait_for(lambda: all(t.frames > begun[t] + _SETTLED for t in begun), patience=120)
+
+    def edit(self) -> None:
+        """Go to the editor at each terminal."""
+        self._type("2")
+        self.everybody_sees("Leave", patience=60)
+
     def frames_per_second(self, seconds: float) -> list[float]:
         """Frames a second of each player."""
         before, began = [terminal.frames for terminal in self._terminals], monotonic()
@@ -50,10 +67,11 @@ class Crowd:
             for terminal, start in zip(self._terminals, before, strict=True)
         ]
 
-    def key_milliseconds(self, letters: str) -> list[float]:
+    def key_milliseconds(self, presses: int) -> list[float]:
         """Milliseconds from a letter typed into the editor to its being shown, in turn."""
         found = []
-        for number, letter in enumerate(letters):
+        for number in range(presses):
+            letter = _LETTERS[number % len(_LETTERS)]
             terminal = self._terminals[number % len(self._terminals)]
             pause = monotonic()
             self.wait_for(lambda: monotonic() - pause > 0.1)  # noqa: B023 - called in this turn
@@ -62,3 +80,7 @@ class Crowd:
             self.wait_for(lambda: terminal.has_received(letter, since))  # noqa: B023 - as above
             found.append(1000 * (monotonic() - began))
         return found
+
+    def _type(self, keys: str) -> None:
+        for terminal in self._terminals:
+            terminal.send(keys)

@@ -11,7 +11,7 @@ from logical_robots_tui.game.advancing import advance, known_frame
 from logical_robots_tui.game.breakpoints import Breakpoint, Breakpoints, mistake_in
 from logical_robots_tui.game.history import DEFAULT_LENGTH, History
 from logical_robots_tui.game.intervention import changed_frame
-from logical_robots_tui.game.pace import FLAT_OUT, Pace
+from logical_robots_tui.game.pace import Pace
 from logical_robots_tui.game.start import start_frame
 from logical_robots_tui.game.thinker import Thinker
 from logical_robots_tui.game.watching import Watch
@@ -264,7 +264,7 @@ class Game:
         try:
             while self._running:
                 try:
-                    if await self._go_on(None if self.pace.speed is FLAT_OUT else 1):
+                    if await self._go_on(self.pace.together):
                         return
                 except Superseded:
                     was_won = self.won_at is not None

@@ -123,6 +123,7 @@ class LogicalRobotsApp(SparingApp, inherit_bindings=False):
         """Handle an event; a key or a mouse button is to be answered before all else."""
         if isinstance(event, events.Key | events.MouseDown | events.Paste):
             self.main.session.pace.give_way()
+            self.main.redrawing.hasten()
         key = event.key if isinstance(event, events.Key) and self.screen is self.main else ""
         if not self.main.goes_there(key):
             await super().on_event(event)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from time import perf_counter
 from typing import TYPE_CHECKING
 
 from textual import on
@@ -37,6 +36,7 @@ from logical_robots_tui.tui.plain import one_line
 from logical_robots_tui.tui.program.editor import Editor
 from logical_robots_tui.tui.program.pane import ProgramPane
 from logical_robots_tui.tui.program.watch import FileWatch
+from logical_robots_tui.tui.redrawing import Redrawing
 from logical_robots_tui.tui.scribe import Scribe
 from logical_robots_tui.tui.session import Session
 from logical_robots_tui.tui.status import StatusLine, status_of
@@ -79,6 +79,7 @@ class MainScreen(Screen[None]):
 
     Attributes:
         freedoms: What the player may do with the machine.
+        redrawing: When the game is drawn again.
     """
 
     def __init__(
@@ -96,12 +97,13 @@ class MainScreen(Screen[None]):
         # As a class variable they would be the same for every player; a keymap can't take one away.
         self._bindings = BindingsMap.merge([self._bindings, BindingsMap(bindings())])
         self.freedoms = Freedoms()
+        self.redrawing = Redrawing(self, self._draw)
         self.journal = journal
         self.session = Session(
             level,
             source,
             spawn=self.spawn,
-            changed=self._changed,
+            changed=self.redrawing.soon,
             used=journal.used,
             stopped=lambda hits: self.travel.tell_hits(hits),
             engine=engine,
@@ -137,9 +139,6 @@ class MainScreen(Screen[None]):
         self.arrangement = Arrangement((self.labyrinth, self.program, self.inspector))
         self._focus_before: Widget | None = None
         self._drawn: tuple[Level, Frame, bool] | None = None
-        self._drawn_at = 0.0
-        self._frames = 30  # pictures a second, at most
-        self._is_draw_due = False
 
     def compose(self) -> ComposeResult:
         """Status line, tabs, panes, timeline, command bar."""
@@ -155,7 +154,7 @@ class MainScreen(Screen[None]):
         self.program.editor.load_text(self._text_to_begin_with)
         self.journal.attach(
             spawn=self.spawn,
-            changed=self._changed,
+            changed=self.redrawing.soon,
             warn=self.warn,
             measured=self.celebration.measured,
         )
@@ -186,7 +185,7 @@ class MainScreen(Screen[None]):
 
     def follow(self, settings: Settings) -> None:
         """Do as the player has set once for all, and tell what of it can't be used."""
-        self._frames = settings.frames
+        self.redrawing.tempo.frames = settings.frames
         view = self.labyrinth.view
         view.rays, view.trails = settings.cones, settings.trails
         for complaint in settings.complaints[:_COMPLAINTS]:
@@ -221,7 +220,7 @@ class MainScreen(Screen[None]):
         self.labyrinth.select(None)
         self.labyrinth.briefing.tell(self.session.level)
         self.celebration.forget()
-        self._changed()
+        self.redrawing.soon()
 
     def add_breakpoint(self, breakpoint_: Breakpoint) -> None:
         """Let the robots stop at something from now on, and say so."""
@@ -233,19 +232,7 @@ class MainScreen(Screen[None]):
 
     # -- drawing -------------------------------------------------------------------------------
 
-    def _changed(self) -> None:
-        """Draw soon, and at most so many times a second."""
-        if not self._is_draw_due and self.is_mounted:
-            self._is_draw_due = True
-            wait = self._drawn_at + 1 / self._frames - perf_counter()
-            if wait > 0:
-                self.set_timer(wait, self._draw)
-            else:
-                self.call_later(self._draw)
-
     def _draw(self) -> None:
-        self._is_draw_due = False
-        self._drawn_at = perf_counter()
         session = self.session
         now = (session.level, session.frame, session.running)
         if not self.arrangement.is_tiny and self._drawn != now:
@@ -259,6 +246,7 @@ class MainScreen(Screen[None]):
             self.journal.moved()
         self.celebration.follow()
         self.inspector.follow()
+        session.pace.spacing = self.redrawing.tempo.spacing
 
     @property
     def _edits(self) -> bool:
@@ -278,7 +266,7 @@ class MainScreen(Screen[None]):
         newer = self._watch.newer(self.session.source)
         if newer is not None:
             self.library.take_from_disk(newer)
-        if self.session.busy:
+        if self.session.busy and self.redrawing.tempo.rested > _HEARTBEAT:
             self.redraw_lines()
 
     # -- layout --------------------------------------------------------------------------------
@@ -301,13 +289,13 @@ class MainScreen(Screen[None]):
         for each in Layout:
             self.set_class(each is layout, each.value)
         self._drawn = None
-        self._changed()
+        self.redrawing.soon()
 
     def point_at(self, pane: Pane) -> None:
         """Bring a pane to sight without going there."""
         self.arrangement.active = pane
         self.arrangement.show()
-        self._changed()
+        self.redrawing.soon()
 
     def go_to(self, pane: Pane) -> None:
         """Go to a pane; in a narrow terminal it takes the place of the one there."""
@@ -341,7 +329,7 @@ class MainScreen(Screen[None]):
     @on(TextArea.Changed)
     def _text_changed(self) -> None:
         self.keeper.edited()
-        self._changed()
+        self.redrawing.soon()
 
     @on(Editor.Leave)
     def _editor_left(self) -> None:

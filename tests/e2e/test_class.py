@@ -6,13 +6,15 @@ import getpass
 import os
 import re
 import socket
+import statistics
 import subprocess
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import pytest
 
+from tests.crowd import Crowd
 from tests.installed import CHECKOUT
 from tests.sshd import SSHD, Server
 from tests.terminal import Terminal
@@ -28,7 +30,8 @@ pytestmark = pytest.mark.skipif(
     SSHD is None and "CI" not in os.environ, reason="openssh-server is not installed"
 )
 
-NAMES = ["ada", "ben"]
+NAMES = [f"player-{number}" for number in range(44)]
+TWELVE, THIRTY = NAMES[2:14], NAMES[14:]
 
 
 def recipe(kind: str) -> str:
@@ -127,6 +130,25 @@ def test_a_hostile_client_gets_no_shell_no_file_and_no_forwarding(
         assert back.returncode != 0
     for way in (("-L", "{free}:127.0.0.1:{sshd}"), ("-D", "{free}")):
         assert not leads_anywhere(school, *way)
+
+
+@pytest.mark.proof
+@pytest.mark.parametrize(
+    ("names", "frames", "milliseconds"), [(TWELVE, 10, 150), (THIRTY, 1, 300)], ids=["12", "30"]
+)
+def test_a_class_plays_at_once(
+    school: School, names: list[str], frames: float, milliseconds: float
+) -> None:
+    """On two cores that nobody else wants much."""
+    with ExitStack() as stack:
+        crowd = Crowd([stack.enter_context(school.seat(name)) for name in names])
+        crowd.play()
+        drawn = crowd.frames_per_second(10)
+        assert min(drawn) >= frames, drawn
+        crowd.edit()
+        found = crowd.key_milliseconds(2 * len(names))
+        *_, slow = statistics.quantiles(found, n=20)
+        assert slow <= milliseconds, found  # 19 of 20 keys are answered sooner
 
 
 def leads_anywhere(school: School, option: str, way: str) -> bool:

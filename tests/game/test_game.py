@@ -191,10 +191,13 @@ async def test_pausing_a_slow_pace_takes_effect_at_once(hall_game: Game) -> None
     assert hall_game.frame.tick == 1
 
 
-async def test_flat_out_every_frame_is_shown_once_and_in_order(hall_game: Game) -> None:
+@pytest.mark.parametrize(("speed", "spacing"), [(FLAT_OUT, 0.0), (320.0, 0.06)])
+async def test_of_ticks_computed_together_each_is_shown_once_and_in_order(
+    hall_game: Game, speed: float | None, spacing: float
+) -> None:
     seen: list[Frame] = []
     hall_game.listen(seen.append)
-    hall_game.pace.speed = None
+    hall_game.pace.speed, hall_game.pace.spacing = speed, spacing
     await hall_game.run()
     assert [frame.tick for frame in seen] == list(range(1, len(seen) + 1))
     assert seen[-1].tick == hall_game.won_at
@@ -231,6 +234,35 @@ async def test_a_game_that_runs_flat_out_gives_way_for_a_moment() -> None:
     pace.give_way()
     await pace.wait()
     assert 0.02 < monotonic() - began < 5
+
+
+@pytest.mark.parametrize(
+    ("spacing", "together", "seconds"), [(0.0, 1, 0.025), (0.07, 4, 0.1), (0.3, 4, 0.3)]
+)
+async def test_on_a_busy_machine_ticks_come_in_lots_and_then_more_slowly(
+    spacing: float, together: int, seconds: float
+) -> None:
+    pace = Pace(40.0)
+    pace.spacing = spacing
+    pace.start()
+    began = monotonic()
+    assert pace.together == together
+    for _ in range(together):
+        pace.count()
+    await pace.wait()
+    assert 0.9 * seconds < monotonic() - began < 5
+
+
+async def test_ticks_that_ran_flat_out_are_not_waited_for_later() -> None:
+    pace = Pace(FLAT_OUT)
+    for _ in range(10_000):
+        pace.count()
+    await pace.wait()
+    pace.speed = 40.0
+    pace.count()
+    began = monotonic()
+    await pace.wait()
+    assert monotonic() - began < 5
 
 
 async def test_speeds_go_from_slow_motion_to_flat_out(hall_game: Game) -> None:

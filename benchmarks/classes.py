@@ -1,0 +1,53 @@
+"""A class at once over a real sshd: frames a second, and keys, with twelve and with thirty."""
+
+from __future__ import annotations
+
+import statistics
+import sys
+import tempfile
+from contextlib import ExitStack
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from benchmarks.measure import Effort, Measurement
+from tests.crowd import Crowd
+from tests.sshd import Server
+from tests.terminal import Terminal
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+__all__ = ["classes"]
+
+PLAYERS = ((12, 10, 150), (30, 0, 300))
+"""How many play at once, how many frames a second each is to have, how long a key may take."""
+
+
+def classes(effort: Effort) -> Iterator[Measurement]:
+    """Frames a second of each player, and milliseconds from a key to the screen."""
+    for players, frames, milliseconds in PLAYERS:
+        with tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as name, ExitStack() as stack:
+            folder = Path(name)
+            game = f"{sys.executable} -m logical_robots_tui play --restricted --data-dir {folder}"
+            names = [f"player-{number}" for number in range(players)]
+            keys = 'environment="LOGICAL_ROBOTS_PLAYER={name}" {key}'
+            config = f"PermitUserEnvironment LOGICAL_ROBOTS_PLAYER\nForceCommand {game}\n"
+            server = stack.enter_context(Server(folder, config, names, keys))
+            seats = [
+                stack.enter_context(Terminal(server.client("-t", player=name), size=(80, 24)))
+                for name in names
+            ]
+            crowd = Crowd(seats)
+            crowd.play()
+            drawn = crowd.frames_per_second(effort.ticks / 40)
+            crowd.edit()
+            found = crowd.key_milliseconds(2 * players)
+        subject = f"80x24, {players} players at once"
+        yield Measurement(
+            *("frames of a class", subject, statistics.median(drawn), "/s"),
+            *(min(drawn), max(drawn), f">= {frames}" if frames else ""),
+        )
+        yield Measurement(
+            *("key of a class", subject, statistics.median(found), "ms"),
+            *(min(found), max(found), f"<= {milliseconds}"),
+        )

@@ -1,0 +1,98 @@
+"""Tempo: how often to draw on a machine whose processors others want as well."""
+
+from __future__ import annotations
+
+from contextlib import contextmanager
+from pathlib import Path
+from time import perf_counter, thread_time
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator
+
+__all__ = ["Tempo", "processor_times"]
+
+_SCHEDULE = Path("/proc/thread-self/schedstat")
+_USUAL = 0.3  # seconds waited per second of computing where nobody else wants much
+_LEAVE = 0.03  # seconds between pictures, for each second waited per second of computing
+_MOST = 10.0  # seconds waited per second of computing; more makes no difference
+_SMOOTH = 0.1  # how much the last picture counts
+_HURRY = 0.1  # seconds after a key press
+
+
+def processor_times() -> tuple[float, float] | None:
+    """Seconds that this thread has computed, and has waited for a processor, so far.
+
+    Only Linux tells, in nanoseconds (Documentation/scheduler/sched-stats.rst); elsewhere None.
+    """
+    try:
+        computed, waited, _ = _SCHEDULE.read_text().split()
+    except (OSError, ValueError):
+        return None
+    return int(computed) / 1e9, int(waited) / 1e9
+
+
+class Tempo:
+    """Lets pictures give way where others want the processors, so that keys needn't wait.
+
+    The longer computing has to wait for a processor, the more time is left to others between two
+    pictures: where it takes three times as long as alone, there are about 12 pictures a second.
+    All times are in seconds.
+
+    Args:
+        times: Tells how long the thread that draws has computed and waited so far. If it can't,
+            the drawing alone counts: it has waited when it was not computing.
+        clock: The time.
+        computing: How long this thread has computed.
+
+    Attributes:
+        frames: Pictures a second, at most.
+    """
+
+    def __init__(
+        self,
+        times: Callable[[], tuple[float, float] | None] = processor_times,
+        clock: Callable[[], float] = perf_counter,
+        computing: Callable[[], float] = thread_time,
+    ) -> None:
+        self.frames = 30
+        self._times = times
+        self._clock = clock
+        self._computing = computing
+        self._last = times()
+        self._strain = 0.0  # seconds waited per second of computing
+        self._drawn_at = self._hurried_at = float("-inf")
+
+    @property
+    def spacing(self) -> float:
+        """What to leave to others between two pictures, besides the usual."""
+        return _LEAVE * max(self._strain - _USUAL, 0.0)
+
+    @property
+    def rested(self) -> float:
+        """Since the last picture."""
+        return self._clock() - self._drawn_at
+
+    @property
+    def wait(self) -> float:
+        """Until the next picture may be drawn; not above 0 if it may be now."""
+        is_hurried = self._clock() - self._hurried_at < _HURRY
+        return 1 / self.frames + (0.0 if is_hurried else self.spacing) - self.rested
+
+    def hurry(self) -> None:
+        """Leave nothing to others for a moment: a key was pressed, and its effect is to be seen."""
+        self._hurried_at = self._clock()
+
+    @contextmanager
+    def drawing(self) -> Iterator[None]:
+        """Measure while a picture is drawn."""
+        self._drawn_at, began = self._clock(), self._computing()
+        yield
+        computed = self._computing() - began
+        waited = self.rested - computed
+        if self._last and (now := self._times()):
+            computed, waited = now[0] - self._last[0], now[1] - self._last[1]
+            self._last = now
+        if computed > 0:
+            strain = min(max(waited / computed, 0.0), _MOST)
+            self._strain += _SMOOTH * (strain - self._strain)

@@ -1,0 +1,102 @@
+"""Pictures give way where others want the processors, and a key never waits for that."""
+
+from __future__ import annotations
+
+from time import thread_time
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from logical_robots_tui.tui.tempo import Tempo, processor_times
+
+PICTURE = 0.006  # seconds of computing
+GENTLY, MOST = 2.5, 12.0  # seconds waited per second of computing: some others, very many
+
+
+class Machine:
+    """A machine with a clock of its own, whose processors others take as much as a test wants.
+
+    Args:
+        tells: Whether it tells how long a thread waited for a processor.
+    """
+
+    def __init__(self, *, tells: bool = True) -> None:
+        self.now = self.computed = self.waited = 0.0
+        self.tempo = Tempo(
+            lambda: (self.computed, self.waited) if tells else None,
+            lambda: self.now,
+            lambda: self.computed,
+        )
+
+    def draw(self, strain: float) -> None:
+        """Draw a picture as soon as it may be, where that waits so long per second of computing."""
+        self.now += max(self.tempo.wait, 0.0)
+        with self.tempo.drawing():
+            self.computed += PICTURE
+            self.waited += strain * PICTURE
+            self.now += (1 + strain) * PICTURE
+
+    def frames_per_second(self, strain: float) -> float:
+        """What becomes usual under such a strain."""
+        for _ in range(60):
+            self.draw(strain)
+        return 1 / (self.tempo.wait + self.tempo.rested)
+
+
+@pytest.fixture(params=[True, False], ids=["tells", "tells not"])
+def machine(request: pytest.FixtureRequest) -> Machine:
+    return Machine(tells=request.param)
+
+
+def test_frame_rates_give_way_gently_then_further_and_recover(machine: Machine) -> None:
+    assert machine.frames_per_second(0.0) == pytest.approx(30)
+    assert 8 < machine.frames_per_second(GENTLY) < 15
+    assert 2.5 < machine.frames_per_second(MOST) < 4
+    assert machine.frames_per_second(100 * MOST) > 2.5
+    assert machine.frames_per_second(0.0) == pytest.approx(30, rel=0.02)
+
+
+def test_what_little_everybody_waits_costs_no_frame(machine: Machine) -> None:
+    assert machine.frames_per_second(0.2) == pytest.approx(30)
+
+
+def test_one_picture_that_was_held_up_changes_little(machine: Machine) -> None:
+    machine.frames_per_second(0.0)
+    machine.draw(MOST)
+    assert machine.tempo.spacing < 0.05
+
+
+def test_after_a_key_press_nothing_is_left_to_others_for_a_moment(machine: Machine) -> None:
+    machine.frames_per_second(MOST)
+    assert machine.tempo.wait > 0.1
+    machine.tempo.hurry()
+    assert machine.tempo.wait + machine.tempo.rested == pytest.approx(1 / 30)
+    machine.now += 0.2
+    assert machine.tempo.wait + machine.tempo.rested > 0.2
+
+
+def test_the_rate_that_is_set_is_never_exceeded() -> None:
+    machine = Machine()
+    machine.tempo.frames = 5
+    assert machine.frames_per_second(0.0) == pytest.approx(5)
+
+
+@given(st.lists(st.floats(-1.0, 1e6), max_size=30))
+def test_whatever_was_measured_a_picture_comes_within_half_a_second(strains: list[float]) -> None:
+    machine = Machine()
+    for strain in strains:
+        machine.draw(strain)
+        assert 0 <= machine.tempo.spacing < 0.5
+
+
+def test_this_system_tells_both_times_or_none() -> None:
+    before, enough = processor_times(), thread_time() + 0.05
+    while thread_time() < enough:
+        pass
+    after = processor_times()
+    if before is None or after is None:
+        assert before is after
+    else:
+        assert after[0] > before[0]
+        assert after[1] >= before[1] >= 0
