@@ -60,6 +60,11 @@ class Pace:
         return (len(self._times) - 1) / span if span > 0 else 0.0
 
     @property
+    def period(self) -> float:
+        """Seconds from one tick to the next, with what is left to others; 0.0 flat out."""
+        return 1 / self._speed + self.spacing if self._speed else 0.0
+
+    @property
     def together(self) -> int | None:
         """How many ticks to compute at once, as one lot; None is as many as a moment allows."""
         if self._speed is None:

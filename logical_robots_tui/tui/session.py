@@ -127,9 +127,7 @@ class Session:
         """Seconds that the thought under way has taken, 0.0 as long as that is not worth saying."""
         if self.game is None or not (self.game.running or self._stepping is not None):
             return 0.0
-        pause = 0.0
-        if self.game.running and self.pace.speed:
-            pause = 1 / self.pace.speed + self.pace.spacing
+        pause = self.pace.period if self.game.running else 0.0
         seconds = perf_counter() - self._waiting_since - pause
         return seconds if seconds > _NOTICEABLE else 0.0
 
