@@ -23,7 +23,7 @@ examples:
   logical-robots play                  where you stopped, or the first level
   logical-robots play LEVEL            another level of the list
   logical-robots play my-level.toml my-program.l
-  logical-robots play --plain          the same in lines of text; with a pipe too:
+  logical-robots play --plain          the same in lines; with a pipe too:
   echo run | logical-robots play LEVEL PROGRAM --plain
 
 exit status: 0 after quitting, 2 if the game can't be opened

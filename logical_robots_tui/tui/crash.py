@@ -8,6 +8,7 @@ import select
 import signal
 import sys
 import threading
+import time
 from typing import TYPE_CHECKING, Any
 
 from rich.text import Text
@@ -59,7 +60,8 @@ def end_on_hangup(last_words: Callable[[], None], leave: Callable[[], None]) -> 
 
     A process that does not belong to its terminal gets no signal when that goes; so a thread waits
     for it as well. Everything important is done in the signal handler, because the event loop may
-    be waiting for a terminal that is gone; the process ends even then.
+    be waiting for a terminal that is gone; the process ends even then. Where Python has no chance
+    to call the handler, because the main thread waits for a lock, that other thread does it all.
 
     Args:
         last_words: Brings to safety what must not be lost.
@@ -80,7 +82,9 @@ def end_on_hangup(last_words: Callable[[], None], leave: Callable[[], None]) -> 
         number: signal.signal(number, handler)
         for number in (signal.SIGHUP, signal.SIGTERM, signal.SIGXCPU)
     }
-    threading.Thread(target=_raise_hangup, name="logical-robots-hangup", daemon=True).start()
+    threading.Thread(
+        target=_end_with_terminal, args=(last_words,), name="logical-robots-hangup", daemon=True
+    ).start()
 
     def put_back() -> None:
         for number, previous in before.items():
@@ -89,8 +93,8 @@ def end_on_hangup(last_words: Callable[[], None], leave: Callable[[], None]) -> 
     return put_back
 
 
-def _raise_hangup() -> None:
-    """Send this process the signal of a hangup when its terminal is gone."""
+def _end_with_terminal(last_words: Callable[[], None]) -> None:
+    """Send this process the signal of a hangup when its terminal is gone, and see that it ends."""
     with contextlib.suppress(OSError, ValueError):
         if sys.__stdin__ is None or not sys.__stdin__.isatty():
             return
@@ -99,3 +103,6 @@ def _raise_hangup() -> None:
         for _, event in terminal.poll():
             if event & (select.POLLHUP | select.POLLERR):
                 os.kill(os.getpid(), signal.SIGHUP)
+                time.sleep(1.2 * _GRACE)
+                last_words()
+                os._exit(128 + signal.SIGHUP)
