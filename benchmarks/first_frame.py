@@ -32,5 +32,4 @@ def _milliseconds(size: tuple[int, int], seen: str) -> float:
         command = [sys.executable, "-m", "logical_robots_tui", "play", "--data-dir", data_dir]
         began = perf_counter()
         with Terminal(command, size=size) as terminal:
-            terminal.wait_for(seen)
-            return 1000 * (perf_counter() - began)
+            return 1000 * (terminal.arrival_of(lambda: seen in terminal.text) - began)

@@ -10,6 +10,7 @@ import sys
 import tempfile
 import tracemalloc
 from dataclasses import replace
+from functools import partial
 from time import perf_counter
 from typing import TYPE_CHECKING
 
@@ -119,19 +120,19 @@ def _key_to_screen(presses: int) -> Measurement:
             terminal.send("U")
             terminal.wait_for("Run until tick")
             terminal.send(f"{presses + 100}\r")
-            _wait_for_tick(terminal, presses + 100)
+            terminal.wait_for(lambda: _shows(terminal, presses + 100))
             found = []
             for press in range(1, presses + 1):
                 terminal.wait_for_quiet()
                 began = perf_counter()
                 terminal.send("p")
-                _wait_for_tick(terminal, presses + 100 - press)
-                found.append(1000 * (perf_counter() - began))
+                there = partial(_shows, terminal, presses + 100 - press)
+                found.append(1000 * (terminal.arrival_of(there) - began))
     return Measurement(
         *("key to tick before", f"120x40, {LARGEST}", statistics.median(found), "ms"),
         *(min(found), max(found), "< 20"),
     )
 
 
-def _wait_for_tick(terminal: Terminal, tick: int) -> None:
-    terminal.wait_for(lambda: re.search(rf"\btick {tick}\b", terminal.text))
+def _shows(terminal: Terminal, tick: int) -> bool:
+    return bool(re.search(rf"\btick {tick}\b", terminal.text))

@@ -76,5 +76,5 @@ def _step(terminal: Terminal, name: str, tick: int) -> float:
     terminal.wait_for_quiet()
     began = perf_counter()
     terminal.send("n")
-    terminal.wait_for(lambda: re.search(rf"\b{name} · tick {tick}\b", terminal.text))
-    return 1000 * (perf_counter() - began)
+    there = rf"\b{name} · tick {tick}\b"
+    return 1000 * (terminal.arrival_of(lambda: re.search(there, terminal.text)) - began)

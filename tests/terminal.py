@@ -8,9 +8,10 @@ import signal
 import struct
 import subprocess
 import termios
+from collections import deque
 from fcntl import ioctl
 from functools import partial
-from time import monotonic
+from time import monotonic, perf_counter
 from typing import TYPE_CHECKING, Self
 
 import pyte
@@ -24,6 +25,7 @@ __all__ = ["Terminal", "looks"]
 
 CHUNK = 65536
 WHERE_IS_THE_CURSOR = b"\x1b[6n"
+AT_LEAST = 0.1  # seconds to go on reading before anything is drawn
 
 
 class Terminal:
@@ -45,7 +47,7 @@ class Terminal:
         self._screen = pyte.Screen(*size)
         self._stream = pyte.ByteStream(self._screen)
         self._raw = bytearray()
-        self._drawn = 0
+        self._undrawn: deque[tuple[float, bytes]] = deque()
         self._answered = 0
         self._command = [str(word) for word in command]
         self._env = {
@@ -79,9 +81,8 @@ class Terminal:
     @property
     def screen(self) -> pyte.Screen:
         """The cells; drawn when somebody looks, because that takes longer than to receive them."""
-        if self._drawn < len(self._raw):
-            self._stream.feed(bytes(self._raw[self._drawn :]))
-            self._drawn = len(self._raw)
+        while self._undrawn:
+            self._stream.feed(self._undrawn.popleft()[1])
         return self._screen
 
     @property
@@ -127,6 +128,24 @@ class Terminal:
             assert monotonic() < deadline, f"not within {PATIENCE} s; instead:\n{self.text}"
             assert self._read(deadline), f"it ended before that; its screen:\n{self.text}"
 
+    def arrival_of(self, condition: Callable[[], object]) -> float:
+        """When that came in, by `perf_counter`, which made a condition true of the screen.
+
+        All is read before any of it is drawn, piece by piece: to draw takes longer than the program
+        that is measured, and would hold it up.
+        """
+        deadline = monotonic() + PATIENCE
+        while True:
+            self.read_for(AT_LEAST)
+            pieces, self._undrawn = self._undrawn, deque()
+            while pieces:
+                came, piece = pieces.popleft()
+                self._stream.feed(piece)
+                if condition():
+                    self._undrawn = pieces
+                    return came
+            assert monotonic() < deadline, f"not within {PATIENCE} s; instead:\n{self.text}"
+
     def wait_to_receive(self, text: str) -> None:
         """Read on until a text comes in; quicker than looking at the screen again and again."""
         begun, sought = len(self._raw), text.encode()
@@ -159,6 +178,7 @@ class Terminal:
         except OSError:  # how Linux says that the last process has closed the terminal
             return False
         self._raw += chunk
+        self._undrawn.append((perf_counter(), chunk))
         questions = self._raw.count(WHERE_IS_THE_CURSOR)
         self.send("\x1b[1;1R" * (questions - self._answered))
         self._answered = questions

@@ -34,7 +34,8 @@ def test_a_main_thread_that_hears_no_signal_does_not_outlive_its_terminal(tmp_pa
     process = subprocess.Popen(command, stdin=theirs, stdout=theirs, stderr=theirs)
     os.close(theirs)
     try:
-        assert b"stuck" in os.read(ours, 1000)
+        with os.fdopen(os.dup(ours)) as terminal:  # to its end: who is still writing would fail
+            assert terminal.readline() == "stuck\n"
         os.close(ours)
         assert process.wait(PATIENCE) == 129
         assert kept.read_text() == "kept"
