@@ -46,7 +46,7 @@ class Choice(OptionList):
         self._predicates: tuple[Predicate, ...] | None = None
         self._names: list[str] = []
         self._survey: Survey | None = None
-        self._counted: dict[str, Content] = {}
+        self._counted: dict[str, tuple[str, bool, int]] = {}
 
     @property
     def predicates(self) -> tuple[Predicate, ...] | None:
@@ -99,12 +99,20 @@ class Choice(OptionList):
             return
         width = max(self.scrollable_content_region.width, _NARROWEST)
         for predicate in self._predicates or ():
-            if predicate.has_rows:
-                entry = _with_count(_entry(predicate), predicate, self._survey, width)
-                before = self._counted.get(predicate.name)
-                if before is None or not before.is_same(entry):
-                    self._counted[predicate.name] = entry
-                    self.replace_option_prompt(predicate.name, entry)
+            name = predicate.name
+            told = (self._survey.count(name), self._survey.differs(name), width)
+            if predicate.has_rows and self._counted.get(name) != told:
+                self._counted[name] = told
+                self._renew(self.get_option_index(name), _with_count(_entry(predicate), *told))
+
+    def _renew(self, line: int, entry: Content) -> None:
+        """Show another entry on a line; to replace it would paint all others anew as well."""
+        option = self.get_option_at_index(line)
+        option._set_prompt(entry)
+        for key in list(self._option_render_cache.keys()):
+            if key[0] is option:
+                self._option_render_cache.discard(key)
+        self.refresh_line(line)
 
 
 def _entry(predicate: Predicate) -> Content:
@@ -118,10 +126,9 @@ def _entry(predicate: Predicate) -> Content:
     return entry
 
 
-def _with_count(entry: Content, predicate: Predicate, survey: Survey, width: int) -> Content:
+def _with_count(entry: Content, rows: str, differs: bool, width: int) -> Content:
     """An entry with the number of rows at its right end, marked if the rows have changed."""
-    differs = survey.differs(predicate.name)
-    count = f"{survey.count(predicate.name)}{_CHANGED if differs else ' '}"
+    count = f"{rows}{_CHANGED if differs else ' '}"
     room = width - len(count) - 1
     gap = " " * max(1, width - entry.cell_length - len(count))
     return entry.truncate(room, ellipsis=True).append(

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from itertools import groupby
+from operator import itemgetter
 from typing import TYPE_CHECKING
 
 from textual.content import Content
@@ -113,12 +115,17 @@ def notes(level: Level, frame: Frame, chosen: str | None) -> list[Content]:
 
 def radar_strip(radar: Sequence[Mapping[str, Any]]) -> Content:
     """The rays from left to right as bars, high where there is much room, coloured by object."""
-    parts = []
-    for ray in radar:
-        free = math.sqrt(ray["distance"] / _FARTHEST)  # more of the bar for what is near
-        bar = BARS[min(int(free * len(BARS)), len(BARS) - 1)]
-        parts.append((bar, _OBJECTS.get(ray["object"], INK.nothing)))
-    return Content.assemble(*parts)
+    return Content.assemble(
+        *(
+            ("".join(map(_bar, rays)), _OBJECTS.get(what, INK.nothing))
+            for what, rays in groupby(radar, itemgetter("object"))
+        )
+    )
+
+
+def _bar(ray: Mapping[str, Any]) -> str:
+    free = math.sqrt(ray["distance"] / _FARTHEST)  # more of the bar for what is near
+    return BARS[min(int(free * len(BARS)), len(BARS) - 1)]
 
 
 def _robots(level: Level, frame: Frame, palette: Palette) -> list[_Robot]:
