@@ -26,6 +26,7 @@ from benchmarks.swarm import swarms
 from benchmarks.whole_game import whole_game
 from benchmarks.with_screen import traffic, with_screen
 from benchmarks.world import crowds, world_alone
+from logical_robots_tui.garbage import collect_seldom
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
@@ -59,6 +60,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
         earlier = _medians(options.compare) if options.compare else {}
     except (OSError, ValueError, KeyError, TypeError) as error:
         parser.error(f"{options.compare} isn't what --json wrote: {error}")
+    collect_seldom()  # as the commands do
     os.environ["LOGICAL_ROBOTS_CACHE_DIR"] = ""  # what was compiled before would flatter us
     effort = QUICK if options.quick else THOROUGH
     console = Console(stderr=True)

@@ -28,6 +28,7 @@ from logical_robots_tui.cli import (
 from logical_robots_tui.cli import help as reference
 from logical_robots_tui.cli.level import command as level
 from logical_robots_tui.errors import LogicalRobotsError
+from logical_robots_tui.garbage import collect_seldom
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -70,6 +71,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     Raises:
         SystemExit: By argparse, for ``--help``, ``--version`` and mistyped arguments.
     """
+    collect_seldom()
     for stream in (sys.stdout, sys.stderr):
         stream.reconfigure(errors="backslashreplace")  # type: ignore[union-attr] # typed as TextIO
     logging.getLogger("logical_robots_tui").handlers = [crash.LogKeeper(logging.ERROR)]

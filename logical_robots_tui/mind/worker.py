@@ -23,6 +23,7 @@ from functools import partial
 from time import monotonic
 from typing import IO, TYPE_CHECKING, Any
 
+from logical_robots_tui.garbage import collect_seldom
 from logical_robots_tui.mind import compiler
 from logical_robots_tui.mind.database import Database
 from logical_robots_tui.mind.diagnostics import Diagnostic, ProgramError
@@ -59,6 +60,7 @@ def main() -> None:
     The arguments of the process are the bytes of address space that it may use, and the seconds
     of computing that one program may take.
     """
+    collect_seldom()
     address_space, seconds = int(sys.argv[1]), int(sys.argv[2])
     answers = os.fdopen(os.dup(1), "w", encoding="utf-8")
     # The package prints; nothing of that may reach the player's screen or the answers.
