@@ -7,11 +7,12 @@ from dataclasses import dataclass
 from itertools import takewhile
 from typing import TYPE_CHECKING
 
-from logical_robots_tui.game.advancing import advance, known_frame
+from logical_robots_tui.game.advancing import advance
 from logical_robots_tui.game.breakpoints import Breakpoint, Breakpoints, mistake_in
 from logical_robots_tui.game.history import DEFAULT_LENGTH, History
 from logical_robots_tui.game.intervention import changed_frame
 from logical_robots_tui.game.pace import Pace
+from logical_robots_tui.game.past import Past
 from logical_robots_tui.game.start import start_frame
 from logical_robots_tui.game.thinker import Thinker
 from logical_robots_tui.game.watching import Watch
@@ -93,11 +94,10 @@ class Game:
         self._asker = Thinker("ask")
         self._running = False
         self._closed = False
-        # The worker's world computes ticks; the other one re-senses past ones on the event loop.
-        self._worlds = Worlds(level)
-        self._past_worlds = Worlds(level)
+        self._worlds = Worlds(level)  # the worker's; the past has its own, on the event loop
         self._frame = start_frame(level)
         self.history = History(self._frame, level, history)
+        self._past = Past(self.history)
         self._watch = Watch(())
         self._watched_by = program
         self._is_program_wanted = False
@@ -144,7 +144,7 @@ class Game:
         Raises:
             NoSuchTickError: History does not reach that far.
         """
-        return self._frame if tick == self._frame.tick else self._restored(tick)
+        return self._frame if tick == self._frame.tick else self._past.frame(tick)
 
     async def query(self, predicate: str, frame: Frame | None = None) -> Answer:
         """Rows of a predicate of the program at a frame, by default the present one.
@@ -224,9 +224,10 @@ class Game:
         Raises:
             ValueError: A pose is for nobody.
         """
-        frame = changed_frame(self._past_worlds, self._frame, self.level, level, poses or {})
+        frame = changed_frame(self._past.worlds, self._frame, self.level, level, poses or {})
         self._supersede()
         self.history.change_level(frame, level)
+        self._past.forget()
         self._show(frame)
         return frame
 
@@ -243,7 +244,7 @@ class Game:
         history.change_course()
         self.program = history.program_at(history.last) or self.program
         self._is_program_wanted = False
-        self._show(self._restored(min(max(self._frame.tick, history.first), history.last)))
+        self._show(self._past.frame(min(max(self._frame.tick, history.first), history.last)))
         return self._frame
 
     def forget_future(self) -> None:
@@ -365,10 +366,6 @@ class Game:
             lambda tick: leads_here or (is_mine(tick) and not history.is_changed_in(tick)), ticks
         )
         return [history.known(tick) for tick in same]
-
-    def _restored(self, tick: int) -> Frame:
-        (before, _), known = self.history.around(tick), self.history.known(tick)
-        return known_frame(self._past_worlds, before.after, before.memories, known)
 
     def _present_watch(self) -> Watch:
         """What to watch for under the present program."""

@@ -164,6 +164,17 @@ async def test_a_robot_is_put_elsewhere_while_the_game_runs(tmp_path: Path) -> N
     await played.close()
 
 
+async def test_a_tick_that_was_gone_back_to_comes_back_as_changed(tmp_path: Path) -> None:
+    played = game(tmp_path)
+    await played.run_until(tick=5)
+    played.back()
+    played.go_to(5)
+    moved = played.change_level(played.level, {"Ada": (75.0, 20.0, 0.0)})
+    await played.step()
+    assert played.back().after == moved.after
+    await played.close()
+
+
 async def test_beginning_again_does_not_do_again_what_was_done_by_hand(tmp_path: Path) -> None:
     played = game(tmp_path)
     original = played.level
