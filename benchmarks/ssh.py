@@ -9,16 +9,24 @@ import sys
 import tempfile
 from contextlib import contextmanager
 from pathlib import Path
-from time import perf_counter
+from time import perf_counter, process_time
 from typing import TYPE_CHECKING
 
+from benchmarks.halls import halls
 from benchmarks.measure import Effort, Measurement
+from benchmarks.subjects import program_text, rows_of
+from logical_robots_tui import Program
+from logical_robots_tui.editing.files import save_level
+from logical_robots_tui.game import Pace
+from logical_robots_tui.mind import Mind
 from tests.crowd import Crowd
 from tests.sshd import Line, Server
 from tests.terminal import Terminal
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
+
+    from logical_robots_tui import Level
 
 __all__ = ["processor", "ssh"]
 
@@ -76,24 +84,46 @@ def _running(server: Server, line: Line, folder: Path, option: str) -> Iterator[
 
 
 def processor(effort: Effort) -> Iterator[Measurement]:
-    """Percent of one core that a game takes, thinking included, paused and running."""
+    """Percent of one core that a game of ten robots takes, paused and running."""
     seconds = effort.ticks / 60
-    game = [sys.executable, "-m", "logical_robots_tui", "play", *SIX_ROBOTS]
-    with (
-        tempfile.TemporaryDirectory() as folder,
-        Terminal([*game, "--data-dir", folder], size=SIZE) as terminal,
+    level, text = halls(1200, 700, robots=10, beacons=56), program_text("steering")
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
+        save_level(level, folder / "ten.toml", anew=True)
+        (folder / "steering.l").write_text(text, encoding="utf-8")
+        game = [sys.executable, "-m", "logical_robots_tui", "play", folder / "ten.toml"]
+        with Terminal(
+            [*game, folder / "steering.l", "--data-dir", folder / "data"], size=SIZE
+        ) as terminal:
+            terminal.wait_for("· applied")
+            terminal.wait_for_quiet()
+            paused = _percent(terminal, seconds)
+            terminal.send(" ")
+            terminal.wait_for("RUNNING")
+            running = _percent(terminal, seconds)
+    speed = Pace().speed or 0.0  # that of a game as it comes
+    thinking = 100 * speed * _thought_seconds(level, text, effort.ticks)
+    for state, percent, required in (
+        ("paused", paused, "<= 1"),
+        ("running, with thinking", running, ""),
+        ("running, without thinking", running - thinking, "<= 50"),
     ):
-        terminal.wait_for("· applied")
-        terminal.wait_for_quiet()
-        paused = _percent(terminal, seconds)
-        terminal.send(" ")
-        terminal.wait_for("RUNNING")
-        running = _percent(terminal, seconds)
-    for state, percent, required in (("paused", paused, "<= 1"), ("running", running, "")):
         yield Measurement(
-            *("processor", f"120x40, 6 robots, {state}", percent, "% of a core"),
+            *("processor", f"120x40, 10 robots, {state}", percent, "% of a core"),
             *(percent, percent, required),
         )
+
+
+def _thought_seconds(level: Level, text: str, ticks: int) -> float:
+    """Seconds of computing that a thought of all robots takes, at the median."""
+    mind = Mind(Program.compile(text), level.visibility.memory, level.visibility.sensor)
+    rows, found = rows_of(level), []
+    for _ in range(ticks):
+        began = process_time()
+        mind.think(rows, {})
+        found.append(process_time() - began)
+    mind.close()
+    return statistics.median(found)
 
 
 def _percent(terminal: Terminal, seconds: float) -> float:
