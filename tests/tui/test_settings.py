@@ -130,7 +130,7 @@ async def test_the_game_does_as_it_is_set(data_dir: Path) -> None:
 
 
 async def test_a_level_is_edited_with_the_keys_that_are_set(data_dir: Path) -> None:
-    keys = {"brush": ("percent_sign",), "line": (), "edit_level": ("f9",), "stop_editing": ("f9",)}
+    keys = {"brush": ("percent_sign",), "line": (), "edit_level": ("f9",)}
     async with opened(data_dir, text=STILL, settings=Settings(keys=keys)) as game:
         await game.ready()
         await game.press("f9")

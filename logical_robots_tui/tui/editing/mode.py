@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Literal
 from logical_robots_tui.editing.checks import check
 from logical_robots_tui.editing.delta import alike
 from logical_robots_tui.game import is_shipped
-from logical_robots_tui.tui.commands import editing_commands
+from logical_robots_tui.tui.commands import command, editing_commands
 from logical_robots_tui.tui.editing.actions import EditActions
 from logical_robots_tui.tui.editing.autosave import Autosave
 from logical_robots_tui.tui.editing.editor import LevelEditor
@@ -86,7 +86,8 @@ class EditMode:
         self._info = InfoLine(self.editor)
         self._checked: Level | None = None
         known = editing_commands().values()
-        self._ids = {key: entry.id for entry in known for key in entry.keys}
+        self._ids = dict.fromkeys(command("edit_level").keys, "stop_editing")
+        self._ids |= {key: entry.id for entry in known for key in entry.keys}
 
     @property
     def has_changes(self) -> bool:
