@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, ClassVar
 
 from rich.color import Color
 from rich.style import Style
+from textual.filter import ANSIToTruecolor
 from textual.geometry import Region
 from textual.message import Message
 from textual.reactive import reactive
@@ -26,7 +27,10 @@ from logical_robots_tui.tui.theme import palette_of
 from logical_robots_tui.world.sensing import ROBOT_RADIUS
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from textual import events
+    from textual.filter import LineFilter
     from textual.geometry import Offset
 
     from logical_robots_tui.game.frame import Frame
@@ -220,6 +224,10 @@ class LabyrinthView(Widget):
             if (distance := math.hypot(robot.x - x, robot.y - y)) <= reach
         ]
         return min(found)[1] if found else None
+
+    def get_line_filters(self) -> Sequence[LineFilter]:
+        """All but the one that makes true colours of others: cells have nothing else."""
+        return [f for f in super().get_line_filters() if not isinstance(f, ANSIToTruecolor)]
 
     def render_line(self, y: int) -> Strip:
         """Return a line of the picture.

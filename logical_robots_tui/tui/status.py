@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Literal, TypeAlias
 
 from textual.content import Content
+from textual.strip import Strip
 from textual.widget import Widget
 
 from logical_robots_tui.game import goals
@@ -103,6 +104,12 @@ class StatusLine(Widget):
         if self._status is None:
             return Content("")
         return fit(self._status, self.size.width)
+
+    def render_line(self, y: int) -> Strip:
+        """The line at once, which Textual would look for places to break."""
+        del y
+        strip = Strip(self.render().render_segments(self.visual_style))
+        return strip.adjust_cell_length(self.size.width, self.rich_style)
 
 
 def fit(status: Status, width: int) -> Content:
