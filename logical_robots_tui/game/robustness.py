@@ -73,7 +73,8 @@ def play_through(
         Stopped: `stop` was set.
     """
     world = World(level)
-    mind = Mind(program, memory=level.visibility.memory, sensor=level.visibility.sensor)
+    visibility = level.visibility
+    mind = Mind(program, memory=visibility.memory, sensor=visibility.sensor, frozen=True)
     memories: dict[str, Value] = {robot.name: "" for robot in level.robots}
     distance = 0.0
     try:

@@ -46,6 +46,7 @@ class Thinker:
                 sensor=visibility.sensor,
                 limits=limits,
                 engine=self._engine,
+                frozen=True,
             )
         return self._mind
 

@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import sqlite3
 from dataclasses import replace
+from functools import partial
 from math import inf
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 from logical_robots_tui.mind.database import TooMuchError, TooSlowError
 from logical_robots_tui.mind.failures import FailureError, in_plain_words
+from logical_robots_tui.mind.lasting import Lasting
 from logical_robots_tui.mind.machinery import plan_lines
 from logical_robots_tui.mind.plain import printable
 from logical_robots_tui.mind.stored import TooDeepError, from_sql
@@ -48,15 +50,24 @@ class Asking:
         limits: Bounds on memory, on values and on results.
         plain: Whether to take the plain way only.
         duck: DuckDB, if crowds are to think with it.
+        frozen: Whether nobody changes what is given or answered, then or later.
     """
 
     def __init__(
-        self, program: Program, limits: Limits, *, plain: bool, duck: DuckTables | None = None
+        self,
+        program: Program,
+        limits: Limits,
+        *,
+        plain: bool,
+        duck: DuckTables | None = None,
+        frozen: bool = False,
     ) -> None:
         self._program = program
-        self._limits = limits
         self._plain = PlainTables(limits)
-        self._tuned = None if plain or not program.tuned else TunedTables(limits)
+        self._tuned = None if plain or not program.tuned else TunedTables(limits, frozen=frozen)
+        self._read_value = (
+            Lasting(limits.depth).read if frozen else partial(from_sql, deepest=limits.depth)
+        )
         self._duck = duck
 
     def each(
@@ -245,9 +256,9 @@ class Asking:
         ]
 
     def _read(self, rows: Sequence[tuple[Any, ...]], within: Within) -> list[tuple[Value, ...]]:
-        deepest = self._limits.depth
+        read = self._read_value
         return [
-            tuple([v if v.__class__ in _READY else from_sql(v, deepest) for v in within.each(row)])
+            tuple([v if v.__class__ in _READY else read(v) for v in within.each(row)])
             for row in rows
         ]
 

@@ -114,12 +114,18 @@ class Database:
         self.fill("Sensor", (("INSERT INTO Sensor VALUES (?, ?)", sensors),))
         self.fill("Memory", (("INSERT INTO Memory VALUES (?, ?)", memories),))
 
-    def fill(self, table: str, inserts: Sequence[tuple[str, Sequence[Sequence[Any]]]]) -> None:
-        """Replace all rows of a table.
+    def fill(
+        self,
+        table: str,
+        inserts: Sequence[tuple[str, Sequence[Sequence[Any]]]],
+        gone: Sequence[tuple[int, int]] | None = None,
+    ) -> None:
+        """Replace rows of a table.
 
         Args:
             table: Its name.
             inserts: Statements of ours, each with the SQLite values of each time that it is run.
+            gone: First and last ids of the rows to replace; by default all.
 
         Raises:
             TooMuchError: A value is larger than a value may be.
@@ -130,12 +136,16 @@ class Database:
         try:
             if not connection.in_transaction:
                 connection.execute("BEGIN")  # never ended: there is nobody to share with
-            connection.execute(self._own(f"DELETE FROM {table}"))  # noqa: S608 - our own table
+            delete = f"DELETE FROM {table}"  # noqa: S608 - our own table
+            if gone is None:
+                connection.execute(self._own(delete))
+            else:
+                connection.executemany(self._own(f"{delete} WHERE id BETWEEN ? AND ?"), gone)
             try:
                 for insert, rows in inserts:
                     connection.executemany(self._own(insert), rows)
             except UnicodeEncodeError:
-                self.fill(table, [(insert, _whole(rows)) for insert, rows in inserts])
+                self.fill(table, [(insert, _whole(rows)) for insert, rows in inserts], gone)
         except (sqlite3.DataError, MemoryError) as error:
             raise self._too_much(error) from None
 

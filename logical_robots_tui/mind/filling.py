@@ -7,7 +7,7 @@ from operator import itemgetter
 from typing import TYPE_CHECKING, Any
 
 from logical_robots_tui.mind.inserting import Filling, in_blocks, insert_into
-from logical_robots_tui.mind.remembered import items, memories
+from logical_robots_tui.mind.remembered import memories
 from logical_robots_tui.mind.stored import to_input
 
 if TYPE_CHECKING:
@@ -34,11 +34,10 @@ def fillings(table: str, moment: Moment, columns: tuple[str, ...]) -> Sequence[F
     """What fills a table with the rows of a moment.
 
     Args:
-        table: ``Sensor``, ``Memory``, ``Item``, ``Ray`` or one of `KINDS`.
+        table: ``Sensor``, ``Memory``, ``Ray`` or one of `KINDS`.
         moment: Where the rows come from.
         columns: Which columns to fill beside ``id``, in alphabetical order; those of fields of
-            memories with the field, as in ``field_0=seen``, and all of ``Item`` as `spelled_item`
-            has them.
+            memories with the field, as in ``field_0=seen``.
 
     Raises:
         TypeError, KeyError, AttributeError, ValueError: Sensors have not the usual shape.
@@ -83,7 +82,6 @@ def _rays_of_kind(table: str, moment: Moment, columns: tuple[str, ...]) -> Seque
 _FILLINGS: dict[str, Callable[[Moment, tuple[str, ...]], Sequence[Filling]]] = {
     "Sensor": _sensors,
     "Memory": memories,
-    "Item": items,
     "Ray": _rays,
     **{table: partial(_rays_of_kind, table) for table in KINDS},
 }

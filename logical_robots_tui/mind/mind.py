@@ -60,6 +60,9 @@ class Mind:
         limits: Bounds on time and size.
         plain: Whether to evaluate the SQL as it was generated, which is slower and means the same.
         engine: With ``duckdb`` crowds think with DuckDB, which is quicker and means the same.
+        frozen: Whether nobody ever changes a record or a list in what this mind is given or gives,
+            as a game doesn't: then what stays the same from tick to tick stays the same object,
+            and is not looked at again.
 
     Raises:
         InputError: DuckDB is wanted and not installed.
@@ -74,13 +77,14 @@ class Mind:
         *,
         plain: bool = False,
         engine: Engine = "sqlite",
+        frozen: bool = False,
     ) -> None:
         self.program = program
         self.memory = program.memory or memory
         self.sensor = program.sensor or sensor
         self.limits = limits or Limits()
         duck = DuckTables(self.limits) if engine == "duckdb" else None
-        self._asking = Asking(program, self.limits, plain=plain, duck=duck)
+        self._asking = Asking(program, self.limits, plain=plain, duck=duck, frozen=frozen)
 
     def think(
         self,

@@ -12,7 +12,7 @@ from logical_robots_tui.mind.inserting import Filling, in_blocks, insert_into
 from logical_robots_tui.mind.stored import to_input, to_sql
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Mapping, Sequence
 
     from logical_robots_tui.mind.moment import Moment
 
@@ -102,12 +102,19 @@ def spelled_item(column: str, place: int, field: str, key: str) -> str:
 _SPELLED = re.compile(r"(\w+)=(\d+):(\w+)\.(\w+)")
 
 
-def items(moment: Moment, columns: tuple[str, ...]) -> Sequence[Filling]:
-    """What fills ``Item``: records in lists of memories, with null where a field is missing.
+def items(
+    moment: Moment, columns: tuple[str, ...], there: Mapping[int, list[Any]]
+) -> tuple[Sequence[Filling], dict[int, list[Any]]]:
+    """What is to be added to ``Item``: records of lists, with null where a field is missing.
 
     Args:
         moment: Where the memories come from.
         columns: As `spelled_item` has them.
+        there: Lists whose records are in the table and remain, by the number of the first record.
+
+    Returns:
+        What fills the table, and all lists whose records are in it then, by the number of the
+        first.
 
     Raises:
         ValueError: What should be a list of records is something else, or there are too many.
@@ -117,31 +124,50 @@ def items(moment: Moment, columns: tuple[str, ...]) -> Sequence[Filling]:
         column, place, field, key = _SPELLED.findall(spelled)[0]
         lists.setdefault((int(place), field), []).append((column, key))
     found: list[Filling] = []
+    now: dict[int, list[Any]] = {}
     for (place, field), pairs in lists.items():
         keys = tuple(key for _, key in pairs)
-        values = {
-            name: _records(_found(field, memory), keys)
-            for name, memory in moment.remembered.items()
-        }
+        named = {name: _list_in(field, memory) for name, memory in moment.remembered.items()}
+        values: dict[str, Sequence[Sequence[Any]]] = {}
         rows: list[Sequence[Any]] = []
+        count = 0
         for number, name in moment.memories:
+            listed = named.get(name)
+            if not listed:
+                continue
+            count += len(listed)
+            if count > ITEMS:
+                raise ValueError("too many records")
             start = (number * len(MEMORY_FIELDS) + place) * ITEMS
-            rows += [(start + n, *item) for n, item in enumerate(values.get(name, ()))]
-        if len(rows) > ITEMS:
-            raise ValueError("too many records")
+            now[start] = listed
+            if there.get(start) is listed:
+                continue
+            if name not in values:
+                values[name] = _records(listed, keys)
+            rows += [(start + n, *item) for n, item in enumerate(values[name])]
         found += in_blocks("Item", tuple(column for column, _ in pairs), rows)
+    return found, now
+
+
+def _list_in(field: str, memory: Any) -> list[Any] | None:
+    """A list in a memory.
+
+    Raises:
+        ValueError: It is something else.
+    """
+    found = _found(field, memory)
+    if found is not None and found.__class__ is not list:
+        raise ValueError("not a list")
     return found
 
 
-def _records(found: Any, keys: tuple[str, ...]) -> Sequence[Sequence[Any]]:
+def _records(found: list[Any], keys: tuple[str, ...]) -> Sequence[Sequence[Any]]:
     """The values of some fields of each record in a list.
 
     Raises:
-        ValueError: It is no list, or too long, or holds texts: only SQLite can tell what they are.
+        ValueError: It holds texts: only SQLite can tell what they are.
     """
-    if found is None:
-        return ()
-    if found.__class__ is not list or len(found) > ITEMS or str in map(type, found):
+    if str in map(type, found):
         raise ValueError("not a list of records")
     try:
         values = [*zip(*(map(itemgetter(key), found) for key in keys), strict=True)]

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 from logical_robots_tui.mind.database import Database
 from logical_robots_tui.mind.filling import fillings
 from logical_robots_tui.mind.layouts import COLUMNS_LAYOUT, CROWD_LAYOUT, PLAIN_LAYOUT
+from logical_robots_tui.mind.lists import Lists
 from logical_robots_tui.mind.stored import to_input, to_sql
 
 if TYPE_CHECKING:
@@ -78,11 +79,13 @@ class TunedTables:
 
     Args:
         limits: Bounds on memory, on values and on results.
+        frozen: Whether nobody changes the memories of a moment, then or later.
     """
 
-    def __init__(self, limits: Limits) -> None:
+    def __init__(self, limits: Limits, *, frozen: bool = False) -> None:
         self._limits = limits
         self._database = Database(limits, COLUMNS_LAYOUT)
+        self._lists = Lists(frozen=frozen)
         self._is_crowd = False
         self._moment: Moment | None = None
         self._filled: dict[str, tuple[str, ...]] = {}
@@ -141,19 +144,22 @@ class TunedTables:
                 names = tuple(sorted({*names, *filled}))
                 del self._filled[table]
             try:
-                items = fillings(table, moment, names)
-            except (TypeError, KeyError, AttributeError, ValueError) as error:
+                if table == "Item":
+                    self._lists.fill(self._database, moment, names)
+                else:
+                    self._fill_table(table, moment, names)
+            except (TypeError, KeyError, AttributeError, ValueError, OverflowError) as error:
                 raise UnfitError(str(error)) from None
-            is_empty = not any(rows for _, rows in items)
-            if not is_empty or table not in self._empty:
-                self._empty.discard(table)
-                try:
-                    self._database.fill(table, items)
-                except OverflowError as error:
-                    raise UnfitError(str(error)) from None
-            if is_empty:
-                self._empty.add(table)
             self._filled[table] = names
+
+    def _fill_table(self, table: str, moment: Moment, names: tuple[str, ...]) -> None:
+        items = fillings(table, moment, names)
+        is_empty = not any(rows for _, rows in items)
+        if not is_empty or table not in self._empty:
+            self._empty.discard(table)
+            self._database.fill(table, items)
+        if is_empty:
+            self._empty.add(table)
 
     def _change_size(self) -> None:
         """Begin anew with queries prepared for few robots, or for many."""
@@ -161,6 +167,7 @@ class TunedTables:
         self._database.close()
         layout = CROWD_LAYOUT if self._is_crowd else COLUMNS_LAYOUT
         self._database = Database(self._limits, layout)
+        self._lists.forget()
         self._moment = None
         self._filled = {}
         self._empty = set()

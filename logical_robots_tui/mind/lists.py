@@ -1,0 +1,54 @@
+"""The records of lists in memories, in a table where what is still there is left alone."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from logical_robots_tui.mind.remembered import ITEMS, items
+
+if TYPE_CHECKING:
+    from logical_robots_tui.mind.database import Database
+    from logical_robots_tui.mind.moment import Moment
+
+__all__ = ["Lists"]
+
+
+class Lists:
+    """What is in the table ``Item`` of a database.
+
+    Args:
+        frozen: Whether nobody changes a memory: then a list that is the same object as a moment
+            ago holds the same records.
+    """
+
+    def __init__(self, *, frozen: bool) -> None:
+        self._frozen = frozen
+        self._columns: tuple[str, ...] | None = ()  # None: nobody knows what is in the table
+        self._there: dict[int, list[Any]] = {}
+
+    def fill(self, database: Database, moment: Moment, columns: tuple[str, ...]) -> None:
+        """Replace the records of lists that are new, or gone.
+
+        Args:
+            database: The same as before, unless `forget` was called.
+            moment: Where the memories come from.
+            columns: As `spelled_item` has them.
+
+        Raises:
+            Exception: As `items` and `Database.fill` do.
+        """
+        there = self._there if self._frozen and columns == self._columns else {}
+        fillings, now = items(moment, columns, there)
+        gone: list[tuple[int, int]] | None = None
+        if there:
+            gone = [(n, n + ITEMS - 1) for n, listed in there.items() if now.get(n) is not listed]
+        elif self._columns is not None and not self._there:
+            gone = []
+        if fillings or gone is None or gone:
+            self._columns = None
+            database.fill("Item", fillings, gone)
+        self._columns, self._there = columns, now
+
+    def forget(self) -> None:
+        """Begin anew with an empty table."""
+        self._columns, self._there = (), {}
