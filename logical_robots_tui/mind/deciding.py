@@ -6,11 +6,11 @@ import math
 from typing import TYPE_CHECKING
 
 from logical_robots_tui.mind.decision import Decision, Notice
-from logical_robots_tui.mind.stored import size_of, to_json
+from logical_robots_tui.mind.stored import to_json
 from logical_robots_tui.values import Desire, Value
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
+    from collections.abc import Callable, Mapping, Sequence
 
     from logical_robots_tui.mind.limits import Limits
 
@@ -33,8 +33,18 @@ def decide(
     memory: Value,
     notices: list[Notice],
     limits: Limits,
+    size_of: Callable[[Value], int],
 ) -> Decision:
-    """The decision that follows from the rows of `Robot` for one robot; of several the last."""
+    """The decision that follows from the rows of `Robot` for one robot; of several the last.
+
+    Args:
+        name: Name of the robot.
+        rows: The rows.
+        memory: What it remembered so far.
+        notices: What is known to be unusual.
+        limits: Bounds on its new memory.
+        size_of: Tells the bytes of a memory.
+    """
     notices = list(notices)
     if not rows:
         if not any(n.kind == "failed" for n in notices):
@@ -48,11 +58,17 @@ def decide(
     if "memory" not in row:
         notices.append(Notice("no memory", "Robot has no memory column: memory stays as it was."))
     else:
-        memory = _remember(row["memory"], memory, notices, limits)
+        memory = _remember(row["memory"], memory, notices, limits, size_of)
     return Decision(name, _desire(row.get("desire"), notices), memory, tuple(notices))
 
 
-def _remember(new: Value, old: Value, notices: list[Notice], limits: Limits) -> Value:
+def _remember(
+    new: Value,
+    old: Value,
+    notices: list[Notice],
+    limits: Limits,
+    size_of: Callable[[Value], int],
+) -> Value:
     size = size_of(new)
     if size <= limits.memory_bytes:
         return new

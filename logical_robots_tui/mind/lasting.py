@@ -1,15 +1,15 @@
-"""Values that last: the same text gives the same record or list as a moment ago."""
+"""Values that last: records and lists that stay the same objects from moment to moment."""
 
 from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from logical_robots_tui.mind.stored import from_sql
+from logical_robots_tui.mind.stored import from_sql, size_of
 
 if TYPE_CHECKING:
     from logical_robots_tui.values import Value
 
-__all__ = ["Lasting"]
+__all__ = ["Lasting", "Sizes"]
 
 _SHORT = 100  # characters; less is read as quickly as it is found
 _ROOM = 500_000  # characters that are read before those not seen meanwhile are forgotten
@@ -48,3 +48,36 @@ class Lasting:
                 self._before, self._now, self._room = self._now, {}, _ROOM
             self._now[value] = found
         return found
+
+
+class Sizes:
+    """Bytes of memories, for those who never change a record or a list in one."""
+
+    def __init__(self) -> None:
+        # By identity; what is kept here with its bytes can't give its identity to another.
+        self._now: dict[int, tuple[Value, int]] = {}
+        self._before: dict[int, tuple[Value, int]] = {}
+
+    def next_moment(self) -> None:
+        """Forget what was not asked for since the last time."""
+        self._before, self._now = self._now, {}
+
+    def of(self, memory: Value) -> int:
+        """As `size_of`."""
+        if memory.__class__ is not dict:
+            return self._of_part(memory)
+        parts = [part for part in memory.values() if part.__class__ in _NESTED]
+        if not parts:
+            return size_of(memory)
+        shell = {key: 0 if v.__class__ in _NESTED else v for key, v in memory.items()}
+        return size_of(shell) + sum(map(self._of_part, parts)) - len(parts)
+
+    def _of_part(self, part: Value) -> int:
+        if part.__class__ not in _NESTED:
+            return size_of(part)
+        known = self._before.get(id(part)) or self._now.get(id(part)) or (part, size_of(part))
+        self._now[id(part)] = known
+        return known[1]
+
+
+_NESTED = frozenset({dict, list})

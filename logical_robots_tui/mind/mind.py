@@ -13,9 +13,11 @@ from logical_robots_tui.mind.decision import Decision, Notice
 from logical_robots_tui.mind.diagnostics import QueryError
 from logical_robots_tui.mind.duck.engine import DuckTables, Engine
 from logical_robots_tui.mind.failures import FailureError
+from logical_robots_tui.mind.lasting import Sizes
 from logical_robots_tui.mind.limits import Limits
 from logical_robots_tui.mind.machinery import Machinery
 from logical_robots_tui.mind.moment import Moment, View, Within
+from logical_robots_tui.mind.stored import size_of
 from logical_robots_tui.mind.why.explaining import MOST_WAYS, explain
 from logical_robots_tui.values import SensorRow, Value
 
@@ -84,6 +86,7 @@ class Mind:
         self.sensor = program.sensor or sensor
         self.limits = limits or Limits()
         duck = DuckTables(self.limits) if engine == "duckdb" else None
+        self._sizes = Sizes() if frozen else None
         self._asking = Asking(program, self.limits, plain=plain, duck=duck, frozen=frozen)
 
     def think(
@@ -127,6 +130,8 @@ class Mind:
                     answers[name].append(row)
                 elif not isinstance(name, str) or name not in answers:
                     note_stranger(name, strangers[view.viewers[0]])
+        if self._sizes is not None:
+            self._sizes.next_moment()
         return [
             decide(
                 name,
@@ -134,6 +139,7 @@ class Mind:
                 memories.get(name),
                 [failures[name]] if name in failures else strangers[name] + cut_off[name],
                 self.limits,
+                size_of if self._sizes is None else self._sizes.of,
             )
             for name in names
         ]

@@ -119,14 +119,9 @@ def items(
     Raises:
         ValueError: What should be a list of records is something else, or there are too many.
     """
-    lists: dict[tuple[int, str], list[tuple[str, str]]] = {}
-    for spelled in columns:
-        column, place, field, key = _SPELLED.findall(spelled)[0]
-        lists.setdefault((int(place), field), []).append((column, key))
     found: list[Filling] = []
     now: dict[int, list[Any]] = {}
-    for (place, field), pairs in lists.items():
-        keys = tuple(key for _, key in pairs)
+    for place, field, wanted, keys in _item_columns(columns):
         named = {name: _list_in(field, memory) for name, memory in moment.remembered.items()}
         values: dict[str, Sequence[Sequence[Any]]] = {}
         rows: list[Sequence[Any]] = []
@@ -145,8 +140,23 @@ def items(
             if name not in values:
                 values[name] = _records(listed, keys)
             rows += [(start + n, *item) for n, item in enumerate(values[name])]
-        found += in_blocks("Item", tuple(column for column, _ in pairs), rows)
+        found += in_blocks("Item", wanted, rows)
     return found, now
+
+
+@cache
+def _item_columns(
+    columns: tuple[str, ...],
+) -> list[tuple[int, str, tuple[str, ...], tuple[str, ...]]]:
+    """For each list its place and its field, the columns of ``Item`` and what they hold."""
+    lists: dict[tuple[int, str], list[tuple[str, str]]] = {}
+    for spelled in columns:
+        column, place, field, key = _SPELLED.findall(spelled)[0]
+        lists.setdefault((int(place), field), []).append((column, key))
+    return [
+        (place, field, tuple(column for column, _ in pairs), tuple(key for _, key in pairs))
+        for (place, field), pairs in lists.items()
+    ]
 
 
 def _list_in(field: str, memory: Any) -> list[Any] | None:

@@ -66,51 +66,6 @@ def test_whatever_lists_hold_both_ways_give_the_same(visible: Any) -> None:
         plain.close()
 
 
-@pytest.mark.parametrize("visible", ["seen", "all"])
-def test_lists_that_stayed_the_same_objects_count_as_they_would_anew(visible: Any) -> None:
-    program = Program.compile(TOLD)
-    lasting, fresh = (Mind(program, memory=visible, frozen=frozen) for frozen in (True, False))
-    robots = [row("Ada", sees={3: (40, "robot", "Cy")}), row("Bo"), row("Cy")]
-    some = st.integers(0, 3)
-    moments = st.lists(
-        st.tuples(st.integers(1, 3), st.lists(st.tuples(some, some), min_size=3, max_size=3)),
-        min_size=2,
-        max_size=6,
-    )
-
-    @settings(max_examples=60, deadline=None)
-    @given(st.lists(roads | roads | odd, min_size=4, max_size=4), moments)
-    def same(lists: list[Any], moments: list[tuple[int, list[tuple[int, int]]]]) -> None:
-        for count, chosen in moments:
-            memories: dict[str, Any] = {
-                name: {"report": lists[report], "roads": lists[roads]}
-                for name, (report, roads) in zip(("Ada", "Bo", "Cy"), chosen, strict=True)
-            }
-            rows = robots[-count:]
-            assert lasting.think(rows, memories) == fresh.think(rows, memories)
-
-    try:
-        same()
-    finally:
-        lasting.close()
-        fresh.close()
-
-
-def test_a_value_of_the_same_text_is_the_same_object_where_nobody_changes_it() -> None:
-    program = Program.compile(f"{ROBOT} m = {{all: Range(60), n: sensor.clock}};")
-    for frozen in (True, False):
-        mind = Mind(program, frozen=frozen)
-        found: list[Any] = [
-            decision.memory
-            for clock in (1, 2)
-            for decision in mind.think([row("Ada", clock=clock), row("Bo", clock=clock)], {})
-        ]
-        mind.close()
-        assert [memory["n"] for memory in found] == [1, 1, 2, 2]
-        assert all(memory["all"] == list(range(60)) for memory in found)
-        assert (len({id(memory["all"]) for memory in found}) == 1) == frozen
-
-
 @pytest.mark.parametrize(
     ("memory", "turn"),
     [
