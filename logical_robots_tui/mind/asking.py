@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import sqlite3
 from dataclasses import replace
-from functools import partial
 from math import inf
 from typing import TYPE_CHECKING, Any, TypeAlias
 
@@ -65,9 +64,8 @@ class Asking:
         self._program = program
         self._plain = PlainTables(limits)
         self._tuned = None if plain or not program.tuned else TunedTables(limits, frozen=frozen)
-        self._read_value = (
-            Lasting(limits.depth).read if frozen else partial(from_sql, deepest=limits.depth)
-        )
+        self._deepest = limits.depth
+        self._read_value = Lasting().read if frozen else from_sql
         self._duck = duck
 
     def each(
@@ -256,9 +254,9 @@ class Asking:
         ]
 
     def _read(self, rows: Sequence[tuple[Any, ...]], within: Within) -> list[tuple[Value, ...]]:
-        read = self._read_value
+        read, deepest = self._read_value, self._deepest
         return [
-            tuple([v if v.__class__ in _READY else read(v) for v in within.each(row)])
+            tuple([v if v.__class__ in _READY else read(v, deepest) for v in within.each(row)])
             for row in rows
         ]
 

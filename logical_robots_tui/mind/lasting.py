@@ -19,30 +19,26 @@ class Lasting:
     """Reads values out of tables, for those who never change a record or a list.
 
     What follows can then be quick where nothing has changed: it sees the same object again.
-
-    Args:
-        deepest: How deep records and lists may be nested.
     """
 
-    def __init__(self, deepest: int) -> None:
-        self._deepest = deepest
+    def __init__(self) -> None:
         self._now: dict[str, Value] = {}
         self._before: dict[str, Value] = {}
         self._room = _ROOM
 
-    def read(self, value: Any) -> Value:
-        """As `from_sql`.
+    def read(self, value: Any, deepest: int) -> Value:
+        """As `from_sql`, with the same depth each time.
 
         Raises:
             TooDeepError: As `from_sql` does.
         """
         if value.__class__ is not str or len(value) < _SHORT or value[0] not in "{[":
-            return from_sql(value, self._deepest)
+            return from_sql(value, deepest)
         found = self._now.get(value)
         if found is None:
             found = self._before.get(value)
             if found is None:
-                found = from_sql(value, self._deepest)
+                found = from_sql(value, deepest)
             self._room -= len(value)
             if self._room < 0:
                 self._before, self._now, self._room = self._now, {}, _ROOM

@@ -106,21 +106,21 @@ class Mind:
         Raises:
             Stopped: `stop` was set before the thought was finished.
         """
-        names = [row["robot_name"] for row in rows]
+        within = Within(self.limits.think_seconds, self.limits.think_rows, stop)
+        moment = Moment(rows, memories, self.memory, self.sensor)
+        names = moment.names
         answers: dict[str, list[Mapping[str, Value]]] = {name: [] for name in names}
         strangers: dict[str, list[Notice]] = {name: [] for name in names}
         failures: dict[str, Notice] = {}
-        cut_off: dict[str, list[Notice]] = {name: [] for name in names}
-        within = Within(self.limits.think_seconds, self.limits.think_rows, stop)
-        moment = Moment(rows, memories, self.memory, self.sensor)
+        cut_off: dict[str, list[Notice]] = {}
         for view, answer in self._asking.each("Robot", moment, within):
             if isinstance(answer, FailureError):
                 notice = self._blame(answer, moment, view, within)
                 failures |= dict.fromkeys(view.viewers, notice)
                 continue
-            for notice in self._cut_off(moment, view, within):
-                for viewer in view.viewers:
-                    cut_off[viewer].append(notice)
+            if self.program.recursions:
+                notices = [*self._cut_off(moment, view, within)]
+                cut_off |= dict.fromkeys(view.viewers, notices)
             columns, found = answer
             mine = frozenset(view.viewers)
             for values in found:
@@ -137,7 +137,7 @@ class Mind:
                 name,
                 answers[name],
                 memories.get(name),
-                [failures[name]] if name in failures else strangers[name] + cut_off[name],
+                [failures[name]] if name in failures else strangers[name] + cut_off.get(name, []),
                 self.limits,
                 size_of if self._sizes is None else self._sizes.of,
             )

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import marshal
 from bisect import bisect_left
 from typing import TYPE_CHECKING
 
@@ -15,6 +16,7 @@ if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
     from logical_robots_tui.mind.database import Answer, Scalar
+    from logical_robots_tui.mind.inserting import Filling
     from logical_robots_tui.mind.limits import Limits
     from logical_robots_tui.mind.moment import Moment, View, Within
     from logical_robots_tui.mind.program import Tuned
@@ -88,6 +90,7 @@ class TunedTables:
         self._lists = Lists(frozen=frozen)
         self._is_crowd = False
         self._moment: Moment | None = None
+        self._memories = b""  # what ``Memory`` holds, or nothing if nobody knows
         self._filled: dict[str, tuple[str, ...]] = {}
         self._empty: set[str] = set()
 
@@ -154,12 +157,20 @@ class TunedTables:
 
     def _fill_table(self, table: str, moment: Moment, names: tuple[str, ...]) -> None:
         items = fillings(table, moment, names)
+        if table == "Memory":
+            # Most states of a program last for many ticks.
+            text = _exactly(items)
+            if text and text == self._memories:
+                return
+            self._memories = b""
         is_empty = not any(rows for _, rows in items)
         if not is_empty or table not in self._empty:
             self._empty.discard(table)
             self._database.fill(table, items)
         if is_empty:
             self._empty.add(table)
+        if table == "Memory":
+            self._memories = text
 
     def _change_size(self) -> None:
         """Begin anew with queries prepared for few robots, or for many."""
@@ -169,6 +180,7 @@ class TunedTables:
         self._database = Database(self._limits, layout)
         self._lists.forget()
         self._moment = None
+        self._memories = b""
         self._filled = {}
         self._empty = set()
 
@@ -180,6 +192,16 @@ class TunedTables:
         if names == _NAMES and before is not None and before.names == moment.names:
             self._filled["Sensor"] = _NAMES
 
+
+def _exactly(items: Sequence[Filling]) -> bytes:
+    """The same for the same values only, also of numbers that are equal; or nothing."""
+    try:
+        return marshal.dumps([[insert, rows] for insert, rows in items], _WITHOUT_REFERENCES)
+    except ValueError:
+        return b""
+
+
+_WITHOUT_REFERENCES = 2  # version of the format: the same objects are written as equal ones are
 
 _NAMES = ("robot_name",)
 

@@ -66,3 +66,14 @@ def test_a_memory_has_the_same_size_however_often_it_is_asked_for(memories: list
     for _ in range(3):
         assert [sizes.of(each) for each in memories] == [size_of(each) for each in memories]
         sizes.next_moment()
+
+
+def test_equal_numbers_in_memories_are_told_apart() -> None:
+    program = Program.compile(f"{ROBOT} Memory(robot_name:, memory:), m = {{n: memory.n}};")
+    mind = Mind(program)
+    for n in (0, 0.0, -0.0, False, 0, 1, True, 1.0, None, "1", 1):
+        fresh = Mind(program)
+        rows, memories = [row("Ada")], {"Ada": {"n": n}}
+        assert repr(mind.think(rows, memories)) == repr(fresh.think(rows, memories))
+        fresh.close()
+    mind.close()
