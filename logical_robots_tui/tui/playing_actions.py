@@ -118,6 +118,11 @@ class PlayingActions(ScreenActions):
         """Go to the next place."""
         self._screen.scribe.find_next()
 
+    def select_all(self) -> None:
+        """Select the whole text of the program."""
+        self._screen.go_to(self._screen.program)
+        self._screen.program.editor.select_all()
+
     def external(self) -> None:
         """Edit the text in another program."""
         self._screen.scribe.edit_elsewhere()

@@ -159,6 +159,13 @@ PLAYING: tuple[Command, ...] = (
         ("f3",),
     ),
     Command(
+        "select_all",
+        "Select all",
+        "Select the whole text of the program.",
+        _PROGRAM,
+        (),
+    ),
+    Command(
         "external",
         "Edit elsewhere",
         "Edit the text in the editor that $VISUAL or $EDITOR names, and come back with it.",

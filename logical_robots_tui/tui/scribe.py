@@ -10,10 +10,12 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from textual.app import SuspendNotSupported
+from textual.widgets.text_area import Selection
 
 from logical_robots_tui.game.source import SUFFIX
 from logical_robots_tui.tui.plain import clip, one_line
 from logical_robots_tui.tui.program.searching import find_after, is_predicate_name, rename
+from logical_robots_tui.tui.program.words import definitions
 from logical_robots_tui.writing import write_atomically
 
 if TYPE_CHECKING:
@@ -67,27 +69,28 @@ class Scribe:
             return
         count = screen.text.count(wish.wanted)
         if count:
-            self._put(screen.text.replace(wish.wanted, wish.instead))
+            screen.replace_text(screen.text.replace(wish.wanted, wish.instead))
         places = f"in {count} place{'s' * (count != 1)}"
         screen.tell(f"Replaced {places}." if count else self._nowhere())
 
     def find_next(self) -> None:
         """Go to the next place of what was looked for last."""
         screen, editor = self._screen, self._screen.program.editor
-        found = find_after(editor.text, self._wanted, editor.cursor_location)
+        found = find_after(editor.text, self._wanted, min(editor.selection))
         if found is None:
             screen.tell(self._nowhere())
             return
         screen.go_to(screen.program)
         editor.move_cursor(found, center=True)
+        editor.selection = Selection((found[0], found[1] + len(self._wanted)), found)
 
     async def rename(self) -> None:
         """Ask for another name of the predicate under the cursor, and use it everywhere."""
         from logical_robots_tui.tui.dialogs.line import LinePrompt
 
         screen, old = self._screen, self._screen.program.editor.word
-        if not is_predicate_name(old):
-            screen.tell("Put the cursor on a predicate first.")
+        if old not in definitions(screen.text):
+            screen.tell("Put the cursor on a predicate of this program first.")
             return
         typed = await screen.app.push_screen_wait(LinePrompt("Rename the predicate", old))
         new = (typed or "").strip()
@@ -96,8 +99,11 @@ class Scribe:
         if not is_predicate_name(new):
             screen.warn("A predicate's name begins with a capital letter.")
             return
+        if new in definitions(screen.text):
+            screen.warn(f"{clip(new, _LONGEST)} is the name of another predicate here.")
+            return
         text, count = rename(screen.text, old, new)
-        self._put(text)
+        screen.replace_text(text)
         screen.tell(f"Renamed in {count} place{'s' * (count != 1)}.")
 
     def edit_elsewhere(self) -> None:
@@ -116,15 +122,8 @@ class Scribe:
             screen.warn(f"The editor failed: {error}. The text is as it was.")
         else:
             if text != screen.text:
-                self._put(text)
+                screen.replace_text(text)
                 screen.session.apply(text)
-
-    def _put(self, text: str) -> None:
-        """Replace the text as one edit, with the cursor in its line."""
-        editor = self._screen.program.editor
-        place = editor.cursor_location
-        editor.put(text)
-        editor.move_cursor(place)
 
     def _nowhere(self) -> str:
         return f"{clip(one_line(self._wanted), _LONGEST) or 'Nothing'} is not in this program."

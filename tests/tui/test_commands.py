@@ -18,7 +18,17 @@ if TYPE_CHECKING:
     from pathlib import Path
 
 ONLY_IN_THE_PALETTE = {
-    *("find_next", "record", "rename", "revert", "screenshot", "stop_measuring", "theme", "tour")
+    *(
+        "find_next",
+        "record",
+        "rename",
+        "revert",
+        "screenshot",
+        "select_all",
+        "stop_measuring",
+        "theme",
+        "tour",
+    )
 }
 TAKEN_BY_OTHERS = {"ctrl+a", "ctrl+b", "ctrl+s", "ctrl+q", "ctrl+z", "ctrl+c"}
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from time import monotonic
 from typing import TYPE_CHECKING
 
 import pytest
@@ -86,6 +87,15 @@ async def test_a_mistake_is_marked_in_its_line_with_message_and_hint(data_dir: P
         assert mistake.hint
         assert game.shows(mistake.hint.split(".")[0][:30])
         assert game.session.state.applied is not None
+        await game.press("ctrl+home", *"# so", "enter")
+        await game.until(lambda: game.shows("4✗"))
+        assert game.shows("✗ line 4")
+        await game.press("ctrl+g", "a")
+        assert game.editor.document.get_line(3) == WRONG.splitlines()[2].replace("{", "a{", 1)
+        game.editor.action_delete_line()
+        await game.until(lambda: not game.shows("✗"))
+        game.editor.put(WRONG)
+        await game.until(lambda: game.shows("3✗"))
         game.editor.text = game.session.state.applied  # as undoing all of it does
         await game.until(lambda: not game.shows("✗"))
         assert title(game).endswith(" applied")
@@ -164,6 +174,26 @@ async def test_tab_inserts_two_spaces_and_letters_are_letters(data_dir: Path) ->
         await game.until(lambda: game.editor.text == "  qrnlo +?")
         assert game.app.screen is game.main
         assert game.tick == 0
+
+
+async def test_lines_are_indented_alone_and_together(data_dir: Path) -> None:
+    async with opened(data_dir, text="A(x) :-\n  B(x),") as game:
+        await game.press("2", "ctrl+end")
+        await game.until(lambda: game.editor.cursor_location == (1, 7))
+        now = monotonic()
+        for later, key in enumerate(("enter", "C", "enter", "D")):
+            event = events.Key(key, key if len(key) == 1 else "\r")
+            event.time = now + 0.001 * later if later > 2 else now + 1 + later
+            game.app.post_message(event)
+        await game.until(lambda: game.editor.text.endswith("D"))
+        assert game.editor.text == "A(x) :-\n  B(x),\n  C\n  D"
+        game.editor.selection = Selection((1, 3), (3, 0))
+        await game.press("tab")
+        await game.until(lambda: game.editor.text == "A(x) :-\n    B(x),\n    C\n  D")
+        assert game.editor.selection == Selection((1, 5), (3, 0))
+        await game.press("shift+tab", "shift+tab")
+        await game.until(lambda: game.editor.text == "A(x) :-\nB(x),\nC\n  D")
+        assert game.main.focused is game.editor
 
 
 async def test_comments_are_toggled_as_one_edit(data_dir: Path) -> None:
@@ -278,7 +308,8 @@ async def test_what_is_copied_or_cut_is_in_a_file_too(data_dir: Path) -> None:
         await game.until(copied.exists)
         first = STILL.splitlines()[0]
         assert game.app.clipboard == copied.read_text("utf-8").strip() == first
-        await game.press("f7", "ctrl+x")
+        game.main.action_command("select_all")
+        await game.press("ctrl+x")
         await game.until(lambda: copied.read_text("utf-8") == STILL)
         assert game.editor.text == ""
         await game.press("ctrl+v")

@@ -209,6 +209,7 @@ async def test_a_text_is_found_and_replaced_as_one_edit(data_dir: Path) -> None:
         await game.press(*"speed", "enter")
         row = PAPER.splitlines().index("  speed = 0.5,")
         await game.until(lambda: game.editor.cursor_location == (row, 2))
+        assert game.editor.selected_text == "speed"
         await game.press("ctrl+o")
         await game.until(lambda: game.shows("Find in the program"))
         await game.press("tab", *"pace", "enter")
@@ -227,6 +228,13 @@ async def test_a_predicate_is_renamed_from_the_palette(data_dir: Path) -> None:
         await game.until(lambda: game.shows("Rename the predicate"))
         await game.press("ctrl+u", *"Free", "enter")
         await game.until(lambda: game.editor.text == PAPER.replace("FreedomMotion", "Free"))
+        game.main.action_command("rename")
+        await game.until(lambda: game.shows("Rename the predicate"))
+        await game.press("ctrl+u", *"Robot", "enter")
+        await game.until(lambda: game.shows("is the name of another predicate"))
+        game.editor.move_cursor(game.editor.document.end)
+        game.main.action_command("rename")
+        await game.until(lambda: game.shows("Put the cursor on a predicate of this program"))
 
 
 def test_the_player_s_own_editor_gets_the_terminal_and_gives_it_back(tmp_path: Path) -> None:

@@ -25,11 +25,12 @@ if TYPE_CHECKING:
 __all__ = ["Help", "Subject"]
 
 _EDITOR_KEYS = (
-    ("tab", "two spaces"),
+    ("tab", "indent; with shift, take indentation back; all selected lines at once"),
     ("^space", "offer predicates, functions and fields that fit"),
     ("^Z, ^Y", "undo, redo"),
     ("^_", "make lines comments, or text again"),
     ("^X, ^C, ^V", "cut, copy, paste"),
+    ("^home, ^end", "to the start and to the end of the text"),
     ("F6, F7", "select the line, select all"),
     ("^K, ^U, ^W", "delete to the end, to the start, the word before"),
 )

@@ -12,10 +12,11 @@ from textual.geometry import Offset
 from textual.message import Message
 from textual.strip import Strip
 from textual.widgets import TextArea
-from textual.widgets.text_area import TextAreaTheme
+from textual.widgets.text_area import Selection, TextAreaTheme
 
 from logical_robots_tui.tui.plain import visible
 from logical_robots_tui.tui.program.completion import Completion
+from logical_robots_tui.tui.program.indenting import WIDTH, indentation_after, shifted
 from logical_robots_tui.tui.program.lexer import LONGEST_LINE, LineStates, pieces
 from logical_robots_tui.tui.program.words import word_around, words_for
 from logical_robots_tui.tui.theme import INK, SYNTAX, rich_style
@@ -27,6 +28,9 @@ if TYPE_CHECKING:
     from textual.theme import Theme
 
 __all__ = ["Editor"]
+
+_A_PASTE = 0.005
+"""Seconds between two keys below which nobody has typed them."""
 
 
 class Editor(TextArea):
@@ -40,6 +44,10 @@ class Editor(TextArea):
     BINDINGS: ClassVar[list[Binding | tuple[str, str] | tuple[str, str, str]]] = [
         Binding("ctrl+underscore,ctrl+slash", "toggle_comment", show=False),
         Binding("ctrl+@,ctrl+space", "complete", show=False),
+        Binding("tab", "indent", show=False),
+        Binding("shift+tab", "dedent", show=False),
+        Binding("ctrl+home", "go_to_start", show=False),
+        Binding("ctrl+end", "go_to_end", show=False),
     ]
 
     class Leave(Message):
@@ -60,16 +68,16 @@ class Editor(TextArea):
         super().__init__(
             id="text",
             show_line_numbers=True,
-            tab_behavior="indent",
             soft_wrap=False,
             compact=True,
             max_checkpoints=500,
         )
         self.cursor_blink = False
-        self.indent_width = 2
+        self.indent_width = WIDTH
         own = Binding.make_bindings([*TextArea.BINDINGS, *self.BINDINGS])
         self._actions = {binding.key: binding.action for binding in own}
         self._states = LineStates()
+        self._last_key_at = float("-inf")
         self._syntax: dict[str, Style] = {}
         self._mistakes: frozenset[int] = frozenset()
         self._notices: frozenset[int] = frozenset()
@@ -96,10 +104,11 @@ class Editor(TextArea):
     # -- content -------------------------------------------------------------------------------
 
     def put(self, text: str) -> None:
-        """Replace the whole text as one edit that can be undone."""
+        """Replace the whole text as one edit that can be undone; the cursor stays in its line."""
+        place = self.cursor_location
         if text != self.text:
             self.replace(text, self.document.start, self.document.end)
-        self.move_cursor((0, 0))
+        self.move_cursor(place)
 
     def load_text(self, text: str) -> None:
         """Begin with another text; there is nothing to undo then."""
@@ -133,16 +142,17 @@ class Editor(TextArea):
     async def on_key(self, event: events.Key) -> None:
         """Take keys before the text area does.
 
-        Escape leaves. Control-J is a line end: that is how the lines of a paste arrive through a
-        terminal that does not mark pastes. Keys that move or delete are obeyed here, because as
-        bindings they would come too late, after letters that arrive in the same moment.
+        Escape leaves. Keys that move or delete are obeyed here, because as bindings they would
+        come too late, after letters that arrive in the same moment.
         """
+        hurried = event.time - self._last_key_at < _A_PASTE
+        self._last_key_at = event.time
         if self.completion.display and self._takes(event.key):
             event.stop()
             event.prevent_default()
             return
         action = self._actions.get(event.key)
-        if event.key not in ("escape", "ctrl+j") and action is None:
+        if event.key not in ("escape", "enter", "ctrl+j") and action is None:
             return
         event.stop()
         event.prevent_default()
@@ -151,8 +161,18 @@ class Editor(TextArea):
         elif action is not None:
             await self.run_action(action)
         else:
-            start, end = self.selection
-            self.replace("\n", start, end, maintain_selection_offset=False)
+            self._end_line(as_it_is=hurried or event.key == "ctrl+j")
+
+    def _end_line(self, *, as_it_is: bool) -> None:
+        """Begin a new line, indented as fits.
+
+        A terminal that does not mark pastes sends them as keys, with control-J or enter for the
+        ends of lines; those bring their own indentation.
+        """
+        start, end = sorted(self.selection)
+        before = self.document.get_line(start[0])[: start[1]]
+        indentation = "" if as_it_is else indentation_after(before)
+        self.replace(f"\n{indentation}", start, end, maintain_selection_offset=False)
 
     # -- help while typing ---------------------------------------------------------------------
 
@@ -219,10 +239,7 @@ class Editor(TextArea):
 
     def action_toggle_comment(self) -> None:
         """Make the selected lines comments, or make them text again, as one edit."""
-        (first, _), (last, column) = sorted(self.selection)
-        if last > first and column == 0:
-            last -= 1
-        lines = [self.document.get_line(number) for number in range(first, last + 1)]
+        lines = self._chosen_lines()
         written = [line for line in lines if line.strip()]
         if not written:
             return
@@ -230,7 +247,54 @@ class Editor(TextArea):
             changed = [_without_comment(line) for line in lines]
         else:
             changed = [f"# {line}" if line.strip() else line for line in lines]
-        self.replace("\n".join(changed), (first, 0), (last, len(lines[-1])))
+        self._change_lines(changed)
+
+    def action_indent(self) -> None:
+        """Indent the selected lines, or go to the next step within a line."""
+        start, end = self.selection
+        if start[0] != end[0]:
+            self._change_lines(shifted(self._chosen_lines(), back=False))
+        else:
+            spaces = " " * (WIDTH - min(start, end)[1] % WIDTH)
+            self.replace(spaces, start, end, maintain_selection_offset=False)
+
+    def action_dedent(self) -> None:
+        """Take a step of indentation from the selected lines, or from the line of the cursor."""
+        self._change_lines(shifted(self._chosen_lines(), back=True))
+
+    def action_go_to_start(self) -> None:
+        """Go to the start of the text."""
+        self.move_cursor(self.document.start)
+
+    def action_go_to_end(self) -> None:
+        """Go to the end of the text."""
+        self.move_cursor(self.document.end)
+
+    def _chosen_rows(self) -> tuple[int, int]:
+        """The first and the last line of the selection."""
+        (first, _), (last, column) = sorted(self.selection)
+        return first, last - (last > first and column == 0)
+
+    def _chosen_lines(self) -> list[str]:
+        first, last = self._chosen_rows()
+        return [self.document.get_line(number) for number in range(first, last + 1)]
+
+    def _change_lines(self, changed: list[str]) -> None:
+        """Put other lines in place of the selected ones, as one edit; they stay selected."""
+        first, last = self._chosen_rows()
+        before, selection = self._chosen_lines(), self.selection
+        if changed == before:
+            return
+        self.replace("\n".join(changed), (first, 0), (last, len(before[-1])))
+
+        def moved(place: tuple[int, int]) -> tuple[int, int]:
+            row, column = place
+            if not first <= row <= last:
+                return place
+            longer = len(changed[row - first]) - len(before[row - first])
+            return row, max(column + longer, 0) if column else 0
+
+        self.selection = Selection(moved(selection.start), moved(selection.end))
 
     def scroll_cursor_visible(self, center: bool = False, animate: bool = False) -> Offset:
         """Scroll so that the cursor is seen; a text area without room waits until it has some.

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import TYPE_CHECKING, ClassVar
 
 from textual import on
@@ -12,10 +13,12 @@ from textual.widgets.text_area import Selection
 from logical_robots_tui.tui.pane import Pane
 from logical_robots_tui.tui.plain import clip, one_line
 from logical_robots_tui.tui.program.editor import Editor
+from logical_robots_tui.tui.program.following import followed
 from logical_robots_tui.tui.program.mistakes import MistakeStrip
 from logical_robots_tui.tui.program.words import call_before, definitions, help_on
 
 if TYPE_CHECKING:
+    from logical_robots_tui.mind import Diagnostic
     from logical_robots_tui.tui.program.state import ProgramState
 
 __all__ = ["ProgramPane"]
@@ -37,6 +40,10 @@ class ProgramPane(Pane):
         self.editor = Editor()
         self._strip = MistakeStrip()
         self._state: ProgramState | None = None
+        # Each mistake as it was found, and as it is where its line is now.
+        self._mistakes: dict[Diagnostic, Diagnostic] = {}
+        self._lines: list[str] = []
+        self._tried: list[str] = []
         self._help = Static(id="help-line", markup=False)
         super().__init__(
             self.editor, self.editor.completion, self._help, self._strip, title="Program"
@@ -60,16 +67,40 @@ class ProgramPane(Pane):
         self.note(f"{clip(one_line(name), 24)}{star} · {self._verdict(state)}")
         if state != self._state:
             self._state = state
-            self._strip.show(state.mistakes)
-            wrong = frozenset(m.line - 1 for m in state.mistakes if m.severity == "error")
-            odd = frozenset(m.line - 1 for m in state.mistakes if m.severity != "error")
-            self.editor.mark(wrong, odd)
-            self._tell()
+            self._mistakes = {found: found for found in state.mistakes}
+            self._tried = self._lines = state.tried.split("\n")
+            self._follow_text(state)
+
+    @on(TextArea.Changed)
+    def _text_changed(self) -> None:
+        if self._state is not None and self._state.mistakes:
+            self._follow_text(self._state)
+
+    def _follow_text(self, state: ProgramState) -> None:
+        """Show the mistakes where their lines are now; with its line a mistake goes away."""
+        lines = self.text.split("\n")
+        if lines == self._tried:
+            self._mistakes = {found: found for found in state.mistakes}
+        else:
+            now = self._mistakes.values()
+            rows = followed([mistake.line - 1 for mistake in now], self._lines, lines)
+            self._mistakes = {
+                found: replace(found, line=row + 1)
+                for found, row in zip(self._mistakes, rows, strict=True)
+                if row is not None
+            }
+        self._lines = lines
+        mistakes = tuple(self._mistakes.values())
+        self._strip.show(mistakes)
+        wrong = frozenset(m.line - 1 for m in mistakes if m.severity == "error")
+        odd = frozenset(m.line - 1 for m in mistakes if m.severity != "error")
+        self.editor.mark(wrong, odd)
+        self._tell()
 
     def go_to_mistake(self) -> None:
         """Put the cursor on the first mistake, if there is one."""
-        if self._state is not None and self._state.mistakes:
-            mistake = self._state.mistakes[0]
+        mistake = next(iter(self._mistakes.values()), None)
+        if mistake is not None:
             self.editor.move_cursor((mistake.line - 1, mistake.column - 1), center=True)
         self.enter()
 
@@ -99,14 +130,15 @@ class ProgramPane(Pane):
         self._tell()
 
     def _tell(self) -> None:
-        """Tell what is odd about the line of the cursor, else how what stands there is used."""
-        line = self.editor.cursor_location[0] + 1
-        state = self._state
-        found = state.mistakes if state is not None and state.tried == self.text else ()
-        here = next((mistake for mistake in found if mistake.line == line), None)
-        if here is not None:
-            self._help.update(Content(one_line(here.message)))
-            return
+        """Tell what is odd about the line of the cursor, else how what stands there is used.
+
+        Of a line that was changed the latter is told: its mistake may be mended.
+        """
+        row = self.editor.cursor_location[0]
+        for found, now in self._mistakes.items():
+            if now.line == row + 1 and self._lines[row] == self._tried[found.line - 1]:
+                self._help.update(Content(one_line(found.message)))
+                return
         names = self.editor.word, call_before(self.editor.before_cursor)
         words = (help_on(self.text, name) for name in names if name[:1].isupper())
         word = next((word for word in words if word is not None), None)

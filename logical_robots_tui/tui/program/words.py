@@ -80,10 +80,12 @@ _BEFORE = re.compile(r"(?P<dot>(?P<owner>\w*)\.)?(?P<begun>\w*)$")
 def definitions(text: str) -> Mapping[str, tuple[Place, str]]:
     """Return where each predicate of a program is defined first, and how its head is written."""
     found: dict[str, tuple[Place, str]] = {}
+    line = counted = 0
     for match in _HEAD.finditer(text):
         name = match["name"]
         if name not in found:
-            line = text.count("\n", 0, match.start())
+            line += text.count("\n", counted, match.start())
+            counted = match.start()
             arguments = match["arguments"] or "(...)"
             found[name] = Place(line, 0), name + " ".join(arguments.split())
     return found

@@ -1,0 +1,67 @@
+"""Lines of a program: how far they are indented, and where they are after a change."""
+
+from __future__ import annotations
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from logical_robots_tui.tui.program.following import followed
+from logical_robots_tui.tui.program.indenting import indentation_after, shifted
+
+LINES = st.lists(st.sampled_from("abc"), max_size=6)
+
+
+@pytest.mark.parametrize(
+    ("before", "indentation"),
+    [
+        ("", ""),
+        ("A(x) :-", "  "),
+        ("A(x) :-  # why", "  "),
+        ("  B(x),", "  "),
+        ("  desire = {", "    "),
+        ("    f(", "      "),
+        ("  C(x);", ""),
+        ("  ", "  "),
+        ("\tB(x),", "\t"),
+    ],
+)
+def test_a_new_line_is_indented_as_what_is_before_it_asks(before: str, indentation: str) -> None:
+    assert indentation_after(before) == indentation
+
+
+def test_lines_go_a_step_to_the_right_and_back_as_far_as_they_can() -> None:
+    lines = ["a", "", "  b", " c", "\td"]
+    assert shifted(lines, back=False) == ["  a", "", "    b", "   c", "  \td"]
+    assert shifted(lines, back=True) == ["a", "", "b", "c", "d"]
+    assert shifted(shifted(lines, back=False), back=True) == lines
+
+
+@pytest.mark.parametrize(
+    ("after", "rows"),
+    [
+        ("new a b c", [1, 2, 3]),
+        ("a new b c", [0, 2, 3]),
+        ("a b2 c", [0, 1, 2]),
+        ("a b1 b2 c", [0, 1, 3]),
+        ("a c", [0, None, 1]),
+        ("a bc", [0, 1, 1]),
+        ("x y", [None, None, None]),
+        ("", [None, None, None]),
+    ],
+)
+def test_lines_are_found_again_after_a_change(after: str, rows: list[int | None]) -> None:
+    assert followed(range(3), ["a", "b", "c"], after.split()) == rows
+
+
+@given(LINES, LINES)
+def test_a_line_that_stands_beside_what_changed_is_found_as_it_was(
+    before: list[str], after: list[str]
+) -> None:
+    rows = followed(range(len(before)), before, after)
+    assert all(row is None or 0 <= row < len(after) for row in rows)
+    known = [row for row in rows if row is not None]
+    assert known == sorted(known)
+    assert followed(range(len(before)), before, [*before, *after])[: len(before)] == list(
+        range(len(before))
+    )
