@@ -77,6 +77,9 @@ class LogicalRobotsApp(SparingApp, inherit_bindings=False):
         freedoms: Freedoms | None = None,
     ) -> None:
         super().__init__()
+        if self.no_color:
+            # The terminal's own colours would stand among greys; they become greys, too.
+            self.set_reactive(LogicalRobotsApp.ansi_color, False)
         self._settings = settings or Settings()
         self._first_theme = self._settings.theme or theme
         use_keys(self._settings.keys)
@@ -102,7 +105,7 @@ class LogicalRobotsApp(SparingApp, inherit_bindings=False):
         self._event_loop = asyncio.get_running_loop()
         self.register_theme(NIGHT)
         wanted = self._first_theme
-        if not wanted and self.console.color_system == "standard":
+        if not wanted and self.console.color_system == "standard" and not self.no_color:
             wanted = "ansi-dark"  # of dark colours among 16 there would be only black
         self.theme = wanted if wanted in self.available_themes else NIGHT.name
 

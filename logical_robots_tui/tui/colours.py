@@ -11,8 +11,11 @@ if TYPE_CHECKING:
 
 __all__ = ["colours_in", "contrast"]
 
-_READABLE, _QUIET, _FAINT, _SHADE = 4.5, 3.6, 1.9, 1.2
+_READABLE, _QUIET, _FAINT, _SHADE = 4.5, 3.6, 2.4, 1.2
 """Contrasts (WCAG 2) of what is to be read, of what is said aside, of lines, and of shades."""
+
+_HIGHLIGHTED = 3.0
+"""The contrast that is enough where the row itself is brought out."""
 
 _HUES = {
     "number": "#86cfe0",
@@ -21,7 +24,7 @@ _HUES = {
     "wall": "#e8767c",
     "beacon": "#7ee787",
     "robot": "#79b8ff",
-    "comment": "#6b7596",
+    "comment": "#7781a4",
     "keyword": "#c792ea",
     "predicate": "#82aaff",
     "annotation": "#ffb454",
@@ -31,8 +34,8 @@ _HUES = {
 """Colours that mean the same everywhere; in the theme Night they are as written here."""
 
 _NIGHT = {
-    "ink-dim": "#6b7596",
-    "ink-faint": "#424c70",
+    "ink-dim": "#7781a4",
+    "ink-faint": "#47527a",
     "ink-title": "#9db0ff",
     "ink-nothing": "#2b3350",
     "frame": "#2a3149",
@@ -81,7 +84,8 @@ _ANSI = {
     "tab-here": "ansi_default",
     "selection": "ansi_blue",
     "bracket": "ansi_bright_black",
-    "mistake": "ansi_red",
+    "mistake": "ansi_default",
+    "mistake-ink": "ansi_bright_white",
     "mistake-strip": "ansi_default",
     "odd-strip": "ansi_default",
 }
@@ -101,14 +105,17 @@ def colours_in(theme: Theme) -> dict[str, str]:
     papers = [Color.parse(given[name]) for name in ("background", "surface", "panel")]
     text, surface = Color.parse(given["foreground"]), papers[1]
 
-    def legible(colour: str, wanted: float = _READABLE) -> str:
-        return _legible(Color.parse(colour), papers, wanted, dark=theme.dark).hex6
-
     def tinted(colour: str, share: float) -> str:
         return surface.blend(Color.parse(colour), share, alpha=1).hex6
 
-    found = {f"ink-{name}": legible(hue) for name, hue in _HUES.items()}
     here = tinted(given["primary"], 0.3)
+
+    def legible(colour: str, wanted: float = _READABLE) -> str:
+        found = _legible(Color.parse(colour), papers, wanted, dark=theme.dark)
+        on_here = min(wanted, _HIGHLIGHTED)
+        return _legible(found, [Color.parse(here)], on_here, dark=theme.dark).hex6
+
+    found = {f"ink-{name}": legible(hue) for name, hue in _HUES.items()}
     grey = surface.blend(text, 0.5, alpha=1).hex6
     found |= {
         "ink-text": legible(text.hex6),
@@ -131,6 +138,7 @@ def colours_in(theme: Theme) -> dict[str, str]:
         "selection": tinted(given["primary"], 0.3),
         "bracket": tinted(text.hex6, 0.25),
         "mistake": tinted(given["error"], 0.25),
+        "mistake-ink": given["surface"],
         "mistake-strip": tinted(given["error"], 0.1),
         "odd-strip": tinted(given["warning"], 0.1),
     }

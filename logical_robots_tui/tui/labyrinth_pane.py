@@ -50,6 +50,10 @@ class LabyrinthPane(Pane, can_focus=True):
         self._shown: tuple[Level, Frame] | None = None
         super().__init__(self.view, self.card, self.briefing, self.banner, title="Labyrinth")
 
+    def on_mount(self) -> None:
+        """Let the card follow the theme."""
+        self.app.theme_changed_signal.subscribe(self, lambda _: self.select(self.view.selected))
+
     def show(self, level: Level, frame: Frame, *, hurried: bool = False) -> None:
         """Show a tick; in a hurry if the next one follows at once."""
         self._shown = (level, frame)

@@ -95,7 +95,7 @@ SYNTAX = {
     "operator": "$ink-operator",
     "mistake": "on $mistake",
     "odd-gutter": f"bold {INK.warn}",
-    "mistake-gutter": f"bold $surface on {INK.bad}",
+    "mistake-gutter": f"bold $mistake-ink on {INK.bad}",
 }
 """Styles of the pieces of a program, and of what is wrong with it."""
 

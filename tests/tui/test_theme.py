@@ -18,6 +18,7 @@ from tests.tui.conftest import opened
 if TYPE_CHECKING:
     from pathlib import Path
 
+    from textual.strip import Strip
     from textual.theme import Theme
 
     from tests.tui.conftest import Opened
@@ -35,6 +36,8 @@ def test_texts_stand_out_in_every_theme(theme: Theme) -> None:
             for paper in ("background", "surface", "panel"):
                 found = contrast(Color.parse(ink), Color.parse(papers[paper]))
                 assert found >= quiet.get(name, 4.4), (name, paper)
+            if name not in ("ink-faint", "ink-nothing"):
+                assert contrast(Color.parse(ink), Color.parse(ours["here"])) >= 2.9, name
     assert contrast(Color.parse(ours["here-ink"]), Color.parse(ours["here"])) >= 3
 
 
@@ -45,12 +48,16 @@ def test_walls_stand_out_from_the_floor_in_every_theme(theme: Theme) -> None:
     assert palette.light is not theme.dark
 
 
+def strips(game: Opened) -> list[Strip]:
+    """What is on the screen, in all layers."""
+    return game.app.screen._compositor.render_strips()
+
+
 def colours_of(game: Opened, word: str) -> set[object]:
     """The inks in which a word is written on the screen."""
-    strips = game.app.screen._compositor.render_strips()
     return {
         segment.style.color
-        for strip in strips
+        for strip in strips(game)
         for segment in strip
         if word in segment.text and segment.style is not None
     }
@@ -61,7 +68,7 @@ async def test_a_theme_is_chosen_from_the_palette_and_kept(data_dir: Path) -> No
         await game.ready()
         await game.press("n", "a")
         await game.until(lambda: game.tick == 1 and game.shows("engines"))
-        words = ("FreedomMotion", "PAUSED", "engines", "Labyrinth")
+        words = ("FreedomMotion", "PAUSED", "engines", "Labyrinth", "● ")
         before = {word: colours_of(game, word) for word in words}
         await game.press("ctrl+p")
         await game.until(lambda: game.shows("Find a command"))
@@ -81,6 +88,27 @@ async def test_a_theme_is_chosen_from_the_palette_and_kept(data_dir: Path) -> No
     journal = Journal(data_dir / FILE_NAME)
     assert journal.progress.fact(THEME) == "gruvbox"
     journal.progress.close()
+
+
+async def test_without_colours_everything_is_legible_in_greys(
+    data_dir: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("NO_COLOR", "1")
+    async with opened(data_dir) as game:
+        await game.ready()
+        for theme in ("night", "ansi-dark", "ansi-light"):
+            game.app.theme = theme
+            await game.until(lambda: game.shows("FreedomMotion"))
+            for word in ("FreedomMotion", "PAUSED", "Labyrinth"):
+                for segment in (s for strip in strips(game) for s in strip if word in s.text):
+                    assert segment.style is not None
+                    assert segment.style.color is not None
+                    assert segment.style.bgcolor is not None
+                    ink, paper = segment.style.color.triplet, segment.style.bgcolor.triplet
+                    assert ink is not None
+                    assert paper is not None
+                    assert len(set(ink)) == len(set(paper)) == 1
+                    assert contrast(Color(*ink), Color(*paper)) >= 2.5, (theme, word)
 
 
 async def test_all_characters_are_one_cell_wide(data_dir: Path) -> None:

@@ -56,6 +56,10 @@ class RobotsView(LinesView):
             self._chosen = robot_name
             self._draw()
 
+    def on_mount(self) -> None:
+        """Follow the theme."""
+        self.app.theme_changed_signal.subscribe(self, lambda _: self._draw())
+
     def on_resize(self) -> None:
         """Use the width there is now."""
         self._draw()
