@@ -50,4 +50,7 @@ def check_name(what: str, name: str, known: Iterable[str]) -> None:
     there = list(known)
     if name not in there:
         listed = ", ".join(there[:20]) + (", ..." if len(there) > 20 else "")
-        raise InputError(f"there is no {what} {name}.", hint=f"There are {listed}.")
+        raise InputError(
+            f"there is no {what} {name}.",
+            hint=f"There {'is' if len(there) == 1 else 'are'} {listed}.",
+        )

@@ -235,7 +235,7 @@ class _Table:
             charge = f", battery {robot.battery_level:.0f}" if given.has_battery else ""
             yield f"{robot.name}: at {robot.x:.0f}, {robot.y:.0f}, heading {heading}{charge}."
         for goal in goals(self._level, frame.after):
-            yield f"{goal.area_name}: {len(goal.inside)} of {len(goal.wanted)} are in."
+            yield goal.words
 
 
 def _say(*sentences: str) -> None:

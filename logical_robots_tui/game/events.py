@@ -34,7 +34,7 @@ def events_between(level: Level, past: Frame, frame: Frame) -> Iterator[str]:
     for old, area in zip(past.after.areas, frame.after.areas, strict=True):
         goal = wanted.get(area.name)
         if goal is not None and old.visitors != area.visitors:
-            yield f"{area.name}: {len(goal.inside)} of {len(goal.wanted)} are in."
+            yield goal.words
     known = {(d.robot_name, notice.kind) for d in past.decisions for notice in d.notices}
     for decision in frame.decisions:
         for notice in decision.notices:

@@ -32,6 +32,13 @@ class Goal:
         """Whether everybody wanted is in while it counts."""
         return self.active and len(self.inside) == len(self.wanted)
 
+    @property
+    def words(self) -> str:
+        """Who of those wanted is in, one sentence."""
+        if len(self.wanted) == 1:
+            return f"{self.area_name}: {self.wanted[0]} is {'in' if self.inside else 'not in yet'}."
+        return f"{self.area_name}: {len(self.inside)} of {len(self.wanted)} are in."
+
 
 def goals(level: Level, state: WorldState) -> tuple[Goal, ...]:
     """The goal areas of a level in file order, as they stand after a tick."""

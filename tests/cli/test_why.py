@@ -73,7 +73,7 @@ def test_one_step_deeper(command: Command, level: Path, two: Path) -> None:
 @pytest.mark.parametrize(
     ("more", "message"),
     [
-        (["--robot", "Pop"], "there is no robot Pop. There are Pip."),
+        (["--robot", "Pop"], "there is no robot Pop. There is Pip."),
         (["--robot", "Pip", "--predicate", "Robbot"], "there is no predicate Robbot."),
         (["--robot", "Pip", "--predicate", "Speed"], "Speed is a function of col0"),
         (["--robot", "Pip", "--given", "nonsense"], "'nonsense' is not COLUMN=VALUE"),

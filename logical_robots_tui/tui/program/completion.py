@@ -29,6 +29,7 @@ class Completion(OptionList, can_focus=False):
         overlay: screen; display: none; width: {_WIDTH}; height: auto; max-height: 10;
         constrain: inside inside; border: none; padding: 0; background: $panel;
     }}
+    Completion > .option-list--option-highlighted {{ background: $here; color: $here-ink; }}
     """
 
     def __init__(self) -> None:
