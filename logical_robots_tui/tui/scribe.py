@@ -50,7 +50,9 @@ class Scribe:
             self._screen.warn(f"What was copied can't be kept: {error.strerror}.")
             return
         if not self._is_copy_told:
-            self._screen.tell(f"Sent to your terminal's clipboard, and into {self._copies}.")
+            sent = "Sent to your terminal's clipboard, and into"
+            head = sent if self._screen.freedoms.clipboard else "Kept in"
+            self._screen.tell(f"{head} {self._copies}.")
         self._is_copy_told = True
 
     async def find(self) -> None:

@@ -9,6 +9,7 @@ import pytest
 from textual import events
 from textual.widgets.text_area import Selection
 
+from logical_robots_tui.tui.freedoms import Freedoms
 from logical_robots_tui.tui.program.pane import ProgramPane
 from tests.tui.conftest import PAPER, STILL, WRONG, opened
 
@@ -304,8 +305,10 @@ async def test_what_is_copied_or_cut_is_in_a_file_too(data_dir: Path) -> None:
     copied = data_dir / "copied.txt"
     async with opened(data_dir, text=STILL) as game:
         await game.ready()
+        game.main.freedoms = Freedoms(clipboard=False)
         await game.press("2", "f6", "ctrl+c")
         await game.until(copied.exists)
+        assert game.shows("Kept in")
         first = STILL.splitlines()[0]
         assert game.app.clipboard == copied.read_text("utf-8").strip() == first
         game.main.action_command("select_all")

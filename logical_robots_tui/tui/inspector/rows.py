@@ -80,8 +80,9 @@ class RowCommands:
             self._screen.warn("Your terminal's clipboard is off here; the rows can be saved.")
         elif (table := self._table()) is not None:
             self._screen.app.copy_to_clipboard(as_csv(table.shown))
+            count = len(table.shown.rows)
             self._screen.tell(
-                f"{len(table.shown.rows)} rows sent to your terminal's clipboard; "
+                f"{count} row{'s' * (count != 1)} sent to your terminal's clipboard; "
                 "if they don't arrive there, save them."
             )
 
