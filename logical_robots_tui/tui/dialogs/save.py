@@ -1,10 +1,10 @@
-"""Saving the text of the editor as a program of the player's own."""
+"""Saving something under a name: the text of the editor as a program of the player's own."""
 
 from __future__ import annotations
 
 import asyncio
-from functools import partial
-from typing import TYPE_CHECKING
+from abc import abstractmethod
+from typing import TYPE_CHECKING, ClassVar
 
 from textual import on
 from textual.containers import Vertical
@@ -15,7 +15,7 @@ from logical_robots_tui.errors import InputError
 from logical_robots_tui.game import Source, load_program, save_program
 from logical_robots_tui.game.naming import target
 from logical_robots_tui.tui.background import in_background
-from logical_robots_tui.tui.dialogs.dialog import Dialog
+from logical_robots_tui.tui.dialogs.dialog import Dialog, Result
 from logical_robots_tui.tui.plain import one_line
 
 if TYPE_CHECKING:
@@ -23,36 +23,59 @@ if TYPE_CHECKING:
 
     from textual.app import ComposeResult
 
-__all__ = ["SaveAs"]
+__all__ = ["SaveAs", "SaveDialog"]
 
 
-class SaveAs(Dialog[Source]):
-    """Asks for a name and saves; gives the saved program.
+class SaveDialog(Dialog[Result]):
+    """Asks for a name and saves; gives what is saved. What is there is replaced at a second enter.
 
     Args:
-        source: The program that the text began with.
-        text: What to save.
-        own: Folder of the player's programs.
+        name: What to propose.
     """
 
     DEFAULT_CSS = """
-    SaveAs > #box { max-width: 72; padding: 1 2 0 2; }
+    SaveDialog > #box { max-width: 72; padding: 1 2 0 2; }
     """
 
-    def __init__(self, source: Source, text: str, own: Path) -> None:
+    heading: ClassVar[str]
+    keys: ClassVar[str] = "enter save   esc close"
+
+    def __init__(self, name: str) -> None:
         super().__init__()
-        self._source = source
-        self._text = text
-        self._own = own
+        self._proposed = name
         self._confirmed: Path | None = None
 
     def compose(self) -> ComposeResult:
-        """The name, and what is wrong with it."""
+        """The fields, and what is wrong with them."""
         with Vertical(id="box") as box:
-            box.border_title = "Save the program as"
-            yield Input(self._proposal(), id="name", select_on_focus=False)
+            box.border_title = self.heading
+            yield from self.fields()
             yield Static(id="complaint")
-            yield Static("enter save   esc close", id="keys", markup=False)
+            yield Static(self.keys, id="keys", markup=False)
+
+    def fields(self) -> ComposeResult:
+        """What to fill in."""
+        yield Input(self._proposed, id="name", select_on_focus=False)
+
+    @abstractmethod
+    def file(self, name: str) -> Path:
+        """The file for a name.
+
+        Raises:
+            InputError: There can be none.
+        """
+
+    @abstractmethod
+    async def save(self, path: Path) -> Result:
+        """Save in a file, and return what is saved.
+
+        Raises:
+            InputError: It can't be written.
+        """
+
+    def replaces(self, path: Path) -> bool:
+        """Whether to ask before something is saved there."""
+        return path.exists()
 
     @on(Input.Changed)
     def _changed(self) -> None:
@@ -60,18 +83,17 @@ class SaveAs(Dialog[Source]):
         self.query_one("#complaint").display = False
 
     @on(Input.Submitted)
-    def _submitted(self, event: Input.Submitted) -> None:
-        in_background(self, partial(self._save, event.value.strip()), "save", exclusive=True)
+    def _submitted(self) -> None:
+        in_background(self, self._save, "save", exclusive=True)
 
-    async def _save(self, name: str) -> None:
+    async def _save(self) -> None:
         try:
-            path = target(name, self._own)
-            if path.exists() and path != self._source.path and path != self._confirmed:
+            path = self.file(self.query_one("#name", Input).value.strip())
+            if self.replaces(path) and path != self._confirmed:
                 self._confirmed = path
                 self._complain(f"{path.stem} is there already. Press enter again to replace it.")
                 return
-            await asyncio.to_thread(save_program, path, self._text)
-            self.dismiss(await asyncio.to_thread(load_program, path))
+            self.dismiss(await self.save(path))
         except InputError as error:
             self._complain(str(error))
 
@@ -80,8 +102,39 @@ class SaveAs(Dialog[Source]):
         complaint.update(Content(one_line(message)))
         complaint.display = True
 
-    def _proposal(self) -> str:
-        source = self._source
-        if source.shipped:
-            return f"my-{source.name}"
-        return source.name if source.path.parent == self._own else str(source.path)
+
+class SaveAs(SaveDialog[Source]):
+    """Saves a program.
+
+    Args:
+        source: The program that the text began with.
+        text: What to save.
+        own: Folder of the player's programs.
+    """
+
+    heading = "Save the program as"
+
+    def __init__(self, source: Source, text: str, own: Path) -> None:
+        super().__init__(_proposal(source, own))
+        self._source = source
+        self._text = text
+        self._own = own
+
+    def file(self, name: str) -> Path:
+        """The file for a name."""
+        return target(name, self._own)
+
+    def replaces(self, path: Path) -> bool:
+        """Whether something else is there."""
+        return path != self._source.path and super().replaces(path)
+
+    async def save(self, path: Path) -> Source:
+        """Save the text."""
+        await asyncio.to_thread(save_program, path, self._text)
+        return await asyncio.to_thread(load_program, path)
+
+
+def _proposal(source: Source, own: Path) -> str:
+    if source.shipped:
+        return f"my-{source.name}"
+    return source.name if source.path.parent == own else str(source.path)

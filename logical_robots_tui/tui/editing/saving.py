@@ -3,21 +3,16 @@
 from __future__ import annotations
 
 import asyncio
-from functools import partial
 from typing import TYPE_CHECKING
 
-from textual import on
-from textual.containers import Vertical
-from textual.content import Content
 from textual.widgets import Input, Static
 
 from logical_robots_tui.editing.files import save_level
 from logical_robots_tui.editing.properties import set_words
 from logical_robots_tui.errors import InputError
 from logical_robots_tui.game.naming import target
-from logical_robots_tui.tui.background import in_background
-from logical_robots_tui.tui.dialogs.dialog import Dialog
 from logical_robots_tui.tui.dialogs.question import Question
+from logical_robots_tui.tui.dialogs.save import SaveDialog
 from logical_robots_tui.tui.plain import one_line
 from logical_robots_tui.world import Level
 from logical_robots_tui.world.load import NATIVE, SUFFIXES
@@ -104,8 +99,8 @@ def _proposal(mode: EditMode) -> str:
     return f"my-{name.lstrip('0123456789-') or name}" if mode.base.source else name
 
 
-class SaveLevel(Dialog[Level]):
-    """Asks for a name and a title and saves; gives the saved level.
+class SaveLevel(SaveDialog[Level]):
+    """Saves a level, with a title.
 
     Args:
         level: What to save.
@@ -115,54 +110,31 @@ class SaveLevel(Dialog[Level]):
     """
 
     DEFAULT_CSS = """
-    SaveLevel > #box { max-width: 72; padding: 1 2 0 2; }
     SaveLevel .label { color: $ink-dim; height: 1; }
     """
 
+    heading = "Save the level as"
+    keys = "enter save   tab title   esc close"
+
     def __init__(self, level: Level, name: str, own: Path, file: Path | None) -> None:
-        super().__init__()
+        super().__init__(name)
         self._level = level
-        self._proposed = name
         self._own = own
         self._file = file
-        self._confirmed: Path | None = None
 
-    def compose(self) -> ComposeResult:
-        """The name of the file, the title, and what is wrong with them."""
-        with Vertical(id="box") as box:
-            box.border_title = "Save the level as"
-            yield Static("Name of the file", classes="label", markup=False)
-            yield Input(self._proposed, id="name", select_on_focus=False)
-            yield Static("Title", classes="label", markup=False)
-            yield Input(self._level.title, id="title", select_on_focus=False)
-            yield Static(id="complaint")
-            yield Static("enter save   tab title   esc close", id="keys", markup=False)
+    def fields(self) -> ComposeResult:
+        """The name of the file, and the title."""
+        yield Static("Name of the file", classes="label", markup=False)
+        yield from super().fields()
+        yield Static("Title", classes="label", markup=False)
+        yield Input(self._level.title, id="title", select_on_focus=False)
 
-    @on(Input.Changed)
-    def _changed(self) -> None:
-        self._confirmed = None
-        self.query_one("#complaint").display = False
+    def file(self, name: str) -> Path:
+        """The file for a name."""
+        return target(name, self._own, folder="levels", suffixes=SUFFIXES, usual=NATIVE)
 
-    @on(Input.Submitted)
-    def _submitted(self) -> None:
-        in_background(self, self._save, "save", exclusive=True)
-
-    async def _save(self) -> None:
-        name = self.query_one("#name", Input).value.strip()
+    async def save(self, path: Path) -> Level:
+        """Save the level under its title."""
         title = self.query_one("#title", Input).value.strip()
-        try:
-            path = target(name, self._own, folder="levels", suffixes=SUFFIXES, usual=NATIVE)
-            if path.exists() and path != self._confirmed:
-                self._confirmed = path
-                self._complain(f"{path.stem} is there already. Press enter again to replace it.")
-                return
-            level = set_words(self._level, title=title or self._level.title)
-            anew = path != self._file
-            self.dismiss(await asyncio.to_thread(partial(save_level, level, path, anew=anew)))
-        except InputError as error:
-            self._complain(str(error))
-
-    def _complain(self, message: str) -> None:
-        complaint = self.query_one("#complaint", Static)
-        complaint.update(Content(one_line(message)))
-        complaint.display = True
+        level = set_words(self._level, title=title or self._level.title)
+        return await asyncio.to_thread(save_level, level, path, anew=path != self._file)
