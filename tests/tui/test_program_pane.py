@@ -141,6 +141,7 @@ async def test_an_undefined_predicate_and_a_missing_robot_are_named(data_dir: Pa
         await game.write(STILL + "A(x) :- Nowhere(x);\n")
         await game.until(lambda: game.session.state.phase == "mistake" and game.shows("✗ line 3"))
         assert "Nowhere" in game.session.state.mistakes[0].message
+        assert game.shows("A(x) :- Nowhere(x);   ◂ Nowhere is not")
         await game.write("A(1);\n")
         await game.until(lambda: game.session.state.phase == "mistake" and game.shows("✗ line 1"))
         assert "Robot" in game.session.state.mistakes[0].message

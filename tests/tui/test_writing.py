@@ -121,7 +121,7 @@ async def test_the_message_of_a_line_is_told_where_the_cursor_is(data_dir: Path)
         await game.ready()
         await game.press("ctrl+g")
         message = game.session.state.mistakes[0].message
-        await game.until(lambda: game.screen().count(message[:30]) == 2)
+        await game.until(lambda: game.screen().count(message[:30]) == 3)
 
 
 async def test_a_key_goes_to_the_definition(data_dir: Path) -> None:

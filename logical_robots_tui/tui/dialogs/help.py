@@ -58,8 +58,8 @@ _ABOUT: dict[Subject, tuple[str, tuple[str, ...]]] = {
     ),
     "editor": (
         "The program is edited here; letters are text, so commands have Ctrl or function keys. "
-        "What you type is kept. A line with ✗ holds a mistake, one with ! looks odd; the line "
-        "below the text says why.",
+        "What you type is kept. A line with ✗ holds a mistake, one with ! looks odd; behind it, "
+        "where there is room, and below the text stands why.",
         ("In the program", "Program and level"),
     ),
     "inspector": (

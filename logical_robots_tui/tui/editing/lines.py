@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
 __all__ = ["InfoLine", "ToolLine"]
 
-_CHOSEN = "$block-cursor-foreground on $block-cursor-background"
+_CHOSEN = "$here-ink on $here"
 
 
 class ToolLine(Widget):

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING, ClassVar, NamedTuple
 
+from rich.cells import cell_len
 from rich.segment import Segment
 from rich.style import Style
 from rich.text import Text
@@ -14,7 +15,7 @@ from textual.strip import Strip
 from textual.widgets import TextArea
 from textual.widgets.text_area import Selection, TextAreaTheme
 
-from logical_robots_tui.tui.plain import visible
+from logical_robots_tui.tui.plain import clip, one_line, visible
 from logical_robots_tui.tui.program.completion import Completion
 from logical_robots_tui.tui.program.indenting import WIDTH, indentation_after, shifted
 from logical_robots_tui.tui.program.lexer import LONGEST_LINE, LineStates, pieces
@@ -22,15 +23,36 @@ from logical_robots_tui.tui.program.words import word_around, words_for
 from logical_robots_tui.tui.theme import INK, SYNTAX, rich_style
 
 if TYPE_CHECKING:
+    from collections.abc import Mapping
+
     from textual import events
     from textual.document._document import EditResult
     from textual.document._edit import Edit
     from textual.theme import Theme
 
-__all__ = ["Editor"]
+__all__ = ["Editor", "Mark"]
 
 _A_PASTE = 0.005
 """Seconds between two keys below which nobody has typed them."""
+
+
+_GAP = 3
+"""Cells between a line and the message behind it: the cursor may stand there."""
+
+_LEAST_ROOM = 16
+"""Cells from which on a message is worth its place."""
+
+
+class Mark(NamedTuple):
+    """What is to be said about a line.
+
+    Attributes:
+        message: One sentence.
+        is_wrong: Whether the program can't run because of it.
+    """
+
+    message: str
+    is_wrong: bool
 
 
 class Editor(TextArea):
@@ -79,8 +101,7 @@ class Editor(TextArea):
         self._states = LineStates()
         self._last_key_at = float("-inf")
         self._syntax: dict[str, Style] = {}
-        self._mistakes: frozenset[int] = frozenset()
-        self._notices: frozenset[int] = frozenset()
+        self._marks: Mapping[int, Mark] = {}
         self.completion = Completion()
 
     def on_mount(self) -> None:
@@ -130,10 +151,10 @@ class Editor(TextArea):
         self._states.forget()
         super().redo()
 
-    def mark(self, lines: frozenset[int], odd: frozenset[int] = frozenset()) -> None:
-        """Mark lines that hold a mistake, and lines that run but look odd, counted from 0."""
-        if (lines, odd) != (self._mistakes, self._notices):
-            self._mistakes, self._notices = lines, odd
+    def mark(self, marks: Mapping[int, Mark]) -> None:
+        """Mark lines that hold a mistake or look odd, by their numbers from 0."""
+        if marks != self._marks:
+            self._marks = marks
             self.notify_style_update()
             self.refresh()
 
@@ -320,30 +341,35 @@ class Editor(TextArea):
             state = self._states.at(line_index, self.document.get_line)
             for start, end, kind in pieces(line, state):
                 text.stylize(self._syntax[kind], start, end)
-        if line_index in self._mistakes:
+        if line_index in self._marks and self._marks[line_index].is_wrong:
             text.stylize(self._syntax["mistake"])
         return text
 
     def render_line(self, y: int) -> Strip:
-        """A line of the widget, with a mark in the gutter if it holds a mistake."""
+        """A line of the widget, with a sign in the gutter and a message behind it if it is marked.
+
+        The message is there as far as there is room; the pane tells all of it elsewhere.
+        """
         strip = super().render_line(y)
         number = self.scroll_offset.y + y
-        is_wrong = number in self._mistakes
-        if not (is_wrong or number in self._notices) or number >= self.document.line_count:
+        mark = self._marks.get(number)
+        if mark is None or number >= self.document.line_count:
             return strip
         gutter = self.gutter_width
-        if not is_wrong:
-            sign = Segment(f"{number + 1:>{gutter - 2}}! ", self._syntax["odd-gutter"])
-            return Strip([sign, *strip.crop(gutter)], strip.cell_length)
-        label = f"{number + 1:>{gutter - 2}}✗ "
+        sign, ink = ("✗", "mistake-gutter") if mark.is_wrong else ("!", "odd-gutter")
+        paper = self._syntax["mistake"] if mark.is_wrong else Style()
+        label = Segment(f"{number + 1:>{gutter - 2}}{sign} ", self._syntax[ink])
         rest = strip.crop(gutter)
+        end = cell_len(rest.text.rstrip()) + _GAP
+        if rest.cell_length - end >= _LEAST_ROOM:
+            message = clip(f"◂ {one_line(mark.message)}", rest.cell_length - end)
+            told = Segment(message, self._syntax["message"])
+            behind = rest.crop(end + cell_len(message))
+            rest = Strip([*rest.crop(0, end), told, *behind], rest.cell_length)
         segments = [
-            Segment(text, (style or Style()) + self._syntax["mistake"], control)
-            for text, style, control in rest
+            Segment(text, (style or Style()) + paper, control) for text, style, control in rest
         ]
-        return Strip(
-            [Segment(label, self._syntax["mistake-gutter"]), *segments], gutter + rest.cell_length
-        )
+        return Strip([label, *segments], gutter + rest.cell_length)
 
 
 def _without_comment(line: str) -> str:

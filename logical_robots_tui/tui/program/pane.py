@@ -12,7 +12,7 @@ from textual.widgets.text_area import Selection
 
 from logical_robots_tui.tui.pane import Pane
 from logical_robots_tui.tui.plain import clip, one_line
-from logical_robots_tui.tui.program.editor import Editor
+from logical_robots_tui.tui.program.editor import Editor, Mark
 from logical_robots_tui.tui.program.following import followed
 from logical_robots_tui.tui.program.mistakes import MistakeStrip
 from logical_robots_tui.tui.program.words import call_before, definitions, help_on
@@ -92,9 +92,10 @@ class ProgramPane(Pane):
         self._lines = lines
         mistakes = tuple(self._mistakes.values())
         self._strip.show(mistakes)
-        wrong = frozenset(m.line - 1 for m in mistakes if m.severity == "error")
-        odd = frozenset(m.line - 1 for m in mistakes if m.severity != "error")
-        self.editor.mark(wrong, odd)
+        # Of several in a line the first is told, and what stops the program before all else.
+        ranked = sorted(mistakes, key=lambda mistake: mistake.severity != "error")
+        marks = {m.line - 1: Mark(m.message, m.severity == "error") for m in reversed(ranked)}
+        self.editor.mark(marks)
         self._tell()
 
     def go_to_mistake(self) -> None:
