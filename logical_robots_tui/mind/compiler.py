@@ -5,7 +5,6 @@ The package keeps global state, so one process compiles one program at a time.
 
 from __future__ import annotations
 
-import copy
 from typing import TYPE_CHECKING, Any, cast
 
 from logica.compiler import dialects, functors, universe
@@ -205,14 +204,14 @@ def _with_prelude(rules: list[Rule]) -> list[Rule]:
     """The rules, with those of the prelude that the program does not define itself."""
     own = set(defined(rules))
     added = [r for r in prelude_rules() if head_name(r) not in own]
-    return [_ground_in_query(r) for r in rules] + copy.deepcopy(added)
+    return [*(_ground_in_query(r) for r in rules), *quicker.deep_copy(added)]
 
 
 def _ground_in_query(rule: Rule) -> Rule:
     """Compute a grounded predicate once per query and not in a table of its own."""
     if head_name(rule) != "@Ground":
         return rule
-    rule = copy.deepcopy(rule)
+    rule = quicker.deep_copy(rule)
     rule["head"]["predicate_name"] = "@With"
     rule["head"]["record"]["field_value"] = rule["head"]["record"]["field_value"][:1]
     return rule

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-import copy
 import re
 from typing import Any
 
 from logica.compiler import dialects
+
+from logical_robots_tui.mind.quicker import deep_copy
 
 __all__ = ["RobotDialect"]
 
@@ -82,7 +83,7 @@ class RobotDialect(dialects.SqLiteDialect):  # type: ignore[misc]  # the package
         if pair is None:
             decorated: dict[str, Any] = super().DecorateCombineRule(rule, var)
             return decorated
-        rule = copy.deepcopy(rule)
+        rule = deep_copy(rule)
         pair = _pair(rule)
         assert pair is not None
         for side in pair["record"]["field_value"]:

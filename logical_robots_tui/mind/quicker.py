@@ -2,18 +2,26 @@
 
 The package puts expressions into each other without copying them, so the same part hangs in many
 places, and walks through it once for every place. Here it is walked through once. And for every
-character that its parser looks at, it makes a text that knows where it stands; but of a single
-character nobody asks that.
+character that its parser looks at, it makes texts that know where they stand; but nobody asks that
+of what is only looked at. And it copies whole programs again and again, with every text in them,
+though texts never change.
 """
 
 from __future__ import annotations
 
-from typing import Any
+import copy
+from types import SimpleNamespace
+from typing import TYPE_CHECKING, Any
 
-from logica.compiler import rule_translate
+from logica.compiler import dialects, expr_translate, functors, rule_translate, universe
 from logica.parser_py import parse
 
-__all__ = ["install", "mentioned_variables", "replace_variable"]
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+__all__ = ["deep_copy", "install", "mentioned_variables", "replace_variable", "split"]
+
+_NEVER_CHANGE = {parse.HeritageAwareString, str, int, float, bool, type(None)}
 
 
 def replace_variable(old_var: Any, new_expr: Any, s: dict[str, Any] | list[Any]) -> None:
@@ -72,6 +80,33 @@ def mentioned_variables(
     return found
 
 
+def deep_copy(tree: Any) -> Any:
+    """A copy of a syntax tree of the package, which shares its texts with it.
+
+    What hangs in several places of the tree is one thing in the copy, too.
+    """
+    return _copied(tree, {})
+
+
+def _copied(node: Any, done: dict[int, Any]) -> Any:
+    kind = type(node)
+    if kind in _NEVER_CHANGE:
+        return node
+    if kind is not dict and kind is not list:
+        return copy.deepcopy(node, done)
+    found = done.get(id(node))
+    if found is None:
+        if kind is dict:
+            found = done[id(node)] = {}
+            for key, value in node.items():
+                found[key] = _copied(value, done)
+        else:
+            found = done[id(node)] = []
+            for value in node:
+                found.append(_copied(value, done))
+    return found
+
+
 def _slice(self: parse.HeritageAwareString, start: int, stop: int) -> parse.HeritageAwareString:
     """A part of a text that knows where it stands."""
     size = len(self)
@@ -93,9 +128,50 @@ def _item(self: parse.HeritageAwareString, place: int | slice) -> str:
     return character
 
 
+_traverse = parse.Traverse
+
+
+def _traverse_plain(text: str) -> Iterator[tuple[int, str | None, str]]:
+    """As the package's: the places of a text, with the brackets that are open there."""
+    found: Iterator[tuple[int, str | None, str]] = _traverse(str(text))
+    return found
+
+
+def split(text: parse.HeritageAwareString, separator: str) -> list[parse.HeritageAwareString]:
+    """As the package's `SplitRaw`: the parts of a text between separators outside of brackets.
+
+    Raises:
+        parse.ParsingException: Brackets or quotes don't match.
+    """
+    plain = str(text)
+    parts = []
+    begin = 0
+    places = _traverse(plain)
+    for place, state, status in places:
+        if status != "OK":
+            raise parse.ParsingException("Parenthesis matches nothing.", text[place : place + 1])
+        end = place + len(separator)
+        if (
+            not state
+            and plain.startswith(separator, place)
+            and plain[end : end + 1] != "|"
+            and (place == 0 or plain[place - 1] != "|")
+        ):
+            parts.append(text[begin:place])
+            for _ in separator[1:]:
+                end = next(places)[0] + 1
+            begin = end
+    parts.append(text[begin:])
+    return parts
+
+
 def install() -> None:
     """Let the package use them."""
     parse.HeritageAwareString.GetSlice = _slice
     parse.HeritageAwareString.__getitem__ = _item
+    parse.Traverse = _traverse_plain
+    parse.SplitRaw = split
     rule_translate.ReplaceVariable = replace_variable
     rule_translate.AllMentionedVariables = mentioned_variables
+    for module in (dialects, expr_translate, functors, parse, rule_translate, universe):
+        module.copy = SimpleNamespace(deepcopy=deep_copy)

@@ -87,3 +87,45 @@ def test_a_part_of_a_text_knows_where_it_stands(text: str, cuts: list[tuple[int,
             theirs.heritage,
         )
     assert all(ours[place] == theirs[place] for place in range(len(ours)))
+
+
+@settings(deadline=None)
+@given(tangled())
+def test_a_copy_is_equal_and_tangled_alike_and_has_no_node_of_what_it_is_of(
+    tree: list[Any],
+) -> None:
+    copied = quicker.deep_copy(tree)
+    assert copied == tree
+    ours, theirs = nodes(copied), nodes(tree)
+    assert not set(ours) & set(theirs)
+    assert [ours.index(node) for node in ours] == [theirs.index(node) for node in theirs]
+
+
+def nodes(tree: Any) -> list[int]:
+    """What tells the dictionaries and lists of a tree apart, once for each place."""
+    if not isinstance(tree, dict | list):
+        return []
+    inner = tree.values() if isinstance(tree, dict) else tree
+    return [id(tree), *(node for part in inner for node in nodes(part))]
+
+
+pieces = st.sampled_from([*'abc|,;:-#()[]{}`"\n', "||", ":-", "->", '"""', "/*", "*/"])
+
+
+@given(
+    st.lists(pieces, max_size=20).map("".join),
+    st.sampled_from([",", ";", "|", "||", ":-", "->", ":", "-"]),
+)
+def test_a_text_is_split_at_the_same_places(text: str, separator: str) -> None:
+    quicker.install()
+    found: list[object] = []
+    for parser, split in ((parse, parse.SplitRaw), (PARSE, PARSE.SplitRaw)):
+        try:
+            parts = split(parser.HeritageAwareString(text), separator)
+        except parser.ParsingException as error:
+            found.append((str(error), error.location.start, error.location.stop))
+        except StopIteration:
+            found.append("a separator that a comment divides")
+        else:
+            found.append([(str(part), part.start, part.stop) for part in parts])
+    assert found[0] == found[1]

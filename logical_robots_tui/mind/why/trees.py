@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-import copy
 from typing import TYPE_CHECKING, Any
 
 from logica.parser_py import parse
+
+from logical_robots_tui.mind.quicker import deep_copy
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping
@@ -70,11 +71,11 @@ def rule(name: str, columns: Mapping[str | int, Rule], body: Iterable[Rule], tex
     found: Rule = {
         "head": {
             "predicate_name": name,
-            "record": _record({field: copy.deepcopy(value) for field, value in columns.items()}),
+            "record": _record({field: deep_copy(value) for field, value in columns.items()}),
         },
         "full_text": parse.HeritageAwareString(text),
     }
-    if conjuncts := [copy.deepcopy(part) for part in body]:
+    if conjuncts := [deep_copy(part) for part in body]:
         found["body"] = {"conjunction": {"conjunct": conjuncts}}
     return found
 
@@ -94,7 +95,7 @@ def make(name: str, base: str, given: Mapping[str | int, Rule]) -> Rule:
 
 def renamed(tree: Any, names: Mapping[str, str]) -> Any:
     """A copy of a syntax tree with other names of variables."""
-    tree = copy.deepcopy(tree)
+    tree = deep_copy(tree)
     waiting = [tree]
     while waiting:
         node = waiting.pop()
