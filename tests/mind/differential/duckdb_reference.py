@@ -5,6 +5,7 @@ from __future__ import annotations
 import copy
 import functools
 import json
+import pickle
 import re
 from decimal import Decimal
 from typing import TYPE_CHECKING, Any
@@ -37,11 +38,7 @@ def answer(
         memories: Memories by robot name, likewise.
         folder: Where to put these files.
     """
-    rules = _parsed(text)
-    if "WeightedAverage" not in {r["head"]["predicate_name"] for r in rules}:
-        rules += _parsed(WEIGHTED_AVERAGE)
-    program = universe.LogicaProgram(rules, user_flags={"logica_default_engine": "duckdb"})
-    program.FormattedPredicateSql(predicate)
+    execution = _compiled(text, predicate)
     with duckdb.connect() as connection:
         connection.execute("SET threads = 1")
         remembered = [{"robot_name": n, "memory": m} for n, m in memories.items()]
@@ -57,9 +54,20 @@ def answer(
                 result.extend(found.fetchall())
 
         concertina_lib.ExecuteLogicaProgram(
-            [program.execution], run, "duckdb", display_mode="silent"
+            [copy.deepcopy(execution)], run, "duckdb", display_mode="silent"
         )
     return [tuple(_plain(value) for value in row) for row in result]
+
+
+@functools.lru_cache(maxsize=1)
+def _compiled(text: str, predicate: str) -> Any:
+    """What the package would have DuckDB do; the same program is asked in many moments."""
+    rules = _parsed(text)
+    if "WeightedAverage" not in {r["head"]["predicate_name"] for r in rules}:
+        rules += _Parser.ParseFile(WEIGHTED_AVERAGE)["rule"]
+    program = universe.LogicaProgram(rules, user_flags={"logica_default_engine": "duckdb"})
+    program.FormattedPredicateSql(predicate)
+    return program.execution
 
 
 _MAKE_TYPE = re.compile(r"drop type if exists \w+ cascade; (create type (\w+) as [^;]*;)")
@@ -92,8 +100,8 @@ _parse = parse.ParseFile
 
 
 @functools.cache
-def _parsed_library(text: str) -> Any:
-    return _parse(text)
+def _parsed_library(text: str) -> bytes:
+    return pickle.dumps(_parse(text))
 
 
 class _Parser:
@@ -101,7 +109,7 @@ class _Parser:
 
     @staticmethod
     def ParseFile(text: str) -> Any:  # noqa: N802 - the package's name
-        return copy.deepcopy(_parsed_library(text))
+        return pickle.loads(_parsed_library(text))
 
 
 universe.parse = _Parser
