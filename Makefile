@@ -36,7 +36,7 @@ format: $(VENV)/.dev ## Lay out the code and mend what can be mended
 	$(BIN)/python -m ruff check --fix .
 
 proof: $(VENV)/.dev ## The long proofs: many starts, load, fuzzing
-	$(PYTEST) -m proof $(ARGS)
+	$(PYTEST) -m "proof or hypothesis" --hypothesis-profile=proof $(ARGS)
 
 prove: $(VENV)/.dev ## Prove the levels from 20 starts each; ARGS="-k 05-lighthouse" only that one
 	$(PYTEST) -m "proof or not proof" tests/levels/test_proof.py $(ARGS)

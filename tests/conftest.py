@@ -6,12 +6,18 @@ import logging
 from typing import TYPE_CHECKING
 
 import pytest
+from hypothesis import settings
 
 from tests.installed import Installed, build_wheel, install
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
     from pathlib import Path
+
+# Each run tries other examples; `make proof` tries many at once.
+settings.register_profile("ordinary", max_examples=40)
+settings.register_profile("proof", max_examples=500)
+settings.load_profile("ordinary")
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:

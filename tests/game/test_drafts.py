@@ -88,7 +88,7 @@ def test_what_was_adopted_and_not_taken_is_there_for_the_next(tmp_path: Path) ->
     assert "typed meanwhile" in "".join(p.read_text() for p in (tmp_path / "old").iterdir())
 
 
-@settings(max_examples=50, deadline=None)
+@settings(deadline=None)
 @given(st.text(), st.text(), st.text(st.characters(blacklist_characters="\0")))
 def test_any_text_comes_back_as_it_was(
     tmp_path_factory: pytest.TempPathFactory, text: str, name: str, path: str

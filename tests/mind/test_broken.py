@@ -80,7 +80,7 @@ def test_no_message_holds_codes_sql_or_a_traceback_and_every_hint_is_short() -> 
         assert all(3 < len(hint) <= 123 for hint in hints), title
 
 
-@settings(max_examples=60, deadline=None)
+@settings(deadline=None)
 @given(st.data())
 def test_a_program_with_a_piece_cut_out_never_gives_a_traceback(data: st.DataObject) -> None:
     text, _ = data.draw(st.sampled_from(sorted(PROGRAMS.values())))

@@ -112,7 +112,7 @@ def test_a_program_may_have_the_name_that_questions_get() -> None:
     assert ask("1 + 1", text).rows == ((2,),)
 
 
-@settings(max_examples=60, deadline=None)
+@settings(deadline=None)
 @given(st.text(alphabet='Item(x, y)12:-;{}[]"~|&<=># \n', max_size=30))
 def test_nonsense_is_refused_or_answered_and_never_stumbles(query: str) -> None:
     try:

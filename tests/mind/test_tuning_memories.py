@@ -53,7 +53,7 @@ def test_whatever_lists_hold_both_ways_give_the_same(visible: Any) -> None:
     tuned, plain = (Mind(program, memory=visible, plain=plain) for plain in (False, True))
     rows = [row("Ada", sees={3: (40, "robot", "Bo")}), row("Bo"), row("Cy")]
 
-    @settings(max_examples=60, deadline=None)
+    @settings(deadline=None)
     @given(st.dictionaries(st.sampled_from(["Ada", "Bo", "Cy"]), memory))
     def same(memories: dict[str, Any]) -> None:
         quick, slow = ([asdict(d) for d in m.think(rows, memories)] for m in (tuned, plain))

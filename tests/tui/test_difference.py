@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import pyte
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from rich.color import Color, ColorSystem
 from rich.console import Console
@@ -116,7 +116,6 @@ def test_pieces_that_reach_out_of_the_terminal_do_no_harm(
     assert len(screen.display) == ROWS
 
 
-@settings(max_examples=50)
 @given(
     st.lists(_pieces, min_size=1, max_size=4),
     st.builds(Region, *(st.integers(0, size) for size in (COLUMNS, ROWS, COLUMNS, ROWS))),

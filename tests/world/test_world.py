@@ -31,7 +31,7 @@ def known(wanted: dict[str, Desire], level: Level) -> dict[str, Desire]:
     return {name: desire for name, desire in wanted.items() if name in names}
 
 
-@settings(max_examples=100, deadline=None)
+@settings(deadline=None)
 @given(levels(), st.lists(desires, min_size=1, max_size=8), st.data())
 def test_a_restored_world_has_exactly_the_same_future(
     level: Level, plan: list[dict[str, Desire]], data: st.DataObject
@@ -60,7 +60,7 @@ def test_a_restored_world_has_exactly_the_same_future(
     assert other.save() == states[-1]
 
 
-@settings(max_examples=100, deadline=None)
+@settings(deadline=None)
 @given(levels(), st.lists(desires, min_size=1, max_size=8))
 def test_no_desire_poisons_the_state(level: Level, plan: list[dict[str, Desire]]) -> None:
     world = World(level)

@@ -52,7 +52,7 @@ def editor_of(level: Level) -> LevelEditor:
     return LevelEditor(level, lambda: state, lambda: None, lambda _: None)
 
 
-@settings(max_examples=60, deadline=None)
+@settings(deadline=None)
 @given(st.lists(deeds, max_size=20))
 def test_any_sequence_of_strokes_undos_and_saves_loads_back_to_the_same_level(
     done: list[tuple[str, Any]],
