@@ -12,7 +12,7 @@ import pytest
 
 from benchmarks.reference import measure_reference
 from logical_robots_tui import Game, Program, list_levels, load_level
-from logical_robots_tui.game import count_rules, level_key, reference_for
+from logical_robots_tui.game import count_rules, level_key, measuring, reference_for
 from logical_robots_tui.game.measuring import Trial, measure, patience_for
 from logical_robots_tui.game.reference import reference_table
 from logical_robots_tui.game.robustness import play_through, shifted, try_starts
@@ -138,7 +138,15 @@ async def test_what_is_known_of_the_given_start_is_not_played_again(level: Level
     assert (found.ticks, found.rules, found.distance, found.starts) == (55, 7, 1.0, 20)
 
 
-async def test_a_program_that_does_not_win_from_the_start_has_no_measures(level: Level) -> None:
+def test_a_program_that_does_not_win_from_the_start_has_no_measures(
+    level: Level, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(measuring, "MOST_TICKS", 50)
+    assert measuring._measured(level, Program.compile(STILL), None) is None
+
+
+@pytest.mark.proof
+async def test_that_it_has_none_is_told_by_the_process(level: Level) -> None:
     assert await measure(level, Program.compile(STILL), None) is None
 
 

@@ -21,9 +21,9 @@ from tests.levels.playing import LEVELS, shipped_program, solution_of, ticks_to_
 PAIRS = [(level, lower) for lower, level in combinations(LEVELS, 2)]
 
 # One thought of one robot is the unit of effort here.
-THOUGHTS_FOR_SHIFTED_STARTS = 14_000
-THOUGHTS_FOR_A_STARTER = 3_000
-THOUGHTS_FOR_A_LOWER_SOLUTION = 900
+THOUGHTS_FOR_SHIFTED_STARTS = 6_000
+THOUGHTS_FOR_A_STARTER = 1_500
+THOUGHTS_FOR_A_LOWER_SOLUTION = 450
 THOUGHTS_TO_THE_END = 600_000  # of a swarm; the others end at the most ticks that a level may take
 LONGEST_RUN = 120.0  # seconds
 
