@@ -5,6 +5,7 @@ from __future__ import annotations
 import pytest
 
 from logical_robots_tui.game import list_programs, load_program
+from logical_robots_tui.mind import quicker
 from logical_robots_tui.mind.checks import check
 from logical_robots_tui.mind.parsing import parse_statements
 from logical_robots_tui.mind.text import prepare
@@ -43,6 +44,9 @@ SUBTLE = [
     '@OrderBy(A, "col0", "DESC"); @Limit(A, 2); A(1); A(2);',
     "Go(a) = {left_engine: a, right_engine: a}; A(x) :- x = Go(1).left_engine;",
 ]
+
+
+quicker.install()  # as in the compile process
 
 
 def found(text: str) -> list[str]:
