@@ -29,6 +29,9 @@ __all__ = ["StillLettering", "letter", "robot_colour", "write"]
 _MIN_COLUMNS, _MIN_ROWS = 24, 8
 """Below this a view is too small for names."""
 
+_NAMES_AT_MOST = 4
+"""One in so many cells may show the name of a robot; of a larger crowd only the selected one's."""
+
 _PULSE = (0.35, 0.0, -0.4, 0.0)
 """How far the colour of a beacon goes towards the brightest, or below 0 towards the floor."""
 
@@ -171,7 +174,10 @@ def letter(
             write(cells, row, column, plate.cells, style)
         else:
             moved.append((plate, style))
+    is_crowd = _NAMES_AT_MOST * sum(len(robot.name) + 1 for robot, _, _ in placed) > cells.text.size
     for robot, colour, cell in reversed(placed):
+        if is_crowd and robot.name != look.selected:
+            continue
         sign = _trouble(robot, undecided, look)
         _put_robot_name(cells, room, robot, sign, colour, cell, viewport, look)
     for plate, style in moved:

@@ -106,3 +106,12 @@ def test_the_plate_of_a_selected_robot_is_in_its_colour() -> None:
 def test_a_view_too_small_for_names_has_none() -> None:
     level = room(robots=(Robot("Ann", 200, 100),), beacons=(Beacon("lamp", 100, 100),))
     assert "Ann" not in "\n".join(Drawn(level, look=NAMES, columns=12, rows=5).lines)
+
+
+def test_of_a_crowd_only_the_selected_robot_has_a_name() -> None:
+    robots = tuple(Robot(f"Bee {i}", 50 + 9 * i, 50 + 4 * i) for i in range(99))
+    level = room(1000, 500, robots=robots)
+    drawn = Drawn(level, look=replace(NAMES, selected="Bee 7"), columns=80, rows=20)
+    assert "\n".join(drawn.lines).count("Bee") == 1
+    assert "Bee 7" in "\n".join(drawn.lines)
+    assert "\n".join(Drawn(level, look=NAMES, columns=200, rows=60).lines).count("Bee") > 9
