@@ -176,6 +176,8 @@ async def test_tab_inserts_two_spaces_and_letters_are_letters(data_dir: Path) ->
         await game.until(lambda: game.editor.text == "  qrnlo +?")
         assert game.app.screen is game.main
         assert game.tick == 0
+        await game.press("ctrl+c")
+        await game.until(lambda: game.shows("Press ^C again to leave"))
 
 
 async def test_lines_are_indented_alone_and_together(data_dir: Path) -> None:

@@ -175,6 +175,8 @@ class Editor(TextArea):
         action = self._actions.get(event.key)
         if event.key not in ("escape", "enter", "ctrl+j") and action is None:
             return
+        if action == "copy" and not self.selected_text:
+            return  # there is nothing to copy: the key means what it means elsewhere
         event.stop()
         event.prevent_default()
         if event.key == "escape":
