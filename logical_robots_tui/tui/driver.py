@@ -13,7 +13,7 @@ from textual import events
 from textual._xterm_parser import XTermParser
 from textual.drivers.linux_driver import LinuxDriver
 
-__all__ = ["Ear", "ListeningDriver"]
+__all__ = ["Ear", "ListeningDriver", "Unmarked"]
 
 _LAST_ANSWER = 0.5  # seconds to wait for it before the terminal is somebody else's
 
@@ -22,6 +22,10 @@ _LOOK_UP_EVERY = 0.1  # seconds
 
 _ANSWER = re.compile(r"\x1b\[(\d+);(\d+)R")
 _BEGUN = re.compile(r"\x1b\[[\d;]*\Z")
+
+_MARK = re.compile(r"\x1b\[20([01])~")
+_TEXT = re.compile(r"[^\x00-\x08\x0b\x0c\x0e-\x1f\x7f]{64,}")
+"""More than anybody types at once, and nothing but letters, tabs and ends of lines."""
 
 
 class Ear:
@@ -44,6 +48,30 @@ class Ear:
         begun = _BEGUN.search(typed)
         self._begun = begun[0] if begun else ""
         return typed.removesuffix(self._begun), answers
+
+
+class Unmarked:
+    """Knows a paste from keys where the terminal, or GNU screen in it, does not mark pastes.
+
+    As keys it would be worked off letter by letter, for minutes; and out of the editor each letter
+    is a command.
+    """
+
+    def __init__(self) -> None:
+        self._is_marked = self._is_escape_begun = False
+
+    def paste_in(self, typed: str) -> str:
+        """Return what was pasted, with line feeds, or "" if those are keys or marked pastes.
+
+        Args:
+            typed: All that came in at once, after all that came in before.
+        """
+        is_plain = not self._is_marked and not self._is_escape_begun
+        self._is_escape_begun = typed.endswith("\x1b")
+        for mark in _MARK.finditer(typed):
+            self._is_marked = mark[1] == "0"
+        text = typed.replace("\r\n", "\n").replace("\r", "\n")
+        return text if is_plain and "\n" in text and _TEXT.fullmatch(text) else ""
 
 
 class ListeningDriver(LinuxDriver):
@@ -70,7 +98,7 @@ class ListeningDriver(LinuxDriver):
     def run_input_thread(self) -> None:
         """Pass on what comes in until the driver stops."""
         parser = XTermParser(self._debug)
-        ear = Ear()
+        ear, unmarked = Ear(), Unmarked()
         decode = getincrementaldecoder("utf-8")(errors="replace").decode
         terminal = select.poll()
         terminal.register(self.fileno, select.POLLIN)
@@ -86,6 +114,9 @@ class ListeningDriver(LinuxDriver):
                 typed, answers = ear.listen(decode(data))
                 for _ in range(answers):
                     self._hear()
+            if pasted := unmarked.paste_in(typed):
+                self.process_message(events.Paste(pasted))
+                typed = ""
             for message in (*(parser.feed(typed) if typed else ()), *parser.tick()):
                 self.process_message(message)
 

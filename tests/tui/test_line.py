@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from logical_robots_tui.tui.driver import Ear
+from logical_robots_tui.tui.driver import Ear, Unmarked
 from logical_robots_tui.tui.line import PATIENCE, Line
 
 
@@ -90,3 +90,29 @@ def test_answers_are_heard_wherever_they_come_in_and_a_paste_around_them_stays_w
 
 def test_the_escape_key_is_not_held_back() -> None:
     assert Ear().listen("a\x1b") == ("a\x1b", 0)
+
+
+LINES = "A(x) :- B(x);\r" * 8
+
+
+@pytest.mark.parametrize(
+    ("before", "typed", "pasted"),
+    [
+        ("", LINES, True),
+        ("2", LINES.replace("\r", "\r\n\t"), True),
+        ("", "n" * 500, False),
+        ("", "A(1);\r", False),
+        ("", LINES + "\x12", False),
+        ("", "\x1b[A" * 20 + LINES, False),
+        ("\x1b[200~A", LINES, False),
+        ("\x1b[200~A\x1b[201~", LINES, True),
+        ("\x1b", f"[200~{LINES}", False),
+    ],
+)
+def test_lines_that_come_in_at_once_are_a_paste_unless_it_is_marked(
+    before: str, typed: str, pasted: bool
+) -> None:
+    unmarked = Unmarked()
+    assert not unmarked.paste_in(before)
+    lines = typed.replace("\r\n", "\n").replace("\r", "\n")
+    assert unmarked.paste_in(typed) == (lines if pasted else "")
