@@ -72,8 +72,11 @@ class Scribe:
         count = screen.text.count(wish.wanted)
         if count:
             screen.replace_text(screen.text.replace(wish.wanted, wish.instead))
-        places = f"in {count} place{'s' * (count != 1)}"
-        screen.tell(f"Replaced {places}." if count else self._nowhere())
+            screen.tell(f"Replaced in {count} place{'s' * (count != 1)}.")
+        elif find_after(screen.text, wish.wanted, (0, 0)) is not None:
+            screen.tell("Nothing was replaced: it is there with other capitals only.")
+        else:
+            screen.tell(self._nowhere())
 
     def find_next(self) -> None:
         """Go to the next place of what was looked for last."""

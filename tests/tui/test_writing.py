@@ -105,6 +105,11 @@ async def test_the_list_follows_what_is_typed_and_escape_closes_it(data_dir: Pat
         assert game.main.focused is game.editor
         await game.press("tab")
         await game.until(lambda: game.editor.text == "Sq  ")
+        await game.press(*"Sqr", "ctrl+space")
+        await game.until(lambda: game.editor.completion.display)
+        await game.press("t")
+        await game.until(lambda: game.editor.text == "Sq  Sqrt")
+        assert not game.editor.completion.display
 
 
 async def test_how_a_function_is_called_is_told_while_typing(data_dir: Path) -> None:
@@ -217,6 +222,12 @@ async def test_a_text_is_found_and_replaced_as_one_edit(data_dir: Path) -> None:
         assert game.shows("Replaced in 3 places")
         await game.press("ctrl+z")
         await game.until(lambda: game.editor.text == PAPER)
+        await game.press("ctrl+o")
+        await game.until(lambda: game.shows("Find in the program"))
+        await game.press("ctrl+u", *"freedommotion", "tab")
+        await game.until(lambda: game.app.focused and game.app.focused.id == "instead")
+        await game.press("enter")
+        await game.until(lambda: game.shows("Nothing was replaced"))
 
 
 async def test_a_predicate_is_renamed_from_the_palette(data_dir: Path) -> None:

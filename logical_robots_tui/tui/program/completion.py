@@ -52,6 +52,11 @@ class Completion(OptionList, can_focus=False):
         self.display = False
 
     @property
+    def names(self) -> list[str]:
+        """The words that are offered."""
+        return [word.name for word in self._words]
+
+    @property
     def chosen(self) -> Word | None:
         """The word that is highlighted."""
         number = self.highlighted

@@ -217,9 +217,11 @@ class Editor(TextArea):
         self.completion.offer(words, self.cursor_screen_offset)
 
     def on_text_area_changed(self) -> None:
-        """Offer what fits what is typed by now."""
+        """Offer what fits what is typed by now; a word that is complete needs no list."""
         if self.completion.display:
             self.action_complete()
+            if self.completion.names == [self.word]:
+                self.completion.close()
 
     def on_blur(self) -> None:
         """Offer nothing to somebody who is elsewhere."""
