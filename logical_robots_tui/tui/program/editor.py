@@ -35,7 +35,6 @@ __all__ = ["Editor", "Mark"]
 _A_PASTE = 0.005
 """Seconds between two keys below which nobody has typed them."""
 
-
 _GAP = 3
 """Cells between a line and the message behind it: the cursor may stand there."""
 
