@@ -1,13 +1,17 @@
-"""Lines of a program: how far they are indented, and where they are after a change."""
+"""Lines of a program: their indentation, where they are after a change, and what they tell."""
 
 from __future__ import annotations
 
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from rich.segment import Segment
+from rich.style import Style
+from textual.strip import Strip
 
 from logical_robots_tui.tui.program.following import followed
 from logical_robots_tui.tui.program.indenting import indentation_after, shifted
+from logical_robots_tui.tui.program.marks import Mark, marked
 
 LINES = st.lists(st.sampled_from("abc"), max_size=6)
 
@@ -65,3 +69,19 @@ def test_a_line_that_stands_beside_what_changed_is_found_as_it_was(
     assert followed(range(len(before)), before, [*before, *after])[: len(before)] == list(
         range(len(before))
     )
+
+
+@pytest.mark.parametrize(
+    ("message", "told"),
+    [
+        ("Pip is lost", "12✗ A(x)   ◂ Pip is lost       "),
+        ("so much is wrong here", "12✗ A(x)   ◂ so much is wrong …"),
+        ("機械人形" * 9, "12✗ A(x)   ◂ 機械人形機械人形機"),
+    ],
+)
+def test_a_message_stands_behind_its_line_as_far_as_there_is_room(message: str, told: str) -> None:
+    line = Strip([Segment("12  "), Segment(f"{'A(x)':<27}")])
+    styles = dict.fromkeys(("mistake", "mistake-gutter", "message"), Style())
+    found = marked(line, Mark(message, is_wrong=True), 11, 4, styles)
+    assert found.text == told
+    assert found.cell_length == line.cell_length

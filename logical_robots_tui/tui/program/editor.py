@@ -2,56 +2,39 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, ClassVar, NamedTuple
+from typing import TYPE_CHECKING, ClassVar
 
-from rich.cells import cell_len
-from rich.segment import Segment
-from rich.style import Style
 from rich.text import Text
 from textual.binding import Binding
 from textual.geometry import Offset
 from textual.message import Message
-from textual.strip import Strip
 from textual.widgets import TextArea
 from textual.widgets.text_area import Selection, TextAreaTheme
 
-from logical_robots_tui.tui.plain import clip, one_line, visible
+from logical_robots_tui.tui.plain import visible
 from logical_robots_tui.tui.program.completion import Completion
 from logical_robots_tui.tui.program.indenting import WIDTH, indentation_after, shifted
 from logical_robots_tui.tui.program.lexer import LONGEST_LINE, LineStates, pieces
+from logical_robots_tui.tui.program.marks import marked
 from logical_robots_tui.tui.program.words import word_around, words_for
 from logical_robots_tui.tui.theme import INK, SYNTAX, rich_style
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
+    from rich.style import Style
     from textual import events
     from textual.document._document import EditResult
     from textual.document._edit import Edit
+    from textual.strip import Strip
     from textual.theme import Theme
 
-__all__ = ["Editor", "Mark"]
+    from logical_robots_tui.tui.program.marks import Mark
+
+__all__ = ["Editor"]
 
 _A_PASTE = 0.005
 """Seconds between two keys below which nobody has typed them."""
-
-_GAP = 3
-"""Cells between a line and the message behind it: the cursor may stand there."""
-
-_LEAST_ROOM = 16
-"""Cells from which on a message is worth its place."""
-
-
-class Mark(NamedTuple):
-    """What is to be said about a line.
-
-    Attributes:
-        message: One sentence.
-        is_wrong: Whether the program can't run because of it.
-    """
-
-    message: str
-    is_wrong: bool
 
 
 class Editor(TextArea):
@@ -349,30 +332,13 @@ class Editor(TextArea):
         return text
 
     def render_line(self, y: int) -> Strip:
-        """A line of the widget, with a sign in the gutter and a message behind it if it is marked.
-
-        The message is there as far as there is room; the pane tells all of it elsewhere.
-        """
+        """A line of the widget, with what is to be said about it."""
         strip = super().render_line(y)
         number = self.scroll_offset.y + y
         mark = self._marks.get(number)
         if mark is None or number >= self.document.line_count:
             return strip
-        gutter = self.gutter_width
-        sign, ink = ("✗", "mistake-gutter") if mark.is_wrong else ("!", "odd-gutter")
-        paper = self._syntax["mistake"] if mark.is_wrong else Style()
-        label = Segment(f"{number + 1:>{gutter - 2}}{sign} ", self._syntax[ink])
-        rest = strip.crop(gutter)
-        end = cell_len(rest.text.rstrip()) + _GAP
-        if rest.cell_length - end >= _LEAST_ROOM:
-            message = clip(f"◂ {one_line(mark.message)}", rest.cell_length - end)
-            told = Segment(message, self._syntax["message"])
-            behind = rest.crop(end + cell_len(message))
-            rest = Strip([*rest.crop(0, end), told, *behind], rest.cell_length)
-        segments = [
-            Segment(text, (style or Style()) + paper, control) for text, style, control in rest
-        ]
-        return Strip([label, *segments], gutter + rest.cell_length)
+        return marked(strip, mark, number, self.gutter_width, self._syntax)
 
 
 def _without_comment(line: str) -> str:

@@ -12,8 +12,9 @@ from textual.widgets.text_area import Selection
 
 from logical_robots_tui.tui.pane import Pane
 from logical_robots_tui.tui.plain import clip, one_line
-from logical_robots_tui.tui.program.editor import Editor, Mark
+from logical_robots_tui.tui.program.editor import Editor
 from logical_robots_tui.tui.program.following import followed
+from logical_robots_tui.tui.program.marks import Mark
 from logical_robots_tui.tui.program.mistakes import MistakeStrip
 from logical_robots_tui.tui.program.words import call_before, definitions, help_on
 
