@@ -5,6 +5,7 @@ The package keeps global state, so one process compiles one program at a time.
 
 from __future__ import annotations
 
+from functools import lru_cache
 from typing import TYPE_CHECKING, Any, cast
 
 from logica.compiler import dialects, functors, universe
@@ -79,7 +80,16 @@ def compile_text(text: str, report: Report | None = None) -> Program:
 
 
 def read_rules(text: str) -> tuple[Prepared, list[Rule]]:
-    """The text of a program that can be compiled, prepared, and its rules as written."""
+    """The text of a program that can be compiled, prepared, and its rules as written.
+
+    Who takes a program apart asks for one predicate after the other, so the last one is at hand.
+    """
+    source, rules = _read(text)
+    return source, quicker.deep_copy(rules)
+
+
+@lru_cache(maxsize=1)
+def _read(text: str) -> tuple[Prepared, list[Rule]]:
     source = prepare(text)
     return source, plain_rules(parse_statements(text, source).rules, text)
 

@@ -26,8 +26,8 @@ def pairs_as_columns(tree: exp.Expr) -> None:
         arms = _arms(query.this)
         for name in [item.alias for item in arms[0].expressions] if arms else []:
             pairs = [_parts(arm, name) for arm in arms]
-            calls = _calls(tree, query.alias, name)
-            if calls and all(pairs):
+            calls = _calls(tree, query.alias, name) if all(pairs) else []
+            if calls:
                 value = _split(arms, name, [pair for pair in pairs if pair])
                 for call in calls:
                     _ask(call, name, value)
