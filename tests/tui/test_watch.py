@@ -5,7 +5,7 @@ from __future__ import annotations
 from itertools import pairwise
 from typing import TYPE_CHECKING
 
-from hypothesis import given
+from hypothesis import example, given
 from hypothesis import strategies as st
 from textual.widgets import Tree
 
@@ -34,6 +34,7 @@ SAMPLES = st.builds(
 )
 
 
+@example([Sample(0.0, None), Sample(5e-324, None)], False, False)
 @given(st.lists(st.none() | SAMPLES), st.booleans(), st.booleans())
 def test_a_line_has_a_character_for_each_tick(
     samples: list[Sample | None], counts: bool, plain: bool

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from itertools import pairwise
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -60,7 +61,9 @@ def _height(number: float, low: float, high: float) -> int:
     """Which bar; numbers that are all the same are halfway up, or at the bottom if they are 0."""
     if low == high:
         return len(BARS) // 2 - 1 if number else 0
-    share = (number / 2 - low / 2) / (high / 2 - low / 2)  # a difference of wholes may overflow
+    if math.isinf(high - low):
+        number, low, high = number / 2, low / 2, high / 2
+    share = (number - low) / (high - low)
     return min(int(share * len(BARS)), len(BARS) - 1)
 
 
