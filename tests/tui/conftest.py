@@ -173,7 +173,9 @@ class Opened:
         deadline = monotonic() + PATIENCE
         while not condition():
             assert monotonic() < deadline, f"never came true; the screen shows\n{self.screen()}"
-            await self.pilot.pause(0.01)
+            await asyncio.sleep(0.01)  # the pilot's own pause has every widget do something
+            if self.app._exception is not None:
+                break
         await self.pilot.pause(0.05)
 
     async def ready(self) -> None:
