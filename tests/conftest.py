@@ -6,7 +6,7 @@ import logging
 from typing import TYPE_CHECKING
 
 import pytest
-from hypothesis import settings
+from hypothesis import HealthCheck, settings
 
 from tests.installed import Installed, build_wheel, install
 
@@ -14,9 +14,14 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
     from pathlib import Path
 
-# Each run tries other examples; `make proof` tries many at once.
-settings.register_profile("ordinary", max_examples=40)
-settings.register_profile("proof", max_examples=500)
+# Each run tries other examples; `make proof` tries many at once. No test asserts a time.
+for _profile, _examples in (("ordinary", 40), ("proof", 500)):
+    settings.register_profile(
+        _profile,
+        max_examples=_examples,
+        deadline=None,
+        suppress_health_check=[HealthCheck.too_slow],
+    )
 settings.load_profile("ordinary")
 
 
@@ -29,10 +34,13 @@ def pytest_addoption(parser: pytest.Parser) -> None:
 
 
 @pytest.fixture(scope="session", autouse=True)
-def compiled_programs(tmp_path_factory: pytest.TempPathFactory) -> Iterator[None]:
-    """What tests compile is kept apart from what players have compiled."""
+def compiled_programs(tmp_path_factory: pytest.TempPathFactory, worker_id: str) -> Iterator[None]:
+    """What tests compile is kept for all of them, apart from what players have compiled."""
+    folder = tmp_path_factory.getbasetemp()
+    if worker_id != "master":
+        folder = folder.parent
     with pytest.MonkeyPatch.context() as patch:
-        patch.setenv("LOGICAL_ROBOTS_CACHE_DIR", str(tmp_path_factory.mktemp("compiled")))
+        patch.setenv("LOGICAL_ROBOTS_CACHE_DIR", str(folder / "compiled"))
         yield
 
 
