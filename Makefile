@@ -81,6 +81,7 @@ $(VENV)/.%: requirements/%.lock pyproject.toml | $(VENV)/.python
 	@echo "Installing what '$*' needs into $(VENV) ..."
 	@$(PIP) install --quiet --require-hashes --requirement $<
 	@$(PIP) install --quiet --no-build-isolation --no-deps --no-index --editable .
+	@$(BIN)/python -m compileall -q logical_robots_tui
 	@touch $@
 
 $(VENV)/.python:
