@@ -21,6 +21,7 @@ from logical_robots_tui.tui.settings import Settings
 from logical_robots_tui.tui.sparing import SparingApp
 from logical_robots_tui.tui.terminal import drawing_for
 from logical_robots_tui.tui.theme import NIGHT
+from logical_robots_tui.tui.turns import Turns
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -89,6 +90,7 @@ class LogicalRobotsApp(SparingApp, inherit_bindings=False):
         )
         self.main.freedoms = freedoms or Freedoms()
         self.animation_level = "none"
+        self._turns = Turns(self)
         self._interrupted_at = float("-inf")
         self._event_loop: asyncio.AbstractEventLoop | None = None
 
@@ -124,12 +126,19 @@ class LogicalRobotsApp(SparingApp, inherit_bindings=False):
 
     async def on_event(self, event: events.Event) -> None:
         """Handle an event; a key or a mouse button is to be answered before all else."""
+        typed = None
+        if isinstance(event, events.Key | events.Paste) and not event.is_forwarded:
+            if self._turns.must_wait(event):
+                return
+            typed = event
         if isinstance(event, events.Key | events.MouseDown | events.Paste):
             self.main.session.pace.give_way()
             self.main.redrawing.hasten()
         key = event.key if isinstance(event, events.Key) and self.screen is self.main else ""
         if not self.main.goes_there(key):
             await super().on_event(event)
+            if typed is not None:
+                self._turns.begin(typed)
 
     def moving_picture(self) -> Region | None:
         """The labyrinth, unless something lies over it."""

@@ -1,0 +1,39 @@
+"""Keys that come all at once, as they do over a slow line."""
+
+from __future__ import annotations
+
+from functools import partial
+from typing import TYPE_CHECKING
+
+from textual import events
+from textual.widgets import Input
+
+from tests.tui.conftest import CHARACTERS, opened
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from tests.tui.conftest import Opened
+
+
+def press_at_once(game: Opened, *keys: str) -> None:
+    for key in keys:
+        character = CHARACTERS.get(key, key if len(key) == 1 else None)
+        game.app.post_message(events.Key(key, character))
+
+
+async def test_keys_go_where_those_before_them_have_led(data_dir: Path) -> None:
+    async with opened(data_dir) as game:
+        await game.ready()
+        for key, before in (("s", "mine"), ("o", ""), ("U", "")):
+            press_at_once(game, key, *"n12")
+            await game.until(lambda: game.app.screen is not game.main)
+            field = game.app.screen.query_one(Input)
+            await game.until(partial(holds, field, f"{before}n12"))
+            press_at_once(game, "escape", "n")
+            await game.until(lambda: game.app.screen is game.main)
+        await game.until(lambda: game.tick == 3)
+
+
+def holds(field: Input, text: str) -> bool:
+    return field.value == text
