@@ -69,7 +69,7 @@ class Turns:
         for _ in range(_ROUNDS):
             await asyncio.sleep(0)
         now = self._app.screen
-        if now is screen or not now.call_after_refresh(self._end, number):
+        if now is screen or not now.call_after_refresh(self._later, self._end, number):
             await self._end(number)
 
     async def _end(self, number: int) -> None:
