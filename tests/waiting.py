@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+import asyncio
 import threading
+from contextlib import suppress
 from time import monotonic
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-__all__ = ["PATIENCE", "until"]
+__all__ = ["PATIENCE", "a_moment", "until"]
 
 PATIENCE = 30.0  # seconds; generous, for machines that are busy with other things
 
@@ -34,3 +36,10 @@ def until(
     while not condition():
         assert monotonic() < deadline, f"not within {patience} s: {otherwise()}"
         _never.wait(_LOOK_AGAIN_AFTER)
+
+
+async def a_moment() -> None:
+    """Leave the event loop to others before a condition is looked at again."""
+    with suppress(TimeoutError):
+        async with asyncio.timeout(_LOOK_AGAIN_AFTER / 2):
+            await asyncio.Event().wait()

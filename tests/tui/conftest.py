@@ -18,6 +18,7 @@ from logical_robots_tui.tui.inspector.pane import InspectorPane
 from logical_robots_tui.tui.program.editor import Editor
 from logical_robots_tui.tui.status import StatusLine
 from logical_robots_tui.world import load_level
+from tests.waiting import a_moment
 
 if TYPE_CHECKING:
     from collections.abc import AsyncIterator, Callable
@@ -173,7 +174,7 @@ class Opened:
         deadline = monotonic() + PATIENCE
         while not condition():
             assert monotonic() < deadline, f"never came true; the screen shows\n{self.screen()}"
-            await asyncio.sleep(0.01)  # the pilot's own pause has every widget do something
+            await a_moment()  # the pilot's own pause has every widget do something
             if self.app._exception is not None:
                 break
         await self.pilot.pause(0.05)
