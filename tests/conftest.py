@@ -8,13 +8,16 @@ from typing import TYPE_CHECKING
 import pytest
 from hypothesis import HealthCheck, settings
 
+from logical_robots_tui.garbage import collect_seldom
 from tests.installed import Installed, build_wheel, install
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
     from pathlib import Path
 
-# Each run tries other examples; `make proof` tries many at once. No test asserts a time.
+collect_seldom()
+
+# Each run tries other examples; `make proof` tries many at once. A machine may be slow.
 for _profile, _examples in (("ordinary", 40), ("proof", 500)):
     settings.register_profile(
         _profile,
