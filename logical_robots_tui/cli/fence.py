@@ -50,7 +50,7 @@ _REFUSED = frozenset(
         *("pty.spawn", "socket.connect", "socket.bind", "socket.sendto", "ctypes.dlopen"),
     )
 )
-_HELPERS = ("logical_robots_tui.game.measuring", "logical_robots_tui.mind.worker")
+_HELPERS = ("logical_robots_tui.game.measuring", "logical_robots_tui.mind.compiling.worker")
 
 
 def fence_in(own: Path) -> None:

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, TypeAlias
 
 from logical_robots_tui.game.breakpoints import OF_PREDICATES, Breakpoint, Hit
 from logical_robots_tui.mind import QueryError, Table
-from logical_robots_tui.mind.stored import to_json
+from logical_robots_tui.mind.sqlite.stored import to_json
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Sequence

@@ -7,23 +7,23 @@ from dataclasses import replace
 from math import inf
 from typing import TYPE_CHECKING, Any, TypeAlias
 
-from logical_robots_tui.mind.database import TooMuchError, TooSlowError
 from logical_robots_tui.mind.failures import FailureError, in_plain_words
-from logical_robots_tui.mind.lasting import Lasting
 from logical_robots_tui.mind.machinery import plan_lines
 from logical_robots_tui.mind.plain import printable
-from logical_robots_tui.mind.stored import TooDeepError, from_sql
-from logical_robots_tui.mind.tables import PlainTables, TunedTables, UnfitError
+from logical_robots_tui.mind.sqlite.database import TooMuchError, TooSlowError
+from logical_robots_tui.mind.sqlite.lasting import Lasting
+from logical_robots_tui.mind.sqlite.stored import TooDeepError, from_sql
+from logical_robots_tui.mind.sqlite.tables import PlainTables, TunedTables, UnfitError
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
-    from logical_robots_tui.mind.database import Answer as RawAnswer
-    from logical_robots_tui.mind.database import Scalar
     from logical_robots_tui.mind.duck.engine import DuckTables
     from logical_robots_tui.mind.limits import Limits
-    from logical_robots_tui.mind.moment import Moment, View, Within
     from logical_robots_tui.mind.program import Duck, Program, Tuned
+    from logical_robots_tui.mind.sqlite.database import Answer as RawAnswer
+    from logical_robots_tui.mind.sqlite.database import Scalar
+    from logical_robots_tui.mind.sqlite.moment import Moment, View, Within
     from logical_robots_tui.values import Value
 
 __all__ = ["Answer", "Asking"]

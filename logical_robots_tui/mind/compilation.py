@@ -244,7 +244,7 @@ class _Compiler:
         self.close()
         self._bounds = bounds
         self._process = subprocess.Popen(  # noqa: S603 - our own interpreter, and two numbers
-            [sys.executable, "-P", "-S", "-m", "logical_robots_tui.mind.worker", *bounds],
+            [sys.executable, "-P", "-S", "-m", "logical_robots_tui.mind.compiling.worker", *bounds],
             stdin=subprocess.PIPE,
             stdout=subprocess.PIPE,
             stderr=subprocess.DEVNULL,

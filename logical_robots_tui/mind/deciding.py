@@ -6,7 +6,7 @@ import math
 from typing import TYPE_CHECKING
 
 from logical_robots_tui.mind.decision import Decision, Notice
-from logical_robots_tui.mind.stored import to_json
+from logical_robots_tui.mind.sqlite.stored import to_json
 from logical_robots_tui.values import Desire, Value
 
 if TYPE_CHECKING:

@@ -13,11 +13,11 @@ from logical_robots_tui.mind.decision import Decision, Notice
 from logical_robots_tui.mind.diagnostics import QueryError
 from logical_robots_tui.mind.duck.engine import DuckTables, Engine
 from logical_robots_tui.mind.failures import FailureError
-from logical_robots_tui.mind.lasting import Sizes
 from logical_robots_tui.mind.limits import Limits
 from logical_robots_tui.mind.machinery import Machinery
-from logical_robots_tui.mind.moment import Moment, View, Within
-from logical_robots_tui.mind.stored import size_of
+from logical_robots_tui.mind.sqlite.lasting import Sizes
+from logical_robots_tui.mind.sqlite.moment import Moment, View, Within
+from logical_robots_tui.mind.sqlite.stored import size_of
 from logical_robots_tui.mind.why.explaining import MOST_WAYS, explain
 from logical_robots_tui.values import SensorRow, Value
 
@@ -25,8 +25,8 @@ if TYPE_CHECKING:
     import threading
 
     from logical_robots_tui.mind.asking import Answer
-    from logical_robots_tui.mind.database import Scalar
     from logical_robots_tui.mind.program import Program, Question
+    from logical_robots_tui.mind.sqlite.database import Scalar
     from logical_robots_tui.mind.why.explanation import Explanation
     from logical_robots_tui.mind.why.probing import Probing
 

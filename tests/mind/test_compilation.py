@@ -124,9 +124,13 @@ def test_there_is_one_compile_process_however_many_compile() -> None:
 
 def children(parent: int) -> list[int]:
     listed = subprocess.run(
-        ["ps", "-o", "pid=,args=", "--ppid", str(parent)], capture_output=True, text=True
+        ["ps", "-ww", "-o", "pid=,args=", "--ppid", str(parent)], capture_output=True, text=True
     )
-    return [int(line.split()[0]) for line in listed.stdout.splitlines() if "mind.worker" in line]
+    return [
+        int(line.split()[0])
+        for line in listed.stdout.splitlines()
+        if "mind.compiling.worker" in line
+    ]
 
 
 @ONLY_LINUX

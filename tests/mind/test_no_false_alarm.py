@@ -5,9 +5,9 @@ from __future__ import annotations
 import pytest
 
 from logical_robots_tui.game import list_programs, load_program
-from logical_robots_tui.mind import quicker
-from logical_robots_tui.mind.checks import check
-from logical_robots_tui.mind.parsing import parse_statements
+from logical_robots_tui.mind.compiling import quicker
+from logical_robots_tui.mind.compiling.checks import check
+from logical_robots_tui.mind.compiling.parsing import parse_statements
 from logical_robots_tui.mind.text import prepare
 from tests.mind.differential.corpus import CASES
 from tests.mind.rows import PAPER, ROBOT

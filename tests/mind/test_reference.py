@@ -11,9 +11,9 @@ from typing import Any
 
 import pytest
 
-from logical_robots_tui.mind import builtins
+from logical_robots_tui.mind.compiling import builtins
+from logical_robots_tui.mind.compiling.rules import defined, prelude_rules
 from logical_robots_tui.mind.reference import REFERENCE, FunctionHelp, find_help, similar
-from logical_robots_tui.mind.rules import defined, prelude_rules
 from tests.mind.rows import remembered
 
 SPELT = {"Agg+": "+=", "Agg++": "++=", "1": "1="}

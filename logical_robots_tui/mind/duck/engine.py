@@ -7,11 +7,11 @@ from typing import TYPE_CHECKING, Any, Literal, TypeAlias
 from weakref import WeakMethod
 
 from logical_robots_tui.errors import InputError
-from logical_robots_tui.mind.database import TooMuchError, TooSlowError
 from logical_robots_tui.mind.diagnostics import Stopped
 from logical_robots_tui.mind.duck.words import is_harmless
-from logical_robots_tui.mind.tables import UnfitError
-from logical_robots_tui.mind.watch import Work
+from logical_robots_tui.mind.sqlite.database import TooMuchError, TooSlowError
+from logical_robots_tui.mind.sqlite.tables import UnfitError
+from logical_robots_tui.mind.sqlite.watch import Work
 
 if TYPE_CHECKING:
     import threading
@@ -20,8 +20,8 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from logical_robots_tui.mind.limits import Limits
-    from logical_robots_tui.mind.moment import Moment, Within
     from logical_robots_tui.mind.program import Duck
+    from logical_robots_tui.mind.sqlite.moment import Moment, Within
 
 __all__ = ["FEWEST", "DuckTables", "Engine", "check_installed"]
 

@@ -17,7 +17,7 @@ from logical_robots_tui.mind.duck.terms import (
     condition,
     number,
 )
-from logical_robots_tui.mind.filling import RAYS
+from logical_robots_tui.mind.sqlite.filling import RAYS
 from logical_robots_tui.mind.tuning import sql
 
 if TYPE_CHECKING:

@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from logical_robots_tui.mind.duck.scopes import INPUTS
-from logical_robots_tui.mind.filling import IN_SELF, KINDS, RAYS
-from logical_robots_tui.mind.tables import UnfitError
+from logical_robots_tui.mind.sqlite.filling import IN_SELF, KINDS, RAYS
+from logical_robots_tui.mind.sqlite.tables import UnfitError
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping, Sequence
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from logical_robots_tui.mind.duck.terms import Kind
-    from logical_robots_tui.mind.moment import Moment
+    from logical_robots_tui.mind.sqlite.moment import Moment
 
 __all__ = ["columns_of", "filled"]
 

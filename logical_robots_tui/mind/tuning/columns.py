@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from sqlglot import exp
 
-from logical_robots_tui.mind.filling import KINDS, RAYS
+from logical_robots_tui.mind.sqlite.filling import KINDS, RAYS
 from logical_robots_tui.mind.tuning import sql
 
 __all__ = [

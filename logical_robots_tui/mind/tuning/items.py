@@ -6,7 +6,12 @@ from typing import TYPE_CHECKING
 
 from sqlglot import exp
 
-from logical_robots_tui.mind.remembered import ITEM_FIELDS, ITEMS, MEMORY_FIELDS, spelled_item
+from logical_robots_tui.mind.sqlite.remembered import (
+    ITEM_FIELDS,
+    ITEMS,
+    MEMORY_FIELDS,
+    spelled_item,
+)
 from logical_robots_tui.mind.tuning import notes, sql
 
 if TYPE_CHECKING:

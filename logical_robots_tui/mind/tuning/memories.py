@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 from sqlglot import exp
 
-from logical_robots_tui.mind.remembered import MEMORY_FIELDS
+from logical_robots_tui.mind.sqlite.remembered import MEMORY_FIELDS
 from logical_robots_tui.mind.tuning import notes, sql
 
 if TYPE_CHECKING:

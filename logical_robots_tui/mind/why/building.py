@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Literal
 
+from logical_robots_tui.mind.compiling.rules import VALUE, value_of
 from logical_robots_tui.mind.program import INPUTS
-from logical_robots_tui.mind.rules import VALUE, value_of
 from logical_robots_tui.mind.why import sides, trees
 from logical_robots_tui.mind.why.probing import (
     GIVEN,
@@ -24,7 +24,7 @@ from logical_robots_tui.mind.why.spans import span_of
 if TYPE_CHECKING:
     from collections.abc import Container, Iterable, Mapping, Sequence
 
-    from logical_robots_tui.mind.rules import Rule
+    from logical_robots_tui.mind.compiling.rules import Rule
     from logical_robots_tui.mind.text import Prepared
 
 __all__ = ["PROBE", "Builder"]

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Protocol
 
 from logical_robots_tui.mind.failures import FailureError
-from logical_robots_tui.mind.stored import to_sql
+from logical_robots_tui.mind.sqlite.stored import to_sql
 from logical_robots_tui.mind.why.explanation import (
     Ask,
     Explanation,
@@ -19,7 +19,7 @@ from logical_robots_tui.mind.why.probing import with_given
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
-    from logical_robots_tui.mind.database import Scalar
+    from logical_robots_tui.mind.sqlite.database import Scalar
     from logical_robots_tui.mind.why.probing import Part, Probing, Query, RuleParts, Side
     from logical_robots_tui.values import Value
 

@@ -6,12 +6,12 @@ from typing import TYPE_CHECKING, Any
 
 from logica.compiler import rule_translate
 
-from logical_robots_tui.mind import builtins
+from logical_robots_tui.mind.compiling import builtins
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
 
-    from logical_robots_tui.mind.rules import Rule
+    from logical_robots_tui.mind.compiling.rules import Rule
 
 __all__ = ["Scope", "combines", "flat", "in_order", "names"]
 

@@ -7,13 +7,13 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from logical_robots_tui.mind.rules import COMPARISONS, JUNCTIONS
+from logical_robots_tui.mind.compiling.rules import COMPARISONS, JUNCTIONS
 from logical_robots_tui.mind.why.scopes import combines
 
 if TYPE_CHECKING:
     from collections.abc import Container, Iterator
 
-    from logical_robots_tui.mind.rules import Rule
+    from logical_robots_tui.mind.compiling.rules import Rule
 
 __all__ = ["asks", "column_name", "compared", "has_conditions", "outer_calls"]
 

@@ -5,9 +5,9 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from logical_robots_tui.mind import complaints
-from logical_robots_tui.mind.compiler import compiled_rules, read_rules
-from logical_robots_tui.mind.rules import VALUE, called, head_name, heads, value_of
+from logical_robots_tui.mind.compiling import complaints
+from logical_robots_tui.mind.compiling.compiler import compiled_rules, read_rules
+from logical_robots_tui.mind.compiling.rules import VALUE, called, head_name, heads, value_of
 from logical_robots_tui.mind.why import sides, trees
 from logical_robots_tui.mind.why.building import Builder
 from logical_robots_tui.mind.why.probing import Probing, with_given
@@ -15,7 +15,7 @@ from logical_robots_tui.mind.why.probing import Probing, with_given
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
 
-    from logical_robots_tui.mind.rules import Rule
+    from logical_robots_tui.mind.compiling.rules import Rule
     from logical_robots_tui.mind.why.probing import Part, Query, RuleParts
 
 __all__ = ["take_apart"]

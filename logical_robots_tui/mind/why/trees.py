@@ -6,12 +6,12 @@ from typing import TYPE_CHECKING, Any
 
 from logica.parser_py import parse
 
-from logical_robots_tui.mind.quicker import deep_copy
+from logical_robots_tui.mind.compiling.quicker import deep_copy
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping
 
-    from logical_robots_tui.mind.rules import Rule
+    from logical_robots_tui.mind.compiling.rules import Rule
 
 __all__ = ["any_value", "asked", "equal", "make", "number", "renamed", "rule", "variable"]
 

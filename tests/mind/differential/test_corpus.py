@@ -9,8 +9,8 @@ from typing import Any
 import pytest
 
 from logical_robots_tui.mind import Limits, Program
-from logical_robots_tui.mind.moment import Moment, Within
-from logical_robots_tui.mind.tables import TunedTables
+from logical_robots_tui.mind.sqlite.moment import Moment, Within
+from logical_robots_tui.mind.sqlite.tables import TunedTables
 from tests.mind.differential.comparing import MEMORIES, ROWS, here, program, same, there
 from tests.mind.differential.corpus import CASES, DIFFERENCES
 from tests.mind.rows import ROBOT

@@ -14,13 +14,13 @@ import pytest
 from logical_robots_tui.errors import InputError
 from logical_robots_tui.game import list_programs, load_program
 from logical_robots_tui.mind import Limits, Mind, Program, ProgramError, Stopped, why_not_duckdb
-from logical_robots_tui.mind.database import TooSlowError
 from logical_robots_tui.mind.duck import engine
 from logical_robots_tui.mind.duck.engine import DuckTables
 from logical_robots_tui.mind.duck.words import is_harmless
-from logical_robots_tui.mind.moment import Moment, Within
 from logical_robots_tui.mind.program import Duck
-from logical_robots_tui.mind.tables import UnfitError
+from logical_robots_tui.mind.sqlite.database import TooSlowError
+from logical_robots_tui.mind.sqlite.moment import Moment, Within
+from logical_robots_tui.mind.sqlite.tables import UnfitError
 from tests.mind.duck.both import CROWD, decisions
 from tests.mind.hostile.programs import PROGRAMS
 from tests.mind.rows import ROBOT

@@ -13,8 +13,8 @@ from typing import TYPE_CHECKING
 import pytest
 
 from logical_robots_tui.mind import Decision, Limits, Mind, Program, ProgramError, QueryError
-from logical_robots_tui.mind.database import Database, TooMuchError, TooSlowError
 from logical_robots_tui.mind.program import Tuned
+from logical_robots_tui.mind.sqlite.database import Database, TooMuchError, TooSlowError
 from tests.mind.hostile.programs import PROGRAMS
 from tests.mind.hostile.statements import REFUSED, RUNAWAY
 from tests.mind.rows import ROBOT, row

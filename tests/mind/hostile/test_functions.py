@@ -10,10 +10,11 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from logical_robots_tui.mind import Limits, functions
-from logical_robots_tui.mind.allowed import BUILT_IN
-from logical_robots_tui.mind.bounds import MAX_ITEMS, MAX_TEXT
-from logical_robots_tui.mind.database import Database, TooMuchError
+from logical_robots_tui.mind import Limits
+from logical_robots_tui.mind.sqlite import functions
+from logical_robots_tui.mind.sqlite.allowed import BUILT_IN
+from logical_robots_tui.mind.sqlite.bounds import MAX_ITEMS, MAX_TEXT
+from logical_robots_tui.mind.sqlite.database import Database, TooMuchError
 
 if TYPE_CHECKING:
     from collections.abc import Iterator

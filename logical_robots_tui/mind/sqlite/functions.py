@@ -11,7 +11,7 @@ import math
 import sqlite3
 from typing import TYPE_CHECKING, Any, TypeAlias
 
-from logical_robots_tui.mind.bounds import (
+from logical_robots_tui.mind.sqlite.bounds import (
     MAX_ITEMS,
     MAX_RANGE,
     Room,
@@ -20,14 +20,14 @@ from logical_robots_tui.mind.bounds import (
     check_text,
     guarded,
 )
-from logical_robots_tui.mind.casting import to_text, try_cast
-from logical_robots_tui.mind.replaced import REPLACED
-from logical_robots_tui.mind.stored import to_json
+from logical_robots_tui.mind.sqlite.casting import to_text, try_cast
+from logical_robots_tui.mind.sqlite.replaced import REPLACED
+from logical_robots_tui.mind.sqlite.stored import to_json
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable
 
-    from logical_robots_tui.mind.watch import Work
+    from logical_robots_tui.mind.sqlite.watch import Work
 
 __all__ = ["NAMES", "install"]
 

@@ -9,7 +9,7 @@ import json
 import math
 from typing import TYPE_CHECKING, Any
 
-from logical_robots_tui.mind.stored import to_json
+from logical_robots_tui.mind.sqlite.stored import to_json
 
 if TYPE_CHECKING:
     from collections.abc import Callable

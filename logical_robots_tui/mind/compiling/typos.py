@@ -6,14 +6,14 @@ from collections import Counter
 from typing import TYPE_CHECKING
 
 from logical_robots_tui.mind.close import distance
-from logical_robots_tui.mind.rules import head_name, nodes
+from logical_robots_tui.mind.compiling.rules import head_name, nodes
 from logical_robots_tui.mind.text import diagnostic_for
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
+    from logical_robots_tui.mind.compiling.rules import Rule
     from logical_robots_tui.mind.diagnostics import Diagnostic
-    from logical_robots_tui.mind.rules import Rule
 
 __all__ = ["typos"]
 

@@ -5,16 +5,16 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from logical_robots_tui.mind.close import closest
-from logical_robots_tui.mind.rules import fields, heads, nodes
-from logical_robots_tui.mind.shapes import Record
+from logical_robots_tui.mind.compiling.rules import fields, heads, nodes
+from logical_robots_tui.mind.compiling.shapes import Record
 from logical_robots_tui.mind.text import diagnostic_at, diagnostic_for
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
 
+    from logical_robots_tui.mind.compiling.inference import Inference
+    from logical_robots_tui.mind.compiling.rules import Rule
     from logical_robots_tui.mind.diagnostics import Diagnostic
-    from logical_robots_tui.mind.inference import Inference
-    from logical_robots_tui.mind.rules import Rule
 
 __all__ = ["MAIN", "engines", "main_predicate"]
 

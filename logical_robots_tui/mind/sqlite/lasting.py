@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from logical_robots_tui.mind.stored import from_sql, size_of
+from logical_robots_tui.mind.sqlite.stored import from_sql, size_of
 
 if TYPE_CHECKING:
     from logical_robots_tui.values import Value

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 
 from logica.parser_py import parse
 
-from logical_robots_tui.mind.prelude import PRELUDE
+from logical_robots_tui.mind.compiling.prelude import PRELUDE
 
 if TYPE_CHECKING:
     from collections.abc import Iterator

@@ -7,19 +7,19 @@ import sqlite3
 from time import monotonic
 from typing import TYPE_CHECKING, Any, TypeAlias
 
-from logical_robots_tui.mind import functions
-from logical_robots_tui.mind.allowed import BUILT_IN, NAMED_QUERY
-from logical_robots_tui.mind.bounds import MAX_ITEMS
 from logical_robots_tui.mind.diagnostics import Stopped
-from logical_robots_tui.mind.layouts import PLAIN_LAYOUT
 from logical_robots_tui.mind.limits import Limits
-from logical_robots_tui.mind.watch import Work
+from logical_robots_tui.mind.sqlite import functions
+from logical_robots_tui.mind.sqlite.allowed import BUILT_IN, NAMED_QUERY
+from logical_robots_tui.mind.sqlite.bounds import MAX_ITEMS
+from logical_robots_tui.mind.sqlite.layouts import PLAIN_LAYOUT
+from logical_robots_tui.mind.sqlite.watch import Work
 
 if TYPE_CHECKING:
     import threading
     from collections.abc import Iterable, Sequence
 
-    from logical_robots_tui.mind.layouts import Layout
+    from logical_robots_tui.mind.sqlite.layouts import Layout
 
 __all__ = [
     "BUILT_IN",

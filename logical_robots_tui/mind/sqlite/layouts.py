@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from logical_robots_tui.mind.allowed import TABLES
-from logical_robots_tui.mind.remembered import ITEM_FIELDS, MEMORY_FIELDS
+from logical_robots_tui.mind.sqlite.allowed import TABLES
+from logical_robots_tui.mind.sqlite.remembered import ITEM_FIELDS, MEMORY_FIELDS
 
 __all__ = ["COLUMNS_LAYOUT", "CROWD_LAYOUT", "PLAIN_LAYOUT", "Layout"]
 

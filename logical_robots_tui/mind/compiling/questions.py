@@ -12,20 +12,20 @@ from typing import TYPE_CHECKING
 
 from logica.parser_py import parse
 
-from logical_robots_tui.mind import complaints
-from logical_robots_tui.mind.checks import check
-from logical_robots_tui.mind.compiler import compiled_rules, plain_rules, read_rules
+from logical_robots_tui.mind.compiling import complaints
+from logical_robots_tui.mind.compiling.checks import check
+from logical_robots_tui.mind.compiling.compiler import compiled_rules, plain_rules, read_rules
+from logical_robots_tui.mind.compiling.parsing import parse_statements
+from logical_robots_tui.mind.compiling.rules import CONDITIONS, VALUE, fields, heads, nodes
 from logical_robots_tui.mind.diagnostics import Diagnostic, ProgramError
-from logical_robots_tui.mind.parsing import parse_statements
 from logical_robots_tui.mind.program import INPUTS, Question
-from logical_robots_tui.mind.rules import CONDITIONS, VALUE, fields, heads, nodes
 from logical_robots_tui.mind.text import diagnostic_for, prepare
 from logical_robots_tui.mind.why.scopes import names
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping
 
-    from logical_robots_tui.mind.rules import Rule
+    from logical_robots_tui.mind.compiling.rules import Rule
     from logical_robots_tui.mind.text import Prepared
 
 __all__ = ["compile_question"]

@@ -6,20 +6,20 @@ import marshal
 from bisect import bisect_left
 from typing import TYPE_CHECKING
 
-from logical_robots_tui.mind.database import Database
-from logical_robots_tui.mind.filling import fillings
-from logical_robots_tui.mind.layouts import COLUMNS_LAYOUT, CROWD_LAYOUT, PLAIN_LAYOUT
-from logical_robots_tui.mind.lists import Lists
-from logical_robots_tui.mind.stored import to_input, to_sql
+from logical_robots_tui.mind.sqlite.database import Database
+from logical_robots_tui.mind.sqlite.filling import fillings
+from logical_robots_tui.mind.sqlite.layouts import COLUMNS_LAYOUT, CROWD_LAYOUT, PLAIN_LAYOUT
+from logical_robots_tui.mind.sqlite.lists import Lists
+from logical_robots_tui.mind.sqlite.stored import to_input, to_sql
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
-    from logical_robots_tui.mind.database import Answer, Scalar
-    from logical_robots_tui.mind.inserting import Filling
     from logical_robots_tui.mind.limits import Limits
-    from logical_robots_tui.mind.moment import Moment, View, Within
     from logical_robots_tui.mind.program import Tuned
+    from logical_robots_tui.mind.sqlite.database import Answer, Scalar
+    from logical_robots_tui.mind.sqlite.inserting import Filling
+    from logical_robots_tui.mind.sqlite.moment import Moment, View, Within
 
 __all__ = ["PlainTables", "TunedTables", "UnfitError"]
 

@@ -7,13 +7,12 @@ from typing import TYPE_CHECKING
 
 from logica.compiler import universe
 
-from logical_robots_tui.mind import builtins
 from logical_robots_tui.mind.close import closest
-from logical_robots_tui.mind.inference import Inference
-from logical_robots_tui.mind.parameters import lacking, parameters
-from logical_robots_tui.mind.program import INPUTS
-from logical_robots_tui.mind.robot_rule import MAIN, engines, main_predicate
-from logical_robots_tui.mind.rules import (
+from logical_robots_tui.mind.compiling import builtins
+from logical_robots_tui.mind.compiling.inference import Inference
+from logical_robots_tui.mind.compiling.parameters import lacking, parameters
+from logical_robots_tui.mind.compiling.robot_rule import MAIN, engines, main_predicate
+from logical_robots_tui.mind.compiling.rules import (
     called,
     calls,
     defined,
@@ -25,16 +24,22 @@ from logical_robots_tui.mind.rules import (
     subject,
     value_of,
 )
-from logical_robots_tui.mind.signatures import collisions, given_twice, signatures, wrong_calls
+from logical_robots_tui.mind.compiling.signatures import (
+    collisions,
+    given_twice,
+    signatures,
+    wrong_calls,
+)
+from logical_robots_tui.mind.compiling.typos import typos
+from logical_robots_tui.mind.program import INPUTS
 from logical_robots_tui.mind.text import diagnostic_for
-from logical_robots_tui.mind.typos import typos
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
+    from logical_robots_tui.mind.compiling.parsing import Parsed
+    from logical_robots_tui.mind.compiling.rules import Rule
     from logical_robots_tui.mind.diagnostics import Diagnostic
-    from logical_robots_tui.mind.parsing import Parsed
-    from logical_robots_tui.mind.rules import Rule
 
 __all__ = ["MAIN", "check"]
 

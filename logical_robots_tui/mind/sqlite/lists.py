@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from logical_robots_tui.mind.remembered import ITEMS, items
+from logical_robots_tui.mind.sqlite.remembered import ITEMS, items
 
 if TYPE_CHECKING:
-    from logical_robots_tui.mind.database import Database
-    from logical_robots_tui.mind.moment import Moment
+    from logical_robots_tui.mind.sqlite.database import Database
+    from logical_robots_tui.mind.sqlite.moment import Moment
 
 __all__ = ["Lists"]
 

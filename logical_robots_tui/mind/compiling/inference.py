@@ -11,15 +11,22 @@ import re
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 from logical_robots_tui.mind.close import closest
-from logical_robots_tui.mind.rules import VALUE, called, fields, head_name, heads, value_of
-from logical_robots_tui.mind.shapes import SENSOR, ListOf, Record, Scalar, Shape
+from logical_robots_tui.mind.compiling.rules import (
+    VALUE,
+    called,
+    fields,
+    head_name,
+    heads,
+    value_of,
+)
+from logical_robots_tui.mind.compiling.shapes import SENSOR, ListOf, Record, Scalar, Shape
 from logical_robots_tui.mind.text import diagnostic_for
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
+    from logical_robots_tui.mind.compiling.rules import Rule
     from logical_robots_tui.mind.diagnostics import Diagnostic
-    from logical_robots_tui.mind.rules import Rule
 
 __all__ = ["Inference"]
 

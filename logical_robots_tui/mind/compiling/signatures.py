@@ -6,10 +6,9 @@ import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from logical_robots_tui.mind import builtins
 from logical_robots_tui.mind.close import closest
-from logical_robots_tui.mind.program import INPUTS
-from logical_robots_tui.mind.rules import (
+from logical_robots_tui.mind.compiling import builtins
+from logical_robots_tui.mind.compiling.rules import (
     VALUE,
     calls,
     fields,
@@ -19,13 +18,14 @@ from logical_robots_tui.mind.rules import (
     prelude_rules,
     subject,
 )
+from logical_robots_tui.mind.program import INPUTS
 from logical_robots_tui.mind.text import diagnostic_for
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping
 
+    from logical_robots_tui.mind.compiling.rules import Rule
     from logical_robots_tui.mind.diagnostics import Diagnostic
-    from logical_robots_tui.mind.rules import Rule
 
 __all__ = ["Signature", "collisions", "given_twice", "signatures", "wrong_calls"]
 

@@ -8,13 +8,13 @@ from math import inf, isfinite
 from operator import itemgetter
 from typing import TYPE_CHECKING, Any
 
-from logical_robots_tui.mind.inserting import Filling, in_blocks, insert_into
-from logical_robots_tui.mind.stored import to_input, to_sql
+from logical_robots_tui.mind.sqlite.inserting import Filling, in_blocks, insert_into
+from logical_robots_tui.mind.sqlite.stored import to_input, to_sql
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
-    from logical_robots_tui.mind.moment import Moment
+    from logical_robots_tui.mind.sqlite.moment import Moment
 
 __all__ = ["ITEMS", "ITEM_FIELDS", "MEMORY_FIELDS", "items", "memories", "spelled_item"]
 

@@ -5,13 +5,13 @@ from __future__ import annotations
 import re
 from typing import TYPE_CHECKING, Any
 
-from logical_robots_tui.mind import complaints
+from logical_robots_tui.mind.compiling import complaints
+from logical_robots_tui.mind.compiling.rules import TRUTHS
 from logical_robots_tui.mind.diagnostics import ProgramError
-from logical_robots_tui.mind.rules import TRUTHS
-from logical_robots_tui.mind.stored import to_json
+from logical_robots_tui.mind.sqlite.stored import to_json
 
 if TYPE_CHECKING:
-    from logical_robots_tui.mind.rules import Rule
+    from logical_robots_tui.mind.compiling.rules import Rule
     from logical_robots_tui.mind.text import Prepared
 
 __all__ = ["spell_out"]

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from logical_robots_tui.mind.rules import called, head_name, heads, value_of
+from logical_robots_tui.mind.compiling.rules import called, head_name, heads, value_of
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from logical_robots_tui.mind.rules import Rule
+    from logical_robots_tui.mind.compiling.rules import Rule
 
 __all__ = ["lacking", "parameters"]
 

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from logical_robots_tui.mind.watch import Work
+    from logical_robots_tui.mind.sqlite.watch import Work
 
 __all__ = [
     "MAX_ITEMS",

@@ -12,14 +12,14 @@ from typing import TYPE_CHECKING, Any
 
 from logica.parser_py import parse
 
-from logical_robots_tui.mind import complaints
+from logical_robots_tui.mind.compiling import complaints
 from logical_robots_tui.mind.text import statements
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
+    from logical_robots_tui.mind.compiling.rules import Rule
     from logical_robots_tui.mind.diagnostics import Diagnostic
-    from logical_robots_tui.mind.rules import Rule
     from logical_robots_tui.mind.text import Prepared
 
 __all__ = ["Parsed", "parse_statements", "rewritten"]

@@ -10,15 +10,13 @@ from typing import TYPE_CHECKING, Any, cast
 
 from logica.compiler import dialects, functors, universe
 
-from logical_robots_tui.mind import complaints, quicker, reserved
-from logical_robots_tui.mind.checks import MAIN, check
-from logical_robots_tui.mind.diagnostics import Diagnostic, ProgramError
-from logical_robots_tui.mind.dialect import RobotDialect
-from logical_robots_tui.mind.parameters import lacking
-from logical_robots_tui.mind.parsing import parse_statements, rewritten
-from logical_robots_tui.mind.program import INPUTS, Predicate, Program
-from logical_robots_tui.mind.recursion import growth_check
-from logical_robots_tui.mind.rules import (
+from logical_robots_tui.mind.compiling import complaints, quicker, reserved
+from logical_robots_tui.mind.compiling.checks import MAIN, check
+from logical_robots_tui.mind.compiling.dialect import RobotDialect
+from logical_robots_tui.mind.compiling.parameters import lacking
+from logical_robots_tui.mind.compiling.parsing import parse_statements, rewritten
+from logical_robots_tui.mind.compiling.recursion import growth_check
+from logical_robots_tui.mind.compiling.rules import (
     Rule,
     called,
     defined,
@@ -28,7 +26,9 @@ from logical_robots_tui.mind.rules import (
     prelude_rules,
     subject,
 )
-from logical_robots_tui.mind.spelling import spell_out
+from logical_robots_tui.mind.compiling.spelling import spell_out
+from logical_robots_tui.mind.diagnostics import Diagnostic, ProgramError
+from logical_robots_tui.mind.program import INPUTS, Predicate, Program
 from logical_robots_tui.mind.text import Prepared, diagnostic_for, prepare
 
 if TYPE_CHECKING:

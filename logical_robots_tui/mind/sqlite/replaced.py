@@ -9,7 +9,7 @@ from __future__ import annotations
 import re
 from typing import TYPE_CHECKING, Any
 
-from logical_robots_tui.mind.bounds import TooLargeError, check_text
+from logical_robots_tui.mind.sqlite.bounds import TooLargeError, check_text
 
 if TYPE_CHECKING:
     from collections.abc import Callable

@@ -6,14 +6,14 @@ from functools import cache, partial
 from operator import itemgetter
 from typing import TYPE_CHECKING, Any
 
-from logical_robots_tui.mind.inserting import Filling, in_blocks, insert_into
-from logical_robots_tui.mind.remembered import memories
-from logical_robots_tui.mind.stored import to_input
+from logical_robots_tui.mind.sqlite.inserting import Filling, in_blocks, insert_into
+from logical_robots_tui.mind.sqlite.remembered import memories
+from logical_robots_tui.mind.sqlite.stored import to_input
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping, Sequence
 
-    from logical_robots_tui.mind.moment import Moment
+    from logical_robots_tui.mind.sqlite.moment import Moment
     from logical_robots_tui.values import SensorRow
 
 __all__ = ["IN_SELF", "KINDS", "RAYS", "fillings"]

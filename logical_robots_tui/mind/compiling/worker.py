@@ -24,14 +24,14 @@ from time import monotonic
 from typing import IO, TYPE_CHECKING, Any
 
 from logical_robots_tui.garbage import collect_seldom
-from logical_robots_tui.mind import compiler
-from logical_robots_tui.mind.database import Database
+from logical_robots_tui.mind.compiling import compiler
+from logical_robots_tui.mind.compiling.questions import compile_question
+from logical_robots_tui.mind.compiling.robot_rule import MAIN
 from logical_robots_tui.mind.diagnostics import Diagnostic, ProgramError
 from logical_robots_tui.mind.failures import in_plain_words
-from logical_robots_tui.mind.layouts import COLUMNS_LAYOUT
 from logical_robots_tui.mind.plain import printable
-from logical_robots_tui.mind.questions import compile_question
-from logical_robots_tui.mind.robot_rule import MAIN
+from logical_robots_tui.mind.sqlite.database import Database
+from logical_robots_tui.mind.sqlite.layouts import COLUMNS_LAYOUT
 from logical_robots_tui.mind.tuning import tune_all
 from logical_robots_tui.mind.why.taking_apart import take_apart
 

@@ -8,9 +8,9 @@ import sqlite3
 
 from logica.compiler import expr_translate
 
-from logical_robots_tui.mind import functions
-from logical_robots_tui.mind.allowed import BUILT_IN
-from logical_robots_tui.mind.dialect import RobotDialect
+from logical_robots_tui.mind.compiling.dialect import RobotDialect
+from logical_robots_tui.mind.sqlite import functions
+from logical_robots_tui.mind.sqlite.allowed import BUILT_IN
 
 __all__ = ["arity", "is_built_in", "names", "runs"]
 

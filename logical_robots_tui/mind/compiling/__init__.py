@@ -1,0 +1,1 @@
+"""From Logica text to SQL. Runs in the compile process only."""
