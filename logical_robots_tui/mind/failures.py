@@ -38,6 +38,11 @@ _WORDS = (
         r"parser stack overflow|too many levels|too large|tree is too|too many terms",
         "an expression is nested too deeply; give parts of it names of their own",
     ),
+    (
+        r"too many references|tables in a join",
+        "it is put together from too many predicates; mention long ones less often",
+    ),
+    (r"too many arguments", "a list that is written out, or a call, has too many parts"),
     (r"not authorized|prohibited|not a query", "it uses something that robots may not use"),
     (r"too big|out of memory", "a value became too large"),
     (r"integer overflow", "a whole number became too large"),
