@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import sqlite3
 from dataclasses import replace
+from functools import cache
+from itertools import accumulate
 from math import inf
 from typing import TYPE_CHECKING, Any, TypeAlias
 
@@ -249,8 +251,9 @@ class Asking:
         if any(bytes in map(type, row) for row in rows):
             return None  # no record holds such a value
         rows = [_without_infinity(row, tuned) if inf in row or -inf in row else row for row in rows]
+        places = _places(tuned.result)
         return tuple([name for name, _ in tuned.result]), [
-            _put_together(row, tuned) for row in self._read(rows, within)
+            _put_together(row, places) for row in self._read(rows, within)
         ]
 
     def _read(self, rows: Sequence[tuple[Any, ...]], within: Within) -> list[tuple[Value, ...]]:
@@ -264,19 +267,28 @@ class Asking:
 _READY = frozenset({float, int, type(None)})
 
 
-def _put_together(values: tuple[Value, ...], tuned: Tuned) -> tuple[Value, ...]:
+def _put_together(values: tuple[Value, ...], places: Sequence[_Place]) -> tuple[Value, ...]:
     """A row whose records were given field by field."""
-    found: list[Value] = []
-    start = 0
-    for _, fields in tuned.result:
-        if fields:
-            end = start + len(fields)
-            found.append(dict(zip(fields, values[start:end], strict=True)))
-            start = end
-        else:
-            found.append(values[start])
-            start += 1
-    return tuple(found)
+    return tuple(
+        [
+            dict(zip(fields, values[first:last], strict=True)) if fields else values[first]
+            for fields, first, last in places
+        ]
+    )
+
+
+_Place: TypeAlias = "tuple[tuple[str, ...], int, int]"
+"""The fields of a record, or () for what is none, and where they begin and end in a row."""
+
+
+@cache
+def _places(result: tuple[tuple[str, tuple[str, ...]], ...]) -> Sequence[_Place]:
+    """Where the columns of a result stand in a row that was given field by field."""
+    ends = [*accumulate(len(fields) or 1 for _, fields in result)]
+    return [
+        (fields, last - (len(fields) or 1), last)
+        for (_, fields), last in zip(result, ends, strict=True)
+    ]
 
 
 def _without_infinity(values: tuple[Any, ...], tuned: Tuned) -> tuple[Any, ...]:
