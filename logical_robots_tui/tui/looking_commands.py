@@ -183,7 +183,7 @@ LOOKING: tuple[Command, ...] = (
     Command(
         "copy_rows",
         "Copy rows",
-        "Send the rows to the terminal's clipboard, as CSV.",
+        "Copy the rows as CSV, to the terminal's clipboard and into a file.",
         _ROWS,
         ("c",),
     ),

@@ -122,7 +122,9 @@ async def test_rows_are_saved_and_copied(data_dir: Path) -> None:
         await game.until(path.with_suffix(".json").exists)
         assert path.read_text() == as_csv(table(game).shown)
         await game.press("c")
-        await game.until(lambda: game.app.clipboard == path.read_text())
+        copied = data_dir / "copied.txt"
+        await game.until(copied.exists)
+        assert game.app.clipboard == copied.read_text() == path.read_text()
 
 
 async def test_rows_that_cannot_be_saved_say_why(data_dir: Path) -> None:

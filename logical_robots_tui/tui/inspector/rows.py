@@ -75,16 +75,12 @@ class RowCommands:
                 self._screen.inspector.rearrange(replace(table.how, search=text))
 
     def copy(self) -> None:
-        """Send the rows to the terminal's clipboard, as CSV."""
-        if not self._screen.freedoms.clipboard:
-            self._screen.warn("Your terminal's clipboard is off here; the rows can be saved.")
-        elif (table := self._table()) is not None:
-            self._screen.app.copy_to_clipboard(as_csv(table.shown))
-            count = len(table.shown.rows)
-            self._screen.tell(
-                f"{count} row{'s' * (count != 1)} sent to your terminal's clipboard; "
-                "if they don't arrive there, save them."
-            )
+        """Copy the rows as CSV, as the editor copies."""
+        if (table := self._table()) is not None:
+            text, count = as_csv(table.shown), len(table.shown.rows)
+            self._screen.app.copy_to_clipboard(text)
+            self._screen.tell(f"{count} row{'s' * (count != 1)} copied.")
+            self._screen.scribe.keep_copy(text)
 
     def save(self) -> None:
         """Save the rows as CSV and as JSON."""
