@@ -1,7 +1,7 @@
 """The mind: Logica programs compiled to SQLite; sensors and memories in, decisions out.
 
-In the compile process `compiling` makes SQL of text, `tuning` makes that quick and `why` takes rules
-apart. Here `sqlite` holds the rows of a moment and `duck` those of a crowd; a `Mind` asks them.
+In the compile process `compiling` makes SQL of text, `tuning` makes that quick, and `why` takes
+rules apart. Here `sqlite` holds the rows of a moment, `duck` those of a crowd; a `Mind` asks them.
 """
 
 from logical_robots_tui.mind.decision import Decision, Notice, NoticeKind
