@@ -10,6 +10,7 @@ from logical_robots_tui.game.reference import level_key
 
 if TYPE_CHECKING:
     from logical_robots_tui.game.game import Game
+    from logical_robots_tui.game.source import Source
     from logical_robots_tui.world import Level
 
 __all__ = ["Place", "place_of"]
@@ -22,12 +23,14 @@ class Place:
     Attributes:
         level: Name of the level if it came with the game, else the path of its file.
         title: What it is called.
+        program: Name of the last program if it came with the game, else the path of its file.
         tick: Number of the tick, at least 1.
         programs: The first tick in which each program decided, and its text, in this order.
     """
 
     level: str
     title: str
+    program: str
     tick: int
     programs: tuple[tuple[int, str], ...]
 
@@ -45,7 +48,8 @@ class Place:
         try:
             found = json.loads(text)
             programs = tuple((int(begin), str(program)) for begin, program in found["programs"])
-            place = cls(str(found["level"]), str(found["title"]), int(found["tick"]), programs)
+            names = (str(found[name]) for name in ("level", "title", "program"))
+            place = cls(*names, int(found["tick"]), programs)
         except (KeyError, TypeError, ValueError) as error:
             raise ValueError("this is no place of a game") from error
         begins = [begin for begin, _ in place.programs]
@@ -61,12 +65,13 @@ class Place:
         ]
 
 
-def place_of(game: Game, level: Level) -> Place | None:
+def place_of(game: Game, level: Level, source: Source) -> Place | None:
     """Where a game stands.
 
     Args:
         game: The game.
         level: The level as it is in its file.
+        source: Where the program is from.
 
     Returns:
         None at the start, and where the level was changed by hand on the way: there is nothing to
@@ -76,4 +81,5 @@ def place_of(game: Game, level: Level) -> Place | None:
     if tick == 0 or history.level_at(0) is not level or history.is_changed_up_to(tick):
         return None
     programs = tuple((begin, program.text) for begin, program in history.programs(tick))
-    return Place(level_key(level), level.title, tick, programs)
+    program = source.name if source.shipped else str(source.path)
+    return Place(level_key(level), level.title, program, tick, programs)

@@ -6,8 +6,8 @@ import asyncio
 import contextlib
 from typing import TYPE_CHECKING
 
-from logical_robots_tui.errors import LogicalRobotsError
-from logical_robots_tui.game import Place, level_key, place_of
+from logical_robots_tui.errors import InputError, LogicalRobotsError
+from logical_robots_tui.game import Place, level_key, load_program, place_of
 from logical_robots_tui.game.drafts import Draft, Drafts
 from logical_robots_tui.tui.plain import clip, one_line
 from logical_robots_tui.world import load_level
@@ -15,6 +15,7 @@ from logical_robots_tui.world import load_level
 if TYPE_CHECKING:
     from pathlib import Path
 
+    from logical_robots_tui.game import Source
     from logical_robots_tui.tui.screen import MainScreen
 
 __all__ = ["Bookmark"]
@@ -35,7 +36,9 @@ class Bookmark:
     def flush(self) -> None:
         """Write where the game stands. Safe in a signal handler; never raises."""
         session = self._screen.session
-        place = place_of(session.game, session.opened) if session.game is not None else None
+        if session.game is None:
+            return
+        place = place_of(session.game, session.opened, session.source)
         if place is not None:
             with contextlib.suppress(OSError):  # nobody is there to be told
                 self._drafts.keep(Draft(place.title, place.level, place.as_text(), ""))
@@ -72,7 +75,15 @@ class Bookmark:
         screen = self._screen
         if place.level != level_key(screen.session.level):
             await screen.library.open_level(await asyncio.to_thread(load_level, place.level))
-        if screen.keeper.drafts.get(str(screen.session.source.path)) is None:
-            screen.replace_text(place.programs[-1][1])
+        source = await asyncio.to_thread(self._source_of, place)
+        is_unsaved = screen.keeper.drafts.get(str(source.path)) is not None
+        screen.library.open_program(source, None if is_unsaved else place.programs[-1][1])
         screen.labyrinth.briefing.display = False
         await screen.session.replay(place)
+
+    def _source_of(self, place: Place) -> Source:
+        """Where the program of a place is from; the present one if its file is gone."""
+        try:
+            return load_program(place.program)
+        except InputError:
+            return self._screen.session.source

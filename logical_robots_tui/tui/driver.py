@@ -71,7 +71,8 @@ class Unmarked:
         for mark in _MARK.finditer(typed):
             self._is_marked = mark[1] == "0"
         text = typed.replace("\r\n", "\n").replace("\r", "\n")
-        return text if is_plain and "\n" in text and _TEXT.fullmatch(text) else ""
+        is_several_lines = "\n" in text.rstrip("\n")  # and not one line, then enter
+        return text if is_plain and is_several_lines and _TEXT.fullmatch(text) else ""
 
 
 class ListeningDriver(LinuxDriver):

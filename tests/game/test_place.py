@@ -16,7 +16,9 @@ def places(draw: st.DrawFn) -> Place:
     later = draw(st.sets(st.integers(2, 20_000), max_size=4))
     programs = tuple((begin, draw(texts)) for begin in (1, *sorted(later)))
     last = programs[-1][0]
-    return Place(draw(texts), draw(texts), draw(st.integers(last, last + 100)), programs)
+    return Place(
+        draw(texts), draw(texts), draw(texts), draw(st.integers(last, last + 100)), programs
+    )
 
 
 @given(places())
@@ -43,4 +45,6 @@ def test_nonsense_is_no_place(text: str) -> None:
 )
 def test_programs_out_of_order_are_no_place(programs: str) -> None:
     with pytest.raises(ValueError, match="out of order"):
-        Place.from_text(f'{{"level": "", "title": "", "tick": 5, "programs": {programs}}}')
+        Place.from_text(
+            f'{{"level": "", "title": "", "program": "", "tick": 5, "programs": {programs}}}'
+        )

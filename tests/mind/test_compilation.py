@@ -89,7 +89,7 @@ def test_a_program_that_is_too_long_is_refused() -> None:
 
 
 def test_a_program_that_needs_too_much_memory_to_compile_is_refused() -> None:
-    limits = Limits(compile_bytes=150 * 1024**2, compile_seconds=60)
+    limits = Limits(compile_bytes=100 * 1024**2, compile_seconds=60)
     ones = ", ".join("1" * 10_000)
     assert "memory" in refusal(f"{ROBOT} m = [{ones}];", limits)
     assert Program.compile(ROBOT + "m = 12346;").statements

@@ -29,7 +29,7 @@ async def test_the_next_session_goes_on_exactly_there_whatever_programs_it_took(
         await game.press("n")
         await game.until(lambda: game.tick == 6)
 
-    async with opened(data_dir, level=short, text=AHEAD) as game:
+    async with opened(data_dir, level=short, text=AHEAD, name="other") as game:
         await game.ready()
         await game.until(lambda: game.shows("Cut off"))
         await game.press("enter")
@@ -37,6 +37,7 @@ async def test_the_next_session_goes_on_exactly_there_whatever_programs_it_took(
         again = game.session.frame
         assert (again.after, again.memories) == (there.after, there.memories)
         assert game.session.state.applied == game.editor.text == STILL
+        assert game.session.source.name == "mine"
 
     async with opened(data_dir, level=short, text=AHEAD) as game:
         await game.ready()
@@ -51,14 +52,14 @@ async def test_there_is_no_going_back_to_the_start_or_through_a_level_changed_by
         await game.ready()
         session = game.session
         assert session.game is not None
-        assert place_of(session.game, session.opened) is None
+        assert place_of(session.game, session.opened, session.source) is None
         await game.press("n")
         await game.until(lambda: game.tick == 1)
-        assert place_of(session.game, session.opened) is not None
+        assert place_of(session.game, session.opened, session.source) is not None
         session.change_level(session.level, {"Pip": (20.0, 20.0, 1.0)})
         await game.press("n")
         await game.until(lambda: game.tick == 2)
-        assert place_of(session.game, session.opened) is None
+        assert place_of(session.game, session.opened, session.source) is None
 
 
 async def test_a_bookmark_that_cannot_be_read_is_passed_over(data_dir: Path, short: Path) -> None:

@@ -33,8 +33,9 @@ async def test_the_screen_is_saved_and_recorded(data_dir: Path) -> None:
         await game.press("n", "question_mark")
         await game.until(lambda: game.tick == 1 and game.shows("esc close"))
         (film,) = folder.glob("*.cast")
-        shown = trimmed(game.screen().splitlines())
-        await game.until(lambda: trimmed(played(film).display) == shown)
+        await game.until(
+            lambda: trimmed(played(film).display) == trimmed(game.screen().splitlines())
+        )
         await game.press("escape", "n")
         await game.pilot.resize_terminal(90, 28)
         await game.until(lambda: game.tick == 2 and any(e[1] == "r" for e in events_of(film)[1]))

@@ -102,6 +102,7 @@ LINES = "A(x) :- B(x);\r" * 8
         ("2", LINES.replace("\r", "\r\n\t"), True),
         ("", "n" * 500, False),
         ("", "A(1);\r", False),
+        ("", "a long question, " * 8 + "\r", False),
         ("", LINES + "\x12", False),
         ("", "\x1b[A" * 20 + LINES, False),
         ("\x1b[200~A", LINES, False),

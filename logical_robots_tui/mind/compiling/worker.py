@@ -139,12 +139,13 @@ def _answer(request: dict[str, Any], report: Report | None = None) -> dict[str, 
         shown = error.diagnostics[:_MOST_DIAGNOSTICS]
         return {"diagnostics": [asdict(_plain(d)) for d in shown]}
     except MemoryError:
-        return _refusal("the program needs too much memory to compile", "Shorten it.")
+        pass  # an answer takes some, too: what was computed has to go first
     except RecursionError:
         return _refusal("the program is nested too deeply", "Give parts of it names of their own.")
     except Exception:  # the package may raise anything; the next program is to find us alive
         refusal = _refusal("the compiler gave up on this program", "Try a simpler one.")
         return {**refusal, "trace": traceback.format_exc()}
+    return _refusal("the program needs too much memory to compile", "Shorten it.")
 
 
 def _question(text: str, query: str) -> Question:
