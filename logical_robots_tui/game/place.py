@@ -48,8 +48,8 @@ class Place:
         try:
             found = json.loads(text)
             programs = tuple((int(begin), str(program)) for begin, program in found["programs"])
-            names = (str(found[name]) for name in ("level", "title", "program"))
-            place = cls(*names, int(found["tick"]), programs)
+            level, title, program = (str(found[name]) for name in ("level", "title", "program"))
+            place = cls(level, title, program, int(found["tick"]), programs)
         except (KeyError, TypeError, ValueError) as error:
             raise ValueError("this is no place of a game") from error
         begins = [begin for begin, _ in place.programs]
