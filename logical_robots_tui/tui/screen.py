@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from time import monotonic
 from typing import TYPE_CHECKING
 
 from textual import on
@@ -63,6 +64,7 @@ __all__ = ["MainScreen"]
 _COMPLAINTS = 3  # of the configuration that are told; `logical-robots config` tells all
 _EDITING_IDS = {entry.id for entry in EDITING}
 _HEARTBEAT = 0.25  # seconds between two looks at a clock that runs
+_READABLE = 0.1  # seconds that a number is to stand while robots run
 
 
 class MainScreen(Screen[None]):
@@ -139,6 +141,7 @@ class MainScreen(Screen[None]):
         self.arrangement = Arrangement((self.labyrinth, self.program, self.inspector))
         self._focus_before: Widget | None = None
         self._drawn: tuple[Level, Frame, bool] | None = None
+        self._lines_drawn_at = float("-inf")
 
     def compose(self) -> ComposeResult:
         """Status line, tabs, panes, timeline, command bar."""
@@ -241,7 +244,8 @@ class MainScreen(Screen[None]):
             self.labyrinth.show(level, session.frame, hurried=session.running)
         saved = self.text == session.source.text
         self.program.show(session.state, session.source.name, saved=saved)
-        self.redraw_lines()
+        if not session.running or monotonic() - self._lines_drawn_at > _READABLE:
+            self.redraw_lines()
         if session.frame.tick:
             self.journal.moved()
         self.celebration.follow()
@@ -255,6 +259,7 @@ class MainScreen(Screen[None]):
 
     def redraw_lines(self) -> None:
         """Show what has changed around the panes."""
+        self._lines_drawn_at = monotonic()
         self._status.show(status_of(self.session))
         self.timeline.show(self.session, self.labyrinth.view.selected)
         typing = isinstance(self.focused, (TextArea, Input))
