@@ -7,7 +7,6 @@ import os
 import platform
 import sys
 from dataclasses import asdict, dataclass
-from importlib.metadata import PackageNotFoundError, version
 from typing import TYPE_CHECKING
 
 from logical_robots_tui import __version__
@@ -127,6 +126,7 @@ def _colours(system: str | None) -> str:
 
 def _versions() -> Iterator[Finding]:
     import sqlite3
+    from importlib.metadata import PackageNotFoundError, version
 
     yield Finding("versions", "logical-robots", __version__)
     yield Finding("versions", "python", f"{platform.python_version()} on {platform.platform()}")

@@ -40,7 +40,7 @@ if TYPE_CHECKING:
 
 __all__ = ["InspectorPane"]
 
-_ROBOTS_PAUSE, _ROWS_PAUSE = 0.1, 0.25  # seconds between two pictures while the game runs
+_PAUSE = 0.25  # seconds between two pictures while the game runs
 
 
 class InspectorPane(Pane):
@@ -221,7 +221,7 @@ class InspectorPane(Pane):
             else:
                 await self._show_rows(self._inspected, frame)
             if self._session.running:
-                await asyncio.sleep(_ROBOTS_PAUSE if self._inspected == ROBOTS else _ROWS_PAUSE)
+                await asyncio.sleep(_PAUSE)
             else:
                 await self._take_survey(frame)
 
