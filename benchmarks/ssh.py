@@ -75,7 +75,8 @@ def ssh(effort: Effort) -> Iterator[Measurement]:
 def _running(server: Server, line: Line, folder: Path, option: str) -> Iterator[Terminal]:
     """Six robots that run at the other end of a line."""
     game = [sys.executable, "-m", "logical_robots_tui", "play", *SIX_ROBOTS]
-    command = shlex.join([*game, "--data-dir", str(folder / "data")])
+    # A folder of its own: a game whose line was cut would offer to go on.
+    command = shlex.join([*game, "--data-dir", str(folder / f"data-{line.port}")])
     with Terminal([*server.client("-t", option, port=line.port), command], size=SIZE) as terminal:
         terminal.wait_for("· applied")
         terminal.send(" ")
