@@ -39,10 +39,12 @@ class Past:
         Raises:
             NoSuchTickError: History does not hold it.
         """
-        (before, _), known = self._history.around(tick), self._history.known(tick)
-        if self._last is None or self._last.tick != tick or self._turns != self._history.turns:
+        history = self._history
+        before, _ = history.around(tick)
+        if self._last is None or self._last.tick != tick or self._turns != history.turns:
+            known = history.known(tick)
             self._last = known_frame(self.worlds, before.after, before.memories, known)
-            self._turns = self._history.turns
+            self._turns = history.turns
         return self._last
 
     def forget(self) -> None:
