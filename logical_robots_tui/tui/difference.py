@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, NamedTuple, TypeAlias
 
 from rich.cells import cell_len
 
+from logical_robots_tui.tui.drawing.cells import style_of
 from logical_robots_tui.tui.reduction import reduced
 
 if TYPE_CHECKING:
@@ -18,7 +19,7 @@ if TYPE_CHECKING:
     from rich.style import Style
     from textual.geometry import Region
 
-__all__ = ["Difference", "Look", "look_of"]
+__all__ = ["Cell", "Difference", "Look", "look_of"]
 
 _CLOSE = 3
 """Cells that are the same, between two that differ, up to which writing them again is shorter."""
@@ -37,7 +38,7 @@ class Look(NamedTuple):
 
 _PLAIN = Look("", "", "")
 
-_Cell: TypeAlias = tuple[str, Look]
+Cell: TypeAlias = tuple[str, Look]
 """A character, or "" where one of two cells goes on, and its look."""
 
 
@@ -48,13 +49,17 @@ class Difference:
         columns: Cells across.
         rows: Cells down.
         colours: What the terminal can show; None is no colour at all.
+
+    Attributes:
+        looks: The look of each packed style of `Cells`.
     """
 
     def __init__(self, columns: int, rows: int, colours: ColorSystem | None) -> None:
         self.columns, self.rows = columns, rows
+        self.looks = _Looks(colours)
         self._colours = colours
-        self._shown: list[list[_Cell | None]] = [[None] * columns for _ in range(rows)]
-        self._wanted: list[list[_Cell | None]] = [[None] * columns for _ in range(rows)]
+        self._shown: list[list[Cell | None]] = [[None] * columns for _ in range(rows)]
+        self._wanted: list[list[Cell | None]] = [[None] * columns for _ in range(rows)]
         self._behind: dict[int, tuple[int, int]] = {}
         self._turn = 0
 
@@ -76,16 +81,19 @@ class Difference:
             if column < 0:
                 cells, column = cells[-column:], 0
             cells = cells[: self.columns - column]
-            if not cells:
-                continue
-            wanted, stop = self._wanted[row], column + len(cells)
-            # Half of a character that is overwritten takes the other half with it.
-            if column and _is_second_half(wanted[column]):
-                wanted[column - 1] = None
-            if stop < self.columns and _is_second_half(wanted[stop]):
-                wanted[stop] = None
-            wanted[column:stop] = cells
-            self._mark(row, column, stop)
+            if cells:
+                self.put(row, column, cells)
+
+    def put(self, row: int, column: int, cells: Sequence[Cell]) -> None:
+        """Learn that cells are to be shown in a row, from a column on; all lie on the terminal."""
+        wanted, stop = self._wanted[row], column + len(cells)
+        # Half of a character that is overwritten takes the other half with it.
+        if column and _is_second_half(wanted[column]):
+            wanted[column - 1] = None
+        if stop < self.columns and _is_second_half(wanted[stop]):
+            wanted[stop] = None
+        wanted[column:stop] = cells
+        self._mark(row, column, stop)
 
     def forget(self) -> None:
         """Forget what the terminal shows: everything is to be sent again."""
@@ -200,14 +208,28 @@ class Difference:
         return pen
 
 
-def _is_second_half(cell: _Cell | None) -> bool:
+class _Looks(dict[int, Look]):
+    """The look of each packed style, found when it is first asked for."""
+
+    def __init__(self, colours: ColorSystem | None) -> None:
+        super().__init__()
+        self._colours = colours
+
+    def __missing__(self, packed: int) -> Look:
+        if len(self) > 20_000:
+            self.clear()
+        self[packed] = look = look_of(style_of(packed), self._colours)
+        return look
+
+
+def _is_second_half(cell: Cell | None) -> bool:
     """Whether a cell is covered by the character of two cells that begins before it."""
     return cell is not None and cell[0] == ""
 
 
-def _cells(segments: Sequence[Segment], colours: ColorSystem | None) -> list[_Cell]:
+def _cells(segments: Sequence[Segment], colours: ColorSystem | None) -> list[Cell]:
     """Return text and look of each cell; a character of two cells is followed by an empty text."""
-    cells: list[_Cell] = []
+    cells: list[Cell] = []
     for text, style, control in segments:
         if control:
             continue

@@ -86,8 +86,7 @@ class _Studio:
     def lines(self, frame: Frame) -> list[list[Segment]]:
         """The picture, and below it a line of words."""
         self._traces.record(frame)
-        self._picture.draw(self._level, frame, self._viewport, self._look, self._traces)
-        cells = self._picture.cells
+        cells = self._picture.draw(self._level, frame, self._viewport, self._look, self._traces)
         rows = [list(cells.strip(row)) for row in range(self._viewport.rows)]
         return [*rows, [self._words(frame)]]
 

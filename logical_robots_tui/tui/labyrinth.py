@@ -23,6 +23,7 @@ from logical_robots_tui.tui.drawing.picture import Picture
 from logical_robots_tui.tui.drawing.senses import draw_senses
 from logical_robots_tui.tui.drawing.traces import Traces
 from logical_robots_tui.tui.drawing.viewport import CELL_ASPECT, Viewport
+from logical_robots_tui.tui.spot import spot_of
 from logical_robots_tui.tui.theme import palette_of
 from logical_robots_tui.world.sensing import ROBOT_RADIUS
 
@@ -250,8 +251,12 @@ class LabyrinthView(Widget):
     def _palette(self) -> Palette:
         return self.palette or palette_of(self.app.current_theme)
 
-    def _draw(self) -> list[Region]:
-        """Draw the frame and return where the picture changed."""
+    def _draw(self) -> list[tuple[int, int, int]]:
+        """Draw the frame.
+
+        Returns:
+            (row, first column, column after the last) of each row that changed.
+        """
         view = self.view
         if view is None or self._level is None or self._frame is None:
             return []
@@ -272,8 +277,7 @@ class LabyrinthView(Widget):
             cells = draw_senses(self._level, self._frame, *self.size, look)
         else:
             now, traces = self._frame, self._traces
-            self._picture.draw(self._level, now, view, look, traces, hurried=self._hurried)
-            cells = self._picture.cells
+            cells = self._picture.draw(self._level, now, view, look, traces, hurried=self._hurried)
             if self.overlay is not None:
                 cells = cells.copy()
                 self.overlay.paint(cells, view, look)
@@ -281,15 +285,22 @@ class LabyrinthView(Widget):
         self._cells = cells
         for row, _, _ in changes:
             self._strips.pop(row, None)
-        return [Region(first, row, stop - first, 1) for row, first, stop in changes]
+        return changes
 
     def redraw(self) -> None:
         """Show what is different now."""
         if not self.is_mounted or not self.size:
             return
-        regions = self._draw()
-        if regions:
+        changes = self._draw()
+        if not changes:
+            return
+        regions = [Region(first, row, stop - first, 1) for row, first, stop in changes]
+        spot = None if self.get_line_filters() else spot_of(self)
+        if spot is None:
             self.refresh(*regions)
+        else:
+            spot.put(self._cells, changes)
+            self._styles_cache.set_dirty(*regions)
 
     def on_mount(self) -> None:
         """Follow the theme."""

@@ -64,7 +64,7 @@ __all__ = ["MainScreen"]
 _COMPLAINTS = 3  # of the configuration that are told; `logical-robots config` tells all
 _EDITING_IDS = {entry.id for entry in EDITING}
 _HEARTBEAT = 0.25  # seconds between two looks at a clock that runs
-_READABLE = 0.1  # seconds that a number is to stand while robots run
+_READABLE = 0.2  # seconds that a number is to stand while robots run
 
 
 class MainScreen(Screen[None]):
@@ -244,7 +244,8 @@ class MainScreen(Screen[None]):
             self.labyrinth.show(level, session.frame, hurried=session.running)
         saved = self.text == session.source.text
         self.program.show(session.state, session.source.name, saved=saved)
-        if not session.running or monotonic() - self._lines_drawn_at > _READABLE:
+        is_read = session.running and not self.redrawing.tempo.is_hurried
+        if not is_read or monotonic() - self._lines_drawn_at > _READABLE:
             self.redraw_lines()
         if session.frame.tick:
             self.journal.moved()

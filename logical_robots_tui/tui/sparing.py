@@ -7,6 +7,7 @@ pinned, and a test compares what a terminal shows with a full rendering of the s
 
 from __future__ import annotations
 
+import asyncio
 from time import monotonic
 from typing import TYPE_CHECKING, Any
 
@@ -47,6 +48,7 @@ class SparingApp(CarefulApp):
     _sent: Difference | None = None
     _cursor_sent: tuple[int, int] | None = None
     _is_waiting = False
+    _is_sending = False
 
     def __init__(self) -> None:
         super().__init__(driver_class=ListeningDriver)
@@ -57,6 +59,22 @@ class SparingApp(CarefulApp):
         if self._sent is not None:
             self._sent.forget()
             self._send()
+
+    def terminal(self) -> Difference | None:
+        """What the terminal shows and is to show; None if it is about to be painted anew.
+
+        What is to be shown is sent soon.
+        """
+        if (
+            self._sent is None
+            or (self._sent.columns, self._sent.rows) != self.size
+            or not self._can_send
+        ):
+            return None
+        if not self._is_sending:
+            self._is_sending = True
+            asyncio.get_running_loop().call_soon(self._send_all)
+        return self._sent
 
     def moving_picture(self) -> Region | None:
         """What moves by itself, and is sent after all else."""
@@ -75,14 +93,7 @@ class SparingApp(CarefulApp):
         await super().on_event(event)
 
     def _display(self, screen: Screen[Any], renderable: RenderableType | None) -> None:
-        driver = self._driver
-        if (
-            not isinstance(renderable, LayoutUpdate | ChopsUpdate)
-            or self._batch_count
-            or not self._running
-            or self._closed
-            or not isinstance(driver, ListeningDriver)
-        ):
+        if not isinstance(renderable, LayoutUpdate | ChopsUpdate) or not self._can_send:
             if isinstance(renderable, CompositorUpdate):
                 self._sent = None
             super()._display(screen, renderable)
@@ -95,6 +106,21 @@ class SparingApp(CarefulApp):
         self._sent.take(_pieces(renderable))
         self._send()
         self.post_display_hook()
+
+    @property
+    def _can_send(self) -> bool:
+        """Whether what is drawn now is to be shown, on a terminal that answers."""
+        return (
+            not self._batch_count
+            and self._running
+            and not self._closed
+            and isinstance(self._driver, ListeningDriver)
+        )
+
+    def _send_all(self) -> None:
+        """Send what several widgets have changed."""
+        self._is_sending = False
+        self._send()
 
     def _send(self) -> None:
         """Send what differs if the line is free; otherwise its next answer leads here again."""

@@ -11,6 +11,7 @@ from textual.widget import Widget
 
 from logical_robots_tui.game import goals
 from logical_robots_tui.tui.plain import clip, one_line
+from logical_robots_tui.tui.spot import repaint
 from logical_robots_tui.tui.theme import INK
 
 if TYPE_CHECKING:
@@ -97,7 +98,7 @@ class StatusLine(Widget):
         """Show what a session is doing."""
         if status != self._status:
             self._status = status
-            self.refresh()
+            repaint(self)
 
     def render(self) -> Content:
         """The line, as wide as the widget."""

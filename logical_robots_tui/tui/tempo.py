@@ -76,8 +76,12 @@ class Tempo:
     @property
     def wait(self) -> float:
         """Until the next picture may be drawn; not above 0 if it may be now."""
-        is_hurried = self._clock() - self._hurried_at < _HURRY
-        return 1 / self.frames + (0.0 if is_hurried else self.spacing) - self.rested
+        return 1 / self.frames + (0.0 if self.is_hurried else self.spacing) - self.rested
+
+    @property
+    def is_hurried(self) -> bool:
+        """Whether a key was pressed just now."""
+        return self._clock() - self._hurried_at < _HURRY
 
     def hurry(self) -> None:
         """Leave nothing to others for a moment: a key was pressed, and its effect is to be seen."""

@@ -12,16 +12,17 @@ from rich.style import Style
 from textual.strip import Strip
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Iterator, Sequence
 
     from numpy.typing import NDArray
 
-__all__ = ["BOLD", "CONTINUED", "Cells", "text_id"]
+__all__ = ["BOLD", "CONTINUED", "PAPER", "Cells", "style_of", "text_id"]
 
 BOLD = 1 << 48
 """Added to the style of a cell, which else is ``ink << 24 | paper``, each 0xRRGGBB."""
 
-_PAPER = 0xFFFFFF
+PAPER = 0xFFFFFF
+"""The part of a packed style that is the colour behind the text."""
 
 _texts: list[str] = []
 _text_ids: dict[str, int] = {}
@@ -123,7 +124,7 @@ class Cells:
             text = "".join(chars[start:stop])
             blank = text.isspace()
             # A blank looks the same in any ink.
-            alike = (blank or run_blank) and (style ^ run_style) & _PAPER == 0
+            alike = (blank or run_blank) and (style ^ run_style) & PAPER == 0
             if run and (alike or style == run_style):
                 run += text
                 run_style = style if run_blank else run_style
@@ -134,6 +135,15 @@ class Cells:
                 run, run_style, run_blank = text, style, blank
         segments.append(Segment(run, _STYLES[run_style]))
         return Strip(segments, len(chars))
+
+    def row(self, row: int, first: int, stop: int) -> Iterator[tuple[str, int]]:
+        """Return (text, packed style) of some cells of a row."""
+        texts = map(_texts.__getitem__, self.text[row, first:stop].tolist())
+        return zip(texts, self.style[row, first:stop].tolist(), strict=True)
+
+    def is_cut(self, row: int, column: int) -> bool:
+        """Whether a character two cells wide lies on both sides of a column's left edge."""
+        return column < self.text.shape[1] and bool(self.text[row, column] == CONTINUED)
 
     def plain(self) -> Sequence[str]:
         """Return the text of each row."""
@@ -146,7 +156,7 @@ class _Styles(dict[int, Style]):
     def __missing__(self, packed: int) -> Style:
         if len(self) > 20_000:
             self.clear()
-        style = Style.from_color(_colour(packed >> 24 & _PAPER), _colour(packed & _PAPER))
+        style = Style.from_color(_colour(packed >> 24 & PAPER), _colour(packed & PAPER))
         if packed & BOLD:
             style += Style(bold=True)
         self[packed] = style
@@ -154,6 +164,11 @@ class _Styles(dict[int, Style]):
 
 
 _STYLES = _Styles()
+
+
+def style_of(packed: int) -> Style:
+    """Return the style that a packed one stands for."""
+    return _STYLES[packed]
 
 
 @lru_cache(maxsize=8192)

@@ -96,8 +96,8 @@ class Picture:
         traces: Traces | None = None,
         *,
         hurried: bool = False,
-    ) -> list[tuple[int, int, int]]:
-        """Draw a frame.
+    ) -> Cells:
+        """Draw a frame into cells, and return them.
 
         Args:
             level: The level that the frame belongs to.
@@ -108,15 +108,11 @@ class Picture:
             hurried: Whether the next frame follows at once, so that less need change: light then
                 moves in every second picture, that of a crowd less often, and colours may be a
                 little off.
-
-        Returns:
-            (row, first column, column after the last) of each row that changed.
         """
-        earlier = self.cells
         if viewport.rows < 1 or viewport.columns < 1:
             self.cells = Cells.blank(max(viewport.rows, 0), max(viewport.columns, 0))
             self._still_key = None
-            return []
+            return self.cells
         traces = traces or Traces()
         raster = Raster(viewport, *look.drawing.dots)
         touched = self._keep_still(level, frame, traces, raster, look)
@@ -152,7 +148,7 @@ class Picture:
         letter(cells, self._lettering, robots, undecided, seen, viewport, look)
 
         self.cells = cells
-        return cells.changes(earlier)
+        return cells
 
     def _keep_still(
         self, level: Level, frame: Frame, traces: Traces, raster: Raster, look: Look

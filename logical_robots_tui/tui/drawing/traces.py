@@ -31,6 +31,7 @@ class Traces:
     def __init__(self) -> None:
         self._places: dict[int, Floats] = {}
         self._active: dict[int, tuple[bool, ...]] = {}
+        self._number = 0, 0  # of robots and areas
 
     def forget(self) -> None:
         """Begin anew, in another level."""
@@ -41,11 +42,10 @@ class Traces:
         """Remember a frame that is shown."""
         tick = frame.tick
         places = np.array([(robot.x, robot.y) for robot in frame.after.robots], np.float64)
-        if any(
-            len(then) != len(places) or len(self._active[at]) != len(frame.after.areas)
-            for at, then in self._places.items()
-        ):
+        number = len(places), len(frame.after.areas)
+        if number != self._number:
             self.forget()  # robots or areas came or went
+            self._number = number
         known = self._places.get(tick)
         if known is not None and not np.array_equal(known, places):
             self._drop(lambda other: other >= tick)

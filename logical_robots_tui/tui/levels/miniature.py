@@ -44,8 +44,6 @@ def draw_miniature(
     """A level at its start, without rays, and without names unless they are wanted."""
     state = World(level).save()
     start = Frame(0, state, state, (), {}, (), {}, 0.0)
-    picture = Picture()
     viewport = Viewport.fit(level.width, level.height, columns, rows)
     look = Look(drawing=drawing, palette=palette, rays=False, marks=False, names=names)
-    picture.draw(level, start, viewport, look)
-    return picture.cells
+    return Picture().draw(level, start, viewport, look)

@@ -10,6 +10,7 @@ from textual.message import Message
 from textual.widget import Widget
 
 from logical_robots_tui.tui.plain import clip, one_line
+from logical_robots_tui.tui.spot import repaint
 from logical_robots_tui.tui.theme import INK
 from logical_robots_tui.tui.timeline.drawing import SIGNS, Scale, Span, track
 
@@ -88,7 +89,7 @@ class Timeline(Widget, can_focus=True):
         line = self._drawn()
         if line != self._line:
             self._line = line
-            self.refresh()
+            repaint(self)
 
     def render(self) -> Content:
         """The line, as wide as the widget."""

@@ -1,0 +1,82 @@
+"""What is painted at a spot shows as it would in Textual, and leaves alone what lies over it."""
+
+from __future__ import annotations
+
+import pyte
+from hypothesis import given
+from hypothesis import strategies as st
+from rich.color import ColorSystem
+from textual.geometry import Region
+
+from logical_robots_tui.tui.difference import Difference
+from logical_robots_tui.tui.drawing.cells import BOLD, CONTINUED, Cells, text_id
+from logical_robots_tui.tui.spot import Spot
+from tests.terminal import looks
+
+COLUMNS, ROWS = 14, 6
+SPOT = Region(2, 1, 9, 4)
+
+_styles = st.builds(
+    lambda ink, paper, bold: ink << 24 | paper | bold,
+    st.sampled_from((0x102030, 0xFF8800)),
+    st.sampled_from((0x102030, 0x204060)),
+    st.sampled_from((0, BOLD)),
+)
+
+
+@st.composite
+def pictures(draw: st.DrawFn) -> Cells:
+    """Draw cells with some characters two cells wide."""
+    cells = Cells.blank(SPOT.height, SPOT.width)
+    for row in range(SPOT.height):
+        texts = draw(st.lists(st.sampled_from(("a", " ", "█", "機")), min_size=9, max_size=9))
+        column = 0
+        for text in texts:
+            is_wide = text == "機"
+            if column + is_wide >= SPOT.width:
+                break
+            style = draw(_styles)
+            cells.text[row, column], cells.style[row, column] = text_id(text), style
+            if is_wide:
+                cells.text[row, column + 1], cells.style[row, column + 1] = CONTINUED, style
+            column += 1 + is_wide
+    return cells
+
+
+_regions = st.builds(
+    Region, st.integers(0, COLUMNS), st.integers(0, ROWS), st.integers(0, 6), st.integers(0, 4)
+)
+
+
+@given(pictures(), pictures(), st.lists(_regions, max_size=3))
+def test_a_spot_shows_its_cells_but_where_something_lies_over_it(
+    before: Cells, now: Cells, covers: list[Region]
+) -> None:
+    over = [found for cover in covers if (found := cover.intersection(SPOT))]
+    covered = {(x, y) for region in over for y in region.line_range for x in region.column_range}
+    straight, by_strips = pyte.Screen(COLUMNS, ROWS), pyte.Screen(COLUMNS, ROWS)
+    ours, theirs = (Difference(COLUMNS, ROWS, ColorSystem.TRUECOLOR) for _ in range(2))
+    spot = Spot(ours, SPOT, over)
+    for cells, changes in (
+        (before, [(row, 0, SPOT.width) for row in range(SPOT.height)]),
+        (now, now.changes(before)),
+    ):
+        spot.put(cells, changes)
+        pyte.Stream(straight).feed(ours.sequence())
+        theirs.take((SPOT.y + row, SPOT.x, list(cells.strip(row))) for row in range(SPOT.height))
+        pyte.Stream(by_strips).feed(theirs.sequence())
+    shown, expected = looks(straight), looks(by_strips)
+    for y in SPOT.line_range:
+        for x in SPOT.column_range:
+            if (x, y) in covered:
+                assert shown[y][x] == looks(pyte.Screen(COLUMNS, ROWS))[y][x]
+            elif not is_half_covered(now, x, y, covered):
+                assert shown[y][x] == expected[y][x]
+
+
+def is_half_covered(cells: Cells, x: int, y: int, covered: set[tuple[int, int]]) -> bool:
+    """Whether a cell belongs to a character whose other half is covered."""
+    row, column = y - SPOT.y, x - SPOT.x
+    if cells.text[row, column] == CONTINUED:
+        return (x - 1, y) in covered
+    return cells.is_cut(row, column + 1) and (x + 1, y) in covered
