@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 from typing import TYPE_CHECKING
 
 from logical_robots_tui.tui.tempo import Tempo
@@ -9,7 +10,6 @@ from logical_robots_tui.tui.tempo import Tempo
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from textual.timer import Timer
     from textual.widget import Widget
 
 __all__ = ["Redrawing"]
@@ -19,7 +19,7 @@ class Redrawing:
     """Draws soon after something has changed, but no more often than `Tempo` allows.
 
     Args:
-        widget: Whose timers to use.
+        widget: For which to draw; it hears of exceptions.
         draw: Draws everything.
 
     Attributes:
@@ -30,28 +30,29 @@ class Redrawing:
         self.tempo = Tempo()
         self._widget = widget
         self._draw = draw
-        self._is_due = False
-        self._timer: Timer | None = None
+        self._due: asyncio.TimerHandle | None = None
 
     def soon(self) -> None:
         """Draw when it is time to."""
-        if self._is_due or not self._widget.is_mounted:
-            return
-        self._is_due = True
-        if (wait := self.tempo.wait) > 0:
-            self._timer = self._widget.set_timer(wait, self._now)
-        else:
-            self._widget.call_later(self._now)
+        if self._due is None and self._widget.is_mounted:
+            # Textual's timers are tasks, and take longer to begin than a picture leaves them.
+            loop = asyncio.get_running_loop()
+            self._due = loop.call_later(max(self.tempo.wait, 0.0), self._now)
 
     def hasten(self) -> None:
         """Let nothing that changes in this moment wait for others: the player pressed a key."""
         self.tempo.hurry()
-        if self._timer is not None:
-            self._timer.stop()
-            self._timer, self._is_due = None, False
+        if self._due is not None:
+            self._due.cancel()
+            self._due = None
             self.soon()
 
     def _now(self) -> None:
-        self._timer, self._is_due = None, False
-        with self.tempo.drawing():
-            self._draw()
+        self._due = None
+        if not self._widget.is_running:
+            return
+        try:
+            with self.tempo.drawing():
+                self._draw()
+        except Exception as error:  # as timers of Textual's do
+            self._widget.app._handle_exception(error)

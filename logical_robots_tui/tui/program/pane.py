@@ -46,6 +46,7 @@ class ProgramPane(Pane):
         self._lines: list[str] = []
         self._tried: list[str] = []
         self._help = Static(id="help-line", markup=False)
+        self._said = ""
         super().__init__(
             self.editor, self.editor.completion, self._help, self._strip, title="Program"
         )
@@ -139,13 +140,17 @@ class ProgramPane(Pane):
         row = self.editor.cursor_location[0]
         for found, now in self._mistakes.items():
             if now.line == row + 1 and self._lines[row] == self._tried[found.line - 1]:
-                self._help.update(Content(one_line(found.message)))
+                self._say(found.message)
                 return
         names = self.editor.word, call_before(self.editor.before_cursor)
         words = (help_on(self.text, name) for name in names if name[:1].isupper())
         word = next((word for word in words if word is not None), None)
-        told = "" if word is None else f"{word.shape}  {word.told}"
-        self._help.update(Content(one_line(told)))
+        self._say("" if word is None else f"{word.shape}  {word.told}")
+
+    def _say(self, words: str) -> None:
+        if words != self._said:
+            self._said = words
+            self._help.update(Content(one_line(words)), layout=False)
 
     def enter(self) -> None:
         """Put the focus into the text."""
