@@ -7,8 +7,9 @@ from math import inf
 from typing import TYPE_CHECKING, NamedTuple, TypeAlias
 
 from rich.cells import cell_len
+from rich.color import Color
 
-from logical_robots_tui.tui.drawing.cells import style_of
+from logical_robots_tui.tui.drawing.cells import BOLD, PAPER
 from logical_robots_tui.tui.reduction import reduced
 
 if TYPE_CHECKING:
@@ -218,8 +219,18 @@ class _Looks(dict[int, Look]):
     def __missing__(self, packed: int) -> Look:
         if len(self) > 20_000:
             self.clear()
-        self[packed] = look = look_of(style_of(packed), self._colours)
+        attributes, ink, paper = "1" if packed & BOLD else "", "", ""
+        if self._colours is not None:
+            ink = _codes(packed >> 24 & PAPER, self._colours, is_ink=True)
+            paper = _codes(packed & PAPER, self._colours, is_ink=False)
+        self[packed] = look = _same(Look(attributes, ink, paper))
         return look
+
+
+@lru_cache(maxsize=40_000)
+def _codes(packed: int, colours: ColorSystem, *, is_ink: bool) -> str:
+    color = Color.from_rgb(packed >> 16, packed >> 8 & 0xFF, packed & 0xFF)
+    return ";".join(reduced(color, colours).get_ansi_codes(foreground=is_ink))
 
 
 def _is_second_half(cell: Cell | None) -> bool:

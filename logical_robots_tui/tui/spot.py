@@ -63,6 +63,8 @@ class Spot:
         """Show all of the widget; False if something lies over it."""
         if self._over:
             return False
+        # What `Widget.refresh` does before it waits for the compositor.
+        widget._layout_cache.clear()
         widget._set_dirty()
         lines = widget.render_lines(self._region.size.region)
         self._terminal.take(

@@ -7,8 +7,9 @@ from typing import TYPE_CHECKING
 
 import pyte
 import pytest
-from hypothesis import given
+from hypothesis import example, given
 from hypothesis import strategies as st
+from pyte.modes import DECAWM
 from rich.color import Color, ColorSystem
 from rich.console import Console
 from rich.segment import Segment
@@ -53,6 +54,13 @@ def send(difference: Difference, pieces: Iterable[tuple[int, int, Sequence[Segme
     return difference.sequence()
 
 
+def terminal() -> pyte.Screen:
+    """A terminal; pyte's would scroll for a mark on the letter in the last column of all."""
+    screen = pyte.Screen(COLUMNS, ROWS)
+    screen.reset_mode(DECAWM)
+    return screen
+
+
 def fitting(pieces: list[tuple[int, int, list[Segment]]]) -> list[tuple[int, int, Strip]]:
     """Pieces as a compositor gives them: within the screen, no character of two cells cut."""
     return [
@@ -67,7 +75,7 @@ def test_differences_show_what_everything_would_show(
     updates: list[list[tuple[int, int, list[Segment]]]],
 ) -> None:
     console = Console(color_system="truecolor", force_terminal=True)
-    one, other = pyte.Screen(COLUMNS, ROWS), pyte.Screen(COLUMNS, ROWS)
+    one, other = terminal(), terminal()
     theirs, ours = pyte.Stream(other), pyte.Stream(one)
     difference = Difference(COLUMNS, ROWS, ColorSystem.TRUECOLOR)
     blank = [Segment(" " * COLUMNS)]
@@ -116,6 +124,7 @@ def test_pieces_that_reach_out_of_the_terminal_do_no_harm(
     assert len(screen.display) == ROWS
 
 
+@example([[(0, 0, [Segment("a")]), (3, 3, [Segment("aaaaaaaae\u0301")])]], Region(0, 0, 1, 1), 1)
 @given(
     st.lists(_pieces, min_size=1, max_size=4),
     st.builds(Region, *(st.integers(0, size) for size in (COLUMNS, ROWS, COLUMNS, ROWS))),
@@ -124,7 +133,7 @@ def test_pieces_that_reach_out_of_the_terminal_do_no_harm(
 def test_what_there_was_no_room_for_is_sent_later(
     updates: list[list[tuple[int, int, list[Segment]]]], last: Region, limit: int
 ) -> None:
-    one, other = pyte.Screen(COLUMNS, ROWS), pyte.Screen(COLUMNS, ROWS)
+    one, other = terminal(), terminal()
     ours, theirs = pyte.Stream(one), pyte.Stream(other)
     sparing = Difference(COLUMNS, ROWS, ColorSystem.TRUECOLOR)
     plain = Difference(COLUMNS, ROWS, ColorSystem.TRUECOLOR)

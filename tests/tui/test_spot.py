@@ -48,14 +48,19 @@ _regions = st.builds(
 )
 
 
-@given(pictures(), pictures(), st.lists(_regions, max_size=3))
+@given(
+    pictures(),
+    pictures(),
+    st.lists(_regions, max_size=3),
+    st.sampled_from((None, *ColorSystem)).filter(lambda colours: colours != ColorSystem.WINDOWS),
+)
 def test_a_spot_shows_its_cells_but_where_something_lies_over_it(
-    before: Cells, now: Cells, covers: list[Region]
+    before: Cells, now: Cells, covers: list[Region], colours: ColorSystem | None
 ) -> None:
     over = [found for cover in covers if (found := cover.intersection(SPOT))]
     covered = {(x, y) for region in over for y in region.line_range for x in region.column_range}
     straight, by_strips = pyte.Screen(COLUMNS, ROWS), pyte.Screen(COLUMNS, ROWS)
-    ours, theirs = (Difference(COLUMNS, ROWS, ColorSystem.TRUECOLOR) for _ in range(2))
+    ours, theirs = (Difference(COLUMNS, ROWS, colours) for _ in range(2))
     spot = Spot(ours, SPOT, over)
     for cells, changes in (
         (before, [(row, 0, SPOT.width) for row in range(SPOT.height)]),

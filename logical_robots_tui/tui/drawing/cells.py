@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-__all__ = ["BOLD", "CONTINUED", "PAPER", "Cells", "style_of", "text_id"]
+__all__ = ["BOLD", "CONTINUED", "PAPER", "Cells", "text_id"]
 
 BOLD = 1 << 48
 """Added to the style of a cell, which else is ``ink << 24 | paper``, each 0xRRGGBB."""
@@ -85,6 +85,26 @@ class Cells:
         self.text[row, column] = text_id(text)
         paper = int(self.tone[row, column]) if paper < 0 else paper
         self.style[row, column] = ink << 24 | paper | (BOLD if bold else 0)
+
+    def put_all(
+        self,
+        rows: NDArray[np.int64],
+        columns: NDArray[np.int64],
+        texts: NDArray[np.int64],
+        inks: NDArray[np.int64],
+        bold: NDArray[np.int64] | int,
+    ) -> None:
+        """Write texts of width 1 into cells, on what those look like from afar.
+
+        Args:
+            rows: Of the cells, shape (n,); of two texts for a cell the last one stays.
+            columns: Of the cells, shape (n,).
+            texts: Their numbers, shape (n,).
+            inks: Their colours, 0xRRGGBB, shape (n,).
+            bold: `BOLD` for all or some, shape (n,), else 0.
+        """
+        self.text[rows, columns] = texts
+        self.style[rows, columns] = inks << 24 | self.tone[rows, columns] | bold
 
     def changes(self, earlier: Cells) -> list[tuple[int, int, int]]:
         """Return where cells differ from earlier ones; everywhere if those had another shape.
@@ -164,11 +184,6 @@ class _Styles(dict[int, Style]):
 
 
 _STYLES = _Styles()
-
-
-def style_of(packed: int) -> Style:
-    """Return the style that a packed one stands for."""
-    return _STYLES[packed]
 
 
 @lru_cache(maxsize=8192)

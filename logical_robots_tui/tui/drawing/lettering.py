@@ -2,21 +2,23 @@
 
 from __future__ import annotations
 
-import math
 from functools import lru_cache
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from logical_robots_tui.tui.drawing.cells import BOLD, Cells, text_id
+from logical_robots_tui.tui.drawing.ends import mark_ends
 from logical_robots_tui.tui.drawing.glyphs import Drawing
 from logical_robots_tui.tui.drawing.ground import beacon_colour
 from logical_robots_tui.tui.drawing.palette import RGB, Palette, mix, packed, parse
 from logical_robots_tui.tui.drawing.plates import Plate, Room, fit_name
 from logical_robots_tui.tui.drawing.robots import body_rows, shows_body, text_on
-from logical_robots_tui.tui.drawing.viewport import CELL_ASPECT
-from logical_robots_tui.world.sensing import ROBOT_RADIUS
 
 if TYPE_CHECKING:
-    from collections.abc import Container, Iterable, Sequence
+    from collections.abc import Container, Sequence
+
+    from numpy.typing import NDArray
 
     from logical_robots_tui.tui.drawing.look import Look
     from logical_robots_tui.tui.drawing.rays import Fan
@@ -34,8 +36,6 @@ _NAMES_AT_MOST = 4
 
 _PULSE = (0.35, 0.0, -0.4, 0.0)
 """How far the colour of a beacon goes towards the brightest, or below 0 towards the floor."""
-
-_PRIORITY = {"wall": 1, "beacon": 2, "robot": 3}
 
 
 def robot_colour(color: str, palette: Palette) -> RGB:
@@ -63,8 +63,9 @@ class StillLettering:
         ground: Floats,
     ) -> None:
         palette, glyphs = look.palette, look.drawing.glyphs
-        self.glyphs: list[tuple[int, int, str, RGB]] = []
-        """(row, column, glyph, colour) of each beacon in view."""
+        self.room = Room(viewport.rows, viewport.columns)
+        """What the glyphs of beacons leave free."""
+        shining: list[tuple[int, int, str, RGB]] = []
         named: list[tuple[int, str, RGB, tuple[int, int], bool]] = []
         for beacon in level.beacons:
             cell = viewport.cell(beacon.x, beacon.y)
@@ -72,7 +73,8 @@ class StillLettering:
                 continue
             colour = beacon_colour(beacon, palette)
             glyph = glyphs.charger if beacon.charging_station else glyphs.beacon
-            self.glyphs.append((*cell, glyph, colour))
+            shining.append((*cell, glyph, colour))
+            self.room.take(cell[0], cell[1], cell[1] + 1)
             named.append((1, beacon.name, mix(colour, palette.bright, 0.25), cell, False))
         for area, is_active in zip(level.areas, active, strict=False):
             cell = viewport.cell(area.x, area.y)
@@ -85,17 +87,29 @@ class StillLettering:
                 colour = mix(colour, palette.floor, 0.45)
             named.append((0 if goal else 2, name, colour, cell, True))
 
+        self._rows = np.array([row for row, _, _, _ in shining], np.int64)
+        self._columns = np.array([column for _, column, _, _ in shining], np.int64)
+        self._texts = np.array([text_id(glyph) for _, _, glyph, _ in shining], np.int64)
+        towards = palette.bright, palette.floor
+        self._inks = [
+            np.array([packed(mix(c, towards[far < 0], abs(far))) for *_, c in shining], np.int64)
+            for far in _PULSE
+        ]
+
         self.plates: list[tuple[Plate, int, tuple[int, int]]] = []
         """The names that found a place, their style and the place (row, first column)."""
-        room = Room(viewport.rows, viewport.columns)
-        for row, column, _, _ in self.glyphs:
-            room.take(row, column, column + 1)
+        room = self.room.copy()
         for _, name, colour, (row, column), inside in sorted(named, key=lambda item: item[0]):
             plate = Plate(_name_cells(name, viewport, look), row, column, inside=inside)
             place = room.place(plate) if plate.cells else None
             if place:
                 paper = self._paper(plate, place, ground, look)
                 self.plates.append((plate, packed(colour) << 24 | packed(paper), place))
+
+    def light(self, cells: Cells, pulse: int) -> None:
+        """Write the glyphs of beacons, as bright as they are in a beat of their pulse."""
+        inks = self._inks[pulse % len(_PULSE)]
+        cells.put_all(self._rows, self._columns, self._texts, inks, BOLD)
 
     def lay_on(self, look: Look, ground: Floats, window: tuple[slice, slice]) -> None:
         """Let another ground shine through behind the names.
@@ -131,7 +145,7 @@ def letter(
     still: StillLettering,
     robots: Sequence[tuple[RobotState, RGB]],
     undecided: Container[str],
-    fans: Iterable[Fan],
+    fans: Sequence[Fan],
     viewport: Viewport,
     look: Look,
 ) -> None:
@@ -147,14 +161,9 @@ def letter(
         look: How to draw.
     """
     if look.marks:
-        _mark_ends(cells, fans, robots, viewport, look)
-    bright, share = (look.palette.bright, look.palette.floor), _PULSE[look.pulse % len(_PULSE)]
-    for row, column, glyph, colour in still.glyphs:
-        ink = mix(colour, bright[share < 0], abs(share))
-        cells.put(row, column, glyph, packed(ink), bold=True)
-    room = Room(viewport.rows, viewport.columns)
-    for row, column, _, _ in still.glyphs:
-        room.take(row, column, column + 1)
+        mark_ends(cells, fans, robots, viewport, look)
+    still.light(cells, look.pulse)
+    room = still.room.copy()
     clear = body_rows(viewport)
     placed = []
     for robot, colour in robots:
@@ -184,53 +193,6 @@ def letter(
         place = room.place(plate)
         if place:
             write(cells, *place, plate.cells, style)
-
-
-def _mark_ends(
-    cells: Cells,
-    fans: Iterable[Fan],
-    robots: Sequence[tuple[RobotState, RGB]],
-    viewport: Viewport,
-    look: Look,
-) -> None:
-    """Mark where rays end: one mark in a cell, the most important of them."""
-    marks: dict[tuple[int, int], str] = {}
-    bodies = _bodies(robots, viewport) if shows_body(viewport) else set()
-    for fan in fans:
-        for x, y, kind in fan.ends():
-            cell = viewport.cell(x, y)
-            if cell is None or _PRIORITY[kind] < _PRIORITY.get(marks.get(cell, ""), 0):
-                continue
-            if cell not in bodies:
-                marks[cell] = kind
-    glyphs, palette = look.drawing.glyphs, look.palette
-    at_wall = glyphs.hit_wall_near if shows_body(viewport) else glyphs.hit_wall
-    shown = {
-        "wall": (at_wall, packed(palette.hit_wall)),
-        "beacon": (glyphs.hit_beacon, packed(palette.hit_beacon)),
-        "robot": (glyphs.hit_robot, packed(palette.hit_robot)),
-    }
-    for (row, column), kind in marks.items():
-        glyph, ink = shown[kind]
-        cells.put(row, column, glyph, ink, bold=kind != "wall")
-
-
-def _bodies(robots: Sequence[tuple[RobotState, RGB]], viewport: Viewport) -> set[tuple[int, int]]:
-    """Return the cells whose middle lies on the body of a robot."""
-    reach = 0.8 * ROBOT_RADIUS
-    across = round(reach / viewport.units)
-    down = round(reach / (viewport.units * CELL_ASPECT))
-    found = set()
-    for robot, _ in robots:
-        cell = viewport.cell(robot.x, robot.y)
-        if cell is None:
-            continue
-        for row in range(cell[0] - down, cell[0] + down + 1):
-            for column in range(cell[1] - across, cell[1] + across + 1):
-                x, y = viewport.position(row, column)
-                if math.hypot(x - robot.x, y - robot.y) < reach:
-                    found.add((row, column))
-    return found
 
 
 def _trouble(robot: RobotState, undecided: Container[str], look: Look) -> str:
@@ -302,8 +264,13 @@ def _put_robot_name(
 def write(cells: Cells, row: int, column: int, texts: Sequence[str], style: int) -> None:
     """Write the texts of cells, as ``fit_name`` gives them, in one style."""
     part = slice(column, column + len(texts))
-    cells.text[row, part] = [text_id(text) for text in texts]
+    cells.text[row, part] = _ids(tuple(texts))
     cells.style[row, part] = style
+
+
+@lru_cache(maxsize=4096)
+def _ids(texts: tuple[str, ...]) -> NDArray[np.int64]:
+    return np.array([text_id(text) for text in texts], np.int64)
 
 
 def _name_cells(name: str, viewport: Viewport, look: Look) -> tuple[str, ...]:

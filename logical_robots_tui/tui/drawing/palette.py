@@ -123,8 +123,12 @@ def luminance(colour: RGB) -> float:
 
 def mix(one: RGB, other: RGB, share: float) -> RGB:
     """Return ``share`` of the other colour with the rest of the one."""
-    red, green, blue = (round(a + (b - a) * share) for a, b in zip(one, other, strict=True))
-    return red, green, blue
+    red, green, blue = one
+    return (
+        round(red + (other[0] - red) * share),
+        round(green + (other[1] - green) * share),
+        round(blue + (other[2] - blue) * share),
+    )
 
 
 def packed(colour: RGB) -> int:

@@ -95,6 +95,12 @@ class Room:
         self._taken = [0] * rows
         self._columns = columns
 
+    def copy(self) -> Room:
+        """Return as much room, to be taken independently."""
+        other = Room(0, self._columns)
+        other._taken = self._taken.copy()
+        return other
+
     def take(self, row: int, first: int, stop: int) -> None:
         """Take cells of a row; what lies outside doesn't matter."""
         first, stop = max(first, 0), min(stop, self._columns)
