@@ -44,9 +44,19 @@ class Crowd:
         )
 
     def play(self) -> None:
-        """Let robots run at each terminal in which the game was opened for the first time."""
-        self.everybody_sees("applied", patience=180)
-        for keys, shown in (("\x1b>", "winding corridor"), (" ", "RUNNING")):
+        """Let robots run at each terminal in which the game was opened for the first time.
+
+        The sixth level is in the middle of the game, and its robots never come to rest under the
+        program that it begins with.
+        """
+        for shown in ("skips the tour", "applied"):
+            self.everybody_sees(shown, patience=180)
+        self._type("\x1b")
+        self.wait_for(
+            lambda: not any("skips the tour" in t.text for t in self._terminals), patience=60
+        )
+        to_the_sixth = 5 * "\x1b[C" + "\r"
+        for keys, shown in (("l", "esc close"), (to_the_sixth, "linseed"), (" ", "RUNNING")):
             self._type(keys)
             self.everybody_sees(shown, patience=60)
         begun = {terminal: terminal.frames for terminal in self._terminals}

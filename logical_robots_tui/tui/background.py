@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any, Protocol, TypeAlias
 
+from textual.css.query import NoMatches
+
 if TYPE_CHECKING:
     from collections.abc import Callable, Coroutine
 
@@ -34,5 +36,14 @@ def in_background(
         group: Name of the work it belongs to.
         exclusive: Whether what the group still does is cancelled.
     """
-    worker: Worker[None] = node.run_worker(work, group=group, exclusive=exclusive)
+
+    async def unless_gone() -> None:
+        try:
+            await work()
+        except NoMatches:
+            # A dialog that is closed loses its widgets before its work is cancelled.
+            if not node._pruning:
+                raise
+
+    worker: Worker[None] = node.run_worker(unless_gone, group=group, exclusive=exclusive)
     return worker

@@ -1,0 +1,54 @@
+"""Work in the background of a dialog that is closed meanwhile."""
+
+from __future__ import annotations
+
+import asyncio
+
+import pytest
+from textual.app import App, ComposeResult
+from textual.screen import ModalScreen
+from textual.widgets import Static
+from textual.worker import WorkerFailed
+
+from logical_robots_tui.tui.background import in_background
+
+
+class Dialog(ModalScreen[None]):
+    """A dialog whose work has a last word to say."""
+
+    def __init__(self, *, closes: bool) -> None:
+        super().__init__()
+        self.closes = closes
+        self.lost = asyncio.Event()
+
+    def compose(self) -> ComposeResult:
+        yield Static(id="said")
+
+    def on_mount(self) -> None:
+        in_background(self, self._work)
+
+    async def _work(self) -> None:
+        if self.closes:
+            self.dismiss()
+        else:
+            await self.query_one("#said").remove()
+        while self.query("#said"):  # noqa: ASYNC110 - the very turn in which it goes is wanted
+            await asyncio.sleep(0)
+        self.lost.set()
+        self.query_one("#said", Static).update("done")
+
+
+async def show(dialog: Dialog) -> None:
+    """Show a dialog until its widget is gone."""
+    async with App[None]().run_test() as pilot, asyncio.timeout(10):
+        await pilot.app.push_screen(dialog)
+        await dialog.lost.wait()
+
+
+async def test_a_dialog_that_was_closed_has_no_last_word() -> None:
+    await show(Dialog(closes=True))
+
+
+async def test_what_is_missing_in_a_dialog_that_is_open_is_a_mistake() -> None:
+    with pytest.raises(WorkerFailed, match="NoMatches"):
+        await show(Dialog(closes=False))
