@@ -88,7 +88,7 @@ def _terminal() -> Iterator[Finding]:
     from rich.console import Console
 
     from logical_robots_tui.tui.layout import LEAST_HEIGHT, LEAST_WIDTH
-    from logical_robots_tui.tui.terminal import assume_colours, drawing_for
+    from logical_robots_tui.tui.terminal import assume_colours, drawing_for, may_use_mouse
 
     environ = dict(os.environ)
     assume_colours(environ)
@@ -112,6 +112,7 @@ def _terminal() -> Iterator[Finding]:
     around = [name for name in ("TMUX", "STY", "SSH_CONNECTION") if environ.get(name)]
     words = {"TMUX": "tmux", "STY": "GNU screen", "SSH_CONNECTION": "ssh"}
     yield _finding("inside", ", ".join(words[name] for name in around) or "neither tmux nor ssh")
+    yield _finding("mouse", "used" if may_use_mouse(environ) else "not used in GNU screen")
     yield _finding("editor", environ.get("VISUAL") or environ.get("EDITOR") or "vi")
 
 

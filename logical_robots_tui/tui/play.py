@@ -14,7 +14,7 @@ from logical_robots_tui.tui.crash import end_on_hangup
 from logical_robots_tui.tui.freedoms import Freedoms
 from logical_robots_tui.tui.journal import THEME, TOUR, Journal
 from logical_robots_tui.tui.settings import read_settings, settings_path
-from logical_robots_tui.tui.terminal import assume_colours
+from logical_robots_tui.tui.terminal import assume_colours, may_use_mouse
 from logical_robots_tui.world import load_level
 
 if TYPE_CHECKING:
@@ -71,7 +71,7 @@ def play(
     app.suit_terminal()
     put_back = end_on_hangup(app.last_words, app.leave_soon)
     try:
-        app.run()
+        app.run(mouse=may_use_mouse(os.environ))
     finally:
         put_back()
     if app.mistake is not None:

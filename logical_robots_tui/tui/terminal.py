@@ -9,7 +9,7 @@ from logical_robots_tui.tui.drawing.glyphs import Drawing
 if TYPE_CHECKING:
     from collections.abc import Mapping, MutableMapping
 
-__all__ = ["assume_colours", "drawing_for"]
+__all__ = ["assume_colours", "drawing_for", "may_use_mouse"]
 
 _TRUECOLOR = ("alacritty", "contour", "foot", "ghostty", "kitty", "mintty", "rio", "wezterm")
 """Terminals with all colours; sshd passes their name on, but not the variable that says so."""
@@ -47,3 +47,19 @@ def drawing_for(
     if environ.get("TERM", "").lower().startswith(_POOR_FONTS):
         return Drawing.HALVES
     return Drawing.QUADRANTS
+
+
+def may_use_mouse(environ: Mapping[str, str]) -> bool:
+    """Return whether to ask a terminal for the mouse.
+
+    GNU screen (4.9) keeps the escape key back until the next key while it reports the mouse.
+
+    Args:
+        environ: Holds the terminal's name: ``screen`` or ``screen.xterm`` there. In tmux it may be
+            the same, and ``screen-256color`` is more often tmux than GNU screen.
+    """
+    name = environ.get("TERM", "").lower()
+    inside, in_tmux = "STY" in environ, "TMUX" in environ
+    if name == "screen" or name.startswith("screen."):
+        return in_tmux and not inside
+    return not (name.startswith("screen-") and inside and not in_tmux)

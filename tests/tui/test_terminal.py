@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
+import os
 import re
+import shutil
+import subprocess
 import sys
 from typing import TYPE_CHECKING
 
 import pytest
 
 from logical_robots_tui.tui.drawing import Drawing
-from logical_robots_tui.tui.terminal import assume_colours, drawing_for
+from logical_robots_tui.tui.terminal import assume_colours, drawing_for, may_use_mouse
 from tests.terminal import Terminal
 
 if TYPE_CHECKING:
@@ -47,6 +50,52 @@ def test_what_the_environment_says_of_colours_stands() -> None:
     environ = {"TERM": "foot", "COLORTERM": "no"}
     assume_colours(environ)
     assert environ["COLORTERM"] == "no"
+
+
+@pytest.mark.parametrize(
+    ("environ", "used"),
+    [
+        ({"TERM": "xterm-256color"}, True),
+        ({"TERM": "tmux-256color", "TMUX": "x"}, True),
+        ({"TERM": "tmux-256color", "TMUX": "x", "STY": "y"}, True),
+        ({"TERM": "screen", "TMUX": "x"}, True),
+        ({"TERM": "screen-256color"}, True),
+        ({"TERM": "screen-256color", "STY": "y"}, False),
+        ({"TERM": "screen", "STY": "y", "TMUX": "x"}, False),
+        ({"TERM": "screen.xterm-256color"}, False),
+        ({"TERM": "screen"}, False),
+        ({}, True),
+    ],
+)
+def test_the_mouse_is_left_alone_where_it_would_take_the_escape_key(
+    environ: dict[str, str], used: bool
+) -> None:
+    assert may_use_mouse(environ) == used
+
+
+@pytest.mark.skipif(
+    shutil.which("screen") is None and "CI" not in os.environ, reason="GNU screen is not installed"
+)
+def test_all_keys_work_in_gnu_screen(tmp_path: Path) -> None:
+    sockets = tmp_path / "sockets"
+    sockets.mkdir(mode=0o700)
+    env = {**os.environ, "SCREENDIR": str(sockets)}
+    game = [sys.executable, "-m", "logical_robots_tui", "play", "--data-dir", tmp_path]
+    try:
+        with Terminal(["screen", "-U", "-m", "-S", "game", *game], env=env) as terminal:
+            terminal.wait_for("skips the tour")
+            terminal.wait_for("· applied")
+            terminal.send("\x1b")
+            terminal.wait_for(lambda: "skips the tour" not in terminal.text)
+            for key, shown in (("n", "tick 1 "), ("n", "tick 2 "), ("p", "tick 1 ")):
+                terminal.send(key)
+                terminal.wait_for(shown)
+            terminal.send(" ")
+            terminal.wait_for("RUNNING")
+            terminal.send("q")
+            assert terminal.finish() == 0
+    finally:
+        subprocess.run(["screen", "-S", "game", "-X", "quit"], env=env, check=False, timeout=10)
 
 
 @pytest.mark.parametrize(
