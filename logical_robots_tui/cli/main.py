@@ -6,27 +6,11 @@ import argparse
 import logging
 import os
 import sys
+from importlib import import_module
 from typing import TYPE_CHECKING
 
 from logical_robots_tui import __version__
-from logical_robots_tui.cli import (
-    bench,
-    check,
-    completion,
-    config,
-    crash,
-    doctor,
-    failure,
-    listing,
-    play,
-    query,
-    record,
-    run,
-    trace,
-    why,
-)
-from logical_robots_tui.cli import help as reference
-from logical_robots_tui.cli.level import command as level
+from logical_robots_tui.cli import crash, failure
 from logical_robots_tui.errors import LogicalRobotsError
 from logical_robots_tui.garbage import collect_seldom
 
@@ -36,6 +20,25 @@ if TYPE_CHECKING:
 __all__ = ["PROGRAM", "main"]
 
 PROGRAM = "logical-robots"
+
+_HOMES = {
+    "play": "play",
+    "run": "run",
+    "trace": "trace",
+    "query": "query",
+    "why": "why",
+    "check": "check",
+    "help": "help",
+    "levels": "listing",
+    "programs": "listing",
+    "level": "level.command",
+    "bench": "bench",
+    "config": "config",
+    "record": "record",
+    "doctor": "doctor",
+    "completion": "completion",
+}
+"""The module of each command, in the order of the help."""
 
 INTERRUPTED = 130  # 128 + SIGINT, as a shell reports it
 PIPE_CLOSED = 141  # 128 + SIGPIPE
@@ -75,7 +78,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     for stream in (sys.stdout, sys.stderr):
         stream.reconfigure(errors="backslashreplace")  # type: ignore[union-attr] # typed as TextIO
     logging.getLogger("logical_robots_tui").handlers = [crash.LogKeeper(logging.ERROR)]
-    options = parser().parse_args(_with_command(sys.argv[1:] if arguments is None else arguments))
+    typed = _with_command(sys.argv[1:] if arguments is None else arguments)
+    options = parser(typed[0]).parse_args(typed)
     try:
         status: int = options.start(options)
         sys.stdout.flush()
@@ -92,8 +96,12 @@ def main(arguments: Sequence[str] | None = None) -> int:
     return status
 
 
-def parser() -> argparse.ArgumentParser:
-    """The parser of all commands; each command's options carry its ``start`` function."""
+def parser(command: str = "") -> argparse.ArgumentParser:
+    """The parser of all commands; each command's options carry its ``start`` function.
+
+    Args:
+        command: If this is one of them, no other is loaded, so that it starts sooner.
+    """
     top = argparse.ArgumentParser(
         prog=PROGRAM,
         description="Robots in a labyrinth, programmed in logic. Without a command: play.",
@@ -102,20 +110,9 @@ def parser() -> argparse.ArgumentParser:
     )
     top.add_argument("--version", action="version", version=f"{PROGRAM} {__version__}")
     commands = top.add_subparsers(title="commands", metavar="COMMAND", required=True)
-    play.declare(commands)
-    run.declare(commands)
-    trace.declare(commands)
-    query.declare(commands)
-    why.declare(commands)
-    check.declare(commands)
-    reference.declare(commands)
-    listing.declare(commands)
-    level.declare(commands)
-    bench.declare(commands)
-    config.declare(commands)
-    record.declare(commands)
-    doctor.declare(commands)
-    completion.declare(commands)
+    wanted = [command] if command in _HOMES else _HOMES
+    for home in dict.fromkeys(_HOMES[name] for name in wanted):
+        import_module(f"logical_robots_tui.cli.{home}").declare(commands)
     return top
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import argparse
 import logging
 import subprocess
 import sys
@@ -11,6 +12,7 @@ import pytest
 
 import logical_robots_tui
 from logical_robots_tui.cli import crash, listing
+from logical_robots_tui.cli.main import parser as command_parser
 from tests.cli.running import Command, in_terminal
 
 if TYPE_CHECKING:
@@ -33,6 +35,19 @@ def test_each_help_fits_a_terminal_of_80_columns(
     lines = command(*arguments, "--help").out.splitlines()
     assert lines[0].startswith("usage: logical-robots")
     assert max(map(len, lines)) <= 80
+
+
+def test_a_command_that_is_loaded_alone_takes_what_it_takes_among_the_others() -> None:
+    def usages(parser: argparse.ArgumentParser) -> dict[str, str]:
+        commands = next(a for a in parser._actions if isinstance(a, argparse._SubParsersAction))
+        return {name: command.format_help() for name, command in commands.choices.items()}
+
+    together = usages(command_parser())
+    assert {"play", "programs", "level", "completion"} <= set(together)
+    for name, usage in together.items():
+        alone = usages(command_parser(name))
+        assert alone[name] == usage
+        assert set(alone) <= {name, "levels", "programs"}  # these two share a module
 
 
 @pytest.mark.parametrize("name", ["play", "run"])
