@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import gc
 
-__all__ = ["collect_seldom"]
+__all__ = ["collect_later", "collect_seldom"]
 
 
 def collect_seldom() -> None:
@@ -15,3 +15,9 @@ def collect_seldom() -> None:
     have their process to themselves; a library leaves this to the program that uses it.
     """
     gc.set_threshold(20_000, 20, 20)
+    gc.enable()
+
+
+def collect_later() -> None:
+    """Let Python look for nothing until ``collect_seldom``: what loads at a start is to stay."""
+    gc.disable()

@@ -75,6 +75,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
         SystemExit: By argparse, for ``--help``, ``--version`` and mistyped arguments.
     """
     collect_seldom()
+    # Our arrays are small: more threads of numpy's would take longer to begin than they save.
+    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     for stream in (sys.stdout, sys.stderr):
         stream.reconfigure(errors="backslashreplace")  # type: ignore[union-attr] # typed as TextIO
     logging.getLogger("logical_robots_tui").handlers = [crash.LogKeeper(logging.ERROR)]

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 from logical_robots_tui.cli.command import add_data_dir, add_engine, check_engine, new_command
 from logical_robots_tui.cli.folders import folder_of
 from logical_robots_tui.errors import InputError
+from logical_robots_tui.garbage import collect_later
 
 if TYPE_CHECKING:
     from logical_robots_tui.cli.command import Commands
@@ -106,6 +107,7 @@ def _prepare_screen() -> None:
         os.environ.pop(name, None)
     # What is told of a tick follows its picture within so much; Textual waits twice as long.
     os.environ.setdefault("TEXTUAL_FPS", "120")
+    collect_later()  # until the first picture stands
 
 
 def _play_on_screen(options: argparse.Namespace) -> int:

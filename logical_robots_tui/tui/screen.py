@@ -10,6 +10,7 @@ from textual.binding import BindingsMap
 from textual.screen import Screen
 from textual.widgets import Input, Static, TextArea
 
+from logical_robots_tui.garbage import collect_seldom
 from logical_robots_tui.tui.actions import Actions
 from logical_robots_tui.tui.arrangement import Arrangement
 from logical_robots_tui.tui.background import in_background
@@ -167,6 +168,7 @@ class MainScreen(Screen[None]):
         self.call_after_refresh(self._start)
 
     def _start(self) -> None:
+        collect_seldom()
         self.session.apply(self.text)
         self.journal.open(self.session.level)
         self.spawn(self._offer_drafts, "drafts", exclusive=False)
