@@ -51,6 +51,7 @@ if TYPE_CHECKING:
 
     from textual import events
     from textual.app import ComposeResult
+    from textual.geometry import Size
     from textual.widget import Widget
 
     from logical_robots_tui.game import Breakpoint, Frame, Source
@@ -146,6 +147,7 @@ class MainScreen(Screen[None]):
 
     def compose(self) -> ComposeResult:
         """Status line, tabs, panes, timeline, command bar."""
+        self._fit(self.app.size)
         yield self._status
         yield self._tabs
         yield self.arrangement.container
@@ -165,6 +167,7 @@ class MainScreen(Screen[None]):
         self.set_focus(self.labyrinth)
         self.set_interval(_HEARTBEAT, self._beat)
         self.begin_level()
+        self._draw()
         self.call_after_refresh(self._start)
 
     def _start(self) -> None:
@@ -282,11 +285,9 @@ class MainScreen(Screen[None]):
     def on_resize(self, event: events.Resize) -> None:
         """Arrange the panes for the new size."""
         before = self.arrangement.layout
-        self.arrangement.fit(event.size)
+        self._fit(event.size)
         layout = self.arrangement.layout
-        size = f"{event.size.width}x{event.size.height}"
-        self._too_small.update(f"{LEAST_WIDTH}x{LEAST_HEIGHT} needed,\nthis is {size}")
-        if layout is before and self.has_class(layout.value):
+        if layout is before:
             return
         if layout is Layout.TINY:
             self._focus_before = self.focused
@@ -294,10 +295,13 @@ class MainScreen(Screen[None]):
             self.set_focus(self._focus_before)
             self._focus_before = None
         self.call_after_refresh(self.tours.place)
-        for each in Layout:
-            self.set_class(each is layout, each.value)
         self._drawn = None
         self.redrawing.soon()
+
+    def _fit(self, size: Size) -> None:
+        self.arrangement.fit(size)
+        self._too_small.update(f"{LEAST_WIDTH}x{LEAST_HEIGHT} needed,\nthis is {size[0]}x{size[1]}")
+        self.set_classes(self.arrangement.layout.value)
 
     def point_at(self, pane: Pane) -> None:
         """Bring a pane to sight without going there."""

@@ -161,7 +161,7 @@ class ProgramPane(Pane):
         self.go_to_mistake()
 
     def _verdict(self, state: ProgramState) -> str:
-        if state.phase == "compiling":
+        if state.phase in ("fresh", "compiling"):
             done, of_all = state.compiled
             return f"compiling… {done} of {of_all}" if of_all else "compiling…"
         text = self.text
