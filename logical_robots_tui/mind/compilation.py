@@ -21,12 +21,12 @@ from logical_robots_tui.mind.diagnostics import Diagnostic, ProgramError, QueryE
 from logical_robots_tui.mind.limits import Limits
 from logical_robots_tui.mind.program import Program, Question
 from logical_robots_tui.mind.records import record
-from logical_robots_tui.mind.why.probing import Probing
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping
 
     from logical_robots_tui.mind.program import Report
+    from logical_robots_tui.mind.why.probing import Probing
 
 __all__ = ["compile_program", "compile_question", "stop_compiling", "take_apart"]
 
@@ -88,6 +88,8 @@ def take_apart(
     limits: Limits | None = None,
 ) -> Probing:
     """As `Program.take_apart`; what was taken apart before is at hand."""
+    from logical_robots_tui.mind.why.probing import Probing
+
     known = program.predicate(predicate)
     if known is None or known.kind != "program":
         raise QueryError(f"The program has no rules for {predicate}.")

@@ -18,7 +18,6 @@ from logical_robots_tui.mind.machinery import Machinery
 from logical_robots_tui.mind.sqlite.lasting import Sizes
 from logical_robots_tui.mind.sqlite.moment import Moment, View, Within
 from logical_robots_tui.mind.sqlite.stored import size_of
-from logical_robots_tui.mind.why.explaining import MOST_WAYS, explain
 from logical_robots_tui.values import SensorRow, Value
 
 if TYPE_CHECKING:
@@ -229,6 +228,8 @@ class Mind:
             QueryError: There is no such robot, or a function was asked without its arguments.
             Stopped: `stop` was set before the answer was there.
         """
+        from logical_robots_tui.mind.why.explaining import MOST_WAYS, explain
+
         given = {} if given is None else given
         if missing := [name for name in probing.given if name not in given]:
             names = ", ".join(missing)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import cached_property
 from typing import TYPE_CHECKING
 
 from logical_robots_tui.tui.drawing.glyphs import Drawing
@@ -10,12 +11,19 @@ from logical_robots_tui.tui.sparing import SparingApp
 
 if TYPE_CHECKING:
     from logical_robots_tui.tui.dialogs.help import Subject
+    from logical_robots_tui.tui.inspector.rows import RowCommands
 
 __all__ = ["LookingActions"]
 
 
 class LookingActions(ScreenActions):
     """One method for each command of views, panes, rows and help."""
+
+    @cached_property
+    def _rows(self) -> RowCommands:
+        from logical_robots_tui.tui.inspector.rows import RowCommands
+
+        return RowCommands(self._screen, self._screen.data_dir / "rows")
 
     def labyrinth(self) -> None:
         """Go to the labyrinth."""
@@ -46,47 +54,47 @@ class LookingActions(ScreenActions):
 
     def pin(self) -> None:
         """Pin what the cursor is on."""
-        self._screen.rows.pin()
+        self._rows.pin()
 
     def open_value(self) -> None:
         """Open a value as a tree."""
-        self._screen.rows.open_value()
+        self._rows.open_value()
 
     def graph(self) -> None:
         """Show which predicate uses which."""
-        self._screen.spawn(self._screen.rows.graph, "library", exclusive=True)
+        self._screen.spawn(self._rows.graph, "library", exclusive=True)
 
     def machinery(self) -> None:
         """Show how predicates are computed."""
-        self._screen.spawn(self._screen.rows.machinery, "machinery", exclusive=True)
+        self._screen.spawn(self._rows.machinery, "machinery", exclusive=True)
 
     def only_robot(self) -> None:
         """Show the rows of one robot."""
-        self._screen.rows.only_robot()
+        self._rows.only_robot()
 
     def sort(self) -> None:
         """Sort by the column under the cursor."""
-        self._screen.rows.sort()
+        self._rows.sort()
 
     def search_rows(self) -> None:
         """Show only rows with a text."""
-        self._screen.spawn(self._screen.rows.search, "library", exclusive=True)
+        self._screen.spawn(self._rows.search, "library", exclusive=True)
 
     def turn(self) -> None:
         """Turn the table on its side."""
-        self._screen.rows.turn()
+        self._rows.turn()
 
     def copy_rows(self) -> None:
         """Copy the rows."""
-        self._screen.rows.copy()
+        self._rows.copy()
 
     def save_rows(self) -> None:
         """Save the rows."""
-        self._screen.rows.save()
+        self._rows.save()
 
     def stop_here(self) -> None:
         """Stop when what is inspected changes."""
-        self._screen.rows.stop_here()
+        self._rows.stop_here()
 
     def leave(self) -> None:
         """Go to the labyrinth and close what lies over it."""

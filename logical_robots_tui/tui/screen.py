@@ -23,11 +23,8 @@ from logical_robots_tui.tui.editing.door import EditingDoor
 from logical_robots_tui.tui.freedoms import Freedoms
 from logical_robots_tui.tui.guide import Guide
 from logical_robots_tui.tui.inspector.choice import DECISION, ROBOTS, WATCH, WHY
-from logical_robots_tui.tui.inspector.decision import DecisionView
 from logical_robots_tui.tui.inspector.pane import InspectorPane
 from logical_robots_tui.tui.inspector.robots import RobotsView
-from logical_robots_tui.tui.inspector.rows import RowCommands
-from logical_robots_tui.tui.inspector.table import ValueTable
 from logical_robots_tui.tui.keeper import Keeper
 from logical_robots_tui.tui.labyrinth import LabyrinthView
 from logical_robots_tui.tui.labyrinth_pane import LabyrinthPane
@@ -82,6 +79,7 @@ class MainScreen(Screen[None]):
         engine: What the robots think with.
 
     Attributes:
+        data_dir: Where drafts and the player's programs are.
         freedoms: What the player may do with the machine.
         redrawing: When the game is drawn again.
     """
@@ -101,6 +99,7 @@ class MainScreen(Screen[None]):
         # As a class variable they would be the same for every player; a keymap can't take one away.
         self._bindings = BindingsMap.merge([self._bindings, BindingsMap(bindings())])
         self.freedoms = Freedoms()
+        self.data_dir = data_dir
         self.redrawing = Redrawing(self, self._draw)
         self.journal = journal
         self.session = Session(
@@ -121,7 +120,6 @@ class MainScreen(Screen[None]):
         self.library = Library(self, data_dir / "programs")
         self.editing = EditingDoor(self, data_dir)
         self.bookmark = Bookmark(self, data_dir / "places")
-        self.rows = RowCommands(self, data_dir / "rows")
         self.guide = Guide(self)
         self.capture = Capture(self, data_dir / "screens")
         self.scribe = Scribe(self, data_dir / "copied.txt")
@@ -379,10 +377,11 @@ class MainScreen(Screen[None]):
         if event.program == self.text and not self.program.has_focus_within:
             self.program.show_place(*event.place)
 
-    @on(ValueTable.Opened)
-    @on(DecisionView.Opened)
-    def _value_opened(self) -> None:
-        self.rows.open_value()
+    def on_value_table_opened(self) -> None:
+        """Look into the value under the cursor; by its name, because to name the class loads it."""
+        self._actions.open_value()
+
+    on_decision_view_opened = on_value_table_opened
 
     @on(RobotsView.Chosen)
     def _robot_chosen(self, event: RobotsView.Chosen) -> None:

@@ -180,8 +180,10 @@ class Opened:
         await self.pilot.pause(0.05)
 
     async def ready(self) -> None:
-        """Wait until the first program is compiled."""
+        """Wait until the first program is compiled and everything is loaded."""
         await self.until(lambda: self.session.state.phase in ("applied", "mistake"))
+        # Which the game loads at its leisure.
+        await self.until(lambda: self.inspector.pages.asking.line.is_mounted)
 
     async def write(self, text: str) -> None:
         """Put a text into the editor as a paste and apply it."""

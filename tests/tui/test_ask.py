@@ -36,6 +36,12 @@ async def test_a_query_is_answered_and_follows_the_tick(data_dir: Path) -> None:
         await game.until(lambda: game.shows("101"))
 
 
+async def test_a_query_can_be_typed_before_the_page_for_it_is_loaded(data_dir: Path) -> None:
+    async with opened(data_dir, text=AHEAD) as game:
+        await game.press("slash", *"Robot", "enter")
+        await game.until(lambda: game.shows("Ask · tick 0 · 1 row"))
+
+
 async def test_a_mistake_is_shown_at_its_place_and_changes_nothing(data_dir: Path) -> None:
     async with opened(data_dir, text=AHEAD) as game:
         await game.ready()

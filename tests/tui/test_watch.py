@@ -220,9 +220,9 @@ async def test_long_lists_are_folded_in_groups_and_answers_cant_be_pinned(data_d
         await game.until(lambda: game.shows("Only a value of a predicate can be pinned."))
         await game.press("escape")
         game.inspector.ask()
-        game.inspector.asking.line.value = "Long(l:)"
+        game.inspector.pages.asking.line.value = "Long(l:)"
         await game.press("enter")
-        answer = game.inspector.asking.table
+        answer = game.inspector.pages.asking.table
         await game.until(lambda: answer.shown.rows)
         answer.focus()
         await game.press("at")

@@ -12,8 +12,9 @@ from textual.message import Message
 from textual.suggester import Suggester
 from textual.widgets import Input, Static
 
-from logical_robots_tui.game import MIND, Superseded
+from logical_robots_tui.game import Superseded
 from logical_robots_tui.mind import ProgramError, QueryError
+from logical_robots_tui.tui.inspector.answers import NO_PROGRAM, shown_rows
 from logical_robots_tui.tui.inspector.table import ValueTable
 from logical_robots_tui.tui.plain import one_line
 from logical_robots_tui.tui.program.words import NAMES
@@ -27,32 +28,14 @@ if TYPE_CHECKING:
     from logical_robots_tui.game import Frame
     from logical_robots_tui.mind import Predicate, Table
     from logical_robots_tui.tui.inspector.questions import Questions
-    from logical_robots_tui.values import Value
 
-__all__ = ["NO_PROGRAM", "AskView", "QueryLine", "counted", "shown_rows"]
-
-NO_PROGRAM = "There is no program yet that could be asked."
+__all__ = ["AskView", "QueryLine"]
 
 _COLUMNS = ("robot_name", "sensor", "memory")  # of the inputs
 _MOST_REMEMBERED = 100
 _LAST_WORD = re.compile(r"[A-Za-z_]\w*$")
 _RECALLS = {"up": -1, "down": 1}
 _SHORTEST = 2  # letters before a word is suggested
-
-
-def shown_rows(table: Table) -> tuple[tuple[str, ...], tuple[tuple[Value, ...], ...]]:
-    """Columns and rows to show: with the minds that they are from, where that matters."""
-    if len(set(table.viewers)) < 2 or "robot_name" in table.columns:
-        return table.columns, table.rows
-    rows = tuple((who, *row) for who, row in zip(table.viewers, table.rows, strict=True))
-    return (MIND, *table.columns), rows
-
-
-def counted(table: Table) -> str:
-    """How many rows a table has, in words."""
-    count = len(table.rows)
-    more = " and more" if table.truncated else ""
-    return f"{count}{more} {'row' if count == 1 else 'rows'}"
 
 
 class QueryLine(Input):

@@ -6,25 +6,18 @@ import asyncio
 from typing import TYPE_CHECKING, ClassVar
 
 from textual import on
-from textual.containers import Horizontal, Vertical, VerticalScroll
+from textual.containers import Horizontal, Vertical
 from textual.content import Content
 from textual.message import Message
 from textual.widgets import OptionList, Static
 
 from logical_robots_tui.game import Superseded
-from logical_robots_tui.mind import Ask, QueryError, Table
+from logical_robots_tui.mind import QueryError, Table
 from logical_robots_tui.tui.background import in_background
-from logical_robots_tui.tui.inspector.asking import NO_PROGRAM, AskView, counted, shown_rows
-from logical_robots_tui.tui.inspector.cells import written
+from logical_robots_tui.tui.inspector.answers import NO_PROGRAM, counted, shown_rows
 from logical_robots_tui.tui.inspector.choice import ASK, DECISION, ROBOTS, WATCH, WHY, Choice
-from logical_robots_tui.tui.inspector.decision import DecisionView
 from logical_robots_tui.tui.inspector.questions import Questions
-from logical_robots_tui.tui.inspector.reasons import MAIN, ReasonsPage
 from logical_robots_tui.tui.inspector.robots import RobotsView
-from logical_robots_tui.tui.inspector.table import ValueTable
-from logical_robots_tui.tui.inspector.watch import WatchView
-from logical_robots_tui.tui.inspector.watching import Watching
-from logical_robots_tui.tui.inspector.why import WhyView
 from logical_robots_tui.tui.pane import Pane
 from logical_robots_tui.tui.plain import one_line
 from logical_robots_tui.tui.theme import INK
@@ -35,12 +28,17 @@ if TYPE_CHECKING:
 
     from logical_robots_tui.game import Frame
     from logical_robots_tui.tui.inspector.arranging import Arrangement
+    from logical_robots_tui.tui.inspector.pages import Pages
     from logical_robots_tui.tui.inspector.questions import Survey
+    from logical_robots_tui.tui.inspector.table import ValueTable
+    from logical_robots_tui.tui.inspector.watch import WatchView
+    from logical_robots_tui.tui.inspector.why import WhyView
     from logical_robots_tui.tui.session import Session
 
 __all__ = ["InspectorPane"]
 
 _PAUSE = 0.25  # seconds between two pictures while the game runs
+_AT_LEISURE = 0.2  # seconds until what may be wanted is loaded
 
 
 class InspectorPane(Pane):
@@ -79,35 +77,37 @@ class InspectorPane(Pane):
         self._choice = Choice()
         self._subject = Static(id="subject")
         self.robots = RobotsView()
-        self.table = ValueTable()
         self.questions = Questions(session)
-        self.reasons = ReasonsPage(self.questions)
-        self.asking = AskView(self.questions)
-        self._watching = Watching(session, self.questions)
-        self.pins = self._watching.view
-        self.decision = DecisionView()
-        self._value = Static(id="value-text")
-        self._value_box = VerticalScroll(self._value, id="value", can_focus=False)
         self._said = Static(id="said")
-        views = Vertical(
-            self._subject,
-            self.robots,
-            self.decision,
-            self.reasons,
-            self.asking,
-            self.pins,
-            self.table,
-            self._said,
-            self._value_box,
-            id="views",
-        )
-        super().__init__(Horizontal(self._choice, views), title="Inspector")
+        self._views = Vertical(self._subject, self.robots, self._said, id="views")
+        super().__init__(Horizontal(self._choice, self._views), title="Inspector")
+        self._pages: Pages | None = None
         self._inspected = ROBOTS
         self._robot: str | None = None
         self._survey: Survey | None = None
-        self._told = Content("")
         self._stale = False
         self._follower: Worker[None] | None = None
+
+    @property
+    def pages(self) -> Pages:
+        """The pages besides that of the robots."""
+        if self._pages is None:
+            from logical_robots_tui.tui.inspector.pages import Pages
+
+            self._pages = Pages(self._session, self.questions)
+            self._pages.asking.knows(self._session.predicates)
+            self._views.mount(*self._pages.widgets)
+        return self._pages
+
+    @property
+    def table(self) -> ValueTable:
+        """The rows of a predicate."""
+        return self.pages.table
+
+    @property
+    def pins(self) -> WatchView:
+        """What is pinned."""
+        return self.pages.pins
 
     @property
     def inspected(self) -> str:
@@ -115,7 +115,8 @@ class InspectorPane(Pane):
         return self._inspected
 
     def on_mount(self) -> None:
-        """Begin with the robots."""
+        """Begin with the robots; the other pages can wait until the first picture stands."""
+        self.set_timer(_AT_LEISURE, lambda: self.pages)
         self._list_predicates()
         self._show_only(self.robots)
         self.follow()
@@ -142,14 +143,14 @@ class InspectorPane(Pane):
     def why(self) -> None:
         """Go to why the predicate that is inspected has its rows, or why the robot did it."""
         own = {p.name for p in self._session.predicates if p.kind == "program"}
-        self.reasons.begin(Ask(self._inspected, {}) if self._inspected in own else MAIN)
+        self.pages.reasons.begin(self._inspected if self._inspected in own else "Robot")
         self._go_to_page(WHY)
-        self.screen.set_focus(self.reasons.view)
+        self.screen.set_focus(self.pages.reasons.view)
 
     def ask(self) -> None:
         """Go to the line for queries."""
         self._go_to_page(ASK)
-        self.screen.set_focus(self.asking.line)
+        self.screen.set_focus(self.pages.asking.line)
 
     def go_to_pins(self) -> None:
         """Go to what is pinned."""
@@ -159,11 +160,10 @@ class InspectorPane(Pane):
     @property
     def shown_table(self) -> ValueTable | None:
         """The table on the screen, or None if there is none."""
-        tables = (self.table, self.asking.table)
-        return next((each for each in tables if each.display and self._is_shown(each)), None)
-
-    def _is_shown(self, table: ValueTable) -> bool:
-        return table is self.table or self.asking.display
+        pages = self.pages
+        if pages.table.display:
+            return pages.table
+        return pages.asking.table if pages.asking.display and pages.asking.table.display else None
 
     def rearrange(self, how: Arrangement) -> None:
         """Show the rows of the table on the screen in another way."""
@@ -233,29 +233,29 @@ class InspectorPane(Pane):
     def _show_decision(self, frame: Frame) -> None:
         robot = self.robot
         self._say_subject(f"Decision of {robot}", frame.tick, "")
-        self._show_only(self.decision)
+        self._show_only(self.pages.decision)
         survey = self._survey if self._survey and self._survey.frame is frame else None
-        self.decision.show(self._session.program, frame, robot, survey)
+        self.pages.decision.show(self._session.program, frame, robot, survey)
 
     async def _show_reasons(self, frame: Frame) -> None:
         if self._session.game is None:
             self._say("Why", frame.tick, NO_PROGRAM)
             return
         self._say_subject("Why", frame.tick, "" if frame.tick else "nobody has thought yet")
-        self._show_only(self.reasons)
-        await self.reasons.follow(self.robot, frame)
+        self._show_only(self.pages.reasons)
+        await self.pages.reasons.follow(self.robot, frame)
 
     async def _show_answer(self, frame: Frame) -> None:
         self._say_subject("Ask", frame.tick, "")
-        self._show_only(self.asking)
-        table = await self.asking.follow(frame)
+        self._show_only(self.pages.asking)
+        table = await self.pages.asking.follow(frame)
         if table is not None:
             self._say_subject("Ask", frame.tick, counted(table))
 
     async def _show_pins(self, frame: Frame) -> None:
         self._say_subject("Watch", frame.tick, "")
-        self._show_only(self.pins)
-        await self._watching.follow(frame)
+        self._show_only(self.pages.pins)
+        await self.pages.watching.follow(frame)
 
     async def _take_survey(self, frame: Frame) -> None:
         """Count the rows of every predicate, and see which differ from those of the tick before."""
@@ -268,10 +268,10 @@ class InspectorPane(Pane):
         if survey is not self._survey and survey.frame is self._session.frame:
             self._survey = survey
             self._choice.count(survey)
-            if self.decision.display:
+            if self._inspected == DECISION:
                 self._show_decision(frame)
             table = survey.tables.get(self._inspected)
-            if self.table.display and isinstance(table, Table):
+            if isinstance(table, Table) and self.table.display:
                 self._show_table(self._inspected, frame, table)
 
     async def _show_rows(self, name: str, frame: Frame) -> None:
@@ -321,15 +321,16 @@ class InspectorPane(Pane):
         self.inspect(page)
 
     def _show_only(self, view: Widget) -> None:
-        pages = (self.robots, self.decision, self.reasons, self.asking, self.pins)
-        for each in (*pages, self.table, self._said):
+        for each in (self.robots, self._said):
             each.display = each is view
-        self._value_box.display = view is self.table and self.table.pointed is not None
+        if self._pages is not None:
+            self._pages.show_only(view)
 
     def _list_predicates(self) -> None:
         self._survey = None
         self._choice.list(self._session.predicates, self._inspected)
-        self.asking.knows(self._session.predicates)
+        if self._pages is not None:
+            self._pages.asking.knows(self._session.predicates)
 
     @on(OptionList.OptionHighlighted)
     def _choice_moved(self, event: OptionList.OptionHighlighted) -> None:
@@ -341,22 +342,17 @@ class InspectorPane(Pane):
     @on(OptionList.OptionSelected)
     def _choice_made(self, event: OptionList.OptionSelected) -> None:
         event.stop()
+        pages = self.pages
         views: dict[str, Widget] = {
             ROBOTS: self.robots,
-            DECISION: self.decision,
-            WHY: self.reasons.view,
-            ASK: self.asking.line,
-            WATCH: self.pins,
+            DECISION: pages.decision,
+            WHY: pages.reasons.view,
+            ASK: pages.asking.line,
+            WATCH: pages.pins,
         }
-        view = views.get(self._inspected, self.table)
+        view = views.get(self._inspected, pages.table)
         if view.display:
             view.focus()
-
-    @on(WhyView.Pointed)
-    def _reason_pointed(self, event: WhyView.Pointed) -> None:
-        event.stop()
-        if event.line.span is not None:
-            self._place(event.line.span.start, event.line.span.stop)
 
     def _place_definition(self, name: str) -> None:
         """Show where a predicate is defined."""
@@ -371,25 +367,28 @@ class InspectorPane(Pane):
         if self._session.program is not None:
             self.post_message(self.Placed(self._session.program.text, (start, stop)))
 
-    @on(ReasonsPage.Asked)
-    @on(AskView.Asked)
-    @on(WatchView.Changed)
-    def _asked(self, event: ReasonsPage.Asked | AskView.Asked | WatchView.Changed) -> None:
+    # Handlers of messages of the pages: those are found by their names, because to name the classes
+    # would load them.
+
+    def on_why_view_pointed(self, event: WhyView.Pointed) -> None:
+        """Show the place in the program that a reason comes from."""
+        event.stop()
+        if event.line.span is not None:
+            self._place(event.line.span.start, event.line.span.stop)
+
+    def on_reasons_page_asked(self, event: Message) -> None:
+        """Answer."""
         event.stop()
         self.follow()
 
-    @on(WatchView.Opened)
-    def _pin_opened(self, event: WatchView.Opened) -> None:
+    on_ask_view_asked = on_watch_view_changed = on_reasons_page_asked
+
+    def on_watch_view_opened(self, event: WatchView.Opened) -> None:
+        """Go to the rows of a predicate that is pinned."""
         event.stop()
         self.open(event.predicate)
 
-    @on(ValueTable.Pointed)
-    def _value_pointed(self, event: ValueTable.Pointed) -> None:
+    def on_value_table_pointed(self, event: Message) -> None:
+        """Tell the value under the cursor."""
         event.stop()
-        pointed = self.table.pointed
-        self._value_box.display = self.table.display and pointed is not None
-        if pointed is not None:
-            told = Content.assemble((f"{one_line(pointed[0])} = ", INK.dim), written(pointed[1]))
-            if told != self._told:
-                self._told = told
-                self._value.update(told)
+        self.pages.tell_value()

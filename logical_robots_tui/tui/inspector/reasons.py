@@ -23,7 +23,6 @@ if TYPE_CHECKING:
 
 __all__ = ["ReasonsPage"]
 
-MAIN = Ask("Robot", {})
 _LONGEST_ARGUMENT = 24
 
 
@@ -49,7 +48,7 @@ class ReasonsPage(Vertical):
         self._said = Static(id="no-reason")
         self.view = WhyView()
         super().__init__(self._way, self._said, self.view, id="reasons")
-        self._steps: list[Ask] = [MAIN]
+        self._steps: list[Ask] = [Ask("Robot", {})]
         self._shown: tuple[str, tuple[Ask, ...]] | None = None
 
     @property
@@ -57,9 +56,9 @@ class ReasonsPage(Vertical):
         """What is asked at the moment."""
         return self._steps[-1]
 
-    def begin(self, asked: Ask = MAIN) -> None:
-        """Begin with a question."""
-        self._steps = [asked]
+    def begin(self, predicate: str) -> None:
+        """Begin with the question why a predicate has its rows."""
+        self._steps = [Ask(predicate, {})]
         self.post_message(self.Asked())
 
     async def follow(self, robot: str, frame: Frame) -> None:

@@ -7,8 +7,8 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from logical_robots_tui.game import Breakpoint, Superseded
+from logical_robots_tui.tui.inspector.answers import NO_PROGRAM
 from logical_robots_tui.tui.inspector.arranging import as_csv, as_json
-from logical_robots_tui.tui.inspector.asking import NO_PROGRAM
 from logical_robots_tui.tui.inspector.pinning import branches_here, pin_here
 from logical_robots_tui.tui.plain import one_line
 from logical_robots_tui.writing import write_atomically

@@ -1,0 +1,72 @@
+"""The pages of the inspector besides that of the robots; it loads them when first wanted."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from textual.containers import VerticalScroll
+from textual.content import Content
+from textual.widgets import Static
+
+from logical_robots_tui.tui.inspector.asking import AskView
+from logical_robots_tui.tui.inspector.cells import written
+from logical_robots_tui.tui.inspector.decision import DecisionView
+from logical_robots_tui.tui.inspector.reasons import ReasonsPage
+from logical_robots_tui.tui.inspector.table import ValueTable
+from logical_robots_tui.tui.inspector.watching import Watching
+from logical_robots_tui.tui.plain import one_line
+from logical_robots_tui.tui.theme import INK
+
+if TYPE_CHECKING:
+    from textual.widget import Widget
+
+    from logical_robots_tui.tui.inspector.questions import Questions
+    from logical_robots_tui.tui.session import Session
+
+__all__ = ["Pages"]
+
+
+class Pages:
+    """Decision, reasons, answers, what is watched, and the rows of a predicate.
+
+    Args:
+        session: Whose ticks.
+        questions: Whom to ask.
+    """
+
+    def __init__(self, session: Session, questions: Questions) -> None:
+        self.decision = DecisionView()
+        self.reasons = ReasonsPage(questions)
+        self.asking = AskView(questions)
+        self.watching = Watching(session, questions)
+        self.pins = self.watching.view
+        self.table = ValueTable()
+        self._value = Static(id="value-text")
+        self._value_box = VerticalScroll(self._value, id="value", can_focus=False)
+        self._told = Content("")
+        self.widgets: tuple[Widget, ...] = (
+            self.decision,
+            self.reasons,
+            self.asking,
+            self.pins,
+            self.table,
+            self._value_box,
+        )
+        """All of them; the last one stands below the rows, and tells one value in full."""
+        self.show_only(None)
+
+    def show_only(self, view: Widget | None) -> None:
+        """Show one of them, or none."""
+        for each in self.widgets:
+            each.display = each is view
+        self.tell_value()
+
+    def tell_value(self) -> None:
+        """Tell the value under the cursor in full."""
+        pointed = self.table.pointed
+        self._value_box.display = self.table.display and pointed is not None
+        if pointed is not None:
+            told = Content.assemble((f"{one_line(pointed[0])} = ", INK.dim), written(pointed[1]))
+            if told != self._told:
+                self._told = told
+                self._value.update(told)
