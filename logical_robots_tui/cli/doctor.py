@@ -145,7 +145,8 @@ def _places(data_dir: Path | None) -> Iterator[Finding]:
     from platformdirs import user_data_path
 
     from logical_robots_tui.mind import cache
-    from logical_robots_tui.tui.settings import read_settings, settings_path
+    from logical_robots_tui.tui.places import settings_path
+    from logical_robots_tui.tui.settings import read_settings
 
     data = data_dir or user_data_path("logical-robots", appauthor=False)
     yield _place("data", data, "what you write can't be kept")

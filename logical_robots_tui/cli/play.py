@@ -13,6 +13,7 @@ from logical_robots_tui.cli.command import add_data_dir, add_engine, check_engin
 from logical_robots_tui.cli.folders import folder_of
 from logical_robots_tui.errors import InputError
 from logical_robots_tui.garbage import collect_later
+from logical_robots_tui.shipped import shipped_names
 
 if TYPE_CHECKING:
     from logical_robots_tui.cli.command import Commands
@@ -80,14 +81,35 @@ def start(options: argparse.Namespace) -> int:
         _prepare_screen()
     check_engine(options)
     options.data_dir = folder_of(options.data_dir, options.player)
-    if options.restricted:
-        from logical_robots_tui.cli.fence import fence_in
+    if options.plain:
+        if options.restricted:
+            _fence_in(options, "logical_robots_tui.cli.plain")
+        return _play_in_lines(options)
+    from logical_robots_tui.tui.outline import OUTLINE
 
-        # What the game consists of is loaded before; within the fence no library can be.
-        import_module("logical_robots_tui." + ("cli.plain" if options.plain else "tui.play"))
-        options.data_dir = options.data_dir.absolute()
-        fence_in(options.data_dir)
-    return _play_in_lines(options) if options.plain else _play_on_screen(options)
+    if _is_sure_to_open(options):
+        OUTLINE.show(options.data_dir)
+    try:
+        if options.restricted:
+            _fence_in(options, "logical_robots_tui.tui.play")
+        return _play_on_screen(options)
+    finally:
+        OUTLINE.clear()
+
+
+def _is_sure_to_open(options: argparse.Namespace) -> bool:
+    """Whether nothing was named that might not be there: that is told without opening anything."""
+    is_shipped = options.level is None or options.level in shipped_names("levels", ".toml")
+    return is_shipped and options.program is None
+
+
+def _fence_in(options: argparse.Namespace, game: str) -> None:
+    """Load what the game consists of, then raise the fence: within it no library can be loaded."""
+    from logical_robots_tui.cli.fence import fence_in
+
+    import_module(game)
+    options.data_dir = options.data_dir.absolute()
+    fence_in(options.data_dir)
 
 
 def _prepare_screen() -> None:
@@ -102,6 +124,9 @@ def _prepare_screen() -> None:
             "the game needs a terminal.",
             hint="Without one: logical-robots play --plain, or: logical-robots run LEVEL PROGRAM",
         )
+    from logical_robots_tui.tui.terminal import assume_colours
+
+    assume_colours(os.environ)
     # The terminal knows its size better than a shell that once exported it.
     for name in ("COLUMNS", "LINES"):
         os.environ.pop(name, None)

@@ -13,6 +13,8 @@ from textual import events
 from textual._xterm_parser import XTermParser
 from textual.drivers.linux_driver import LinuxDriver
 
+from logical_robots_tui.tui.outline import ENTER, OUTLINE
+
 __all__ = ["Ear", "ListeningDriver", "Unmarked"]
 
 _LAST_ANSWER = 0.5  # seconds to wait for it before the terminal is somebody else's
@@ -82,6 +84,11 @@ class ListeningDriver(LinuxDriver):
         super().__init__(*arguments, **options)
         self._asked = 0
         self._all_answered = threading.Condition()
+
+    def write(self, data: str) -> None:
+        """Write to the terminal, but do not go where the outline has gone already."""
+        if data != ENTER or not OUTLINE.hand_over():
+            super().write(data)
 
     def ask(self, text: str) -> None:
         """Write something that ends in a question to the terminal."""

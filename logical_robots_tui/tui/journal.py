@@ -12,6 +12,7 @@ from logical_robots_tui.game import level_key, reference_for
 from logical_robots_tui.game.continuing import keep_if_own, measured_at_victory, note_level
 from logical_robots_tui.game.source import shipped_texts
 from logical_robots_tui.progress import NEW, Progress
+from logical_robots_tui.tui.places import THEME, TOUR
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -24,12 +25,9 @@ if TYPE_CHECKING:
     from logical_robots_tui.tui.session import Session
     from logical_robots_tui.world import Level
 
-__all__ = ["THEME", "TOUR", "Journal"]
+__all__ = ["Journal"]
 
 T = TypeVar("T")
-
-THEME, TOUR = "theme", "tour"
-"""Names of what is kept of the player: the theme, and the tour seen."""
 
 
 class Journal:

@@ -12,9 +12,10 @@ from logical_robots_tui.progress import FILE_NAME
 from logical_robots_tui.tui.app import LogicalRobotsApp
 from logical_robots_tui.tui.crash import end_on_hangup
 from logical_robots_tui.tui.freedoms import Freedoms
-from logical_robots_tui.tui.journal import THEME, TOUR, Journal
-from logical_robots_tui.tui.settings import read_settings, settings_path
-from logical_robots_tui.tui.terminal import assume_colours, may_use_mouse
+from logical_robots_tui.tui.journal import Journal
+from logical_robots_tui.tui.places import THEME, TOUR, settings_path
+from logical_robots_tui.tui.settings import read_settings
+from logical_robots_tui.tui.terminal import may_use_mouse
 from logical_robots_tui.world import load_level
 
 if TYPE_CHECKING:
@@ -55,7 +56,6 @@ def play(
     journal = Journal(data_dir / FILE_NAME)
     level = load_level(level_name or level_to_begin_with(journal.progress))
     source, text = program_to_begin_with(journal.progress, level, program, data_dir / "programs")
-    assume_colours(os.environ)
     app = LogicalRobotsApp(
         level,
         source,

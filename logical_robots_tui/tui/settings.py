@@ -8,8 +8,6 @@ import tomllib
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
-from platformdirs import user_config_path
-
 from logical_robots_tui.shipped import did_you_mean
 from logical_robots_tui.tui.commands import COMMANDS, EDITING, key_name
 from logical_robots_tui.tui.drawing.glyphs import Drawing
@@ -23,7 +21,7 @@ if TYPE_CHECKING:
 
     Complain: TypeAlias = Callable[[str, str], None]
 
-__all__ = ["Settings", "as_toml", "read_settings", "settings_path"]
+__all__ = ["Settings", "as_toml", "read_settings"]
 
 _MOST_FRAMES = 60
 _ONLY_EDITING = ("enter", "tab", "shift+tab", "delete", "backspace")
@@ -51,11 +49,6 @@ class Settings:
     trails: bool = True
     keys: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
     complaints: tuple[str, ...] = ()
-
-
-def settings_path() -> Path:
-    """Return the place of the configuration file, whether there is one or not."""
-    return user_config_path("logical-robots", appauthor=False) / "config.toml"
 
 
 def read_settings(path: Path) -> Settings:

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from logical_robots_tui.tui.drawing.glyphs import Drawing
-
 if TYPE_CHECKING:
     from collections.abc import Mapping, MutableMapping
+
+    from logical_robots_tui.tui.drawing.glyphs import Drawing
 
 __all__ = ["assume_colours", "drawing_for", "may_use_mouse"]
 
@@ -42,6 +42,8 @@ def drawing_for(
         encoding: Of what is written to it.
         colourless: Whether the player wants no colours.
     """
+    from logical_robots_tui.tui.drawing.glyphs import Drawing  # slow to load: it brings numpy
+
     if colourless or colours not in ("truecolor", "256") or "utf" not in encoding.lower():
         return Drawing.ASCII
     if environ.get("TERM", "").lower().startswith(_POOR_FONTS):

@@ -11,7 +11,8 @@ from textual.theme import BUILTIN_THEMES
 
 from logical_robots_tui.progress import FILE_NAME
 from logical_robots_tui.tui.colours import colours_in, contrast
-from logical_robots_tui.tui.journal import THEME, Journal
+from logical_robots_tui.tui.journal import Journal
+from logical_robots_tui.tui.places import THEME
 from logical_robots_tui.tui.theme import NIGHT, palette_of
 from tests.tui.conftest import opened
 

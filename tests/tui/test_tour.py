@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import pytest
 
 from logical_robots_tui.progress import FILE_NAME, Progress
-from logical_robots_tui.tui.journal import TOUR
+from logical_robots_tui.tui.places import TOUR
 from logical_robots_tui.tui.tour import STOPS, Tour
 from tests.tui.conftest import opened
 

@@ -1,0 +1,173 @@
+"""The outline of the first picture, which stands while the screen is still being loaded.
+
+It is drawn where it is known to look as the picture will: in the game's own theme, on a terminal
+with 256 colours or more, for a player who has configured nothing. A test compares the two.
+"""
+
+from __future__ import annotations
+
+import os
+import signal
+import sys
+from typing import TYPE_CHECKING
+
+from logical_robots_tui.progress import FILE_NAME
+from logical_robots_tui.progress.glance import fact_in
+from logical_robots_tui.tui.layout import Layout, Shares, grid_for, layout_for
+from logical_robots_tui.tui.places import THEME, settings_path
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Mapping
+    from pathlib import Path
+
+__all__ = ["ENTER", "LEAVE", "OUTLINE", "Outline", "colours_of", "drawn"]
+
+ENTER, LEAVE = "\x1b[?1049h", "\x1b[?1049l"
+"""To the alternate screen, and back."""
+
+_HIDE_CURSOR, _SHOW_CURSOR = "\x1b[?25l", "\x1b[?25h"
+
+_THEME = "night"
+_COLOURS = {
+    "background": ("11;14;20", 233),
+    "surface": ("15;19;28", 233),
+    "panel": ("23;29;43", 234),
+    "void": ("8;8;12", 232),
+    "frame": ("42;49;73", 237),
+    "border": ("111;131;214", 68),
+    "title": ("157;176;255", 147),
+    "dim": ("119;129;164", 103),
+    "key": ("254;180;84", 215),
+    "here": ("35;43;69", 236),
+}
+"""What is used of the theme: red, green and blue, and which of 256 colours stands for it."""
+
+
+def drawn(columns: int, rows: int, *, truecolor: bool) -> str:
+    """Return what draws the outline on an alternate screen, or "" in a terminal without room.
+
+    Args:
+        columns: The terminal's width.
+        rows: Its height.
+        truecolor: Whether it has all colours, or 256.
+    """
+    layout = layout_for(columns, rows)
+    if layout is Layout.TINY:
+        return ""
+    paint = _Paint(truecolor=truecolor)
+    lines = (
+        *paint.blank(0, 0, columns, 1, "panel"),
+        *paint.blank(0, 1, columns, rows - 1, "background"),
+        *paint.blank(0, rows - 1, columns, rows, "panel"),
+    )
+    if layout is Layout.NARROW:
+        panes = _tabs(paint, columns, rows)
+    else:
+        panes = _panes(paint, layout, columns, rows)
+    return "".join((*lines, *panes, "\x1b[0m"))
+
+
+def _tabs(paint: _Paint, columns: int, rows: int) -> Iterator[str]:
+    """The line with the names of panes, and the labyrinth below it."""
+    yield f"\x1b[2;2H{paint('key', 'here', bold=True)} 1 "
+    yield f"{paint('title', 'here', bold=True)}Labyrinth "
+    yield f"{paint('key', 'background')}  2 {paint('dim', 'background')}Program"
+    yield from paint.blank(0, 2, columns, rows - 2, "void")
+
+
+def _panes(paint: _Paint, layout: Layout, columns: int, rows: int) -> Iterator[str]:
+    """The borders of the panes, with their titles."""
+    grid = grid_for(layout, columns, rows, Shares())
+    stop = rows - 2  # timeline and command bar
+    last = stop - grid.inspector
+    if layout is Layout.WIDE:
+        beside = columns - grid.program
+        yield from paint.box(0, 1, beside, last, "Labyrinth")
+        yield from paint.box(beside, 1, columns, last, "Program")
+    else:
+        below = 1 + (last - 1) // 2
+        yield from paint.box(0, 1, columns, below, "Labyrinth")
+        yield from paint.box(0, below, columns, last, "Program")
+    yield from paint.box(0, last, columns, stop, "Inspector")
+
+
+class _Paint:
+    """Writes in the theme's colours."""
+
+    def __init__(self, *, truecolor: bool) -> None:
+        self._truecolor = truecolor
+
+    def __call__(self, ink: str, paper: str, *, bold: bool = False) -> str:
+        true, of_256 = zip(_COLOURS[ink], _COLOURS[paper], strict=True)
+        form = "\x1b[0;{}38;2;{};48;2;{}m" if self._truecolor else "\x1b[0;{}38;5;{};48;5;{}m"
+        return form.format("1;" * bold, *(true if self._truecolor else of_256))
+
+    def blank(self, left: int, top: int, right: int, bottom: int, paper: str) -> Iterator[str]:
+        """Nothing but paper, from a column and a row to before others."""
+        yield self("dim", paper)
+        for row in range(top, bottom):
+            yield f"\x1b[{row + 1};{left + 1}H\x1b[{right - left}X"
+
+    def box(self, left: int, top: int, right: int, bottom: int, title: str) -> Iterator[str]:
+        """A pane, from its first column and row to before others."""
+        is_first = title == "Labyrinth"  # where the player begins
+        inside = left + 1, top + 1, right - 1, bottom - 1
+        yield from self.blank(*inside, "void" if is_first else "surface")
+        line = self("border" if is_first else "frame", "surface")
+        name = self("title" if is_first else "dim", "surface")
+        width = right - left - 2
+        rest = "─" * (width - len(title) - 3)
+        yield f"\x1b[{top + 1};{left + 1}H{line}╭─ {name}{title}{line} {rest}╮"
+        for row in range(top + 1, bottom - 1):
+            yield f"\x1b[{row + 1};{left + 1}H│\x1b[{width}C│"
+        yield f"\x1b[{bottom};{left + 1}H╰{'─' * width}╯"
+
+
+def colours_of(environ: Mapping[str, str]) -> str:
+    """Return ``truecolor``, ``256``, or "" where it is not certain what the picture will use."""
+    if "NO_COLOR" in environ or "TEXTUAL_COLOR_SYSTEM" in environ:
+        return ""
+    if environ.get("COLORTERM", "").strip().lower() in ("truecolor", "24bit"):
+        return "truecolor"
+    return "256" if environ.get("TERM", "").lower().endswith("-256color") else ""
+
+
+class Outline:
+    """The outline on the terminal of this process, until the screen takes its place."""
+
+    def __init__(self) -> None:
+        self._stands = False
+
+    def show(self, data_dir: Path) -> None:
+        """Show it, if it is certain what the picture will look like.
+
+        Args:
+            data_dir: Where the player's progress is.
+        """
+        colours = colours_of(os.environ)
+        terminal = sys.__stderr__  # Textual's, too
+        if not colours or terminal is None or "utf" not in terminal.encoding.lower():
+            return
+        if settings_path().exists() or fact_in(data_dir / FILE_NAME, THEME) not in ("", _THEME):
+            return
+        text = drawn(*os.get_terminal_size(terminal.fileno()), truecolor=colours == "truecolor")
+        if text:
+            signal.signal(signal.SIGTERM, lambda number, _: sys.exit(128 + number))
+            self._stands = True
+            terminal.write(f"{ENTER}{_HIDE_CURSOR}{text}")
+            terminal.flush()
+
+    def hand_over(self) -> bool:
+        """Leave the terminal to the screen; whether it is on its alternate screen already."""
+        stood, self._stands = self._stands, False
+        return stood
+
+    def clear(self) -> None:
+        """Leave no trace, if the screen has not come."""
+        if self.hand_over() and sys.__stderr__ is not None:
+            sys.__stderr__.write(f"\x1b[0m{LEAVE}{_SHOW_CURSOR}")
+            sys.__stderr__.flush()
+
+
+OUTLINE = Outline()
+"""That of this process, which has one terminal."""
