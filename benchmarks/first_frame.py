@@ -17,14 +17,21 @@ if TYPE_CHECKING:
 __all__ = ["first_frame"]
 
 SIZES = ((80, 24), (120, 40))
+EVENTS = (
+    ("first frame", "Labyrinth", "<= 350"),
+    ("first useful picture", "tick 0", "<= 600"),
+    ("program ready", "· applied", ""),
+)
+"""What to wait for, what stands on the screen then, and what is wanted."""
 
 
 def first_frame(effort: Effort) -> Iterator[Measurement]:
-    """Milliseconds from starting the process to the picture, and to a program that is ready."""
+    """Milliseconds from starting the process to the outline, the picture, and a ready program."""
     for size in SIZES:
-        for event, seen in (("first frame", "tick 0"), ("program ready", "· applied")):
+        for event, seen, wanted in EVENTS:
             once = partial(_milliseconds, size, seen)
-            yield median_of(event, f"{size[0]}x{size[1]}", "ms", effort.repeats, once)
+            subject = f"{size[0]}x{size[1]}"
+            yield median_of(event, subject, "ms", effort.repeats, once, required=wanted)
 
 
 def _milliseconds(size: tuple[int, int], seen: str) -> float:
