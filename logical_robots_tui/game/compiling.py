@@ -6,10 +6,8 @@ import asyncio
 import threading
 from typing import TYPE_CHECKING
 
-from logical_robots_tui.mind import Program
-
 if TYPE_CHECKING:
-    from logical_robots_tui.mind import Report
+    from logical_robots_tui.mind import Program, Report
 
 __all__ = ["compile_program"]
 
@@ -33,8 +31,14 @@ async def compile_program(text: str, report: Report | None = None) -> Program:
         if report is not None and not stop.is_set():
             loop.call_soon_threadsafe(report, done, of_all)
 
+    def work() -> Program:
+        # A mind will be wanted next.
+        from logical_robots_tui.mind import Mind, Program  # noqa: F401 - to have it loaded
+
+        return Program.compile(text, stop=stop, report=pass_on)
+
     try:
-        return await asyncio.to_thread(Program.compile, text, stop=stop, report=pass_on)
+        return await asyncio.to_thread(work)
     except asyncio.CancelledError:
         stop.set()
         raise

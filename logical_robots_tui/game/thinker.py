@@ -7,12 +7,12 @@ import threading
 from concurrent.futures import ThreadPoolExecutor
 from typing import TYPE_CHECKING, TypeVar
 
-from logical_robots_tui.mind import Mind, Stopped
+from logical_robots_tui.mind import Stopped
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from logical_robots_tui.mind import Engine, Limits, Program
+    from logical_robots_tui.mind import Engine, Limits, Mind, Program
     from logical_robots_tui.world import Level, Visibility
 
 __all__ = ["Thinker"]
@@ -38,6 +38,8 @@ class Thinker:
             or self._mind.program is not program
             or self._visibility != visibility
         ):
+            from logical_robots_tui.mind import Mind
+
             self._forget()
             self._visibility = visibility
             self._mind = Mind(

@@ -7,16 +7,17 @@ rules apart. Here `sqlite` holds the rows of a moment, `duck` those of a crowd; 
 from typing import TYPE_CHECKING
 
 from logical_robots_tui.later import names_from
-from logical_robots_tui.mind.decision import Decision, Notice, NoticeKind
-from logical_robots_tui.mind.diagnostics import Diagnostic, ProgramError, QueryError, Stopped
-from logical_robots_tui.mind.duck.engine import Engine, check_installed
-from logical_robots_tui.mind.duck.notes import why_not_duckdb
-from logical_robots_tui.mind.limits import Limits
-from logical_robots_tui.mind.machinery import Machinery
-from logical_robots_tui.mind.mind import Mind, Table
-from logical_robots_tui.mind.program import Predicate, Program, Question, Report
 
 if TYPE_CHECKING:
+    from logical_robots_tui.mind.decision import Decision, Notice, NoticeKind
+    from logical_robots_tui.mind.diagnostics import Diagnostic, ProgramError, QueryError, Stopped
+    from logical_robots_tui.mind.duck.engine import Engine, check_installed
+    from logical_robots_tui.mind.duck.notes import why_not_duckdb
+    from logical_robots_tui.mind.limits import Limits
+    from logical_robots_tui.mind.machinery import Machinery
+    from logical_robots_tui.mind.mind import Mind
+    from logical_robots_tui.mind.program import Predicate, Program, Question, Report
+    from logical_robots_tui.mind.table import Table
     from logical_robots_tui.mind.why.explanation import Ask, Explanation
     from logical_robots_tui.mind.why.telling import Line, tell
 
@@ -49,8 +50,26 @@ __getattr__ = names_from(
     __name__,
     {
         "Ask": "why.explanation",
+        "Decision": "decision",
+        "Diagnostic": "diagnostics",
+        "Engine": "duck.engine",
         "Explanation": "why.explanation",
+        "Limits": "limits",
         "Line": "why.telling",
+        "Machinery": "machinery",
+        "Mind": "mind",
+        "Notice": "decision",
+        "NoticeKind": "decision",
+        "Predicate": "program",
+        "Program": "program",
+        "ProgramError": "diagnostics",
+        "QueryError": "diagnostics",
+        "Question": "program",
+        "Report": "program",
+        "Stopped": "diagnostics",
+        "Table": "table",
+        "check_installed": "duck.engine",
         "tell": "why.telling",
+        "why_not_duckdb": "duck.notes",
     },
 )

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
 from time import perf_counter
 from typing import TYPE_CHECKING, Literal
 
@@ -18,6 +17,7 @@ from logical_robots_tui.mind.machinery import Machinery
 from logical_robots_tui.mind.sqlite.lasting import Sizes
 from logical_robots_tui.mind.sqlite.moment import Moment, View, Within
 from logical_robots_tui.mind.sqlite.stored import size_of
+from logical_robots_tui.mind.table import Table
 from logical_robots_tui.values import SensorRow, Value
 
 if TYPE_CHECKING:
@@ -29,26 +29,9 @@ if TYPE_CHECKING:
     from logical_robots_tui.mind.why.explanation import Explanation
     from logical_robots_tui.mind.why.probing import Probing
 
-__all__ = ["Mind", "Table"]
+__all__ = ["Mind"]
 
 Memories = Mapping[str, Value]
-
-
-@dataclass(frozen=True, slots=True)
-class Table:
-    """Rows of a predicate.
-
-    Attributes:
-        columns: Names of the columns.
-        rows: Values; records are dicts, lists are lists.
-        viewers: For each row the robot in whose reasoning it holds; () when all reason alike.
-        truncated: Whether there were more rows than are shown.
-    """
-
-    columns: tuple[str, ...]
-    rows: tuple[tuple[Value, ...], ...]
-    viewers: tuple[str, ...] = ()
-    truncated: bool = False
 
 
 class Mind:
