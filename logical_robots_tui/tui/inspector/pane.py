@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+from importlib import import_module
 from typing import TYPE_CHECKING, ClassVar
 
 from textual import on
@@ -99,6 +100,12 @@ class InspectorPane(Pane):
             self._views.mount(*self._pages.widgets)
         return self._pages
 
+    async def _load_pages(self) -> None:
+        """Have the pages ready before they are wanted; keys are answered meanwhile."""
+        await asyncio.sleep(_AT_LEISURE)
+        await asyncio.to_thread(import_module, "logical_robots_tui.tui.inspector.pages")
+        _ = self.pages
+
     @property
     def table(self) -> ValueTable:
         """The rows of a predicate."""
@@ -116,7 +123,7 @@ class InspectorPane(Pane):
 
     def on_mount(self) -> None:
         """Begin with the robots; the other pages can wait until the first picture stands."""
-        self.set_timer(_AT_LEISURE, lambda: self.pages)
+        in_background(self, self._load_pages, "pages")
         self._list_predicates()
         self._show_only(self.robots)
         self.follow()
@@ -367,8 +374,7 @@ class InspectorPane(Pane):
         if self._session.program is not None:
             self.post_message(self.Placed(self._session.program.text, (start, stop)))
 
-    # Handlers of messages of the pages: those are found by their names, because to name the classes
-    # would load them.
+    # Messages of the pages go by the names of methods: to name the classes would load them.
 
     def on_why_view_pointed(self, event: WhyView.Pointed) -> None:
         """Show the place in the program that a reason comes from."""
