@@ -87,9 +87,9 @@ def start(options: argparse.Namespace) -> int:
         return _play_in_lines(options)
     from logical_robots_tui.tui.outline import OUTLINE
 
-    if _is_sure_to_open(options):
-        OUTLINE.show(options.data_dir)
     try:
+        if _is_sure_to_open(options):
+            OUTLINE.show(options.data_dir)
         if options.restricted:
             _fence_in(options, "logical_robots_tui.tui.play")
         return _play_on_screen(options)

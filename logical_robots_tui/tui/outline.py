@@ -27,6 +27,9 @@ ENTER, LEAVE = "\x1b[?1049h", "\x1b[?1049l"
 
 _HIDE_CURSOR, _SHOW_CURSOR = "\x1b[?25l", "\x1b[?25h"
 
+_ROOM_FOR_TABS = 67
+"""Columns from which on a program's name, however long, is not left out."""
+
 _THEME = "night"
 _COLOURS = {
     "background": ("11;14;20", 233),
@@ -64,14 +67,15 @@ def drawn(columns: int, rows: int, *, truecolor: bool) -> str:
         panes = _tabs(paint, columns, rows)
     else:
         panes = _panes(paint, layout, columns, rows)
-    return "".join((*lines, *panes, "\x1b[0m"))
+    return "".join((*lines, *panes, "\x1b[0m\x1b[H"))
 
 
 def _tabs(paint: _Paint, columns: int, rows: int) -> Iterator[str]:
     """The line with the names of panes, and the labyrinth below it."""
     yield f"\x1b[2;2H{paint('key', 'here', bold=True)} 1 "
     yield f"{paint('title', 'here', bold=True)}Labyrinth "
-    yield f"{paint('key', 'background')}  2 {paint('dim', 'background')}Program"
+    if columns >= _ROOM_FOR_TABS:
+        yield f"{paint('key', 'background')}  2 {paint('dim', 'background')}Program"
     yield from paint.blank(0, 2, columns, rows - 2, "void")
 
 
