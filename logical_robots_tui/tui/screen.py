@@ -146,12 +146,8 @@ class MainScreen(Screen[None]):
     def compose(self) -> ComposeResult:
         """Status line, tabs, panes, timeline, command bar."""
         self._fit(self.app.size)
-        yield self._status
-        yield self._tabs
-        yield self.arrangement.container
-        yield self._too_small
-        yield self.timeline
-        yield self._bar
+        yield from (self._status, self._tabs, self.arrangement.container)
+        yield from (self._too_small, self.timeline, self._bar)
 
     def on_mount(self) -> None:
         """Paint at once; compile and look for drafts after that."""
@@ -167,6 +163,10 @@ class MainScreen(Screen[None]):
         self.begin_level()
         self._draw()
         self.call_after_refresh(self._start)
+
+    def on_screen_resume(self, event: events.ScreenResume) -> None:
+        """Take the styles as they are the first time: they have just been worked out."""
+        event.refresh_styles = bool(self.stack_updates)
 
     def _start(self) -> None:
         collect_seldom()
@@ -284,10 +284,9 @@ class MainScreen(Screen[None]):
         """Arrange the panes for the new size."""
         before = self.arrangement.layout
         self._fit(event.size)
-        layout = self.arrangement.layout
-        if layout is before:
+        if self.arrangement.layout is before:
             return
-        if layout is Layout.TINY:
+        if self.arrangement.is_tiny:
             self._focus_before = self.focused
         elif before is Layout.TINY and self._focus_before is not None:
             self.set_focus(self._focus_before)
