@@ -23,8 +23,6 @@ if TYPE_CHECKING:
 
 __all__ = ["Advance", "Known", "advance", "known_frame"]
 
-_TOGETHER_SECONDS = 0.008  # of computing, before what was computed is shown
-
 
 @dataclass(frozen=True, slots=True)
 class Advance:
@@ -60,6 +58,7 @@ def advance(
     known: Sequence[Known],
     watch: Watch,
     stop: threading.Event,
+    seconds: float,
     most: int | None = None,
 ) -> list[Advance]:
     """The ticks after a past one, up to victory or a breakpoint. Blocks.
@@ -72,7 +71,8 @@ def advance(
         known: The first of the next ticks if they are known; no others are computed then.
         watch: What to stop at.
         stop: Set it from another thread to give up.
-        most: At most so many, by default as many as a fraction of a second allows.
+        seconds: How much time to begin another one in.
+        most: At most so many, by default as many as there is time for.
 
     Raises:
         Stopped: `stop` was set.
@@ -83,7 +83,7 @@ def advance(
 
     if known:
         most = len(known) if most is None else min(most, len(known))
-    until = perf_counter() + _TOGETHER_SECONDS
+    until = perf_counter() + seconds
     done: list[Advance] = []
     while True:
         if known:

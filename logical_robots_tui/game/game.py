@@ -33,6 +33,8 @@ if TYPE_CHECKING:
 __all__ = ["Answer", "Game", "Superseded"]
 
 _KNOWN_TOGETHER = 16  # ticks that are taken from history at once
+_SECONDS_SHOWN = 0.008  # of computing at once, where each tick is soon to be seen
+_SECONDS_AWAY = 0.03  # where the end is what matters: to change between threads costs half a tick
 
 
 class Superseded(Exception):  # noqa: N818 - not an error: the player did something else meanwhile
@@ -292,7 +294,7 @@ class Game:
         was_won = self.won_at is not None
         while tick is None or self._frame.tick < tick:
             most = None if tick is None else tick - self._frame.tick
-            met = await self._go_on(most, condition)
+            met = await self._go_on(most, condition, _SECONDS_AWAY)
             if met or (self.won_at is not None and not was_won):
                 break
         return self._frame
@@ -317,7 +319,10 @@ class Game:
     # -- inside --------------------------------------------------------------------------------
 
     async def _go_on(
-        self, most: int | None, condition: Callable[[Frame], bool] | None = None
+        self,
+        most: int | None,
+        condition: Callable[[Frame], bool] | None = None,
+        seconds: float = _SECONDS_SHOWN,
     ) -> bool:
         """Go some ticks further and show each, up to victory or what is to be stopped at.
 
@@ -325,23 +330,20 @@ class Game:
             Whether the condition was true or a breakpoint was hit.
         """
         run, known = self.run_number, self._known_ahead(most or _KNOWN_TOGETHER)
-        for each in await self._ahead(most, known):
+        for each in await self._ahead(most, known, seconds):
             self._take(each, run, is_known=bool(known))
             if each.hits or (condition and condition(each.frame)):
                 return True
         return False
 
-    async def _ahead(self, most: int | None, known: list[Known]) -> list[Advance]:
-        """The next ticks: at most so many, or as many as a fraction of a second allows.
-
-        To change between threads takes about as long as a quick tick does.
-        """
+    async def _ahead(self, most: int | None, known: list[Known], seconds: float) -> list[Advance]:
+        """The next ticks, as `advance` gives them."""
         program, level, past = self.program, self.level, self._frame
         watch = self._present_watch()
 
         def ticks(stop: threading.Event) -> list[Advance]:
             mind = self._thinker.mind(program, level, self.limits)
-            return advance(self._worlds, level, mind, past, known, watch, stop, most)
+            return advance(self._worlds, level, mind, past, known, watch, stop, seconds, most)
 
         try:
             return await self._thinker.do(ticks)
