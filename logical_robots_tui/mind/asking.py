@@ -14,6 +14,7 @@ from logical_robots_tui.mind.machinery import plan_lines
 from logical_robots_tui.mind.plain import printable
 from logical_robots_tui.mind.sqlite.database import TooMuchError, TooSlowError
 from logical_robots_tui.mind.sqlite.lasting import Lasting
+from logical_robots_tui.mind.sqlite.layouts import COLUMNS_LAYOUT, LISTS_LAYOUT
 from logical_robots_tui.mind.sqlite.stored import TooDeepError, from_sql
 from logical_robots_tui.mind.sqlite.tables import PlainTables, TunedTables, UnfitError
 
@@ -65,7 +66,7 @@ class Asking:
     ) -> None:
         self._program = program
         self._plain = PlainTables(limits)
-        self._tuned = None if plain or not program.tuned else TunedTables(limits, frozen=frozen)
+        self._tuned = None if plain else _tables(program, limits, frozen=frozen)
         self._deepest = limits.depth
         self._read_value = Lasting().read if frozen else from_sql
         self._duck = duck
@@ -107,6 +108,7 @@ class Asking:
         tuned = None if self._tuned is None else self._program.tuned.get(predicate)
         if self._tuned is not None and tuned is not None:
             try:
+                tuned = self._tuned.fitting(tuned, moment)
                 planned = replace(tuned, sql=f"{_PLAN}{tuned.sql}", result=())
                 return tuned.sql, plan_lines(self._tuned.ask(planned, moment, view, within)[1])
             except _NO_QUICK_ANSWER:
@@ -262,6 +264,15 @@ class Asking:
             tuple([v if v.__class__ in _READY else read(v, deepest) for v in within.each(row)])
             for row in rows
         ]
+
+
+def _tables(program: Program, limits: Limits, *, frozen: bool) -> TunedTables | None:
+    """The tables for the tuned queries of a program, if it has any."""
+    if not program.tuned:
+        return None
+    robot = program.tuned.get("Robot")
+    few = LISTS_LAYOUT if robot is not None and robot.crowd else COLUMNS_LAYOUT
+    return TunedTables(limits, frozen=frozen, few=few)
 
 
 _READY = frozenset({float, int, type(None)})

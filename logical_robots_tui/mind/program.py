@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Literal, TypeAlias
 
 if TYPE_CHECKING:
@@ -97,6 +97,8 @@ class Tuned:
             the visible rows of ``Memory`` begin from one viewer to the next.
         together_alike: The same where all viewers see the same memories, without that parameter.
         duck: The same for DuckDB, where it was looked for.
+        crowd: The first query and the two together as they are for many robots, where those for
+            few are not the same; else ().
     """
 
     sql: str
@@ -106,6 +108,14 @@ class Tuned:
     together: str = ""
     together_alike: str = ""
     duck: Duck | None = None
+    crowd: tuple[str, ...] = ()
+
+    def for_crowd(self) -> Tuned:
+        """The same for many robots."""
+        if not self.crowd:
+            return self
+        one, together, alike = self.crowd
+        return replace(self, sql=one, together=together, together_alike=alike, crowd=())
 
     def for_all(self, *, alike: bool) -> tuple[str, int]:
         """The query for all viewers, or "", and how many parameters it has.

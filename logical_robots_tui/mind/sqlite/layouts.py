@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from logical_robots_tui.mind.sqlite.allowed import TABLES
 from logical_robots_tui.mind.sqlite.remembered import ITEM_FIELDS, MEMORY_FIELDS
 
-__all__ = ["COLUMNS_LAYOUT", "CROWD_LAYOUT", "PLAIN_LAYOUT", "Layout"]
+__all__ = ["COLUMNS_LAYOUT", "CROWD_LAYOUT", "LISTS_LAYOUT", "PLAIN_LAYOUT", "Layout"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -47,12 +47,16 @@ COLUMNS_LAYOUT = Layout(
 robots and at beacons once more. For few robots: to make an index would take longer than to do
 without."""
 
+LISTS_LAYOUT = Layout(
+    f"{COLUMNS_LAYOUT.script} PRAGMA automatic_index = ON;", COLUMNS_LAYOUT.readable
+)
+"""The same for queries that say themselves where few robots do without an index."""
+
 CROWD_LAYOUT = Layout(
-    COLUMNS_LAYOUT.script
+    LISTS_LAYOUT.script
     + """
     CREATE INDEX SensorByName ON Sensor(robot_name);
     CREATE INDEX MemoryByName ON Memory(robot_name);
-    PRAGMA automatic_index = ON;
     """,
     COLUMNS_LAYOUT.readable,
 )

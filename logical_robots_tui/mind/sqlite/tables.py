@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from logical_robots_tui.mind.program import Tuned
     from logical_robots_tui.mind.sqlite.database import Answer, Scalar
     from logical_robots_tui.mind.sqlite.inserting import Filling
+    from logical_robots_tui.mind.sqlite.layouts import Layout
     from logical_robots_tui.mind.sqlite.moment import Moment, View, Within
 
 __all__ = ["PlainTables", "TunedTables", "UnfitError"]
@@ -82,11 +83,15 @@ class TunedTables:
     Args:
         limits: Bounds on memory, on values and on results.
         frozen: Whether nobody changes the memories of a moment, then or later.
+        few: The layout for few robots.
     """
 
-    def __init__(self, limits: Limits, *, frozen: bool = False) -> None:
+    def __init__(
+        self, limits: Limits, *, frozen: bool = False, few: Layout = COLUMNS_LAYOUT
+    ) -> None:
         self._limits = limits
-        self._database = Database(limits, COLUMNS_LAYOUT)
+        self._few = few
+        self._database = Database(limits, few)
         self._lists = Lists(frozen=frozen)
         self._is_crowd = False
         self._moment: Moment | None = None
@@ -102,6 +107,7 @@ class TunedTables:
             Exception: As `Database.fill` and `Database.ask` do.
         """
         bounds = (*view.sensors, *view.memories)[: tuned.bounds]
+        tuned = self.fitting(tuned, moment)
         return self._ask(tuned.sql, bounds, within.rows + 1, tuned, moment, within)
 
     def ask_together(self, tuned: Tuned, moment: Moment, within: Within) -> Answer:
@@ -111,9 +117,15 @@ class TunedTables:
             Exception: As `ask` does.
         """
         last = len(moment.sensors) - 1
+        tuned = self.fitting(tuned, moment)
         sql, bounds = tuned.for_all(alike=moment.stride == 0)
         numbers = (0, last, 0, last, moment.stride)[:bounds]
         return self._ask(sql, numbers, len(moment.views) + 1, tuned, moment, within)
+
+    @staticmethod
+    def fitting(tuned: Tuned, moment: Moment) -> Tuned:
+        """The queries for as many robots as there are."""
+        return tuned.for_crowd() if _is_crowd(moment) else tuned
 
     def close(self) -> None:
         """Free the database."""
@@ -135,7 +147,7 @@ class TunedTables:
 
     def _fill(self, moment: Moment, wanted: Mapping[str, tuple[str, ...]]) -> None:
         if self._moment is not moment:
-            if (len(moment.sensors) >= _CROWD) != self._is_crowd:
+            if _is_crowd(moment) != self._is_crowd:
                 self._change_size()
             self._forget_all_but_names(moment)
             self._moment = moment
@@ -176,8 +188,7 @@ class TunedTables:
         """Begin anew with queries prepared for few robots, or for many."""
         self._is_crowd = not self._is_crowd
         self._database.close()
-        layout = CROWD_LAYOUT if self._is_crowd else COLUMNS_LAYOUT
-        self._database = Database(self._limits, layout)
+        self._database = Database(self._limits, CROWD_LAYOUT if self._is_crowd else self._few)
         self._lists.forget()
         self._moment = None
         self._memories = b""
@@ -191,6 +202,10 @@ class TunedTables:
         self._filled.clear()
         if names == _NAMES and before is not None and before.names == moment.names:
             self._filled["Sensor"] = _NAMES
+
+
+def _is_crowd(moment: Moment) -> bool:
+    return len(moment.sensors) >= _CROWD
 
 
 def _exactly(items: Sequence[Filling]) -> bytes:

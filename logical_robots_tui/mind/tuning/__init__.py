@@ -6,7 +6,7 @@ own; what a program computes several times is computed once. Runs in the compile
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
 from sqlglot import exp
@@ -15,13 +15,14 @@ from sqlglot.errors import SqlglotError
 from logical_robots_tui.mind.duck.translation import in_duckdb
 from logical_robots_tui.mind.program import INPUTS, Tuned
 from logical_robots_tui.mind.tuning import aggregates, columns, records, sharing, sql
+from logical_robots_tui.mind.tuning.indexes import indexed_where_lists_are_joined
 from logical_robots_tui.mind.tuning.items import items_as_rows
 from logical_robots_tui.mind.tuning.memories import memory_fields_as_columns
 from logical_robots_tui.mind.tuning.pairs import pairs_as_columns
 from logical_robots_tui.mind.tuning.together import together
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Mapping, Sequence
 
     from logical_robots_tui.mind.program import Duck
 
@@ -107,8 +108,15 @@ def tune(statement: str, known: Known | None = None, *, for_all: bool = False) -
         bounds = 4 if "Memory" in read else 2 if "Sensor" in read else 0
         if any(at_once):
             read.setdefault("Sensor", ("robot_name",))
-        texts = [_as_rows_come(query) if query else "" for query in at_once]
-        return Tuned(_as_rows_come(tree), bounds, read, result, texts[0], texts[1], duck)
+        queries = [tree, *at_once]
+        for query in queries:
+            if query is not None:
+                sharing.rows_as_they_come(query)
+        crowd = _texts(queries)
+        joins_lists = [indexed_where_lists_are_joined(query) for query in queries if query]
+        few = _texts(queries) if any(joins_lists) else crowd
+        tuned = Tuned(few[0], bounds, read, result, few[1], few[2], duck)
+        return tuned if few == crowd else replace(tuned, crowd=crowd)
     except (SqlglotError, ValueError, RecursionError):
         return None
 
@@ -126,9 +134,9 @@ def _finished(
     return result, read
 
 
-def _as_rows_come(tree: exp.Query) -> str:
-    sharing.rows_as_they_come(tree)
-    return sql.written(tree)
+def _texts(queries: Sequence[exp.Query | None]) -> tuple[str, str, str]:
+    one, together_, alike = ("" if query is None else sql.written(query) for query in queries)
+    return one, together_, alike
 
 
 def _for_duckdb(tree: exp.Query) -> Duck:

@@ -1,0 +1,76 @@
+"""Where few robots think: an index for a join with rows of lists, and for no other join.
+
+SQLite makes an index for every join that has none, when it is allowed to. That pays for the rows
+of lists in memories, which are many. For what few robots sense and remember it takes longer than
+to do without, and so SQLite is kept from it there: of ``+column`` it makes no index.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from sqlglot import exp
+
+from logical_robots_tui.mind.tuning import sql
+
+if TYPE_CHECKING:
+    from collections.abc import Set as AbstractSet
+
+__all__ = ["indexed_where_lists_are_joined"]
+
+
+def indexed_where_lists_are_joined(tree: exp.Query) -> bool:
+    """Keep SQLite from making indexes, but for joins with queries of rows of lists.
+
+    Args:
+        tree: A tuned query; changed in place if there is such a join.
+
+    Returns:
+        Whether there is one.
+    """
+    queries = _queries_of_lists(tree)
+    equals = list(tree.find_all(exp.EQ))
+    others = [equal for equal in equals if not _joins_lists(equal, queries)]
+    if len(others) == len(equals):
+        return False
+    for equal in others:
+        for side in (equal.this, equal.expression):
+            if isinstance(side, exp.Column) and side.name != "id":  # by which rows are found
+                side.replace(exp.Var(this=f"+{sql.written(side)}"))
+    return True
+
+
+def _queries_of_lists(tree: exp.Query) -> AbstractSet[str]:
+    """Names of the named queries that read, at first or second hand, rows of lists."""
+    named = tree.args.get("with_")
+    found: set[str] = set()
+    for query in named.expressions if named else ():
+        if _reads_lists(query.this, found):
+            found.add(query.alias)
+    return found
+
+
+def _reads_lists(query: exp.Expr, queries: AbstractSet[str]) -> bool:
+    return any(
+        sql.table_name(table) == "item" or table.name in queries
+        for table in query.find_all(exp.Table)
+    )
+
+
+def _joins_lists(equal: exp.EQ, queries: AbstractSet[str]) -> bool:
+    """Whether columns of two sources of one select are compared, one of them a query of lists.
+
+    The table of all lists is none: an index would be one of the lists of all memories, for each
+    viewer anew.
+    """
+    one, other = _source(equal.this), _source(equal.expression)
+    if one is None or other is None or one[0] is not other[0] or one[1] is other[1]:
+        return False
+    return any(
+        sql.table_name(source) != "item" and _reads_lists(source, queries)
+        for _, source in (one, other)
+    )
+
+
+def _source(side: exp.Expr) -> tuple[exp.Select, exp.Expr] | None:
+    return sql.source(side) if isinstance(side, exp.Column) else None

@@ -1,0 +1,70 @@
+"""Indexes: few robots make them for joins with rows of lists only, and think the same."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import pytest
+
+from logical_robots_tui.mind import Mind, Program
+from tests.mind.rows import ROBOT, row, think
+
+LISTS = f"""
+Road(robot_name:, start: r.start, finish: r.finish) distinct :-
+  Memory(robot_name:, memory:), r in memory.roads;
+Known(label: p.label, far? Min= p.far) distinct :- Memory(memory:), p in memory.places;
+Near(robot_name:, label: ray.label, distance: ray.distance) :-
+  Sensor(robot_name:, sensor:), ray in sensor.radar, ray.object == "beacon";
+Place(label: finish, far? Min= far + 1) distinct :-
+  Road(start:, finish:), Known(label: start, far:);
+Ahead(robot_name:, far? Min= far) distinct :- Near(robot_name:, label:), Place(label:, far:);
+{ROBOT} m = {{
+  ahead: AnyValue{{f :- Ahead(robot_name:, far: f)}},
+  far: Sum{{f :- Place(far: f)}},
+  loops: Sum{{1 :- Road(start: a, finish: b), Road(start: b, finish: a)}},
+  mine: Sum{{f :- Road(robot_name:, start: s), Known(label: s, far: f)}}
+}};
+"""
+
+
+@pytest.mark.parametrize("visible", ["own", "seen", "all"])
+@pytest.mark.parametrize("robots", [3, 33])
+def test_lists_are_joined_as_the_plain_way_does(visible: Any, robots: int) -> None:
+    names = [f"R{i}" for i in range(robots)]
+    rows = [
+        row(name, sees={2: (30, "robot", names[i - 1]), 5: (9, "beacon", f"B{i % 4}")})
+        for i, name in enumerate(names)
+    ]
+    memories: dict[str, Any] = {
+        name: {
+            "roads": [{"start": f"B{k}", "finish": f"B{(k * i) % 5}"} for k in range(i % 6)],
+            "places": [{"label": f"B{k % 7}", "far": k + i} for k in range(9)],
+        }
+        for i, name in enumerate(names)
+    }
+    found: list[Any] = [
+        decision.memory for decision in think(LISTS, rows, memories, memory=visible)
+    ]
+    assert all(memory["far"] for memory in found[1:3])
+    assert any(memory["loops"] for memory in found)
+    assert any(memory["mine"] for memory in found)
+    assert any(memory["ahead"] for memory in found)
+
+
+def test_few_robots_have_an_index_for_lists_alone() -> None:
+    program = Program.compile(LISTS)
+    mind = Mind(program)
+    plan = mind.machinery("Robot", [row("Ada"), row("Bo")], {}).plan
+    mind.close()
+    made = [line for line in plan if "AUTOMATIC" in line]
+    assert made
+    assert not [line for line in made if "Sensor" in line or "Near" in line or "Memory" in line]
+    robot = program.tuned["Robot"]
+    assert "= +" in robot.sql
+    assert "= +" not in robot.for_crowd().sql
+
+
+def test_without_lists_a_crowd_asks_as_few_do() -> None:
+    text = f"Turn(n? Sum= memory.n) distinct :- Memory(memory:); {ROBOT} m = Sum{{n :- Turn(n:)}};"
+    robot = Program.compile(text).tuned["Robot"]
+    assert robot.for_crowd() is robot
