@@ -7,21 +7,30 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from logical_robots_tui.world.rays import FORWARD, RADAR_RAYS, RADAR_SPAN, RAYS, SENSOR_RANGE
+from logical_robots_tui.world.rays import (
+    FORWARD,
+    MIDDLE,
+    PER_RADIAN,
+    RADAR_RAYS,
+    RAYS,
+    SENSOR_RANGE,
+)
+from logical_robots_tui.world.singly import take_singly
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from logical_robots_tui.world.rays import Rays
 
-__all__ = ["FEW", "Circles", "take_nearer_circles"]
+__all__ = ["FEW", "FEWEST", "Circles", "Pairs", "take_nearer_circles"]
+
+FEWEST = 10
+"""Pairs of robot and circle that are quicker looked at one by one."""
 
 FEW = 96
 """Pairs of robot and circle of which it is quicker to try all rays."""
 
 _PAIRS_AT_ONCE = 4096  # bounds the memory for robots that crowd around each other
-_PER_RADIAN = (RADAR_RAYS - 1) / RADAR_SPAN
-_MIDDLE = (RADAR_RAYS - 1) / 2
 _EACH_RAY = np.arange(RAYS)
 _THREE = np.arange(3.0)[:, None]
 
@@ -49,7 +58,7 @@ class Circles(NamedTuple):
         return Circles(self.number[near], self.x[near], self.y[near], self.radius[near])
 
 
-class _Pairs(NamedTuple):
+class Pairs(NamedTuple):
     """Robots and circles that may be within reach of their rays; all of shape (pairs,).
 
     Attributes:
@@ -68,8 +77,9 @@ class _Pairs(NamedTuple):
     radius: NDArray[np.float64]
     least: NDArray[np.int64]
 
-    def some(self, which: NDArray[np.intp]) -> _Pairs:
-        return _Pairs(
+    def some(self, which: NDArray[np.intp]) -> Pairs:
+        """Return some of them, by their places."""
+        return Pairs(
             self.robot[which],
             self.circle[which],
             self.dx[which],
@@ -92,6 +102,9 @@ def take_nearer_circles(hits: NDArray[np.int64], codes: int, rays: Rays, circles
     pairs = _within_reach(hits, codes, rays, circles)
     if pairs is None:
         return
+    if len(pairs.robot) <= FEWEST:
+        take_singly(hits, codes, rays, circles, pairs)
+        return
     if len(pairs.robot) <= _PAIRS_AT_ONCE:
         _take(hits, codes, rays, circles, pairs)
         return
@@ -106,7 +119,7 @@ def take_nearer_circles(hits: NDArray[np.int64], codes: int, rays: Rays, circles
 
 def _within_reach(
     hits: NDArray[np.int64], codes: int, rays: Rays, circles: Circles
-) -> _Pairs | None:
+) -> Pairs | None:
     """Return who may meet what is not hidden by a wall, or None."""
     if len(circles.number) == 1 == len(rays.robot):
         return None
@@ -123,10 +136,10 @@ def _within_reach(
     radius = circles.radius[circle]
     least = np.floor(np.sqrt(away[near]) - radius)
     least = np.maximum(least, 1.0).astype(np.int64) * codes + circles.number[circle] + 1
-    return _Pairs(robot, circle, to_x[near], to_y[near], radius, least)
+    return Pairs(robot, circle, to_x[near], to_y[near], radius, least)
 
 
-def _take(hits: NDArray[np.int64], codes: int, rays: Rays, circles: Circles, pairs: _Pairs) -> None:
+def _take(hits: NDArray[np.int64], codes: int, rays: Rays, circles: Circles, pairs: Pairs) -> None:
     """Lower hits where pairs meet.
 
     A chord through the circle tells within less than a step where a ray enters it; whether a
@@ -165,13 +178,13 @@ def _take(hits: NDArray[np.int64], codes: int, rays: Rays, circles: Circles, pai
     np.minimum.at(hits, ray[found], hit)
 
 
-def _all_rays(pairs: _Pairs) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
+def _all_rays(pairs: Pairs) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
     """Return every ray of every pair, as `_between_tangents` does with those that may meet."""
     ray = (pairs.robot * RAYS)[:, None] + _EACH_RAY
     return np.arange(len(ray)).repeat(RAYS), ray.reshape(-1)
 
 
-def _between_tangents(rays: Rays, pairs: _Pairs) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
+def _between_tangents(rays: Rays, pairs: Pairs) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
     """Return the rays that may meet the circle of a pair, all in a row: the pair, and the ray."""
     dx, dy, robot = pairs.dx, pairs.dy, pairs.robot
     cos, sin = rays.cos[robot, FORWARD], rays.sin[robot, FORWARD]
@@ -179,8 +192,8 @@ def _between_tangents(rays: Rays, pairs: _Pairs) -> tuple[NDArray[np.intp], NDAr
     sine = pairs.radius / np.maximum(np.hypot(ahead, right), 1e-300)
     # Counted in rays of the radar. From within a circle, and from its very rim, all rays may meet
     # it.
-    center = np.arctan2(right, ahead) * _PER_RADIAN + _MIDDLE
-    half = np.arcsin(np.minimum(sine, 1.0)) * _PER_RADIAN
+    center = np.arctan2(right, ahead) * PER_RADIAN + MIDDLE
+    half = np.arcsin(np.minimum(sine, 1.0)) * PER_RADIAN
     half[sine > 1 - 1e-9] = np.inf
     # More than rounding can amount to; the headings of the rays of a great angle are coarse.
     half += (1e-13 * np.abs(rays.angle) + 1e-3)[robot]

@@ -14,7 +14,17 @@ if TYPE_CHECKING:
 
     from logical_robots_tui.world.state import RobotState
 
-__all__ = ["FORWARD", "RADAR_RAYS", "RADAR_SPAN", "RAYS", "SENSOR_RANGE", "Rays", "rays_of"]
+__all__ = [
+    "FORWARD",
+    "MIDDLE",
+    "PER_RADIAN",
+    "RADAR_RAYS",
+    "RADAR_SPAN",
+    "RAYS",
+    "SENSOR_RANGE",
+    "Rays",
+    "rays_of",
+]
 
 SENSOR_RANGE = 200
 """Map units; also the distance that a ray reports when it hits nothing."""
@@ -22,6 +32,12 @@ SENSOR_RANGE = 200
 RADAR_RAYS = 31
 RADAR_SPAN = 120 * math.pi / 180
 """Radians between the leftmost and the rightmost ray of the radar."""
+
+PER_RADIAN = (RADAR_RAYS - 1) / RADAR_SPAN
+"""Rays of the radar that lie side by side within a radian."""
+
+MIDDLE = (RADAR_RAYS - 1) / 2
+"""Place of the radar's ray that points forward, as a float."""
 
 RAYS = RADAR_RAYS + 1
 

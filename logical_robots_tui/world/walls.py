@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -78,13 +79,13 @@ class Walls:
         # From further outside the first step is in the rim, as it is from the rim.
         x = np.minimum(np.maximum(x, -2.0), self._end_x)
         y = np.minimum(np.maximum(y, -2.0), self._end_y)
-        room = self._room_at(np.floor(x), np.floor(y))
         if len(cos) <= FEW:
-            room += np.uint8(1)  # and a wall has none
-            free = max(int(room.min(initial=self._reach)) - 1, 0)
+            rooms = map(self._free_around, x.tolist(), y.tolist())
+            free = min(rooms, default=self._reach - 1)
             x, y = x.repeat(shape[1]), y.repeat(shape[1])
             few = self._at_every_step if len(cos) <= FEWEST else self._where_walls_are_near
             return few(x, y, cos, sin, free).reshape(shape)
+        room = self._room_at(np.floor(x), np.floor(y))
         room[room == _WALL] = 0
         # Steps in which a ray crosses at most one cell, per cell. Less a little, so that rounding
         # never carries a ray further than there is room.
@@ -182,14 +183,21 @@ class Walls:
         in_wall = room == 0
         in_wall[-1] = True
         near &= _PLACES[: len(some)] <= in_wall.argmax(axis=0)
-        place, ray = near.nonzero()
+        place, ray = np.divmod(near.reshape(-1).nonzero()[0], len(x))
         start = some[place] - _BESIDE
         in_wall = self._room_on(x[ray], y[ray], cos[ray], sin[ray], start + _CLOSELY) == _WALL
         best = in_wall.argmax(axis=0)
-        which = in_wall[best, np.arange(len(best))].nonzero()[0]
+        # The last ones first, so that of each ray the first is the one that stays.
+        which = in_wall[best, np.arange(len(best))].nonzero()[0][::-1]
         found = np.full(len(x), self._reach)
-        np.minimum.at(found, ray[which], (start + best)[which].astype(np.int64))
+        found[ray[which]] = (start + best)[which]
+        np.minimum(found, self._reach, out=found)
         return found
+
+    def _free_around(self, x: float, y: float) -> int:
+        """Return how many steps from a place, in any direction, are in no wall."""
+        room = self._room.item(math.floor(y) * self._stride + math.floor(x))
+        return 0 if room == _WALL else room
 
     def _room_on(
         self,

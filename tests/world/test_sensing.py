@@ -31,11 +31,11 @@ def forward(level: Level) -> tuple[int, str, str]:
 
 
 def assert_sees_what_the_plain_rays_see(world: World) -> None:
-    """Both with all rays tried at a circle and with those between its tangents."""
+    """With circles looked at one by one, all rays tried at them, those between their tangents."""
     plain = plain_look(world)
-    assert world.look() == plain
-    with patch.object(circles, "FEW", 0):
-        assert world.look() == plain
+    for fewest, few in ((10_000, 0), (0, 10_000), (0, 0)):
+        with patch.multiple(circles, FEWEST=fewest, FEW=few):
+            assert world.look() == plain
 
 
 @settings(deadline=None)
