@@ -60,11 +60,29 @@ def test_few_robots_have_an_index_for_lists_alone() -> None:
     assert made
     assert not [line for line in made if "Sensor" in line or "Near" in line or "Memory" in line]
     robot = program.tuned["Robot"]
-    assert "= +" in robot.sql
-    assert "= +" not in robot.for_crowd().sql
+    assert "(NOT " in robot.sql
+    assert "(NOT " not in robot.for_crowd().sql
 
 
 def test_without_lists_a_crowd_asks_as_few_do() -> None:
     text = f"Turn(n? Sum= memory.n) distinct :- Memory(memory:); {ROBOT} m = Sum{{n :- Turn(n:)}};"
     robot = Program.compile(text).tuned["Robot"]
     assert robot.for_crowd() is robot
+
+
+@pytest.mark.parametrize("told", [30, "30", 30.0, "30.0", True, None])
+def test_numbers_and_texts_are_compared_as_ever_beside_a_join_of_lists(told: Any) -> None:
+    text = f"""
+    Road(start: r.start, finish: r.finish) distinct :- Memory(memory:), r in memory.roads;
+    Seen(text: ToString(ray.distance), number: ToInt64(ray.distance)) distinct :-
+      Sensor(sensor:), ray in sensor.radar, ray.object == "beacon";
+    Told(value: t) distinct :- Memory(memory:), t == memory.told;
+    {ROBOT} m = {{
+      loops: Sum{{1 :- Road(start: a, finish: b), Road(start: b, finish: a)}},
+      texts: Sum{{1 :- Seen(text:), Told(value: text)}},
+      numbers: Sum{{1 :- Seen(number:), Told(value: number)}}}};
+    """
+    assert "(NOT " in Program.compile(text).tuned["Robot"].together
+    roads = [{"start": f"B{n}", "finish": f"B{n}"} for n in range(5)]
+    rows = [row("Ada", sees={3: (30, "beacon", "B1")}), row("Bo")]
+    think(text, rows, {"Ada": {"roads": roads, "told": told}})

@@ -2,7 +2,8 @@
 
 SQLite makes an index for every join that has none, when it is allowed to. That pays for the rows
 of lists in memories, which are many. For what few robots sense and remember it takes longer than
-to do without, and so SQLite is kept from it there: of ``+column`` it makes no index.
+to do without, and so SQLite is kept from it there: for ``NOT a <> b``, which holds where ``a = b``
+does, it makes none.
 """
 
 from __future__ import annotations
@@ -29,14 +30,19 @@ def indexed_where_lists_are_joined(tree: exp.Query) -> bool:
         Whether there is one.
     """
     queries = _queries_of_lists(tree)
-    equals = list(tree.find_all(exp.EQ))
+    equals = [
+        condition
+        for select in sql.selects(tree)
+        for condition in sql.conjuncts(select)
+        if isinstance(condition, exp.EQ)
+    ]
     others = [equal for equal in equals if not _joins_lists(equal, queries)]
     if len(others) == len(equals):
         return False
     for equal in others:
-        for side in (equal.this, equal.expression):
-            if isinstance(side, exp.Column) and side.name != "id":  # by which rows are found
-                side.replace(exp.Var(this=f"+{sql.written(side)}"))
+        if not _finds_by_number(equal):
+            unlike = exp.NEQ(this=equal.this, expression=equal.expression)
+            equal.replace(exp.Paren(this=exp.Not(this=unlike)))
     return True
 
 
@@ -63,14 +69,24 @@ def _joins_lists(equal: exp.EQ, queries: AbstractSet[str]) -> bool:
     The table of all lists is none: an index would be one of the lists of all memories, for each
     viewer anew.
     """
-    one, other = _source(equal.this), _source(equal.expression)
-    if one is None or other is None or one[0] is not other[0] or one[1] is other[1]:
-        return False
+    sources = _sources_of_one_select(equal)
     return any(
-        sql.table_name(source) != "item" and _reads_lists(source, queries)
-        for _, source in (one, other)
+        sql.table_name(source) != "item" and _reads_lists(source, queries) for source in sources
     )
 
 
-def _source(side: exp.Expr) -> tuple[exp.Select, exp.Expr] | None:
-    return sql.source(side) if isinstance(side, exp.Column) else None
+def _finds_by_number(equal: exp.EQ) -> bool:
+    """Whether rows may be found by their number, for which there is an index anyway."""
+    sides = (equal.this, equal.expression)
+    return bool(_sources_of_one_select(equal)) and any(side.name == "id" for side in sides)
+
+
+def _sources_of_one_select(equal: exp.EQ) -> tuple[exp.Expr, ...]:
+    """The two sources of one select whose columns are compared; () if something else is."""
+    one, other = (
+        sql.source(side) if isinstance(side, exp.Column) else None
+        for side in (equal.this, equal.expression)
+    )
+    if one is None or other is None or one[0] is not other[0] or one[1] is other[1]:
+        return ()
+    return one[1], other[1]
