@@ -96,8 +96,12 @@ class Pace:
         self._forget_old(now)
 
     def give_way(self) -> None:
-        """Let a game that runs flat out pause for a moment: the player is to be answered."""
-        self._free_at = perf_counter() + _WAY_SECONDS
+        """Let a game that runs flat out, or on a busy machine, pause for a moment.
+
+        The player is to be answered, and threads that want the interpreter at the same time
+        take turns; on a busy machine each turn takes as long as all who are before it.
+        """
+        self._free_at = perf_counter() + _WAY_SECONDS + self.spacing
 
     def wake(self) -> None:
         """End the waiting under way."""
@@ -111,6 +115,8 @@ class Pace:
         now = perf_counter()
         rest = self._lot if self._lot > _LONGEST_LOT else 0.0
         self._due = max(self._due + max(self._computed / self._speed, rest), now)
+        if self.spacing:
+            self._due = max(self._due, self._free_at)
         self._computed = 0
         self._changed.clear()
         try:

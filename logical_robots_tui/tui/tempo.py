@@ -15,6 +15,9 @@ __all__ = ["Tempo", "processor_times"]
 _SCHEDULE = Path("/proc/thread-self/schedstat")
 _USUAL = 0.3  # seconds waited per second of computing where nobody else wants much
 _LEAVE = 0.03  # seconds between pictures, for each second waited per second of computing
+_MUCH = 3.0  # seconds waited per second of computing from which on keys begin to suffer
+_LEAVE_MORE = 0.15  # seconds between pictures, for each second above that
+_LONGEST = 0.33  # seconds between pictures
 _MOST = 10.0  # seconds waited per second of computing; more makes no difference
 _SMOOTH = 0.1  # how much the last picture counts
 _HURRY = 0.1  # seconds after a key press
@@ -36,7 +39,8 @@ class Tempo:
     """Lets pictures give way where others want the processors, so that keys needn't wait.
 
     The longer computing has to wait for a processor, the more time is left to others between two
-    pictures: where it takes three times as long as alone, there are about 12 pictures a second.
+    pictures: where it takes three times as long as alone, there are about 12 pictures a second;
+    where it takes five times as long, about 3.
     All times are in seconds.
 
     Args:
@@ -66,7 +70,8 @@ class Tempo:
     @property
     def spacing(self) -> float:
         """What to leave to others between two pictures, besides the usual."""
-        return _LEAVE * max(self._strain - _USUAL, 0.0)
+        usual, much = max(self._strain - _USUAL, 0.0), max(self._strain - _MUCH, 0.0)
+        return min(_LEAVE * usual + _LEAVE_MORE * much, _LONGEST)
 
     @property
     def rested(self) -> float:

@@ -103,6 +103,7 @@ class LevelScreen(Dialog["Level | NewLevel"]):
         line = self.query_one("#filter", Input)
         line.cursor_blink = False  # nothing is to be drawn while nothing happens
         line.focus()
+        self._list()
         in_background(self, self._read_all, "cards", exclusive=True)
 
     def on_resize(self, event: events.Resize) -> None:
@@ -123,9 +124,9 @@ class LevelScreen(Dialog["Level | NewLevel"]):
 
     # -- content -------------------------------------------------------------------------------
 
-    async def _read_all(self) -> None:
-        shipped = await asyncio.to_thread(list_levels)
-        own = await asyncio.to_thread(own_levels, self._own)
+    def _list(self) -> None:
+        """Show the names, before the first key can choose among them."""
+        shipped, own = list_levels(), own_levels(self._own)
         here = self._here.name
         self._all = [LevelCard(name, is_here=name == here) for name in shipped] + [
             LevelCard(name, is_here=str(file) == self._here.source, file=file)
@@ -133,6 +134,8 @@ class LevelScreen(Dialog["Level | NewLevel"]):
             if name not in shipped
         ]
         self._filter(here)
+
+    async def _read_all(self) -> None:
         painted = asyncio.Event()
         self.call_after_refresh(painted.set)
         await painted.wait()  # reading would only hold up the first picture
