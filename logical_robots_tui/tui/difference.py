@@ -7,15 +7,14 @@ from math import inf
 from typing import TYPE_CHECKING, NamedTuple, TypeAlias
 
 from rich.cells import cell_len
-from rich.color import Color
 
-from logical_robots_tui.tui.drawing.cells import BOLD, PAPER
+from logical_robots_tui.tui.drawing.cells import BOLD, PAPER, colour_of
 from logical_robots_tui.tui.reduction import reduced
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Sequence
 
-    from rich.color import ColorSystem
+    from rich.color import Color, ColorSystem
     from rich.segment import Segment
     from rich.style import Style
     from textual.geometry import Region
@@ -221,15 +220,13 @@ class _Looks(dict[int, Look]):
             self.clear()
         attributes, ink, paper = "1" if packed & BOLD else "", "", ""
         if self._colours is not None:
-            ink = _codes(packed >> 24 & PAPER, self._colours, is_ink=True)
-            paper = _codes(packed & PAPER, self._colours, is_ink=False)
+            ink = _codes(colour_of(packed >> 24 & PAPER), self._colours, is_ink=True)
+            paper = _codes(colour_of(packed & PAPER), self._colours, is_ink=False)
         self[packed] = look = _same(Look(attributes, ink, paper))
         return look
 
 
-@lru_cache(maxsize=40_000)
-def _codes(packed: int, colours: ColorSystem, *, is_ink: bool) -> str:
-    color = Color.from_rgb(packed >> 16, packed >> 8 & 0xFF, packed & 0xFF)
+def _codes(color: Color, colours: ColorSystem, *, is_ink: bool) -> str:
     return ";".join(reduced(color, colours).get_ansi_codes(foreground=is_ink))
 
 
@@ -278,9 +275,9 @@ def look_of(style: Style | None, colours: ColorSystem | None) -> Look:
     ink = paper = ""
     if colours is not None:
         if style.color is not None and not style.color.is_default:
-            ink = ";".join(reduced(style.color, colours).get_ansi_codes())
+            ink = _codes(style.color, colours, is_ink=True)
         if style.bgcolor is not None and not style.bgcolor.is_default:
-            paper = ";".join(reduced(style.bgcolor, colours).get_ansi_codes(foreground=False))
+            paper = _codes(style.bgcolor, colours, is_ink=False)
     return _same(Look(codes, ink, paper))
 
 

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-__all__ = ["BOLD", "CONTINUED", "PAPER", "Cells", "text_id"]
+__all__ = ["BOLD", "CONTINUED", "PAPER", "Cells", "colour_of", "text_id"]
 
 BOLD = 1 << 48
 """Added to the style of a cell, which else is ``ink << 24 | paper``, each 0xRRGGBB."""
@@ -176,7 +176,7 @@ class _Styles(dict[int, Style]):
     def __missing__(self, packed: int) -> Style:
         if len(self) > 20_000:
             self.clear()
-        style = Style.from_color(_colour(packed >> 24 & PAPER), _colour(packed & PAPER))
+        style = Style.from_color(colour_of(packed >> 24 & PAPER), colour_of(packed & PAPER))
         if packed & BOLD:
             style += Style(bold=True)
         self[packed] = style
@@ -187,5 +187,6 @@ _STYLES = _Styles()
 
 
 @lru_cache(maxsize=8192)
-def _colour(packed: int) -> Color:
+def colour_of(packed: int) -> Color:
+    """Return the colour 0xRRGGBB."""
     return Color.from_rgb(packed >> 16, packed >> 8 & 0xFF, packed & 0xFF)

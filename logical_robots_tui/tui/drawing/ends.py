@@ -9,6 +9,7 @@ import numpy as np
 
 from logical_robots_tui.tui.drawing.cells import BOLD, Cells, text_id
 from logical_robots_tui.tui.drawing.palette import RGB, packed
+from logical_robots_tui.tui.drawing.rays import KINDS
 from logical_robots_tui.tui.drawing.robots import shows_body
 from logical_robots_tui.tui.drawing.viewport import CELL_ASPECT
 from logical_robots_tui.world.sensing import ROBOT_RADIUS
@@ -24,9 +25,6 @@ if TYPE_CHECKING:
     from logical_robots_tui.world.state import RobotState
 
 __all__ = ["mark_ends"]
-
-_KINDS = {"wall": 1, "beacon": 2, "robot": 3}
-"""What a ray may hit, the most important last."""
 
 
 def mark_ends(
@@ -63,10 +61,9 @@ def mark_ends(
 
 def _ends(fans: Sequence[Fan], viewport: Viewport) -> NDArray[np.int64]:
     """Return for each cell the most important kind of what rays hit there, or 0."""
-    kinds = np.array([_KINDS.get(what, 0) for fan in fans for what in fan.objects])
+    kinds = np.array([KINDS.get(what, 0) for fan in fans for what in fan.objects])
     with np.errstate(over="ignore", invalid="ignore"):
-        x = np.concatenate([fan.x + fan.distances * np.cos(fan.headings) for fan in fans])
-        y = np.concatenate([fan.y + fan.distances * np.sin(fan.headings) for fan in fans])
+        x, y = np.concatenate([fan.points() for fan in fans], axis=1)
         across = (x - viewport.left) / viewport.units
         down = (y - viewport.top) / (viewport.units * CELL_ASPECT)
         # Compared as floats: what is not a number is nowhere.

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from logical_robots_tui.game.frame import Frame
     from logical_robots_tui.tui.drawing.viewport import Floats, Raster
 
-__all__ = ["Fan", "fans", "shine"]
+__all__ = ["KINDS", "Fan", "fans", "shine"]
 
 _FINE = 16
 """Steps between two rays in which the shape of a fan is tabulated."""
@@ -27,7 +27,8 @@ _FINE = 16
 _STEPS = 12
 """Steps of brightness."""
 
-_KINDS = {"robot": 3, "beacon": 2, "wall": 1}
+KINDS = {"robot": 3, "beacon": 2, "wall": 1}
+"""What a ray may hit; a greater number is more important."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -63,12 +64,17 @@ class Fan:
             away, heading = float(self.distances[ray]), float(self.headings[ray])
             yield self.x + away * math.cos(heading), self.y + away * math.sin(heading), kind, label
 
+    def points(self) -> tuple[Floats, Floats]:
+        """Return map units x and y of where the rays end."""
+        x = self.x + self.distances * np.cos(self.headings)
+        return x, self.y + self.distances * np.sin(self.headings)
+
     def ends(self) -> Iterable[tuple[float, float, str]]:
         """Return (x, y, object) of the rays that hit something, the most important last."""
-        x = (self.x + self.distances * np.cos(self.headings)).tolist()
-        y = (self.y + self.distances * np.sin(self.headings)).tolist()
-        hits = [end for end in zip(x, y, self.objects, strict=True) if end[2] in _KINDS]
-        return sorted(hits, key=lambda end: _KINDS[end[2]])
+        x, y = self.points()
+        ends = zip(x.tolist(), y.tolist(), self.objects, strict=True)
+        hits = [end for end in ends if end[2] in KINDS]
+        return sorted(hits, key=lambda end: KINDS[end[2]])
 
 
 def fans(frame: Frame) -> list[Fan]:
