@@ -82,9 +82,14 @@ def end_on_hangup(last_words: Callable[[], None], leave: Callable[[], None]) -> 
         number: signal.signal(number, handler)
         for number in (signal.SIGHUP, signal.SIGTERM, signal.SIGXCPU)
     }
-    threading.Thread(
-        target=_end_with_terminal, args=(last_words,), name="logical-robots-hangup", daemon=True
-    ).start()
+    # Asked here: one that is gone before the thread has its first turn no longer says it is one.
+    if sys.__stdin__ is not None and sys.__stdin__.isatty():
+        threading.Thread(
+            target=_end_with_terminal,
+            args=(sys.__stdin__.fileno(), last_words),
+            name="logical-robots-hangup",
+            daemon=True,
+        ).start()
 
     def put_back() -> None:
         for number, previous in before.items():
@@ -93,13 +98,11 @@ def end_on_hangup(last_words: Callable[[], None], leave: Callable[[], None]) -> 
     return put_back
 
 
-def _end_with_terminal(last_words: Callable[[], None]) -> None:
+def _end_with_terminal(descriptor: int, last_words: Callable[[], None]) -> None:
     """Send this process the signal of a hangup when its terminal is gone, and see that it ends."""
     with contextlib.suppress(OSError, ValueError):
-        if sys.__stdin__ is None or not sys.__stdin__.isatty():
-            return
         terminal = select.poll()
-        terminal.register(sys.__stdin__.fileno(), 0)  # hangups are told without being asked for
+        terminal.register(descriptor, 0)  # hangups are told without being asked for
         for _, event in terminal.poll():
             if event & (select.POLLHUP | select.POLLERR):
                 os.kill(os.getpid(), signal.SIGHUP)

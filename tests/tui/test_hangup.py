@@ -7,6 +7,8 @@ import subprocess
 import sys
 from typing import TYPE_CHECKING
 
+import pytest
+
 from tests.waiting import PATIENCE
 
 if TYPE_CHECKING:
@@ -26,11 +28,27 @@ print("stuck", flush=True)
 lock.acquire()
 """
 
+# A busy machine: when a thread has its first turn, the terminal is gone already.
+BUSY = """\
+import select, threading
 
-def test_a_main_thread_that_hears_no_signal_does_not_outlive_its_terminal(tmp_path: Path) -> None:
+def run(thread, run=threading.Thread.run):
+    terminal = select.poll()
+    terminal.register(0, 0)
+    terminal.poll()
+    run(thread)
+
+threading.Thread.run = run
+"""
+
+
+@pytest.mark.parametrize("before", ["", BUSY], ids=["idle", "busy"])
+def test_a_main_thread_that_hears_no_signal_does_not_outlive_its_terminal(
+    tmp_path: Path, before: str
+) -> None:
     ours, theirs = os.openpty()
     kept = tmp_path / "kept"
-    command = [sys.executable, "-c", STUCK, str(kept)]
+    command = [sys.executable, "-c", before + STUCK, str(kept)]
     process = subprocess.Popen(command, stdin=theirs, stdout=theirs, stderr=theirs)
     os.close(theirs)
     try:
