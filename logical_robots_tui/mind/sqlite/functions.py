@@ -86,7 +86,7 @@ def _present(values: tuple[Scalar, ...]) -> list[Scalar]:
 def _divide(left: float, right: float) -> float | None:
     """Real division; a number over zero is infinite, as on DuckDB, and zero over zero is null."""
     if right:
-        return left / right
+        return left * 1.0 / (right * 1.0)  # as SQLite and DuckDB do with large whole numbers
     return math.copysign(math.inf, left) * math.copysign(1, right) if left else None
 
 

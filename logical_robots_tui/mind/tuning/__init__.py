@@ -14,7 +14,7 @@ from sqlglot.errors import SqlglotError
 
 from logical_robots_tui.mind.duck.translation import in_duckdb
 from logical_robots_tui.mind.program import INPUTS, Tuned
-from logical_robots_tui.mind.tuning import aggregates, columns, records, sharing, sql
+from logical_robots_tui.mind.tuning import aggregates, columns, native, records, sharing, sql
 from logical_robots_tui.mind.tuning.indexes import indexed_where_lists_are_joined
 from logical_robots_tui.mind.tuning.items import items_as_rows
 from logical_robots_tui.mind.tuning.memories import memory_fields_as_columns
@@ -112,6 +112,7 @@ def tune(statement: str, known: Known | None = None, *, for_all: bool = False) -
         for query in queries:
             if query is not None:
                 sharing.rows_as_they_come(query)
+                native.native_choice(query)
         crowd = _texts(queries)
         joins_lists = [indexed_where_lists_are_joined(query) for query in queries if query]
         few = _texts(queries) if any(joins_lists) else crowd
@@ -130,7 +131,7 @@ def _finished(
     result = records.records_as_columns(tree)
     read = columns.read_by(tree)
     sharing.shared(tree)
-    aggregates.native_division(tree)
+    native.native_division(tree)
     return result, read
 
 

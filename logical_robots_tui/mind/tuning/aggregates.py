@@ -11,7 +11,7 @@ from logical_robots_tui.mind.tuning import sql
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-__all__ = ["grouped_arg_min", "native_arg_min", "native_division", "untangled"]
+__all__ = ["grouped_arg_min", "native_arg_min", "untangled"]
 
 _NATIVE = {"arg_min": "MIN", "arg_max": "MAX"}
 
@@ -100,25 +100,6 @@ def _own_calls(node: exp.Expr) -> Iterator[exp.Anonymous]:
         yield node
     for child in node.iter_expressions():
         yield from _own_calls(child)
-
-
-def native_division(tree: exp.Expr) -> None:
-    """Divide one sum by another, as a weighted average does, without a call of ours.
-
-    Ours knows what a number over zero is; SQLite computes a sum that is written twice once.
-    """
-    for call in list(tree.find_all(exp.Anonymous)):
-        if sql.call_name(call) != "divide" or not all(map(_is_sum, call.expressions)):
-            continue
-        above, below = call.expressions
-        real = exp.Cast(this=above.copy(), to=exp.DataType.build("REAL", dialect="sqlite"))
-        quick = exp.Div(this=real, expression=below.copy())
-        not_zero = exp.NEQ(this=below.copy(), expression=exp.Literal.number(0))
-        call.replace(exp.Case(ifs=[exp.If(this=not_zero, true=quick)], default=call.copy()))
-
-
-def _is_sum(node: exp.Expr) -> bool:
-    return sql.call_name(node) == "sum" and node.find(exp.Select) is None
 
 
 def _alias(name: str) -> exp.TableAlias:

@@ -249,7 +249,10 @@ def _moved(
                 stored = notes.is_stored(found[1])
                 column.replace(seen if stored else notes.noted(seen, column, is_result=is_result))
     first = exp.Select(
-        expressions=[exp.alias_(made, alias) for alias, made in columns.values()],
+        # Not `exp.alias_`: a subquery that is given the alias itself would be another one.
+        expressions=[
+            exp.Alias(this=made, alias=exp.to_identifier(alias)) for alias, made in columns.values()
+        ],
         from_=select.args["from_"],
         joins=select.args.get("joins"),
         where=select.args.get("where"),
