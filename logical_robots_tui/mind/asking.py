@@ -149,7 +149,7 @@ class Asking:
         """
         try:
             columns, rows = self._plain.ask(sql, moment, view, within, parameters)
-            return columns, self._read(rows, within)
+            return columns, [tuple(self._read(row, within)) for row in rows]
         except TooSlowError:
             message = f"thinking took longer than {within.seconds:g} seconds"
             raise FailureError(message, slow=True) from None
@@ -249,21 +249,20 @@ class Asking:
         """An answer with its records put together, or None if one can't be."""
         columns, rows = raw
         if not tuned.result:
-            return columns, self._read(rows, within)
-        if any(bytes in map(type, row) for row in rows):
-            return None  # no record holds such a value
-        rows = [_without_infinity(row, tuned) if inf in row or -inf in row else row for row in rows]
-        places = _places(tuned.result)
-        return tuple([name for name, _ in tuned.result]), [
-            _put_together(row, places) for row in self._read(rows, within)
-        ]
+            return columns, [tuple(self._read(row, within)) for row in rows]
+        names, places = _places(tuned.result)
+        found = []
+        for row in rows:
+            if bytes in map(type, row):
+                return None  # no record holds such a value
+            if inf in row or -inf in row:
+                row = _without_infinity(row, tuned)
+            found.append(_put_together(self._read(row, within), places))
+        return names, found
 
-    def _read(self, rows: Sequence[tuple[Any, ...]], within: Within) -> list[tuple[Value, ...]]:
+    def _read(self, row: Sequence[Any], within: Within) -> list[Value]:
         read, deepest = self._read_value, self._deepest
-        return [
-            tuple([v if v.__class__ in _READY else read(v, deepest) for v in within.each(row)])
-            for row in rows
-        ]
+        return [v if v.__class__ in _READY else read(v, deepest) for v in within.each(row)]
 
 
 def _tables(program: Program, limits: Limits, *, frozen: bool) -> TunedTables | None:
@@ -278,7 +277,7 @@ def _tables(program: Program, limits: Limits, *, frozen: bool) -> TunedTables | 
 _READY = frozenset({float, int, type(None)})
 
 
-def _put_together(values: tuple[Value, ...], places: Sequence[_Place]) -> tuple[Value, ...]:
+def _put_together(values: Sequence[Value], places: Sequence[_Place]) -> tuple[Value, ...]:
     """A row whose records were given field by field."""
     return tuple(
         [
@@ -293,10 +292,12 @@ _Place: TypeAlias = "tuple[tuple[str, ...], int, int]"
 
 
 @cache
-def _places(result: tuple[tuple[str, tuple[str, ...]], ...]) -> Sequence[_Place]:
-    """Where the columns of a result stand in a row that was given field by field."""
+def _places(
+    result: tuple[tuple[str, tuple[str, ...]], ...],
+) -> tuple[tuple[str, ...], Sequence[_Place]]:
+    """The columns of a result, and where they stand in a row that was given field by field."""
     ends = [*accumulate(len(fields) or 1 for _, fields in result)]
-    return [
+    return tuple(name for name, _ in result), [
         (fields, last - (len(fields) or 1), last)
         for (_, fields), last in zip(result, ends, strict=True)
     ]

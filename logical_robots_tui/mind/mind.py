@@ -92,7 +92,7 @@ class Mind:
         moment = Moment(rows, memories, self.memory, self.sensor)
         names = moment.names
         answers: dict[str, list[Mapping[str, Value]]] = {name: [] for name in names}
-        strangers: dict[str, list[Notice]] = {name: [] for name in names}
+        strangers: dict[str, list[Notice]] = {}
         failures: dict[str, Notice] = {}
         cut_off: dict[str, list[Notice]] = {}
         for view, answer in self._asking.each("Robot", moment, within):
@@ -111,7 +111,7 @@ class Mind:
                 if isinstance(name, str) and name in mine:
                     answers[name].append(row)
                 elif not isinstance(name, str) or name not in answers:
-                    note_stranger(name, strangers[view.viewers[0]])
+                    note_stranger(name, strangers.setdefault(view.viewers[0], []))
         if self._sizes is not None:
             self._sizes.next_moment()
         return [
@@ -119,7 +119,9 @@ class Mind:
                 name,
                 answers[name],
                 memories.get(name),
-                [failures[name]] if name in failures else strangers[name] + cut_off.get(name, []),
+                [failures[name]]
+                if name in failures
+                else [*strangers.get(name, ()), *cut_off.get(name, ())],
                 self.limits,
                 size_of if self._sizes is None else self._sizes.of,
             )

@@ -52,6 +52,8 @@ _SQLITE_LIMITS = {
     sqlite3.SQLITE_LIMIT_WORKER_THREADS: 0,
 }
 
+_DELETE = "DELETE FROM "
+
 _HALTED_LENGTH = 30  # no text longer than this can be made by a query that is to end
 
 
@@ -79,6 +81,7 @@ class Database:
         self._mark = secrets.token_hex(8)
         self._marked: dict[str, str] = {}
         self._bytes = 0
+        self._most_bytes = self._limits.result_bytes
         self._connection = sqlite3.connect(
             ":memory:", isolation_level=None, check_same_thread=False, cached_statements=512
         )
@@ -125,7 +128,7 @@ class Database:
         Args:
             table: Its name.
             inserts: Statements of ours, each with the SQLite values of each time that it is run.
-            gone: First and last ids of the rows to replace; by default all.
+            gone: First and last ids of the rows that go before; by default all.
 
         Raises:
             TooMuchError: A value is larger than a value may be.
@@ -136,14 +139,14 @@ class Database:
         try:
             if not connection.in_transaction:
                 connection.execute("BEGIN")  # never ended: there is nobody to share with
-            delete = f"DELETE FROM {table}"  # noqa: S608 - our own table
+            delete = _DELETE + table
             if gone is None:
-                connection.execute(self._own(delete))
-            else:
+                connection.execute(self._marked.get(delete) or self._own(delete))
+            elif gone:
                 connection.executemany(self._own(f"{delete} WHERE id BETWEEN ? AND ?"), gone)
             try:
                 for insert, rows in inserts:
-                    connection.executemany(self._own(insert), rows)
+                    connection.executemany(self._marked.get(insert) or self._own(insert), rows)
             except UnicodeEncodeError:
                 self.fill(table, [(insert, _whole(rows)) for insert, rows in inserts], gone)
         except (sqlite3.DataError, MemoryError) as error:
@@ -227,7 +230,9 @@ class Database:
         rows: list[tuple[Any, ...]] = []
         for row in cursor:
             if bytes in map(type, row):
-                self._count(sum(len(value) for value in row if value.__class__ is bytes))
+                self._bytes += sum(len(value) for value in row if value.__class__ is bytes)
+                if self._bytes > self._most_bytes:
+                    raise self._too_many()
             rows.append(row)
             if len(rows) == most:
                 break
@@ -236,13 +241,13 @@ class Database:
 
     def _text(self, raw: bytes) -> str:
         """A text of the result, counted while it is fetched."""
-        self._count(len(raw))
+        self._bytes += len(raw)
+        if self._bytes > self._most_bytes:
+            raise self._too_many()
         return raw.decode("utf-8", "replace")
 
-    def _count(self, more: int) -> None:
-        self._bytes += more
-        if self._bytes > self._limits.result_bytes:
-            raise TooMuchError(f"the result has more than {self._limits.result_bytes:,} bytes")
+    def _too_many(self) -> TooMuchError:
+        return TooMuchError(f"the result has more than {self._most_bytes:,} bytes")
 
     def _too_much(self, error: Exception) -> TooMuchError:
         if isinstance(error, MemoryError):
@@ -263,10 +268,7 @@ class Database:
 
     def _own(self, sql: str) -> str:
         """A statement of ours, marked so that no program can name it in the statement cache."""
-        marked = self._marked.get(sql)
-        if marked is None:
-            marked = self._marked[sql] = f"/* {self._mark} */ {sql}"
-        return marked
+        return self._marked.setdefault(sql, f"/* {self._mark} */ {sql}")
 
     def _authorize(
         self,

@@ -16,13 +16,16 @@ if TYPE_CHECKING:
     from logical_robots_tui.mind.sqlite.moment import Moment
     from logical_robots_tui.values import SensorRow
 
-__all__ = ["IN_SELF", "KINDS", "RAYS", "fillings"]
+__all__ = ["IN_SELF", "KINDS", "NUMBERED_ALIKE", "RAYS", "fillings"]
 
 RAYS = 1000
 """Most rays of a radar; those of sensor row n are numbered from n * RAYS on."""
 
 KINDS = {"RobotRay": "robot", "BeaconRay": "beacon"}
 """Tables of the rays that end at a kind of thing, which few do."""
+
+NUMBERED_ALIKE = frozenset({"Sensor", "Ray"})
+"""Tables with the same ids whenever they are filled with one statement the same number of times."""
 
 IN_SELF = ("can_charge", "has_battery", "battery_level", "battery_capacity")
 """Columns of ``Sensor`` that come from the record ``self`` of a sensor."""
@@ -59,13 +62,14 @@ def _rays(moment: Moment, columns: tuple[str, ...]) -> Sequence[Filling]:
     usual = len(radars[0])
     if any(len(radar) != usual for radar in radars) or not 0 < usual * len(columns) < _MOST_VALUES:
         raise ValueError("radars of different size")
+    insert, in_ray = _insert_rays(columns, usual)
     filled = []
     for first, radar in enumerate(radars):
         values: list[Any] = [first * RAYS]
-        for column in columns:
-            values += map(to_input if column == "value" else itemgetter(column), radar)
+        for value in in_ray:
+            values += map(value, radar)
         filled.append(values)
-    return (Filling(_insert_rays(columns, usual), filled),)
+    return (Filling(insert, filled),)
 
 
 def _rays_of_kind(table: str, moment: Moment, columns: tuple[str, ...]) -> Sequence[Filling]:
@@ -118,12 +122,18 @@ _SENSOR_VALUES: dict[str, Callable[[SensorRow], Any]] = {
 
 
 @cache
-def _insert_rays(columns: tuple[str, ...], rays: int) -> str:
-    """A statement for one radar: its first number, then column by column."""
+def _insert_rays(
+    columns: tuple[str, ...], rays: int
+) -> tuple[str, Sequence[Callable[[Mapping[str, Any]], Any]]]:
+    """A statement for one radar, and what takes the columns out of a ray.
+
+    The statement wants the first number, then column by column.
+    """
     rows = (
         ", ".join((f"?1 + {ray}", *(f"?{i * rays + ray + 2}" for i in range(len(columns)))))
         for ray in range(rays)
     )
     names = ", ".join(("id", *columns))
     values = ", ".join(f"({row})" for row in rows)
-    return f"INSERT OR FAIL INTO Ray({names}) VALUES {values}"  # noqa: S608 - our own names
+    insert = f"REPLACE INTO Ray({names}) VALUES {values}"  # noqa: S608 - our own names
+    return insert, [to_input if name == "value" else itemgetter(name) for name in columns]

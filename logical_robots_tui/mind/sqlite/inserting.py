@@ -29,7 +29,9 @@ class Filling(NamedTuple):
 def in_blocks(
     table: str, columns: tuple[str, ...], rows: Sequence[Sequence[Any]]
 ) -> Sequence[Filling]:
-    """Rows for a table, many with one statement."""
+    """Rows for a table, many with one statement; nothing where there are none."""
+    if not rows:
+        return ()
     together = len(rows) // _AT_ONCE * _AT_ONCE
     whole = [[*chain.from_iterable(rows[i : i + _AT_ONCE])] for i in range(0, together, _AT_ONCE)]
     rest = [*chain.from_iterable(rows[together:])]
@@ -42,8 +44,8 @@ def in_blocks(
 
 @cache
 def insert_into(table: str, columns: tuple[str, ...], rows: int = 1) -> str:
-    """A statement that inserts rows, with a parameter for ``id`` and for each column of each."""
+    """A statement that inserts or replaces rows, with parameters for ``id`` and the columns."""
     names = ", ".join(("id", *columns))
     row = ", ".join("?" * (len(columns) + 1))
     values = ", ".join([f"({row})"] * rows)
-    return f"INSERT OR FAIL INTO {table}({names}) VALUES {values}"  # noqa: S608 - our own names
+    return f"REPLACE INTO {table}({names}) VALUES {values}"  # noqa: S608 - our own names

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from operator import itemgetter
 from time import monotonic
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 
 from logical_robots_tui.mind.diagnostics import Stopped
 
@@ -17,8 +17,7 @@ if TYPE_CHECKING:
 __all__ = ["Moment", "View", "Within"]
 
 
-@dataclass(frozen=True, slots=True)
-class View:
+class View(NamedTuple):
     """Robots that reason alike, and which rows of a moment they may see.
 
     Attributes:
@@ -59,6 +58,7 @@ class Moment:
         memory: Literal["own", "seen", "all"],
         sensor: Literal["own", "all"],
     ) -> None:
+        self._objects: list[list[Any]] | None = None
         self._rays_to: dict[str, Sequence[Sequence[tuple[int, Mapping[str, Any]]]]] = {}
         self.sensors = rows
         self.remembered = memories
@@ -89,9 +89,11 @@ class Moment:
         """For each robot the numbered rays of its radar that end at a kind of object."""
         found = self._rays_to.get(kind)
         if found is None:
+            if self._objects is None:
+                self._objects = [[*map(_OBJECT, row["sensor"]["radar"])] for row in self.sensors]
             found = self._rays_to[kind] = [
-                [(n, ray) for n, ray in enumerate(row["sensor"]["radar"]) if ray["object"] == kind]
-                for row in self.sensors
+                _picked(kind, objects, row) if kind in objects else ()
+                for objects, row in zip(self._objects, self.sensors, strict=True)
             ]
         return found
 
@@ -110,6 +112,17 @@ class Moment:
             seen = {numbers.get(ray["label"], number) for _, ray in rays}
             found += [(number * len(names) + m, names[m]) for m in sorted(seen | {number})]
         return found
+
+
+_OBJECT = itemgetter("object")
+
+
+def _picked(
+    kind: str, objects: Sequence[Any], row: SensorRow
+) -> Sequence[tuple[int, Mapping[str, Any]]]:
+    """The numbered rays of a radar that end at a kind of object, where all their objects are."""
+    radar = row["sensor"]["radar"]
+    return [(n, radar[n]) for n, found in enumerate(objects) if found == kind]
 
 
 class Within:
@@ -131,7 +144,7 @@ class Within:
         self.cut = cut
         self.deadline = monotonic() + seconds
 
-    def each(self, row: tuple[Any, ...]) -> tuple[Any, ...]:
+    def each(self, row: Sequence[Any]) -> Sequence[Any]:
         """The row, unless the work is to end."""
         if self.stop is not None and self.stop.is_set():
             raise Stopped("The program was stopped while its answer was read.")

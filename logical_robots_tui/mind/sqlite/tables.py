@@ -7,7 +7,7 @@ from bisect import bisect_left
 from typing import TYPE_CHECKING
 
 from logical_robots_tui.mind.sqlite.database import Database
-from logical_robots_tui.mind.sqlite.filling import fillings
+from logical_robots_tui.mind.sqlite.filling import NUMBERED_ALIKE, fillings
 from logical_robots_tui.mind.sqlite.layouts import COLUMNS_LAYOUT, CROWD_LAYOUT, PLAIN_LAYOUT
 from logical_robots_tui.mind.sqlite.lists import Lists
 from logical_robots_tui.mind.sqlite.stored import to_input, to_sql
@@ -97,7 +97,8 @@ class TunedTables:
         self._moment: Moment | None = None
         self._memories = b""  # what ``Memory`` holds, or nothing if nobody knows
         self._filled: dict[str, tuple[str, ...]] = {}
-        self._empty: set[str] = set()
+        # By table: the same where its rows have the same numbers, or None.
+        self._numbers: dict[str, tuple[object, ...] | None] = {}
 
     def ask(self, tuned: Tuned, moment: Moment, view: View, within: Within) -> Answer:
         """Rows of a query over what a view shows.
@@ -151,38 +152,47 @@ class TunedTables:
                 self._change_size()
             self._forget_all_but_names(moment)
             self._moment = moment
-        for table, names in wanted.items():
-            filled = self._filled.get(table)
-            if filled is not None:
-                if set(names) <= set(filled):
-                    continue
-                names = tuple(sorted({*names, *filled}))
-                del self._filled[table]
-            try:
+        filled = self._filled
+        try:
+            for table, names in wanted.items():
+                there = filled.get(table)
+                if there is not None:
+                    if there is names or set(names) <= set(there):
+                        continue
+                    names = tuple(sorted({*names, *there}))
+                    del filled[table]
                 if table == "Item":
                     self._lists.fill(self._database, moment, names)
+                elif table == "Memory":
+                    self._fill_memory(moment, names)
                 else:
-                    self._fill_table(table, moment, names)
-            except (TypeError, KeyError, AttributeError, ValueError, OverflowError) as error:
-                raise UnfitError(str(error)) from None
-            self._filled[table] = names
+                    self._fill_table(table, fillings(table, moment, names))
+                filled[table] = names
+        except (TypeError, KeyError, AttributeError, ValueError, OverflowError) as error:
+            raise UnfitError(str(error)) from None
 
-    def _fill_table(self, table: str, moment: Moment, names: tuple[str, ...]) -> None:
-        items = fillings(table, moment, names)
-        if table == "Memory":
-            # Most states of a program last for many ticks.
-            text = _exactly(items)
-            if text and text == self._memories:
-                return
+    def _fill_memory(self, moment: Moment, names: tuple[str, ...]) -> None:
+        items = fillings("Memory", moment, names)
+        # Most states of a program last for many ticks.
+        text = _exactly(items)
+        if not text or text != self._memories:
             self._memories = b""
-        is_empty = not any(rows for _, rows in items)
-        if not is_empty or table not in self._empty:
-            self._empty.discard(table)
-            self._database.fill(table, items)
-        if is_empty:
-            self._empty.add(table)
-        if table == "Memory":
+            self._database.fill("Memory", items)
             self._memories = text
+
+    def _fill_table(self, table: str, items: Sequence[Filling]) -> None:
+        """Replace the rows of a table; those of the same numbers need not be deleted before."""
+        numbers: tuple[object, ...] | None = None
+        if not items:
+            numbers = ()
+        elif table in NUMBERED_ALIKE:
+            ((insert, rows),) = items
+            numbers = insert, len(rows)
+        before = self._numbers.pop(table, None)
+        is_same = numbers is not None and numbers == before
+        if items or not is_same:
+            self._database.fill(table, items, () if is_same else None)
+        self._numbers[table] = numbers
 
     def _change_size(self) -> None:
         """Begin anew with queries prepared for few robots, or for many."""
@@ -193,7 +203,7 @@ class TunedTables:
         self._moment = None
         self._memories = b""
         self._filled = {}
-        self._empty = set()
+        self._numbers = {}
 
     def _forget_all_but_names(self, moment: Moment) -> None:
         """A new moment has other rows; but where only names are read, they often are the same."""
