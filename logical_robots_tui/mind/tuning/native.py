@@ -54,8 +54,10 @@ def native_choice(tree: exp.Expr) -> None:
 
 def _is_number(node: exp.Expr) -> bool:
     """Whether a value is certainly a number, or null."""
-    if isinstance(node, exp.Paren):
+    if isinstance(node, exp.Paren | exp.Alias):
         return _is_number(node.this)
+    if isinstance(node, exp.Subquery) and isinstance(node.this, exp.Select):
+        return all(map(_is_number, node.this.expressions))
     if isinstance(node, exp.Literal):
         return not node.is_string
     if isinstance(node, exp.Anonymous):
