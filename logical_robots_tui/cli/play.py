@@ -16,6 +16,8 @@ from logical_robots_tui.garbage import collect_later
 from logical_robots_tui.shipped import shipped_names
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from logical_robots_tui.cli.command import Commands
 
 __all__ = ["declare"]
@@ -98,9 +100,15 @@ def start(options: argparse.Namespace) -> int:
 
 
 def _is_sure_to_open(options: argparse.Namespace) -> bool:
-    """Whether nothing was named that might not be there: that is told without opening anything."""
-    is_shipped = options.level is None or options.level in shipped_names("levels", ".toml")
-    return is_shipped and options.program is None
+    """Whether all that was named is there: if not, that is told without opening anything."""
+    levels, programs = shipped_names("levels", ".toml"), shipped_names("programs", ".l")
+    return _is_there(options.level, levels) and _is_there(options.program, programs)
+
+
+def _is_there(name: str | None, shipped: Sequence[str]) -> bool:
+    return (
+        name is None or name in shipped or os.path.isfile(name)  # noqa: PTH113 - pathlib raises an error for a name too long
+    )
 
 
 def _fence_in(options: argparse.Namespace, game: str) -> None:

@@ -9,22 +9,25 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from pathlib import Path
 
-__all__ = ["fact_in"]
+__all__ = ["facts_in"]
 
 
-def fact_in(file: Path, name: str) -> str | None:
-    """Return what `Progress.fact` would; "" where there is no such fact, None if that is unclear.
+def facts_in(file: Path, *names: str) -> tuple[str, ...] | None:
+    """Return what `Progress.fact` would for each name; "" where there is no such fact.
 
     Args:
         file: The record, whether there is one or not.
-        name: Of the fact.
+        names: Of the facts.
+
+    Returns:
+        Facts; None if it is unclear what they are.
     """
     if not file.exists():
-        return ""
+        return ("",) * len(names)
     try:
         place = f"{file.absolute().as_uri()}?mode=ro"
         with closing(sqlite3.connect(place, uri=True, timeout=0)) as record:
-            row = record.execute("SELECT value FROM fact WHERE name = ?", (name,)).fetchone()
+            found = dict(record.execute("SELECT name, value FROM fact"))
     except sqlite3.Error:
         return None
-    return str(row[0]) if row else ""
+    return tuple(str(found.get(name, "")) for name in names)

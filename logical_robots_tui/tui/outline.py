@@ -1,7 +1,7 @@
 """The outline of the first picture, which stands while the screen is still being loaded.
 
-It is drawn where it is known to look as the picture will: in the game's own theme, on a terminal
-with 256 colours or more, for a player who has configured nothing. A test compares the two.
+It is drawn where it is known to look as the picture will: as at the last start, or in the game's
+own theme for a player who has configured nothing. A test compares the two.
 """
 
 from __future__ import annotations
@@ -12,9 +12,10 @@ import sys
 from typing import TYPE_CHECKING
 
 from logical_robots_tui.progress import FILE_NAME
-from logical_robots_tui.progress.glance import fact_in
+from logical_robots_tui.progress.glance import facts_in
+from logical_robots_tui.tui.dress import NIGHT, NIGHT_NAME, Dress, dress_from, stamp_for
 from logical_robots_tui.tui.layout import Layout, Shares, grid_for, layout_for
-from logical_robots_tui.tui.places import THEME, settings_path
+from logical_robots_tui.tui.places import DRESS, THEME, settings_path
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping
@@ -30,34 +31,19 @@ _HIDE_CURSOR, _SHOW_CURSOR = "\x1b[?25l", "\x1b[?25h"
 _ROOM_FOR_TABS = 67
 """Columns from which on a program's name, however long, is not left out."""
 
-_THEME = "night"
-_COLOURS = {
-    "background": ("11;14;20", 233),
-    "surface": ("15;19;28", 233),
-    "panel": ("23;29;43", 234),
-    "void": ("8;8;12", 232),
-    "frame": ("42;49;73", 237),
-    "border": ("111;131;214", 68),
-    "title": ("157;176;255", 147),
-    "dim": ("119;129;164", 103),
-    "key": ("254;180;84", 215),
-    "here": ("35;43;69", 236),
-}
-"""What is used of the theme: red, green and blue, and which of 256 colours stands for it."""
 
-
-def drawn(columns: int, rows: int, *, truecolor: bool) -> str:
+def drawn(columns: int, rows: int, dress: Dress) -> str:
     """Return what draws the outline on an alternate screen, or "" in a terminal without room.
 
     Args:
         columns: The terminal's width.
         rows: Its height.
-        truecolor: Whether it has all colours, or 256.
+        dress: What to paint with.
     """
     layout = layout_for(columns, rows)
     if layout is Layout.TINY:
         return ""
-    paint = _Paint(truecolor=truecolor)
+    paint = _Paint(dress)
     lines = (
         *paint.blank(0, 0, columns, 1, "panel"),
         *paint.blank(0, 1, columns, rows - 1, "background"),
@@ -72,10 +58,11 @@ def drawn(columns: int, rows: int, *, truecolor: bool) -> str:
 
 def _tabs(paint: _Paint, columns: int, rows: int) -> Iterator[str]:
     """The line with the names of panes, and the labyrinth below it."""
-    yield f"\x1b[2;2H{paint('key', 'here', bold=True)} 1 "
+    here, other = paint.dress.keys
+    yield f"\x1b[2;2H{paint('key', 'here', bold=True)} {here} "
     yield f"{paint('title', 'here', bold=True)}Labyrinth "
     if columns >= _ROOM_FOR_TABS:
-        yield f"{paint('key', 'background')}  2 {paint('dim', 'background')}Program"
+        yield f"{paint('key', 'background')}  {other} {paint('dim', 'background')}Program"
     yield from paint.blank(0, 2, columns, rows - 2, "void")
 
 
@@ -98,13 +85,12 @@ def _panes(paint: _Paint, layout: Layout, columns: int, rows: int) -> Iterator[s
 class _Paint:
     """Writes in the theme's colours."""
 
-    def __init__(self, *, truecolor: bool) -> None:
-        self._truecolor = truecolor
+    def __init__(self, dress: Dress) -> None:
+        self.dress = dress
 
     def __call__(self, ink: str, paper: str, *, bold: bool = False) -> str:
-        true, of_256 = zip(_COLOURS[ink], _COLOURS[paper], strict=True)
-        form = "\x1b[0;{}38;2;{};48;2;{}m" if self._truecolor else "\x1b[0;{}38;5;{};48;5;{}m"
-        return form.format("1;" * bold, *(true if self._truecolor else of_256))
+        colours = self.dress.colours
+        return f"\x1b[0;{'1;' * bold}{colours[ink][0]};{colours[paper][1]}m"
 
     def blank(self, left: int, top: int, right: int, bottom: int, paper: str) -> Iterator[str]:
         """Nothing but paper, from a column and a row to before others."""
@@ -128,12 +114,26 @@ class _Paint:
 
 
 def colours_of(environ: Mapping[str, str]) -> str:
-    """Return ``truecolor``, ``256``, or "" where it is not certain what the picture will use."""
+    """Return what Rich will find: ``truecolor``, ``256``, ``standard``; or "" if in doubt."""
     if "NO_COLOR" in environ or "TEXTUAL_COLOR_SYSTEM" in environ:
         return ""
     if environ.get("COLORTERM", "").strip().lower() in ("truecolor", "24bit"):
         return "truecolor"
-    return "256" if environ.get("TERM", "").lower().endswith("-256color") else ""
+    term = environ.get("TERM", "").lower()
+    if term.endswith(("-256color", "-kitty")):
+        return "256"
+    return "" if term in ("", "dumb", "unknown") else "standard"
+
+
+def _dress_for(colours: str, data_dir: Path) -> Dress | None:
+    """What the picture will be painted with, if that is known."""
+    facts = facts_in(data_dir / FILE_NAME, THEME, DRESS)
+    if facts is None:
+        return None
+    theme, kept = facts
+    if theme in ("", NIGHT_NAME) and not settings_path().exists() and colours in NIGHT:
+        return NIGHT[colours]
+    return dress_from(kept, stamp_for(colours, theme))
 
 
 class Outline:
@@ -152,9 +152,10 @@ class Outline:
         terminal = sys.__stderr__  # Textual's, too
         if not colours or terminal is None or "utf" not in terminal.encoding.lower():
             return
-        if settings_path().exists() or fact_in(data_dir / FILE_NAME, THEME) not in ("", _THEME):
+        dress = _dress_for(colours, data_dir)
+        if dress is None:
             return
-        text = drawn(*os.get_terminal_size(terminal.fileno()), truecolor=colours == "truecolor")
+        text = drawn(*os.get_terminal_size(terminal.fileno()), dress)
         if text:
             signal.signal(signal.SIGTERM, lambda number, _: sys.exit(128 + number))
             self._stands = True
