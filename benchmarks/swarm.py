@@ -16,6 +16,8 @@ from logical_robots_tui.mind.duck import engine as duck
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
+    from logical_robots_tui.values import SensorRow
+
 __all__ = ["swarms"]
 
 EVERYBODY_SEES_ALL = '@Visible(Memory, "all");\n@Visible(Sensor, "all");\n'
@@ -32,21 +34,33 @@ def swarms(effort: Effort) -> Iterator[Measurement]:
     for robots, required in REQUIRED.items():
         rows = rows_of(halls(1200, 700, robots=robots, beacons=56))
         thinks = max(1, ROBOTS_AT_ONCE // robots)
-
-        def measured(mind: Mind, engine: str, required: str) -> Measurement:
-            once = partial(think_milliseconds, mind, rows, thinks)  # noqa: B023 - called in this turn only
-            subject = f"steering, {robots} robots, {engine}"  # noqa: B023 - as above
-            found = median_of("swarm", subject, "ms", effort.repeats, once, required=required)
-            mind.close()
-            return found
-
-        own = measured(Mind(each), "SQLite", required)
-        yield own
+        own, together = Mind(each), Mind(everybody)
+        subject = f"steering, {robots} robots"
+        once = partial(think_milliseconds, own, rows, thinks)
+        yield median_of(
+            "swarm", f"{subject}, SQLite", "ms", effort.repeats, once, required=required
+        )
         if find_spec("duckdb") is not None:
-            yield measured(Mind(each, engine="duckdb"), "DuckDB", "")
-        together = measured(Mind(everybody), "all see all", "")
-        ratio = own.value / together.value
-        ratios.append((robots, ratio, own.lowest / together.value, own.highest / together.value))
-    for robots, ratio, lowest, highest in ratios:
-        group, unit = "each sees itself only", "x all see all"
-        yield Measurement(group, f"{robots} robots", ratio, unit, lowest, highest, "<= 1.3")
+            with_duckdb = Mind(each, engine="duckdb")
+            once = partial(think_milliseconds, with_duckdb, rows, thinks)
+            yield median_of("swarm", f"{subject}, DuckDB", "ms", effort.repeats, once)
+            with_duckdb.close()
+        # Both in turn: the machine may be slower or quicker a moment later.
+        ratios.append(
+            median_of(
+                "each sees itself only",
+                f"{robots} robots",
+                "x all see all",
+                3 * effort.repeats,
+                partial(_ratio, own, together, rows, thinks),
+                required="<= 1.3",
+            )
+        )
+        own.close()
+        together.close()
+    yield from ratios
+
+
+def _ratio(own: Mind, together: Mind, rows: list[SensorRow], thinks: int) -> float:
+    """How many times as long as the other a mind takes."""
+    return think_milliseconds(own, rows, thinks) / think_milliseconds(together, rows, thinks)
