@@ -31,6 +31,7 @@ from logical_robots_tui.mind.diagnostics import Diagnostic, ProgramError
 from logical_robots_tui.mind.failures import in_plain_words
 from logical_robots_tui.mind.plain import printable
 from logical_robots_tui.mind.sqlite.database import Database
+from logical_robots_tui.mind.sqlite.filling import WHOLE_RAY
 from logical_robots_tui.mind.sqlite.layouts import COLUMNS_LAYOUT
 from logical_robots_tui.mind.tuning import tune_all
 from logical_robots_tui.mind.why.taking_apart import take_apart
@@ -216,6 +217,7 @@ def _tuned(program: Program) -> Program:
         **{name: program.statements[name] for name in order},
     }
     database = Database(layout=COLUMNS_LAYOUT)
+    database.offer(WHOLE_RAY, lambda _: None)
     kept = {}
     try:
         for name, tuned in tune_all(statements).items():

@@ -17,7 +17,7 @@ from logical_robots_tui.mind.sqlite.watch import Work
 
 if TYPE_CHECKING:
     import threading
-    from collections.abc import Iterable, Sequence
+    from collections.abc import Callable, Iterable, Sequence
 
     from logical_robots_tui.mind.sqlite.layouts import Layout
 
@@ -80,6 +80,7 @@ class Database:
         self._readable = layout.readable
         self._mark = secrets.token_hex(8)
         self._marked: dict[str, str] = {}
+        self._offered: set[str] = set()
         self._bytes = 0
         self._most_bytes = self._limits.result_bytes
         self._connection = sqlite3.connect(
@@ -203,6 +204,11 @@ class Database:
             if work.halted:
                 self._connection.setlimit(sqlite3.SQLITE_LIMIT_LENGTH, self._limits.value_bytes)
 
+    def offer(self, name: str, function: Callable[[Any], Any]) -> None:
+        """Let queries call one more function, of one argument; its errors are theirs."""
+        self._connection.create_function(name, 1, function)
+        self._offered.add(name)
+
     def prepare(self, sql: str, parameters: Sequence[int] = ()) -> None:
         """Have SQLite translate a query, without running it.
 
@@ -288,7 +294,7 @@ class Database:
                 return sqlite3.SQLITE_OK
         if action == sqlite3.SQLITE_FUNCTION and second is not None:
             name = second.lower()
-            if name in BUILT_IN or name in functions.NAMES:
+            if name in BUILT_IN or name in functions.NAMES or name in self._offered:
                 return sqlite3.SQLITE_OK
         return sqlite3.SQLITE_DENY
 

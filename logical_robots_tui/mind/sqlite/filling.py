@@ -16,10 +16,13 @@ if TYPE_CHECKING:
     from logical_robots_tui.mind.sqlite.moment import Moment
     from logical_robots_tui.values import SensorRow
 
-__all__ = ["IN_SELF", "KINDS", "NUMBERED_ALIKE", "RAYS", "fillings"]
+__all__ = ["IN_SELF", "KINDS", "NUMBERED_ALIKE", "RAYS", "WHOLE_RAY", "fillings", "whole_ray"]
 
 RAYS = 1000
 """Most rays of a radar; those of sensor row n are numbered from n * RAYS on."""
+
+WHOLE_RAY = "t_0_whole_ray"
+"""The SQL function that gives the JSON text of a ray by its number."""
 
 KINDS = {"RobotRay": "robot", "BeaconRay": "beacon"}
 """Tables of the rays that end at a kind of thing, which few do."""
@@ -48,6 +51,22 @@ def fillings(table: str, moment: Moment, columns: tuple[str, ...]) -> Sequence[F
     return _FILLINGS[table](moment, columns)
 
 
+def whole_ray(moment: Moment, number: int | None) -> str | None:
+    """The JSON text of a ray of a moment.
+
+    Args:
+        moment: Where the ray comes from.
+        number: Its ``id`` in the tables; where there is no ray, None.
+
+    Raises:
+        IndexError, KeyError, TypeError: There is no such ray.
+    """
+    if number is None:
+        return None
+    robot, ray = divmod(number, RAYS)
+    return to_input(moment.sensors[robot]["sensor"]["radar"][ray])
+
+
 def _sensors(moment: Moment, columns: tuple[str, ...]) -> Sequence[Filling]:
     values = [_SENSOR_VALUES[column] for column in columns]
     rows = [
@@ -60,15 +79,16 @@ def _rays(moment: Moment, columns: tuple[str, ...]) -> Sequence[Filling]:
     """All rays: one statement a radar, so each must have as many rays as the first."""
     radars = [row["sensor"]["radar"] for row in moment.sensors]
     usual = len(radars[0])
-    if any(len(radar) != usual for radar in radars) or not 0 < usual * len(columns) < _MOST_VALUES:
+    values = usual * (1 + len(columns))
+    if any(len(radar) != usual for radar in radars) or not 0 < values < _MOST_VALUES:
         raise ValueError("radars of different size")
     insert, in_ray = _insert_rays(columns, usual)
     filled = []
     for first, radar in enumerate(radars):
-        values: list[Any] = [first * RAYS]
+        row: list[Any] = [first * RAYS]
         for value in in_ray:
-            values += map(value, radar)
-        filled.append(values)
+            row += map(value, radar)
+        filled.append(row)
     return (Filling(insert, filled),)
 
 

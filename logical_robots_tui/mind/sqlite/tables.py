@@ -7,7 +7,7 @@ from bisect import bisect_left
 from typing import TYPE_CHECKING
 
 from logical_robots_tui.mind.sqlite.database import Database
-from logical_robots_tui.mind.sqlite.filling import NUMBERED_ALIKE, fillings
+from logical_robots_tui.mind.sqlite.filling import NUMBERED_ALIKE, WHOLE_RAY, fillings, whole_ray
 from logical_robots_tui.mind.sqlite.layouts import COLUMNS_LAYOUT, CROWD_LAYOUT, PLAIN_LAYOUT
 from logical_robots_tui.mind.sqlite.lists import Lists
 from logical_robots_tui.mind.sqlite.stored import to_input, to_sql
@@ -91,7 +91,7 @@ class TunedTables:
     ) -> None:
         self._limits = limits
         self._few = few
-        self._database = Database(limits, few)
+        self._database = self._new_database(few)
         self._lists = Lists(frozen=frozen)
         self._is_crowd = False
         self._moment: Moment | None = None
@@ -194,11 +194,20 @@ class TunedTables:
             self._database.fill(table, items, () if is_same else None)
         self._numbers[table] = numbers
 
+    def _new_database(self, layout: Layout) -> Database:
+        database = Database(self._limits, layout)
+        database.offer(WHOLE_RAY, self._whole_ray)
+        return database
+
+    def _whole_ray(self, number: int | None) -> str | None:
+        assert self._moment is not None
+        return whole_ray(self._moment, number)
+
     def _change_size(self) -> None:
         """Begin anew with queries prepared for few robots, or for many."""
         self._is_crowd = not self._is_crowd
         self._database.close()
-        self._database = Database(self._limits, CROWD_LAYOUT if self._is_crowd else self._few)
+        self._database = self._new_database(CROWD_LAYOUT if self._is_crowd else self._few)
         self._lists.forget()
         self._moment = None
         self._memories = b""

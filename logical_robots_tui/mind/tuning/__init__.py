@@ -14,12 +14,14 @@ from sqlglot.errors import SqlglotError
 
 from logical_robots_tui.mind.duck.translation import in_duckdb
 from logical_robots_tui.mind.program import INPUTS, Tuned
+from logical_robots_tui.mind.sqlite.filling import WHOLE_RAY
 from logical_robots_tui.mind.tuning import aggregates, columns, native, records, sharing, sql
 from logical_robots_tui.mind.tuning.indexes import indexed_where_lists_are_joined
 from logical_robots_tui.mind.tuning.items import items_as_rows
 from logical_robots_tui.mind.tuning.memories import memory_fields_as_columns
 from logical_robots_tui.mind.tuning.pairs import pairs_as_columns
 from logical_robots_tui.mind.tuning.together import together
+from logical_robots_tui.mind.tuning.whole_rays import still_read, whole_rays_when_wanted
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
@@ -113,6 +115,8 @@ def tune(statement: str, known: Known | None = None, *, for_all: bool = False) -
             if query is not None:
                 sharing.rows_as_they_come(query)
                 native.native_choice(query)
+                whole_rays_when_wanted(query)
+        read = still_read(read, [query for query in queries if query is not None])
         crowd = _texts(queries)
         joins_lists = [indexed_where_lists_are_joined(query) for query in queries if query]
         few = _texts(queries) if any(joins_lists) else crowd
@@ -157,6 +161,8 @@ def _can_be_moved(tree: exp.Expr) -> bool:
     if any(column.name.lower() in _TAKEN for column in tree.find_all(exp.Column)):
         return False
     if tree.find(exp.Placeholder, exp.Parameter, exp.Star) and not _only_counts(tree):
+        return False
+    if any(sql.call_name(call) == WHOLE_RAY for call in tree.find_all(exp.Anonymous)):
         return False
     tables = tree.find_all(exp.Table)
     return not any(table.name.lower() in _OURS or table.args.get("db") for table in tables)
