@@ -235,3 +235,25 @@ def test_what_was_seen_before_is_not_seen_any_more() -> None:
     ]
     assert counts == [1, 0, 0, 1, 0]
     mind.close()
+
+
+NEAREST = [
+    f"{CLOSEST}{ROBOT} m = Closest(sensor.radar);",
+    f"{CLOSEST}{ROBOT} n = Closest(sensor.radar), m = {{far: n.distance, seen: n}};",
+    f"""
+    Nearest(robot_name:, ray? ArgMin= ray -> ray.distance, far? Max= ray.distance) distinct :-
+      Sensor(robot_name:, sensor:), ray in sensor.radar, ray.object == "beacon";
+    {ROBOT} Nearest(robot_name:, ray:, far:), m = [ray, far];
+    """,
+]
+
+
+@pytest.mark.parametrize("text", NEAREST)
+@pytest.mark.parametrize("robots", [3, 40])
+def test_of_all_rays_only_the_nearest_is_written_as_a_whole(text: str, robots: int) -> None:
+    seen = {3: (40, "beacon", "Ä"), 4: (12, "beacon", '"q'), 9: (12, "beacon", "B")}
+    rows = [row(f"R{n}", sees=seen if n % 2 else {1: (n, "wall", "wall")}) for n in range(robots)]
+    columns = Program.compile(text).tuned["Robot"].columns
+    is_kept = "far?" in text  # MAX beside it leaves open which row another column comes from
+    assert any("value" in names for names in columns.values()) == is_kept
+    think(text, rows, {})

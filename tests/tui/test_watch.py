@@ -147,9 +147,11 @@ async def test_pins_are_watched_gone_along_opened_and_removed(data_dir: Path) ->
         await game.until(lambda: line in view(game).plain)
         assert not game.shows("by the present program")
 
-        await game.press("d")  # another drawing has nothing to do with it, but plain characters
-        while game.main.labyrinth.view.drawing.value != "ascii":
+        # Another drawing has nothing to do with it, but plain characters have.
+        labyrinth = game.main.labyrinth.view
+        while (drawing := labyrinth.drawing).value != "ascii":
             await game.press("d")
+            await game.until(lambda: labyrinth.drawing != drawing)
         await game.press("p")
         await game.until(lambda: f"{'_' * 20}{'#' * 20}" in view(game).plain)
         await game.press("delete", "up", "enter")

@@ -14,7 +14,6 @@ from sqlglot.errors import SqlglotError
 
 from logical_robots_tui.mind.duck.translation import in_duckdb
 from logical_robots_tui.mind.program import INPUTS, Tuned
-from logical_robots_tui.mind.sqlite.filling import WHOLE_RAY
 from logical_robots_tui.mind.tuning import aggregates, columns, native, records, sharing, sql
 from logical_robots_tui.mind.tuning.indexes import indexed_where_lists_are_joined
 from logical_robots_tui.mind.tuning.items import items_as_rows
@@ -161,8 +160,6 @@ def _can_be_moved(tree: exp.Expr) -> bool:
     if any(column.name.lower() in _TAKEN for column in tree.find_all(exp.Column)):
         return False
     if tree.find(exp.Placeholder, exp.Parameter, exp.Star) and not _only_counts(tree):
-        return False
-    if any(sql.call_name(call) == WHOLE_RAY for call in tree.find_all(exp.Anonymous)):
         return False
     tables = tree.find_all(exp.Table)
     return not any(table.name.lower() in _OURS or table.args.get("db") for table in tables)
