@@ -24,14 +24,16 @@ if TYPE_CHECKING:
 
 __all__ = ["FEW", "FEWEST", "Circles", "Pairs", "take_nearer_circles"]
 
-FEWEST = 10
+FEWEST = 64
 """Pairs of robot and circle that are quicker looked at one by one."""
 
+FEWEST_NEAR = 10
+"""Of these, as many may be within reach."""
+
 FEW = 96
-"""Pairs of robot and circle of which it is quicker to try all rays."""
+"""Pairs of robot and circle within reach of which it is quicker to try all rays."""
 
 _PAIRS_AT_ONCE = 4096  # bounds the memory for robots that crowd around each other
-_EACH_RAY = np.arange(RAYS)
 _THREE = np.arange(3.0)[:, None]
 
 
@@ -66,16 +68,16 @@ class Pairs(NamedTuple):
         circle: Place of the circle among those that are met.
         dx: From the robot to the centre, map units.
         dy: The same.
+        squared: The square of how far that is.
         radius: Of the circle.
-        least: No hit is less.
     """
 
     robot: NDArray[np.intp]
     circle: NDArray[np.intp]
     dx: NDArray[np.float64]
     dy: NDArray[np.float64]
+    squared: NDArray[np.float64]
     radius: NDArray[np.float64]
-    least: NDArray[np.int64]
 
     def some(self, which: NDArray[np.intp]) -> Pairs:
         """Return some of them, by their places."""
@@ -84,9 +86,25 @@ class Pairs(NamedTuple):
             self.circle[which],
             self.dx[which],
             self.dy[which],
+            self.squared[which],
             self.radius[which],
-            self.least[which],
         )
+
+
+class Chords(NamedTuple):
+    """Rays that may cross a circle, behind their start, too; all of shape (chords,).
+
+    Attributes:
+        pair: Place of robot and circle among pairs.
+        ray: Place of the ray among all of all robots.
+        along: From the robot to the middle of the chord, map units; negative behind it.
+        half_squared: The square of half its length, and a little more.
+    """
+
+    pair: NDArray[np.intp]
+    ray: NDArray[np.intp]
+    along: NDArray[np.float64]
+    half_squared: NDArray[np.float64]
 
 
 def take_nearer_circles(hits: NDArray[np.int64], codes: int, rays: Rays, circles: Circles) -> None:
@@ -99,93 +117,79 @@ def take_nearer_circles(hits: NDArray[np.int64], codes: int, rays: Rays, circles
         rays: What is cast.
         circles: What is met, the robots that cast among them. No robot meets itself.
     """
+    possible = len(rays.robot) * len(circles.number)
+    if possible == 1 or (
+        possible <= FEWEST and take_singly(hits, codes, rays, circles, most=FEWEST_NEAR)
+    ):
+        return
     pairs = _within_reach(hits, codes, rays, circles)
-    if pairs is None:
+    if not len(pairs.robot):
         return
-    if len(pairs.robot) <= FEWEST:
-        take_singly(hits, codes, rays, circles, pairs)
+    if len(pairs.robot) <= FEW:
+        _take(hits, codes, rays, circles, pairs, _of_all_rays(rays, pairs))
         return
+    least = np.maximum(np.floor(np.sqrt(pairs.squared) - pairs.radius), 1.0).astype(np.int64)
+    least = least * codes + circles.number[pairs.circle] + 1
     if len(pairs.robot) <= _PAIRS_AT_ONCE:
-        _take(hits, codes, rays, circles, pairs)
+        _take(hits, codes, rays, circles, pairs, _between_tangents(hits, least, rays, pairs))
         return
     # The nearest first: in a crowd they hide most of the others.
-    pairs = pairs.some(pairs.least.argsort())
-    for start in range(0, len(pairs.robot), _PAIRS_AT_ONCE):
-        some = slice(start, start + _PAIRS_AT_ONCE)
-        worst = hits.max(axis=1)[pairs.robot[some]]
-        shown = (pairs.least[some] < worst).nonzero()[0] + start
-        _take(hits, codes, rays, circles, pairs.some(shown))
+    order = least.argsort()
+    pairs, least = pairs.some(order), least[order]
+    for start in range(0, len(order), _PAIRS_AT_ONCE):
+        worst = hits.max(axis=1)[pairs.robot[start : start + _PAIRS_AT_ONCE]]
+        shown = (least[start : start + _PAIRS_AT_ONCE] < worst).nonzero()[0] + start
+        some = pairs.some(shown)
+        _take(hits, codes, rays, circles, some, _between_tangents(hits, least[shown], rays, some))
 
 
-def _within_reach(
-    hits: NDArray[np.int64], codes: int, rays: Rays, circles: Circles
-) -> Pairs | None:
-    """Return who may meet what is not hidden by a wall, or None."""
-    if len(circles.number) == 1 == len(rays.robot):
-        return None
+def _within_reach(hits: NDArray[np.int64], codes: int, rays: Rays, circles: Circles) -> Pairs:
+    """Return who may meet what is not hidden by a wall."""
     to_x = circles.x - rays.x[:, None]
     to_y = circles.y - rays.y[:, None]
-    away = to_x * to_x
-    away += to_y * to_y
+    squared = to_x * to_x
+    squared += to_y * to_y
     reach = hits.max(axis=1) // codes
-    near = away <= np.square(circles.radius + reach[:, None])
+    near = squared <= np.square(circles.radius + reach[:, None])
     near[np.arange(len(near)), circles.number.searchsorted(rays.robot)] = False  # its own
-    robot, circle = near.nonzero()
-    if not len(robot):
-        return None
-    radius = circles.radius[circle]
-    least = np.floor(np.sqrt(away[near]) - radius)
-    least = np.maximum(least, 1.0).astype(np.int64) * codes + circles.number[circle] + 1
-    return Pairs(robot, circle, to_x[near], to_y[near], radius, least)
+    which = near.reshape(-1).nonzero()[0]
+    robot, circle = np.divmod(which, len(circles.number))
+    return Pairs(
+        robot,
+        circle,
+        to_x.take(which),
+        to_y.take(which),
+        squared.take(which),
+        circles.radius[circle],
+    )
 
 
-def _take(hits: NDArray[np.int64], codes: int, rays: Rays, circles: Circles, pairs: Pairs) -> None:
-    """Lower hits where pairs meet.
+def _of_all_rays(rays: Rays, pairs: Pairs) -> Chords:
+    """Return all chords of all pairs."""
+    cos, sin = rays.cos.take(pairs.robot, axis=0), rays.sin.take(pairs.robot, axis=0)
+    dx, dy = pairs.dx[:, None], pairs.dy[:, None]
+    along = dx * cos
+    along += dy * sin
+    aside = dx * sin
+    aside -= dy * cos
+    half_squared = _widened(pairs)[:, None] - np.square(aside, out=aside)
+    which = (half_squared >= 0).reshape(-1).nonzero()[0]
+    pair, ray = np.divmod(which, RAYS)
+    ray += pairs.robot.take(pair) * RAYS
+    return Chords(pair, ray, along.take(which), half_squared.take(which))
 
-    A chord through the circle tells within less than a step where a ray enters it; whether a
-    step is inside is then decided by the distance itself, at the three steps around there.
+
+def _between_tangents(
+    hits: NDArray[np.int64], least: NDArray[np.int64], rays: Rays, pairs: Pairs
+) -> Chords:
+    """Return all chords ahead of rays that have not hit something nearer than that.
+
+    Args:
+        hits: As for `take_nearer_circles`.
+        least: No hit of a pair is less; of shape (pairs,).
+        rays: What is cast.
+        pairs: Who may meet what.
     """
-    pair, ray = _all_rays(pairs) if len(pairs.robot) <= FEW else _between_tangents(rays, pairs)
-    hits = hits.reshape(-1)
-    shown = (pairs.least[pair] < hits[ray]).nonzero()[0]
-    if not len(shown):
-        return
-    pair, ray = pair[shown], ray[shown]
-
-    cos, sin = rays.cos.reshape(-1)[ray], rays.sin.reshape(-1)[ray]
-    size, dx, dy = pairs.radius[pair], pairs.dx[pair], pairs.dy[pair]
-    along = dx * cos + dy * sin
-    aside = dx * sin - dy * cos
-    # Rounding may not lose a grazed circle, so more than it can amount to is added; that
-    # widens a chord by far less than a step.
-    size_squared = size * size
-    half_squared = size_squared - aside * aside
-    half_squared += 1e-9 * size + 1e-14 * (along * along + size_squared)
-    half = np.sqrt(np.maximum(half_squared, 0.0))
-    met = ((half_squared >= 0) & (along + half > 0.5)).nonzero()[0]
-
-    pair, ray = pair[met], ray[met]
-    robot, circle = pairs.robot[pair], pairs.circle[pair]
-    entry = np.maximum(np.floor((along - half)[met] - 1e-6), 1.0)
-    step = entry + _THREE
-    dx = cos[met] * step + rays.x[robot] - circles.x[circle]
-    dy = sin[met] * step + rays.y[robot] - circles.y[circle]
-    inside = _is_nearer(dx, dy, size[met])
-    inside &= step < SENSOR_RANGE
-    which = inside.argmax(axis=0)
-    found = np.flatnonzero(inside.any(axis=0))
-    hit = (entry + which)[found].astype(np.int64) * codes + circles.number[circle[found]] + 1
-    np.minimum.at(hits, ray[found], hit)
-
-
-def _all_rays(pairs: Pairs) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
-    """Return every ray of every pair, as `_between_tangents` does with those that may meet."""
-    ray = (pairs.robot * RAYS)[:, None] + _EACH_RAY
-    return np.arange(len(ray)).repeat(RAYS), ray.reshape(-1)
-
-
-def _between_tangents(rays: Rays, pairs: Pairs) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
-    """Return the rays that may meet the circle of a pair, all in a row: the pair, and the ray."""
     dx, dy, robot = pairs.dx, pairs.dy, pairs.robot
     cos, sin = rays.cos[robot, FORWARD], rays.sin[robot, FORWARD]
     ahead, right = dx * cos + dy * sin, dy * cos - dx * sin
@@ -204,7 +208,60 @@ def _between_tangents(rays: Rays, pairs: Pairs) -> tuple[NDArray[np.intp], NDArr
     last += last >= FORWARD - 1
     count = last - first + 1
     pair = np.arange(len(first)).repeat(count)
-    return pair, np.arange(len(pair)) + (first - count.cumsum() + count + robot * RAYS)[pair]
+    ray = np.arange(len(pair)) + (first - count.cumsum() + count + robot * RAYS)[pair]
+
+    shown = (least[pair] < hits.reshape(-1)[ray]).nonzero()[0]
+    pair, ray = pair[shown], ray[shown]
+    cos, sin = rays.cos.reshape(-1)[ray], rays.sin.reshape(-1)[ray]
+    dx, dy = dx[pair], dy[pair]
+    along = dx * cos + dy * sin
+    aside = dx * sin - dy * cos
+    half_squared = _widened(pairs)[pair] - aside * aside
+    met = (half_squared >= 0).nonzero()[0]
+    return Chords(pair[met], ray[met], along[met], half_squared[met])
+
+
+def _widened(pairs: Pairs) -> NDArray[np.float64]:
+    """Return the squares of the radius of circles that are larger by more than rounding matters.
+
+    So no grazed circle is lost; a chord becomes longer by far less than a step.
+    """
+    squared = pairs.radius * pairs.radius
+    return squared + 1e-9 * pairs.radius + 1e-14 * (pairs.squared + squared)
+
+
+def _take(
+    hits: NDArray[np.int64],
+    codes: int,
+    rays: Rays,
+    circles: Circles,
+    pairs: Pairs,
+    chords: Chords,
+) -> None:
+    """Lower hits where rays enter circles.
+
+    A chord tells within less than a step where that is; whether a step is inside is then decided
+    by the distance itself, at the three steps around there.
+    """
+    pair, ray, along, half_squared = chords
+    if not len(pair):
+        return
+    robot, circle = pairs.robot.take(pair), pairs.circle.take(pair)
+    entry = np.maximum(np.floor(along - np.sqrt(half_squared) - 1e-6), 1.0)
+    step = entry + _THREE
+    dx = rays.cos.take(ray) * step
+    dx += rays.x.take(robot)
+    dx -= circles.x.take(circle)
+    dy = rays.sin.take(ray) * step
+    dy += rays.y.take(robot)
+    dy -= circles.y.take(circle)
+    inside = _is_nearer(dx, dy, pairs.radius.take(pair))
+    inside &= step < SENSOR_RANGE
+    which = inside.argmax(axis=0)
+    found = np.flatnonzero(inside.any(axis=0))
+    distance = (entry + which).take(found).astype(np.int64)
+    number = circles.number.take(circle.take(found))
+    np.minimum.at(hits.reshape(-1), ray.take(found), distance * codes + number + 1)
 
 
 def _is_nearer(
@@ -214,9 +271,12 @@ def _is_nearer(
 
     Squares decide all but what lies on the rim within rounding.
     """
-    squared, limit = dx * dx + dy * dy, radius * radius
-    nearer = squared < limit
-    rim = np.abs(squared - limit) <= 1e-12 * limit
+    limit = radius * radius
+    over = dx * dx
+    over += dy * dy
+    over -= limit
+    nearer = over < 0
+    rim = np.abs(over, out=over) <= 1e-12 * limit
     if rim.any():
         for i, j in np.argwhere(rim):
             nearer[i, j] = math.hypot(dx[i, j], dy[i, j]) < radius[j]

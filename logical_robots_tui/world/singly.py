@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
-    from logical_robots_tui.world.circles import Circles, Pairs
+    from logical_robots_tui.world.circles import Circles
     from logical_robots_tui.world.rays import Rays
 
 __all__ = ["take_singly"]
@@ -22,23 +22,38 @@ _ALL_RAYS = range(RADAR_RAYS + 1)
 
 
 def take_singly(
-    hits: NDArray[np.int64], codes: int, rays: Rays, circles: Circles, pairs: Pairs
-) -> None:
-    """Lower hits where pairs meet, in the way in which `take_nearer_circles` does it at once.
+    hits: NDArray[np.int64], codes: int, rays: Rays, circles: Circles, most: int
+) -> bool:
+    """Lower hits where robots meet circles, as `take_nearer_circles` does it at once.
 
     Args:
         hits: As there.
         codes: As there.
         rays: As there.
         circles: As there.
-        pairs: Who may meet what.
+        most: Pairs of a robot and a circle within its reach; with more nothing is done.
+
+    Returns:
+        Whether it was done.
     """
-    each = zip(*(part.tolist() for part in pairs), strict=True)
-    for robot, circle, dx, dy, radius, least in each:
-        hit, cos, sin = hits[robot].tolist(), rays.cos[robot].tolist(), rays.sin[robot].tolist()
-        angle, x, y = rays.angle.item(robot), rays.x.item(robot), rays.y.item(robot)
-        center_x, center_y = circles.x.item(circle), circles.y.item(circle)
+    found = hits.tolist()
+    each = list(zip(*(part.tolist() for part in circles), strict=True))
+    starts = zip(rays.robot.tolist(), rays.x.tolist(), rays.y.tolist(), strict=True)
+    pairs = []
+    for row, (robot, x, y) in enumerate(starts):
+        reach = max(found[row]) // codes
+        for number, center_x, center_y, radius in each:
+            away = math.hypot(center_x - x, center_y - y)
+            if away <= radius + reach and number != robot:
+                pairs.append((row, number, center_x, center_y, radius, away))
+    if len(pairs) > most:
+        return False
+    for row, number, center_x, center_y, radius, away in pairs:
+        hit, cos, sin = found[row], rays.cos[row].tolist(), rays.sin[row].tolist()
+        angle, x, y = rays.angle.item(row), rays.x.item(row), rays.y.item(row)
+        dx, dy = center_x - x, center_y - y
         ahead, right = dx * cos[FORWARD] + dy * sin[FORWARD], dy * cos[FORWARD] - dx * sin[FORWARD]
+        least = max(math.floor(away - radius), 1) * codes + number + 1
         for ray in _between_tangents(ahead, right, radius, angle):
             if least >= hit[ray]:
                 continue
@@ -47,15 +62,15 @@ def take_singly(
             ):
                 to_x, to_y = cos[ray] * step + x - center_x, sin[ray] * step + y - center_y
                 if math.hypot(to_x, to_y) < radius:
-                    met = step * codes + circles.number.item(circle) + 1
-                    hits[robot, ray] = min(hit[ray], met)
+                    hits[row, ray] = hit[ray] = min(hit[ray], step * codes + number + 1)
                     break
+    return True
 
 
 def _between_tangents(ahead: float, right: float, radius: float, angle: float) -> Iterable[int]:
     """The rays that may meet a circle whose centre lies so far ahead and to the right."""
     away = math.hypot(ahead, right)
-    if radius > away * (1 - 1e-9):
+    if radius >= away * (1 - 1e-9):
         return _ALL_RAYS
     center = math.atan2(right, ahead) * PER_RADIAN + MIDDLE
     # As far as rounding can matter.

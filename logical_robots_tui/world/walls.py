@@ -215,7 +215,7 @@ class Walls:
     def _room_at(self, column: NDArray[np.float64], row: NDArray[np.float64]) -> NDArray[np.uint8]:
         row *= self._stride
         row += column
-        return self._room.take(row.astype(np.intp), mode="wrap")
+        return self._room.take(row.astype(np.int32), mode="wrap")
 
 
 def _room(walls: NDArray[np.bool_], reach: int) -> NDArray[np.uint8]:

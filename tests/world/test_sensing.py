@@ -30,18 +30,18 @@ def forward(level: Level) -> tuple[int, str, str]:
     return sensor["forward_distance"], sensor["forward_object"], sensor["forward_label"]
 
 
-def assert_sees_what_the_plain_rays_see(world: World) -> None:
+def assert_sees_what_the_plain_rays_see(level: Level) -> None:
     """With circles looked at one by one, all rays tried at them, those between their tangents."""
-    plain = plain_look(world)
+    plain = plain_look(World(level))
     for fewest, few in ((10_000, 0), (0, 10_000), (0, 0)):
-        with patch.multiple(circles, FEWEST=fewest, FEW=few):
-            assert world.look() == plain
+        with patch.multiple(circles, FEWEST=fewest, FEWEST_NEAR=fewest, FEW=few):
+            assert World(level).look() == plain
 
 
 @settings(deadline=None)
 @given(levels())
 def test_the_fast_rays_hit_what_the_plain_rays_hit(level: Level) -> None:
-    assert_sees_what_the_plain_rays_see(World(level))
+    assert_sees_what_the_plain_rays_see(level)
 
 
 @settings(deadline=None)
@@ -88,7 +88,7 @@ def test_a_ray_that_grazes_a_circle_decides_as_the_plain_one(
     )
     robot = Robot("Ann", 500.3, 500.7, heading)
     level = make_level([robot], width=1000, height=1000, areas=[area])
-    assert_sees_what_the_plain_rays_see(World(level))
+    assert_sees_what_the_plain_rays_see(level)
 
 
 def test_a_level_without_robots_has_nobody_to_see() -> None:
@@ -145,6 +145,11 @@ def test_a_solid_area_that_is_off_is_not_seen() -> None:
 
 def test_an_area_that_is_not_solid_is_not_seen() -> None:
     area = Area("field", 80.5, 50.5, 10)
+    assert forward(make_level([HERE], areas=[area])) == (200, "none", "nothing")
+
+
+def test_a_solid_area_without_size_is_not_seen_even_where_a_robot_stands_on_it() -> None:
+    area = Area("dot", HERE.x, HERE.y, 0, impenetrable=True)
     assert forward(make_level([HERE], areas=[area])) == (200, "none", "nothing")
 
 
