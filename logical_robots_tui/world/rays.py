@@ -88,15 +88,22 @@ class Rays(NamedTuple):
         )
 
 
-def rays_of(robots: Sequence[RobotState]) -> Rays:
-    """Return the rays that robots cast from where they stand; there is at least one."""
-    x = np.array([robot.x for robot in robots])
-    y = np.array([robot.y for robot in robots])
-    angle = np.array([robot.angle for robot in robots])
+def rays_of(robots: Sequence[RobotState], which: Sequence[int]) -> Rays:
+    """Return the rays that some of the robots cast from where they stand.
+
+    Args:
+        robots: All robots, in file order.
+        which: The places of those that cast.
+    """
+    some = [robots[place] for place in which]
+    x = np.array([robot.x for robot in some])
+    y = np.array([robot.y for robot in some])
+    angle = np.array([robot.angle for robot in some])
     headings = (angle - RADAR_SPAN / 2)[:, None] + _TURNS
     headings[:, FORWARD] = angle
     # math.cos and not numpy's, which differs between processors.
     each = headings.ravel().tolist()
     cos = np.fromiter(map(math.cos, each), np.float64, len(each)).reshape(headings.shape)
     sin = np.fromiter(map(math.sin, each), np.float64, len(each)).reshape(headings.shape)
-    return Rays(np.arange(len(robots)), x, y, angle, angle[:, None] - headings, cos, sin)
+    number = np.array(which, dtype=np.intp)
+    return Rays(number, x, y, angle, angle[:, None] - headings, cos, sin)

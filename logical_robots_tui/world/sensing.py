@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from functools import partial
+from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias
 
 import numpy as np
 
 from logical_robots_tui.world.circles import Circles, take_nearer_circles
 from logical_robots_tui.world.rays import FORWARD, SENSOR_RANGE, rays_of
+from logical_robots_tui.world.unmoved import stirred
 from logical_robots_tui.world.walls import Walls
 
 if TYPE_CHECKING:
@@ -16,7 +18,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from logical_robots_tui.values import SensorRow
-    from logical_robots_tui.world.level import Level, Robot
+    from logical_robots_tui.world.level import Area, Beacon, Level, Robot
     from logical_robots_tui.world.rays import Rays
     from logical_robots_tui.world.state import AreaState, RobotState
 
@@ -29,6 +31,41 @@ BEACON_RADIUS = 8.0
 """Map units within which a ray hits a beacon."""
 
 _ROBOTS_AT_ONCE = 64  # keeps the arrays of one pass within a processor's cache
+_FEW_ROBOTS = 16  # of more, to tell who senses something else costs more and brings less
+
+_View: TypeAlias = dict[str, Any]
+"""What of a sensor comes from rays."""
+
+
+class _Looked(NamedTuple):
+    """What the robots saw, and what there was to see.
+
+    Attributes:
+        robots: All robots, in file order.
+        shown: Which of the solid areas were active.
+        hits: Of all rays, of shape (robots, rays).
+        views: The same as it is reported, one per robot.
+    """
+
+    robots: Sequence[RobotState]
+    shown: list[bool]
+    hits: NDArray[np.int64]
+    views: list[_View]
+
+    def reach(self, codes: int, place: int) -> int:
+        """Return the longest distance that a robot saw."""
+        longest: int = self.hits[place].max().item() // codes
+        return longest
+
+    def but(
+        self, places: list[int], hits: NDArray[np.int64], views: list[_View]
+    ) -> tuple[NDArray[np.int64], list[_View]]:
+        """Return the hits and views of all robots, with others for those at some places."""
+        all_hits, all_views = self.hits.copy(), self.views.copy()
+        all_hits[places] = hits
+        for place, view in zip(places, views, strict=True):
+            all_views[place] = view
+        return all_hits, all_views
 
 
 class Senses:
@@ -49,9 +86,9 @@ class Senses:
         self._walls: Walls = Walls(level.walls, SENSOR_RANGE, like=like_walls)
         self._solid = [i for i, area in enumerate(level.areas) if area.impenetrable]
         solid = [level.areas[i] for i in self._solid]
-        places = [(b.x, b.y) for b in level.beacons] + [(area.x, area.y) for area in solid]
-        self._still_x = np.array([x for x, _ in places], dtype=np.float64)
-        self._still_y = np.array([y for _, y in places], dtype=np.float64)
+        circles: list[Robot | Beacon | Area] = [*level.robots, *level.beacons, *solid]
+        self._x = np.array([circle.x for circle in circles], dtype=np.float64)
+        self._y = np.array([circle.y for circle in circles], dtype=np.float64)
         # What a ray hits has a code: 0 is a wall, the circles follow, and the last is nothing.
         # A hit is one number, distance * codes + code, so that the least is the one to report.
         kinds = [
@@ -64,8 +101,12 @@ class Senses:
         self._objects = np.array(["wall", *(kind for kind, _, _ in kinds), "none"], dtype=object)
         self._labels = np.array(["wall", *(name for _, name, _ in kinds), "nothing"], dtype=object)
         self._codes = len(self._labels)
-        self._nothing = SENSOR_RANGE * self._codes + self._codes - 1
+        self._of_walls = np.arange(SENSOR_RANGE + 1) * self._codes
+        self._of_walls[SENSOR_RANGE] += self._codes - 1
         self._beacons = slice(1 + len(level.robots), self._codes - 1 - len(solid))
+        switches = {name for area in level.areas for name in (area.on_beacon, area.off_beacon)}
+        self._has_switches = any(beacon.name in switches for beacon in level.beacons)
+        self._last: _Looked | None = None
 
     def sense(
         self, robots: Sequence[RobotState], areas: Sequence[AreaState], clock: int
@@ -80,19 +121,33 @@ class Senses:
         Returns:
             One ``{"robot_name": ..., "sensor": {...}}`` per robot, in file order; distances are
             whole map units from 1 to 200, angles radians with the robot's left positive. Then the
-            names of the beacons; the forward ray doesn't count.
+            names of the beacons, if some of them switch areas; the forward ray doesn't count.
         """
-        rays = rays_of(robots)
-        distance, code = np.divmod(self._hits(rays, self._circles(rays, areas)), self._codes)
-        on_radar = np.zeros(self._codes, dtype=np.bool_)
-        on_radar[code[:, :FORWARD]] = on_radar[code[:, FORWARD + 1 :]] = True
-        seen = self._labels[self._beacons][on_radar[self._beacons]]
-        return self._rows(robots, rays, distance, code, clock), frozenset(seen.tolist())
+        last = self._last = self._look(robots, [areas[i].active for i in self._solid])
+        each = zip(self._robots, robots, last.views, strict=True)
+        rows = [_row(robot, state, view, clock) for robot, state, view in each]
+        return rows, self._on_radar(last.hits) if self._has_switches else frozenset()
 
-    def _circles(self, rays: Rays, areas: Sequence[AreaState]) -> Circles:
-        x, y = np.concatenate((rays.x, self._still_x)), np.concatenate((rays.y, self._still_y))
-        for number, i in enumerate(self._solid, len(x) - len(self._solid)):
-            if not areas[i].active:
+    def _look(self, robots: Sequence[RobotState], shown: list[bool]) -> _Looked:
+        """Return what robots see; those look anew for whom something may have changed."""
+        last, anew = self._last, list(range(len(robots)))
+        if last is not None and last.shown == shown and len(robots) <= _FEW_ROBOTS:
+            anew = stirred(robots, last.robots, ROBOT_RADIUS, partial(last.reach, self._codes))
+            if not anew:
+                return last._replace(robots=robots)
+        rays = rays_of(robots, anew)
+        hits = self._hits(rays, self._circles(robots, shown))
+        views = self._views(rays, hits)
+        if last is not None and len(anew) < len(robots):
+            hits, views = last.but(anew, hits, views)
+        return _Looked(robots, shown, hits, views)
+
+    def _circles(self, robots: Sequence[RobotState], shown: list[bool]) -> Circles:
+        x, y = self._x.copy(), self._y.copy()
+        x[: len(robots)] = [robot.x for robot in robots]
+        y[: len(robots)] = [robot.y for robot in robots]
+        for number, is_shown in enumerate(shown, len(x) - len(shown)):
+            if not is_shown:
                 x[number] = np.inf
         return Circles(self._numbers, x, y, self._radius)
 
@@ -111,56 +166,51 @@ class Senses:
 
     def _cast(self, rays: Rays, circles: Circles) -> NDArray[np.int64]:
         walls = self._walls.distances(rays.x, rays.y, rays.cos, rays.sin)
-        hits = np.where(walls < SENSOR_RANGE, walls * self._codes, self._nothing)
+        hits = self._of_walls.take(walls)
         take_nearer_circles(hits, self._codes, rays, circles)
         return hits
 
-    def _rows(
-        self,
-        robots: Sequence[RobotState],
-        rays: Rays,
-        distance: NDArray[np.int64],
-        code: NDArray[np.int64],
-        clock: int,
-    ) -> list[SensorRow]:
-        each = zip(
-            self._robots,
-            robots,
-            rays.aside.tolist(),
-            distance.tolist(),
-            self._objects[code].tolist(),
-            self._labels[code].tolist(),
-            strict=True,
+    def _views(self, rays: Rays, hits: NDArray[np.int64]) -> list[_View]:
+        distance, code = np.divmod(hits, self._codes)
+        return list(
+            map(
+                _view,
+                rays.aside.tolist(),
+                distance.tolist(),
+                self._objects[code].tolist(),
+                self._labels[code].tolist(),
+            )
         )
-        return [
-            _row(robot, state, angles, distances, objects, labels, clock)
-            for robot, state, angles, distances, objects, labels in each
-        ]
+
+    def _on_radar(self, hits: NDArray[np.int64]) -> frozenset[str]:
+        """Return the names of the beacons on any radar."""
+        code = hits % self._codes
+        on_radar = np.zeros(self._codes, dtype=np.bool_)
+        on_radar[code[:, :FORWARD]] = on_radar[code[:, FORWARD + 1 :]] = True
+        return frozenset(self._labels[self._beacons][on_radar[self._beacons]].tolist())
 
 
-def _row(
-    robot: Robot,
-    state: RobotState,
-    angles: list[float],
-    distances: list[int],
-    objects: list[str],
-    labels: list[str],
-    clock: int,
-) -> SensorRow:
-    """What one robot senses; the lists hold a value for each ray and are used up."""
+def _view(
+    angles: list[float], distances: list[int], objects: list[str], labels: list[str]
+) -> _View:
+    """What the rays of one robot tell; the lists hold a value for each ray and are used up."""
     del angles[FORWARD]
+    return {
+        "forward_distance": distances.pop(FORWARD),
+        "forward_object": objects.pop(FORWARD),
+        "forward_label": labels.pop(FORWARD),
+        "radar": [
+            {"angle": angle, "distance": distance, "object": kind, "label": label}
+            for angle, distance, kind, label in zip(angles, distances, objects, labels, strict=True)
+        ],
+    }
+
+
+def _row(robot: Robot, state: RobotState, view: _View, clock: int) -> SensorRow:
     return {
         "robot_name": robot.name,
         "sensor": {
-            "forward_distance": distances.pop(FORWARD),
-            "forward_object": objects.pop(FORWARD),
-            "forward_label": labels.pop(FORWARD),
-            "radar": [
-                {"angle": angle, "distance": distance, "object": kind, "label": label}
-                for angle, distance, kind, label in zip(
-                    angles, distances, objects, labels, strict=True
-                )
-            ],
+            **view,
             "self": {
                 "can_charge": robot.can_charge,
                 "has_battery": robot.has_battery,

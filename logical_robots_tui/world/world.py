@@ -27,8 +27,8 @@ class World:
     """The running simulation of a level.
 
     One tick is a ``sense`` followed by an ``act``. The world holds nothing but the level, an
-    immutable ``WorldState``, and what the robots sensed in a tick that has begun; the same level
-    and the same desires always give the same future.
+    immutable ``WorldState``, and what the robots sensed last; the same level and the same desires
+    always give the same future.
 
     Args:
         level: The level to run; it stands at its start.
@@ -85,14 +85,17 @@ class World:
 
         Returns:
             One ``{"robot_name": ..., "sensor": {...}}`` per robot in file order: plain dicts,
-            lists, numbers and text. Don't change them.
+            lists, numbers and text. Don't change them: the next rows may share lists with them.
         """
         if self._sensed is None:
             self._sensed, self._seen = self._look(self._state.tick + 1)
         return self._sensed
 
     def look(self) -> list[SensorRow]:
-        """Return what the robots see right now, with the present clock; nothing advances."""
+        """Return what the robots see right now, with the present clock; nothing advances.
+
+        Don't change it, as with ``sense``.
+        """
         rows, _ = self._look(self.tick)
         return rows
 

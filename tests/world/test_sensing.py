@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 from unittest.mock import patch
 
@@ -47,7 +48,8 @@ def test_the_fast_rays_hit_what_the_plain_rays_hit(level: Level) -> None:
 @settings(deadline=None)
 @given(levels())
 def test_few_rays_are_cast_as_many_are(level: Level) -> None:
-    rays = rays_of(World(level).robots)
+    robots = World(level).robots
+    rays = rays_of(robots, range(len(robots)))
     walls = Walls(level.walls, SENSOR_RANGE)
     found = []
     for times in (1, 1 + FEWEST // rays.cos.size, 1 + FEW // rays.cos.size):
@@ -57,6 +59,43 @@ def test_few_rays_are_cast_as_many_are(level: Level) -> None:
     fewest, few, many = found
     assert (fewest == many).all()
     assert (few == many).all()
+
+
+@settings(deadline=None)
+@given(
+    levels(),
+    st.lists(
+        st.tuples(
+            st.integers(0, 9),
+            st.floats(-20, 280) | st.just(9999.0),
+            st.floats(-20, 140),
+            st.floats(-4, 4),
+        ),
+        min_size=5,
+        max_size=20,
+    ),
+)
+def test_what_was_sensed_before_changes_nothing(
+    level: Level, changes: list[tuple[int, float, float, float]]
+) -> None:
+    """Where one robot is put elsewhere or turned, or one area switched, and all else is still."""
+    world, other = World(level), World(level)
+    for which, x, y, angle in changes:
+        world.look()
+        state = world.save()
+        robots, areas = list(state.robots), list(state.areas)
+        place = which % (len(robots) + len(areas))
+        if place >= len(robots):
+            area = areas[place - len(robots)]
+            areas[place - len(robots)] = replace(area, active=not area.active)
+        elif angle < 0:
+            robots[place] = replace(robots[place], angle=angle)
+        else:
+            robots[place] = replace(robots[place], x=x, y=y)
+        world.restore(replace(state, robots=tuple(robots), areas=tuple(areas)))
+        other = World(level, like=other)
+        other.restore(world.save())
+        assert world.look() == other.look()
 
 
 @pytest.mark.parametrize("path", LEVELS, ids=lambda path: path.stem)

@@ -1,0 +1,59 @@
+"""Who senses the same as a moment ago: who stands still and sees nobody who moved."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, TypeAlias
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Sequence
+
+    from logical_robots_tui.world.state import RobotState
+
+__all__ = ["stirred"]
+
+_Spot: TypeAlias = tuple[float, float]
+
+_MARGIN = 1.0
+"""Map units; far more than rounding can amount to."""
+
+
+def stirred(
+    robots: Sequence[RobotState],
+    before: Sequence[RobotState],
+    radius: float,
+    reach: Callable[[int], float],
+) -> list[int]:
+    """Return the places of the robots that may sense something else than before.
+
+    All others stand as they stood, and nobody who moved was or is where they look.
+
+    Args:
+        robots: All robots, in file order.
+        before: The same robots a moment ago.
+        radius: Map units within which a ray hits a robot.
+        reach: Tells of a robot, by its place, the longest distance that it sensed before.
+    """
+    spots: list[_Spot] = []
+    found: list[int] = []
+    still: list[int] = []
+    for place, (now, then) in enumerate(zip(robots, before, strict=True)):
+        if now.x != then.x or now.y != then.y:
+            spots += ((now.x, now.y), (then.x, then.y))
+            found.append(place)
+        elif now.angle != then.angle:
+            found.append(place)
+        else:
+            still.append(place)
+    for place in still:
+        near = _in_front(robots[place], spots, radius + _MARGIN)
+        if near and min(near) < reach(place) + radius + _MARGIN:
+            found.append(place)
+    return sorted(found)
+
+
+def _in_front(robot: RobotState, spots: Sequence[_Spot], radius: float) -> list[float]:
+    """Return how far away those spots are around which a circle is not all behind a robot."""
+    cos, sin = math.cos(robot.angle), math.sin(robot.angle)
+    ways = [(x - robot.x, y - robot.y) for x, y in spots]
+    return [math.hypot(dx, dy) for dx, dy in ways if dx * cos + dy * sin > -radius]
