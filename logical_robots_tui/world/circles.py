@@ -24,13 +24,13 @@ if TYPE_CHECKING:
 
 __all__ = ["FEW", "FEWEST", "Circles", "Pairs", "take_nearer_circles"]
 
-FEWEST = 64
+FEWEST = 80
 """Pairs of robot and circle that are quicker looked at one by one."""
 
 FEWEST_NEAR = 10
 """Of these, as many may be within reach."""
 
-FEW = 96
+FEW = 200
 """Pairs of robot and circle within reach of which it is quicker to try all rays."""
 
 _PAIRS_AT_ONCE = 4096  # bounds the memory for robots that crowd around each other
