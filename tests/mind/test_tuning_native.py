@@ -98,13 +98,18 @@ def test_a_subquery_that_is_a_column_is_the_same_as_one_inside_another() -> None
     assert math.isclose(decision.desire.left_engine, 400)
 
 
-def test_robots_and_rays_are_replaced_where_there_are_as_many_as_before() -> None:
+@pytest.mark.parametrize("frozen", [False, True])
+def test_robots_and_rays_are_replaced_where_there_are_as_many_as_before(*, frozen: bool) -> None:
     text = f'{ROBOT} m = List{{r.distance :- r in sensor.radar, r.label != "none"}};'
-    mind, fresh = Mind(Program.compile(text)), Program.compile(text)
+    mind, fresh = Mind(Program.compile(text), frozen=frozen), Program.compile(text)
     near, far = row("Ada", sees={3: (4, "wall", "wall")}), row("Ada")
     short = {**near, "sensor": {**near["sensor"], "radar": near["sensor"]["radar"][:7]}}
     bo = row("Bo", clock=7)
-    for rows in ([near], [far], [bo, far], [near, bo], [short], [short], [near], [bo]):
+    many = [row(f"R{number}") for number in range(40)]
+    for rows in (
+        *([near], [far], [far], [bo, far], [bo, near], [near, bo], [short], [short], [near], [bo]),
+        *([*many, near], [*many, far], [near, *many], [near], [near]),
+    ):
         alone = Mind(fresh)
         assert mind.think(rows, {}) == alone.think(rows, {})
         alone.close()

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from logical_robots_tui.mind.sqlite.moment import Moment
     from logical_robots_tui.values import SensorRow
 
-__all__ = ["IN_SELF", "KINDS", "NUMBERED_ALIKE", "RAYS", "WHOLE_RAY", "fillings", "whole_ray"]
+__all__ = ["IN_SELF", "KINDS", "RAYS", "WHOLE_RAY", "fillings", "whole_ray"]
 
 RAYS = 1000
 """Most rays of a radar; those of sensor row n are numbered from n * RAYS on."""
@@ -27,20 +27,15 @@ WHOLE_RAY = "t_0_whole_ray"
 KINDS = {"RobotRay": "robot", "BeaconRay": "beacon"}
 """Tables of the rays that end at a kind of thing, which few do."""
 
-NUMBERED_ALIKE = frozenset({"Sensor", "Ray"})
-"""Tables with the same ids whenever they are filled with one statement the same number of times."""
-
 IN_SELF = ("can_charge", "has_battery", "battery_level", "battery_capacity")
 """Columns of ``Sensor`` that come from the record ``self`` of a sensor."""
-
-_MOST_VALUES = 900  # of one statement
 
 
 def fillings(table: str, moment: Moment, columns: tuple[str, ...]) -> Sequence[Filling]:
     """What fills a table with the rows of a moment.
 
     Args:
-        table: ``Sensor``, ``Memory``, ``Ray`` or one of `KINDS`.
+        table: ``Sensor``, ``Memory`` or one of `KINDS`.
         moment: Where the rows come from.
         columns: Which columns to fill beside ``id``, in alphabetical order; those of fields of
             memories with the field, as in ``field_0=seen``.
@@ -75,23 +70,6 @@ def _sensors(moment: Moment, columns: tuple[str, ...]) -> Sequence[Filling]:
     return (Filling(insert_into("Sensor", columns), rows),)
 
 
-def _rays(moment: Moment, columns: tuple[str, ...]) -> Sequence[Filling]:
-    """All rays: one statement a radar, so each must have as many rays as the first."""
-    radars = [row["sensor"]["radar"] for row in moment.sensors]
-    usual = len(radars[0])
-    values = usual * (1 + len(columns))
-    if any(len(radar) != usual for radar in radars) or not 0 < values < _MOST_VALUES:
-        raise ValueError("radars of different size")
-    insert, in_ray = _insert_rays(columns, usual)
-    filled = []
-    for first, radar in enumerate(radars):
-        row: list[Any] = [first * RAYS]
-        for value in in_ray:
-            row += map(value, radar)
-        filled.append(row)
-    return (Filling(insert, filled),)
-
-
 def _rays_of_kind(table: str, moment: Moment, columns: tuple[str, ...]) -> Sequence[Filling]:
     pick = _picked(columns)
     rows: list[Sequence[Any]] = []
@@ -106,7 +84,6 @@ def _rays_of_kind(table: str, moment: Moment, columns: tuple[str, ...]) -> Seque
 _FILLINGS: dict[str, Callable[[Moment, tuple[str, ...]], Sequence[Filling]]] = {
     "Sensor": _sensors,
     "Memory": memories,
-    "Ray": _rays,
     **{table: partial(_rays_of_kind, table) for table in KINDS},
 }
 
@@ -139,21 +116,3 @@ _SENSOR_VALUES: dict[str, Callable[[SensorRow], Any]] = {
     },
     **{name: _in_self(name) for name in IN_SELF},
 }
-
-
-@cache
-def _insert_rays(
-    columns: tuple[str, ...], rays: int
-) -> tuple[str, Sequence[Callable[[Mapping[str, Any]], Any]]]:
-    """A statement for one radar, and what takes the columns out of a ray.
-
-    The statement wants the first number, then column by column.
-    """
-    rows = (
-        ", ".join((f"?1 + {ray}", *(f"?{i * rays + ray + 2}" for i in range(len(columns)))))
-        for ray in range(rays)
-    )
-    names = ", ".join(("id", *columns))
-    values = ", ".join(f"({row})" for row in rows)
-    insert = f"REPLACE INTO Ray({names}) VALUES {values}"  # noqa: S608 - our own names
-    return insert, [to_input if name == "value" else itemgetter(name) for name in columns]

@@ -7,9 +7,10 @@ from bisect import bisect_left
 from typing import TYPE_CHECKING
 
 from logical_robots_tui.mind.sqlite.database import Database
-from logical_robots_tui.mind.sqlite.filling import NUMBERED_ALIKE, WHOLE_RAY, fillings, whole_ray
+from logical_robots_tui.mind.sqlite.filling import WHOLE_RAY, fillings, whole_ray
 from logical_robots_tui.mind.sqlite.layouts import COLUMNS_LAYOUT, CROWD_LAYOUT, PLAIN_LAYOUT
 from logical_robots_tui.mind.sqlite.lists import Lists
+from logical_robots_tui.mind.sqlite.radars import Radars
 from logical_robots_tui.mind.sqlite.stored import to_input, to_sql
 
 if TYPE_CHECKING:
@@ -82,7 +83,7 @@ class TunedTables:
 
     Args:
         limits: Bounds on memory, on values and on results.
-        frozen: Whether nobody changes the memories of a moment, then or later.
+        frozen: Whether nobody changes what is in a moment, then or later.
         few: The layout for few robots.
     """
 
@@ -93,6 +94,7 @@ class TunedTables:
         self._few = few
         self._database = self._new_database(few)
         self._lists = Lists(frozen=frozen)
+        self._radars = Radars(frozen=frozen)
         self._is_crowd = False
         self._moment: Moment | None = None
         self._memories = b""  # what ``Memory`` holds, or nothing if nobody knows
@@ -163,6 +165,8 @@ class TunedTables:
                     del filled[table]
                 if table == "Item":
                     self._lists.fill(self._database, moment, names)
+                elif table == "Ray":
+                    self._radars.fill(self._database, moment, names)
                 elif table == "Memory":
                     self._fill_memory(moment, names)
                 else:
@@ -185,7 +189,7 @@ class TunedTables:
         numbers: tuple[object, ...] | None = None
         if not items:
             numbers = ()
-        elif table in NUMBERED_ALIKE:
+        elif table == "Sensor":
             ((insert, rows),) = items
             numbers = insert, len(rows)
         before = self._numbers.pop(table, None)
@@ -209,6 +213,7 @@ class TunedTables:
         self._database.close()
         self._database = self._new_database(CROWD_LAYOUT if self._is_crowd else self._few)
         self._lists.forget()
+        self._radars.forget()
         self._moment = None
         self._memories = b""
         self._filled = {}
