@@ -7,38 +7,10 @@ from typing import TYPE_CHECKING
 import pytest
 
 from tests.cli.running import Command
+from tests.short import AHEAD, LEVEL
 
 if TYPE_CHECKING:
     from pathlib import Path
-
-LEVEL = """\
-title = "A short way"
-cell = 5
-walls = '''
-############
-#..........#
-#..........#
-#..........#
-############
-'''
-
-[[robots]]
-name = "Pip"
-x = 12
-y = 12.5
-
-[[areas]]
-name = "Door"
-x = 42
-y = 12.5
-radius = 6
-goal_for = ["Pip"]
-"""
-
-AHEAD = """\
-Robot(robot_name:, desire: {left_engine: 0.5, right_engine: 0.5}, memory: "on my way") :-
-  Sensor(robot_name:);
-"""
 
 
 @pytest.fixture(autouse=True)

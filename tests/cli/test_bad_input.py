@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from tests.cli.conftest import AHEAD, LEVEL
+from tests.short import AHEAD, LEVEL
 
 if TYPE_CHECKING:
     from pathlib import Path

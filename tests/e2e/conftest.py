@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 import pytest
 
 from tests.e2e.tmux import Tmux
+from tests.short import AHEAD, LEVEL
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
@@ -17,35 +18,6 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from tests.installed import Installed
-
-LEVEL = """\
-title = "A short way"
-cell = 5
-walls = '''
-############
-#..........#
-#..........#
-#..........#
-############
-'''
-
-[[robots]]
-name = "Pip"
-x = 12
-y = 12.5
-
-[[areas]]
-name = "Door"
-x = 42
-y = 12.5
-radius = 6
-goal_for = ["Pip"]
-"""
-
-AHEAD = """\
-Robot(robot_name:, desire: {left_engine: 0.5, right_engine: 0.5}, memory: "on my way") :-
-  Sensor(robot_name:);
-"""
 
 
 @dataclass(frozen=True)

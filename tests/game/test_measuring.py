@@ -19,8 +19,8 @@ from logical_robots_tui.game.robustness import play_through, shifted, try_starts
 from logical_robots_tui.mind import Stopped
 from logical_robots_tui.progress import Measures
 from logical_robots_tui.shipped import shipped_folder
-from tests.e2e.conftest import AHEAD
-from tests.e2e.conftest import LEVEL as SHORT
+from tests.short import AHEAD
+from tests.short import LEVEL as SHORT
 from tests.waiting import until
 
 if TYPE_CHECKING:

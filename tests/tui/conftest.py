@@ -123,11 +123,6 @@ radius = 6
 goal_for = ["Pip"]
 """
 
-AHEAD = """\
-Robot(robot_name:, desire: {left_engine: 0.5, right_engine: 0.5}, memory: "on my way") :-
-  Sensor(robot_name:);
-"""
-
 
 @dataclass(frozen=True)
 class Opened:

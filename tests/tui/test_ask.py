@@ -5,7 +5,8 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from logical_robots_tui.tui.inspector.asking import QueryLine
-from tests.tui.conftest import AHEAD, opened
+from tests.short import AHEAD
+from tests.tui.conftest import opened
 
 if TYPE_CHECKING:
     from pathlib import Path

@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING
 from logical_robots_tui.game import place_of
 from logical_robots_tui.game.drafts import Drafts
 from logical_robots_tui.tui.dialogs.question import Question
-from tests.tui.conftest import AHEAD, STILL, opened
+from tests.short import AHEAD
+from tests.tui.conftest import STILL, opened
 
 if TYPE_CHECKING:
     from pathlib import Path

@@ -14,7 +14,8 @@ from logical_robots_tui.tui.dialogs.hints import Hints
 from logical_robots_tui.tui.dialogs.question import Question
 from logical_robots_tui.tui.dialogs.reader import Reader
 from logical_robots_tui.world import list_levels
-from tests.tui.conftest import AHEAD, PAPER, STILL, opened
+from tests.short import AHEAD
+from tests.tui.conftest import PAPER, STILL, opened
 
 if TYPE_CHECKING:
     from pathlib import Path

@@ -18,7 +18,8 @@ from logical_robots_tui.tui.inspector.arranging import (
     changed_cells,
 )
 from logical_robots_tui.tui.inspector.table import ValueTable
-from tests.tui.conftest import AHEAD, opened
+from tests.short import AHEAD
+from tests.tui.conftest import opened
 
 if TYPE_CHECKING:
     from pathlib import Path

@@ -6,7 +6,8 @@ from typing import TYPE_CHECKING
 
 from logical_robots_tui.tui.inspector.choice import WHY
 from logical_robots_tui.tui.inspector.why import WhyView
-from tests.tui.conftest import AHEAD, opened
+from tests.short import AHEAD
+from tests.tui.conftest import opened
 
 if TYPE_CHECKING:
     from pathlib import Path

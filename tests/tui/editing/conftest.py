@@ -10,7 +10,8 @@ import pytest
 from textual import events
 
 from logical_robots_tui.tui.drawing.viewport import CELL_ASPECT
-from tests.tui.conftest import AHEAD, opened
+from tests.short import AHEAD
+from tests.tui.conftest import opened
 
 if TYPE_CHECKING:
     from collections.abc import AsyncIterator

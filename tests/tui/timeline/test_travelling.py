@@ -14,7 +14,8 @@ from logical_robots_tui.tui.timeline.breakpoints import BreakpointList
 from logical_robots_tui.tui.timeline.form import BreakpointForm
 from logical_robots_tui.tui.timeline.prompt import TickPrompt
 from logical_robots_tui.tui.timeline.widget import Timeline
-from tests.tui.conftest import AHEAD, STILL, opened
+from tests.short import AHEAD
+from tests.tui.conftest import STILL, opened
 
 if TYPE_CHECKING:
     from collections.abc import AsyncIterator

@@ -1,0 +1,34 @@
+"""A level that is won by going straight on, and the program that does."""
+
+from __future__ import annotations
+
+__all__ = ["AHEAD", "LEVEL"]
+
+LEVEL = """\
+title = "A short way"
+cell = 5
+walls = '''
+############
+#..........#
+#..........#
+#..........#
+############
+'''
+
+[[robots]]
+name = "Pip"
+x = 12
+y = 12.5
+
+[[areas]]
+name = "Door"
+x = 42
+y = 12.5
+radius = 6
+goal_for = ["Pip"]
+"""
+
+AHEAD = """\
+Robot(robot_name:, desire: {left_engine: 0.5, right_engine: 0.5}, memory: "on my way") :-
+  Sensor(robot_name:);
+"""
