@@ -216,3 +216,11 @@ async def test_unsaved_text_comes_back_with_its_program(data_dir: Path) -> None:
         await game.until(lambda: game.session.source.name == "mine")
         assert game.editor.text == "hello" + PAPER
         await game.until(lambda: game.shows("unsaved text of mine is back"))
+
+
+async def test_what_is_longer_than_its_line_is_seen_at_its_end(data_dir: Path) -> None:
+    async with opened(data_dir) as game:
+        await game.press("s")
+        await game.until(lambda: game.shows("Save the program as"))
+        await game.press(*"abcdefghij" * 10, *"-end")
+        await game.until(lambda: game.shows("efghij-end"))
