@@ -149,7 +149,7 @@ class Asking:
         """
         try:
             columns, rows = self._plain.ask(sql, moment, view, within, parameters)
-            return columns, [tuple(self._read(row, within)) for row in rows]
+            return columns, self._read_all(rows, within)
         except TooSlowError:
             message = f"thinking took longer than {within.seconds:g} seconds"
             raise FailureError(message, slow=True) from None
@@ -249,7 +249,7 @@ class Asking:
         """An answer with its records put together, or None if one can't be."""
         columns, rows = raw
         if not tuned.result:
-            return columns, [tuple(self._read(row, within)) for row in rows]
+            return columns, self._read_all(rows, within)
         names, places = _places(tuned.result)
         found = []
         for row in rows:
@@ -259,6 +259,9 @@ class Asking:
                 row = _without_infinity(row, tuned)
             found.append(_put_together(self._read(row, within), places))
         return names, found
+
+    def _read_all(self, rows: Sequence[tuple[Any, ...]], within: Within) -> list[tuple[Value, ...]]:
+        return [tuple(self._read(row, within)) for row in rows]
 
     def _read(self, row: Sequence[Any], within: Within) -> list[Value]:
         read, deepest = self._read_value, self._deepest

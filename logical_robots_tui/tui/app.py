@@ -122,9 +122,10 @@ class LogicalRobotsApp(SparingApp, inherit_bindings=False):
         self.call_after_refresh(self._keep_dress)
 
     def _keep_dress(self) -> None:
-        dress = dress_of(self)
+        colours = colours_of(os.environ)
+        dress = dress_of(self, colours)
         if dress is not None:
-            self.main.journal.keep_dress(dress, colours_of(os.environ))
+            self.main.journal.keep_dress(dress, colours)
 
     def _keep_theme(self, theme: Theme) -> None:
         if not self._settings.theme:

@@ -6,6 +6,8 @@ from typing import TYPE_CHECKING
 
 from textual.color import Color
 
+from logical_robots_tui.tui.dress import NIGHT_NAME
+
 if TYPE_CHECKING:
     from textual.theme import Theme
 
@@ -142,7 +144,7 @@ def colours_in(theme: Theme) -> dict[str, str]:
         "mistake-strip": tinted(given["error"], 0.1),
         "odd-strip": tinted(given["warning"], 0.1),
     }
-    if theme.name == "night":
+    if theme.name == NIGHT_NAME:
         found |= _NIGHT | {f"ink-{name}": hue for name, hue in _HUES.items()}
     return found
 

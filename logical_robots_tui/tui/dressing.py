@@ -2,16 +2,14 @@
 
 from __future__ import annotations
 
-import os
 from typing import TYPE_CHECKING
 
-from rich.color import ColorSystem
+from rich.console import COLOR_SYSTEMS
 from textual.color import Color
 
 from logical_robots_tui.tui.commands import command
 from logical_robots_tui.tui.difference import codes_of
 from logical_robots_tui.tui.dress import Dress
-from logical_robots_tui.tui.outline import colours_of
 from logical_robots_tui.tui.theme import hex_colour, palette_of
 
 if TYPE_CHECKING:
@@ -19,16 +17,14 @@ if TYPE_CHECKING:
 
 __all__ = ["dress_of"]
 
-_SYSTEMS = {
-    "truecolor": ColorSystem.TRUECOLOR,
-    "256": ColorSystem.EIGHT_BIT,
-    "standard": ColorSystem.STANDARD,
-}
 
+def dress_of(app: App[None], colours: str) -> Dress | None:
+    """Return what an app is painted with, or None where an outline could not be painted so.
 
-def dress_of(app: App[None]) -> Dress | None:
-    """Return what an app is painted with, or None where an outline could not be painted so."""
-    colours = colours_of(os.environ)
+    Args:
+        app: With its theme.
+        colours: What the terminal can show, as an outline takes it to be.
+    """
     theme = app.current_theme
     if (
         app.no_color
@@ -45,11 +41,12 @@ def dress_of(app: App[None]) -> Dress | None:
     }
     below = Color.parse(variables["background"])
     rich = {name: _over(below, Color.parse(value)).rich_color for name, value in painted.items()}
+    system = COLOR_SYSTEMS[colours]
     return Dress(
         {
             name: (
-                codes_of(colour, _SYSTEMS[colours], is_ink=True),
-                codes_of(colour, _SYSTEMS[colours], is_ink=False),
+                codes_of(colour, system, is_ink=True),
+                codes_of(colour, system, is_ink=False),
             )
             for name, colour in rich.items()
         },

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 from logical_robots_tui.shipped import did_you_mean
 from logical_robots_tui.tui.commands import COMMANDS, EDITING, key_name
 from logical_robots_tui.tui.drawing.glyphs import Drawing
+from logical_robots_tui.tui.dress import NIGHT_NAME
 from logical_robots_tui.tui.keys import key_from
 from logical_robots_tui.tui.theme import THEMES
 
@@ -174,7 +175,7 @@ def _line_of(name: str, text: str) -> str:
 def as_toml(settings: Settings) -> str:
     """Return a file that sets the same, with every command and its keys."""
     lines = [
-        _set("theme", settings.theme, "night"),
+        _set("theme", settings.theme, NIGHT_NAME),
         _set("drawing", settings.drawing and settings.drawing.value, "quadrants"),
         _set("frames", settings.frames),
         _set("cones", settings.cones),

@@ -11,7 +11,7 @@ import asyncio
 from time import monotonic
 from typing import TYPE_CHECKING, Any
 
-from rich.color import ColorSystem
+from rich.console import COLOR_SYSTEMS
 from textual import events
 from textual._compositor import ChopsUpdate, CompositorUpdate, LayoutUpdate
 from textual.driver import Driver
@@ -30,12 +30,6 @@ if TYPE_CHECKING:
     from textual.screen import Screen
 
 __all__ = ["SparingApp"]
-
-_SYSTEMS = {
-    "truecolor": ColorSystem.TRUECOLOR,
-    "256": ColorSystem.EIGHT_BIT,
-    "standard": ColorSystem.STANDARD,
-}
 
 
 class SparingApp(CarefulApp):
@@ -100,7 +94,7 @@ class SparingApp(CarefulApp):
             return
         columns, rows = self.size
         if self._sent is None or (self._sent.columns, self._sent.rows) != (columns, rows):
-            colours = _SYSTEMS.get(self.console.color_system or "")
+            colours = COLOR_SYSTEMS.get(self.console.color_system or "")
             self._sent = Difference(columns, rows, colours)
             self._cursor_sent = None
         self._sent.take(_pieces(renderable))

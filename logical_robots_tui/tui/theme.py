@@ -11,6 +11,7 @@ from textual.theme import BUILTIN_THEMES, Theme
 
 from logical_robots_tui.tui.colours import colours_in
 from logical_robots_tui.tui.drawing.palette import DARK, LIGHT, Palette, mix, parse
+from logical_robots_tui.tui.dress import NIGHT_NAME
 
 if TYPE_CHECKING:
     from rich.style import Style as RichStyle
@@ -51,7 +52,7 @@ class Ink:
 INK = Ink()
 
 NIGHT = Theme(
-    name="night",
+    name=NIGHT_NAME,
     dark=True,
     primary="#8fa3f5",
     secondary="#5b6ea8",

@@ -78,8 +78,7 @@ class Database:
     def __init__(self, limits: Limits | None = None, layout: Layout = PLAIN_LAYOUT) -> None:
         self._limits = limits or Limits()
         self._readable = layout.readable
-        self._mark = secrets.token_hex(8)
-        self._marked: dict[str, str] = {}
+        self._own = _Own(secrets.token_hex(8))
         self._offered: set[str] = set()
         self._bytes = 0
         self._most_bytes = self._limits.result_bytes
@@ -142,12 +141,12 @@ class Database:
                 connection.execute("BEGIN")  # never ended: there is nobody to share with
             delete = _DELETE + table
             if gone is None:
-                connection.execute(self._marked.get(delete) or self._own(delete))
+                connection.execute(self._own[delete])
             elif gone:
-                connection.executemany(self._own(f"{delete} WHERE id BETWEEN ? AND ?"), gone)
+                connection.executemany(self._own[f"{delete} WHERE id BETWEEN ? AND ?"], gone)
             try:
                 for insert, rows in inserts:
-                    connection.executemany(self._marked.get(insert) or self._own(insert), rows)
+                    connection.executemany(self._own[insert], rows)
             except UnicodeEncodeError:
                 self.fill(table, [(insert, _whole(rows)) for insert, rows in inserts], gone)
         except (sqlite3.DataError, MemoryError) as error:
@@ -272,10 +271,6 @@ class Database:
         self._connection.interrupt()
         self._connection.setlimit(sqlite3.SQLITE_LIMIT_LENGTH, _HALTED_LENGTH)
 
-    def _own(self, sql: str) -> str:
-        """A statement of ours, marked so that no program can name it in the statement cache."""
-        return self._marked.setdefault(sql, f"/* {self._mark} */ {sql}")
-
     def _authorize(
         self,
         action: int,
@@ -297,6 +292,18 @@ class Database:
             if name in BUILT_IN or name in functions.NAMES or name in self._offered:
                 return sqlite3.SQLITE_OK
         return sqlite3.SQLITE_DENY
+
+
+class _Own(dict[str, str]):
+    """Statements of ours, marked so that no program can name one in the statement cache."""
+
+    def __init__(self, mark: str) -> None:
+        super().__init__()
+        self._mark = mark
+
+    def __missing__(self, sql: str) -> str:
+        self[sql] = marked = f"/* {self._mark} */ {sql}"
+        return marked
 
 
 def _whole(rows: Iterable[Sequence[Any]]) -> list[list[Any]]:
