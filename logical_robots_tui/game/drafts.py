@@ -9,6 +9,7 @@ import json
 import os
 import secrets
 import threading
+from contextlib import suppress
 from dataclasses import dataclass, field
 from datetime import UTC, datetime
 from typing import TYPE_CHECKING, Any
@@ -71,6 +72,7 @@ class Drafts:
         self._mine: dict[str, Draft] = {}
         self._adopted: dict[str, Draft] = {}
         self._dropped: dict[str, int] = {}
+        self._unwritten: set[str] = set()
 
     def keep(self, draft: Draft) -> None:
         """Write a draft in the place of the one before it; one made earlier changes nothing.
@@ -85,8 +87,21 @@ class Drafts:
             if self._dropped.get(draft.path, -1) > draft._serial:
                 return
             self._mine[draft.path] = draft
+            self._unwritten.add(draft.path)
             self._hold_lock()
             write_atomically(self._file(draft.path), _as_json(draft))
+            self._unwritten.discard(draft.path)
+
+    def unwritten(self) -> list[tuple[Draft, OSError]]:
+        """What can't be written, now either, each with the reason; it ends with the session."""
+        found = []
+        with self._guard:
+            for draft in [self._mine[path] for path in sorted(self._unwritten)]:
+                try:
+                    self.keep(draft)
+                except OSError as error:
+                    found.append((draft, error))
+        return found
 
     def get(self, path: str) -> Draft | None:
         """The draft of a program that this session kept, or None."""
@@ -100,24 +115,30 @@ class Drafts:
         with self._guard:
             draft = self._adopted.pop(path, None)
             if draft is not None:
-                if self._mine.pop(path, None) is not None:
-                    self._retire(self._file(path))
-                self._adopted_file(path).replace(self._file(path))
                 self._mine[path] = draft
+                self._unwritten.add(path)
+                with suppress(OSError):  # what can't be moved stays where it is, to be offered
+                    if self._file(path).exists():
+                        self._retire(self._file(path))
+                    self._adopted_file(path).replace(self._file(path))
+                    self._unwritten.discard(path)
             return draft
 
     def drop(self, path: str) -> None:
         """Forget the draft of a program, because its text is saved or is the file's again."""
         with self._guard:
             self._dropped[path] = next(_serials)
+            self._unwritten.discard(path)
             if self._mine.pop(path, None) is not None:
-                self._file(path).unlink(missing_ok=True)
+                with suppress(OSError):  # at worst it is offered again
+                    self._file(path).unlink(missing_ok=True)
 
     def put_away(self, path: str) -> None:
         """Move the adopted draft of a program into the folder ``old``; it is not wanted now."""
         with self._guard:
             if self._adopted.pop(path, None) is not None:
-                self._retire(self._adopted_file(path))
+                with suppress(OSError):  # it is offered again
+                    self._retire(self._adopted_file(path))
 
     def adopt(self) -> list[Draft]:
         """Take over what sessions that are over left behind.

@@ -17,6 +17,7 @@ from logical_robots_tui.tui.commands import use_keys
 from logical_robots_tui.tui.dressing import dress_of
 from logical_robots_tui.tui.freedoms import Freedoms
 from logical_robots_tui.tui.journal import Journal
+from logical_robots_tui.tui.leaving import leave
 from logical_robots_tui.tui.outline import colours_of
 from logical_robots_tui.tui.screen import MainScreen
 from logical_robots_tui.tui.settings import Settings
@@ -192,6 +193,6 @@ class LogicalRobotsApp(SparingApp, inherit_bindings=False):
         """Leave at the second ^C in a row; the first may have been meant for something else."""
         now = monotonic()
         if now - self._interrupted_at < _TWICE:
-            self.exit()
+            leave(self.main)
         self._interrupted_at = now
         self.notify("Press ^C again to leave the game.", markup=False, timeout=_TWICE)

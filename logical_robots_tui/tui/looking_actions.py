@@ -6,6 +6,7 @@ from functools import cached_property
 from typing import TYPE_CHECKING
 
 from logical_robots_tui.tui.drawing.glyphs import Drawing
+from logical_robots_tui.tui.leaving import leave
 from logical_robots_tui.tui.screen_actions import ScreenActions
 from logical_robots_tui.tui.sparing import SparingApp
 
@@ -233,4 +234,4 @@ class LookingActions(ScreenActions):
 
     def quit(self) -> None:
         """Leave the game."""
-        self._screen.app.exit()
+        leave(self._screen)

@@ -211,6 +211,50 @@ def test_a_folder_that_cannot_be_written_says_so(tmp_path: Path) -> None:
         Drafts(tmp_path / "drafts").keep(draft("a"))
 
 
+def test_what_could_not_be_written_is_written_when_it_can_be(tmp_path: Path) -> None:
+    drafts = Drafts(tmp_path / "file")
+    (tmp_path / "file").write_text("in the way")
+    for text in ("one", "another"):
+        with pytest.raises(OSError, match="file"):
+            drafts.keep(draft(text))
+    [(unwritten, error)] = drafts.unwritten()
+    assert unwritten.text == "another"
+    assert error.strerror
+    (tmp_path / "file").unlink()
+    assert drafts.unwritten() == []
+    drafts.close()
+    assert [kept.text for kept in Drafts(tmp_path / "file").adopt()] == ["another"]
+
+
+def test_what_is_not_wanted_any_more_need_not_be_written(tmp_path: Path) -> None:
+    drafts = Drafts(tmp_path / "file")
+    (tmp_path / "file").write_text("in the way")
+    with pytest.raises(OSError, match="file"):
+        drafts.keep(draft("one"))
+    drafts.drop("/p/mine.l")
+    assert drafts.unwritten() == []
+
+
+def test_a_disk_that_cannot_be_written_any_more_is_no_reason_to_fail(tmp_path: Path) -> None:
+    before, folder = Drafts(tmp_path / "drafts"), tmp_path / "drafts"
+    for path in ("/a.l", "/b.l"):
+        before.keep(draft("left", path))
+    before.close()
+    drafts = Drafts(folder)
+    drafts.adopt()
+    drafts.keep(draft("mine", "/c.l"))
+    folder.rename(tmp_path / "moved")
+    folder.write_text("in the way")
+
+    drafts.drop("/c.l")
+    drafts.put_away("/a.l")
+    taken = drafts.take("/b.l")
+
+    assert taken is not None
+    assert taken.text == "left"
+    assert [lost.path for lost, _ in drafts.unwritten()] == ["/b.l"]
+
+
 def test_many_threads_leave_the_last_text_on_disk(tmp_path: Path) -> None:
     session = Drafts(tmp_path)
     drafts = [draft(f"text {number}") for number in range(40)]

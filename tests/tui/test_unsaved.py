@@ -9,16 +9,19 @@ from time import monotonic
 from typing import TYPE_CHECKING
 
 import pytest
+from textual.widgets import Input
 
 from logical_robots_tui.game.drafts import Drafts
 from logical_robots_tui.tui.actions import Actions
 from logical_robots_tui.tui.crash import OwnMistake
 from logical_robots_tui.tui.dialogs.question import Question
+from logical_robots_tui.tui.dialogs.save import SaveAs
 from tests.terminal import Terminal
 from tests.tui.conftest import LEVELS, PAPER, opened
 from tests.waiting import until
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
     from pathlib import Path
 
     from tests.tui.conftest import Opened
@@ -122,11 +125,8 @@ async def test_two_games_at_once_do_not_offer_each_other_their_texts(data_dir: P
             assert second.editor.text == PAPER
 
 
-async def test_a_data_folder_that_cannot_be_written_is_said_once(
-    data_dir: Path, tmp_path: Path
-) -> None:
+async def test_a_data_folder_that_cannot_be_written_is_said_once(data_dir: Path) -> None:
     async with opened(data_dir) as game:
-        (data_dir / "drafts").parent.mkdir(exist_ok=True)
         (data_dir / "drafts").write_text("in the way")
         await game.press("2", "x")
         await game.until(lambda: game.shows("can't be kept on disk"))
@@ -134,6 +134,56 @@ async def test_a_data_folder_that_cannot_be_written_is_said_once(
         await game.ready()
         await game.press("n")
         await game.until(lambda: game.tick == 1)
+
+
+async def nowhere_to_keep(game: Opened, data_dir: Path) -> None:
+    """Type something that can neither be kept nor was saved."""
+    (data_dir / "drafts").write_text("in the way")
+    await game.press("2", "x")
+    await game.until(lambda: game.shows("can't be kept on disk"))
+    await game.press("escape")
+
+
+async def test_nobody_leaves_unasked_what_cannot_be_kept(data_dir: Path, tmp_path: Path) -> None:
+    async with opened(data_dir) as game:
+        await nowhere_to_keep(game, data_dir)
+        for answer in ("s", "escape"):
+            await game.press("q")
+            await game.until(lambda: game.shows("What you changed in “mine” is not saved and"))
+            await game.press(answer)
+            await game.until(lambda: game.app.screen is game.main)
+        await game.press("s")
+        await game.until(lambda: isinstance(game.app.screen, SaveAs))
+        game.app.screen.query_one(Input).value = str(tmp_path / "elsewhere.l")
+        await game.press("enter")
+        await game.until(lambda: game.app.screen is game.main)
+        await game.press("q")
+        await game.until(lambda: not game.app.is_running)
+    assert (tmp_path / "elsewhere.l").read_text() == "x" + PAPER
+
+
+@pytest.mark.parametrize("keys", ["ql", ("ctrl+c", "ctrl+c", "l")])
+async def test_who_does_not_want_it_leaves(data_dir: Path, keys: Sequence[str]) -> None:
+    async with opened(data_dir) as game:
+        await nowhere_to_keep(game, data_dir)
+        *before, last = keys
+        await game.press(*before)
+        await game.until(lambda: isinstance(game.app.screen, Question))
+        await game.press(last)
+        await game.until(lambda: not game.app.is_running)
+
+
+async def test_nobody_leaves_unasked_a_level_that_cannot_be_kept(data_dir: Path) -> None:
+    async with opened(data_dir) as game:
+        (data_dir / "level-drafts").write_text("in the way")
+        await game.press("M")
+        await game.until(lambda: game.main.editing.is_on)
+        await game.press("b", "enter")
+        await game.until(lambda: game.shows("What you edit can't be kept on disk"))
+        game.main.action_command("quit")
+        await game.until(lambda: game.shows("is not saved and can't be kept"))
+        await game.press("l")
+        await game.until(lambda: not game.app.is_running)
 
 
 async def test_a_mistake_of_our_own_keeps_the_text_and_shows_no_traceback(
