@@ -12,7 +12,14 @@ from logical_robots_tui.errors import InputError, LogicalRobotsError
 if TYPE_CHECKING:
     from logical_robots_tui.mind import Diagnostic, ProgramError
 
-__all__ = ["BAD_INPUT", "OWN_MISTAKE", "ProgramFileError", "report", "report_own_mistake"]
+__all__ = [
+    "BAD_INPUT",
+    "OWN_MISTAKE",
+    "ProgramFileError",
+    "report",
+    "report_output",
+    "report_own_mistake",
+]
 
 BAD_INPUT = 2
 OWN_MISTAKE = 70  # EX_SOFTWARE of sysexits.h
@@ -44,6 +51,12 @@ def report(error: LogicalRobotsError, *, as_json: bool) -> int:
     if as_json:
         print(json.dumps({"error": _as_data(error)}, indent=2))
     _say(*_lines(error))
+    return BAD_INPUT
+
+
+def report_output(error: OSError) -> int:
+    """Tell that standard output can't be written and return the exit status."""
+    _say(f"what it prints can't be written: {error.strerror}.")
     return BAD_INPUT
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import errno
 import logging
 import os
 import sys
@@ -42,6 +43,7 @@ _HOMES = {
 
 INTERRUPTED = 130  # 128 + SIGINT, as a shell reports it
 PIPE_CLOSED = 141  # 128 + SIGPIPE
+OUTPUT_FAILS = (errno.EPIPE, errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO)
 
 EXAMPLES = """\
 examples:
@@ -83,17 +85,30 @@ def main(arguments: Sequence[str] | None = None) -> int:
     typed = _with_command(sys.argv[1:] if arguments is None else arguments)
     options = parser(typed[0]).parse_args(typed)
     try:
-        status: int = options.start(options)
+        status = _start(options)
         sys.stdout.flush()
-    except LogicalRobotsError as error:
-        return failure.report(error, as_json=options.wants_json(options))
     except KeyboardInterrupt:
         return INTERRUPTED
-    except BrokenPipeError:
+    except OSError as error:  # others are told of, with the name of a file, where they arise
         # What is still buffered would fail again when Python flushes it at exit.
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-        return PIPE_CLOSED
+        return PIPE_CLOSED if isinstance(error, BrokenPipeError) else failure.report_output(error)
+    return status
+
+
+def _start(options: argparse.Namespace) -> int:
+    """Start a command, report what is wrong, and return the exit status.
+
+    Raises:
+        OSError: Standard output can't be written.
+    """
+    try:
+        status: int = options.start(options)
+    except LogicalRobotsError as error:
+        return failure.report(error, as_json=options.wants_json(options))
     except Exception as error:
+        if isinstance(error, OSError) and error.errno in OUTPUT_FAILS and error.filename is None:
+            raise
         return failure.report_own_mistake(error, as_json=options.wants_json(options))
     return status
 

@@ -149,6 +149,18 @@ def test_a_reader_that_has_enough_is_no_error() -> None:
     assert process.returncode == 141
 
 
+@pytest.mark.parametrize(
+    "typed", ["levels", "run 01-first-steps first-steps --json", "run nowhere nothing --json"]
+)
+def test_a_full_disk_is_said_where_output_goes_there(typed: str) -> None:
+    command = f"{sys.executable} -m logical_robots_tui {typed} > /dev/full"
+    done = subprocess.run(["sh", "-c", command], stderr=subprocess.PIPE, text=True, check=False)
+    assert done.stderr == (
+        "logical-robots: what it prints can't be written: No space left on device.\n"
+    )
+    assert done.returncode == 2
+
+
 def test_what_the_parts_log_is_kept_in_a_file_and_not_printed(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
