@@ -12,6 +12,8 @@ __all__ = ["write_atomically"]
 def write_atomically(path: Path, text: str | bytes) -> None:
     """Replace a file's content in one step, keeping its permissions.
 
+    What a symbolic link leads to is replaced, not the link; a device or a pipe is written to.
+
     Args:
         path: The file; its folder must exist.
         text: The new content; text is written as UTF-8, with its line ends as they are.
@@ -20,6 +22,10 @@ def write_atomically(path: Path, text: str | bytes) -> None:
         OSError: It can't be written; the old content is still there.
     """
     content = text.encode("utf-8") if isinstance(text, str) else text
+    if path.exists() and not path.is_file():
+        path.write_bytes(content)
+        return
+    path = path.resolve()
     mode = path.stat().st_mode & 0o777 if path.exists() else 0o644
     handle, temporary = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.")
     try:

@@ -1,0 +1,52 @@
+"""A file is always either the old or the new one."""
+
+from __future__ import annotations
+
+import os
+import threading
+from typing import TYPE_CHECKING
+
+import pytest
+
+from logical_robots_tui.writing import write_atomically
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+
+def test_a_file_is_replaced_and_keeps_its_permissions(tmp_path: Path) -> None:
+    file = tmp_path / "mine.l"
+    write_atomically(file, "one\r\n")
+    assert file.read_bytes() == b"one\r\n"
+    file.chmod(0o600)
+    write_atomically(file, b"\xff")
+    assert file.read_bytes() == b"\xff"
+    assert file.stat().st_mode & 0o777 == 0o600
+    assert list(tmp_path.iterdir()) == [file]
+
+
+def test_a_link_goes_on_leading_to_its_file(tmp_path: Path) -> None:
+    (tmp_path / "elsewhere").mkdir()
+    file, link = tmp_path / "elsewhere" / "mine.l", tmp_path / "mine.l"
+    link.symlink_to("elsewhere/mine.l")
+    for text in ("one", "another"):  # the first makes the file
+        write_atomically(link, text)
+        assert link.is_symlink()
+        assert file.read_text() == text
+
+
+def test_what_is_no_file_is_written_to(tmp_path: Path) -> None:
+    pipe, read = tmp_path / "pipe", []
+    os.mkfifo(pipe)
+    reader = threading.Thread(target=lambda: read.append(pipe.read_text()))
+    reader.start()
+    write_atomically(pipe, "one")
+    reader.join()
+    assert read == ["one"]
+    assert pipe.is_fifo()
+
+
+def test_a_folder_is_left_alone(tmp_path: Path) -> None:
+    with pytest.raises(OSError, match=tmp_path.name):
+        write_atomically(tmp_path, "one")
+    assert list(tmp_path.iterdir()) == []
