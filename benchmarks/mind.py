@@ -7,13 +7,16 @@ import tempfile
 from contextlib import contextmanager
 from functools import partial
 from itertools import count
+from operator import attrgetter
 from typing import TYPE_CHECKING
 
 from benchmarks.measure import Effort, Measurement, median_of, seconds_for
 from benchmarks.subjects import PROGRAMS, program_text, rows_for
-from logical_robots_tui import Mind, Program
+from logical_robots_tui import Mind, Program, load_level
+from logical_robots_tui.game import load_program
 from logical_robots_tui.mind import cache
 from logical_robots_tui.mind.compilation import stop_compiling
+from logical_robots_tui.world import list_levels
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -39,12 +42,12 @@ _numbers = count()
 def compiling(effort: Effort) -> Iterator[Measurement]:
     """Milliseconds to compile a program with all its predicates, never seen before or kept."""
     stop_compiling()
-    yield median_of(
-        "start of the compiler", "and a first program", "ms", 1, partial(_compile, "steering")
-    )
+    once = partial(_compile, program_text("steering"))
+    yield median_of("start of the compiler", "and a first program", "ms", 1, once)
     for name in PROGRAMS:
-        once = partial(_compile, name)
+        once = partial(_compile, program_text(name))
         yield median_of("compile", name, "ms", effort.repeats, once, required="< 1000")
+    yield max(_compiling_levels(effort), key=attrgetter("value"))
     for name in PROGRAMS:
         once = partial(_find_kept, Program.compile(program_text(name)))
         with _cache_folder():
@@ -63,9 +66,16 @@ def thinking(effort: Effort) -> Iterator[Measurement]:
             mind.close()
 
 
-def _compile(name: str) -> float:
+def _compiling_levels(effort: Effort) -> Iterator[Measurement]:
+    for level in map(load_level, list_levels()):
+        once = partial(_compile, load_program(level.solution).text)
+        subject = f"{level.solution}, slowest of the levels"
+        yield median_of("compile", subject, "ms", effort.repeats, once, required="< 1000")
+
+
+def _compile(text: str) -> float:
     # A comment of its own keeps the text from being found in a cache.
-    fresh = f"{program_text(name)}\n# {next(_numbers)}\n"
+    fresh = f"{text}\n# {next(_numbers)}\n"
     return 1000 * seconds_for(partial(Program.compile, fresh))
 
 
