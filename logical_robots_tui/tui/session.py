@@ -155,11 +155,10 @@ class Session:
     def apply(self, text: str) -> None:
         """Compile a text in the background and use it; an older compilation is given up."""
         if self._program is not None and self._program.text == text:
+            self._spawn(_nothing, "compile", exclusive=True)
             self._use(self._program)
             return
-        self.state = replace(
-            self.state, phase="compiling", tried=text, mistakes=(), compiled=(0, 0)
-        )
+        self.state = self.state.compiling(text)
         self._changed()
         self._spawn(partial(self._compile, text), "compile", exclusive=True)
 

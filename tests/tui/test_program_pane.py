@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 from time import monotonic
 from typing import TYPE_CHECKING
 
@@ -9,6 +10,7 @@ import pytest
 from textual import events
 from textual.widgets.text_area import Selection
 
+from logical_robots_tui.mind import Program
 from logical_robots_tui.tui.freedoms import Freedoms
 from logical_robots_tui.tui.program.pane import ProgramPane
 from tests.tui.conftest import PAPER, STILL, WRONG, opened
@@ -168,6 +170,33 @@ async def test_a_later_apply_overtakes_an_earlier_one(data_dir: Path) -> None:
         await game.until(lambda: game.session.state.applied == PAPER + "# more\n")
         await game.press("f8")
         await game.until(lambda: game.session.frame.memories == {"Solo": "I am a robot"})
+
+
+async def test_the_text_that_the_robots_think_with_overtakes_one_that_is_compiled(
+    data_dir: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    begun, go_on, over = asyncio.Event(), asyncio.Event(), asyncio.Event()
+
+    async def compile_slowly(text: str, _told: object) -> Program:
+        begun.set()
+        try:
+            await go_on.wait()
+            return Program.compile(text)
+        finally:
+            over.set()
+
+    async with opened(data_dir, text=STILL) as game:
+        await game.ready()
+        monkeypatch.setattr("logical_robots_tui.tui.session.compile_program", compile_slowly)
+        await game.write(PAPER)
+        await game.until(begun.is_set)
+        await game.press("2", "ctrl+z", "ctrl+r")
+        await game.until(lambda: game.session.state.phase == "applied")
+        go_on.set()
+        await game.until(over.is_set)
+        assert title(game).endswith(" applied")
+        await game.press("f8")
+        await game.until(lambda: game.session.frame.memories == {"Solo": 1})
 
 
 async def test_tab_inserts_two_spaces_and_letters_are_letters(data_dir: Path) -> None:

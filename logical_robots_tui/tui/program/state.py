@@ -38,6 +38,10 @@ class ProgramState:
         """The state when the robots have begun to think with a text."""
         return cls("applied", text, text, warnings, warnings)
 
+    def compiling(self, text: str) -> ProgramState:
+        """The state when the compilation of a text has begun."""
+        return replace(self, phase="compiling", tried=text, mistakes=(), compiled=(0, 0))
+
     def seen_from(self, text: str) -> ProgramState:
         """What to say while that text stands in the editor.
 
