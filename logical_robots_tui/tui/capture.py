@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from contextlib import suppress
 from datetime import datetime
 from time import monotonic
 from typing import TYPE_CHECKING, TextIO
@@ -69,8 +70,12 @@ class Capture:
         """End a recording."""
         recording, self._recording = self._recording, None
         if recording is not None:
-            recording.close()
-            self._screen.tell(f"Recorded into {recording.path}.")
+            try:
+                recording.close()
+            except OSError as error:
+                self._tell_end(error)
+            else:
+                self._screen.tell(f"Recorded into {recording.path}.")
 
     def _look(self) -> None:
         if self._recording is None:
@@ -78,9 +83,13 @@ class Capture:
         try:
             self._recording.show(self._lines())
         except OSError as error:
-            self._screen.warn(f"The recording ended: {error.strerror}.")
-            self._recording.close()
-            self._recording = None
+            recording, self._recording = self._recording, None
+            with suppress(OSError):  # what could not be written can't be now
+                recording.close()
+            self._tell_end(error)
+
+    def _tell_end(self, error: OSError) -> None:
+        self._screen.warn(f"The recording ended: {error.strerror}.")
 
     def _lines(self) -> list[list[Segment]]:
         # Textual has no public way to see all layers of a screen.
@@ -117,7 +126,11 @@ class _Recording:
         self._file.flush()
 
     def close(self) -> None:
-        """Let go of the file."""
+        """Let go of the file.
+
+        Raises:
+            OSError: What was left to write can't be written.
+        """
         if self.timer is not None:
             self.timer.stop()
         self._file.close()

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from pathlib import Path
+
+import pytest
 
 from tests.cast import events_of, played
 from tests.tui.conftest import STILL, opened
-
-if TYPE_CHECKING:
-    from pathlib import Path
 
 
 def trimmed(lines: list[str]) -> list[str]:
@@ -46,3 +45,19 @@ async def test_the_screen_is_saved_and_recorded(data_dir: Path) -> None:
         await game.press("n")
         await game.until(lambda: game.tick == 3)
         assert film.stat().st_size == size
+
+
+@pytest.mark.skipif(not Path("/dev/full").exists(), reason="there is no full disk to write to")
+async def test_a_recording_ends_with_the_room_on_the_disk_and_the_game_goes_on(
+    data_dir: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    async with opened(data_dir, text=STILL, size=(100, 30)) as game:
+        await game.ready()
+        monkeypatch.setattr(game.main.capture, "_new_file", lambda _ending: Path("/dev/full"))
+        game.main.action_command("record")
+        await game.until(lambda: game.shows("The recording ended: No space left"))
+        await game.press("n")
+        await game.until(lambda: game.tick == 1)
+        game.main.action_command("record")
+        game.main.action_command("record")  # before anything but the head is written
+        await game.until(lambda: game.screen().count("The recording ended") == 2)
