@@ -58,7 +58,8 @@ class Drafts:
 
     What a session that is over left behind is adopted by the next one and stays apart from what
     that one keeps itself, until somebody takes it or puts it away. A session still alive keeps its
-    own. All methods may be called from any thread and from a signal handler.
+    own. All methods may be called from any thread and from a signal handler. What a disk does not let
+    be moved or removed stays where it is, and is offered again the next time.
 
     Args:
         folder: Where the drafts of all sessions are; it is made when needed.
@@ -117,7 +118,7 @@ class Drafts:
             if draft is not None:
                 self._mine[path] = draft
                 self._unwritten.add(path)
-                with suppress(OSError):  # what can't be moved stays where it is, to be offered
+                with suppress(OSError):
                     if self._file(path).exists():
                         self._retire(self._file(path))
                     self._adopted_file(path).replace(self._file(path))
@@ -130,14 +131,14 @@ class Drafts:
             self._dropped[path] = next(_serials)
             self._unwritten.discard(path)
             if self._mine.pop(path, None) is not None:
-                with suppress(OSError):  # at worst it is offered again
+                with suppress(OSError):
                     self._file(path).unlink(missing_ok=True)
 
     def put_away(self, path: str) -> None:
         """Move the adopted draft of a program into the folder ``old``; it is not wanted now."""
         with self._guard:
             if self._adopted.pop(path, None) is not None:
-                with suppress(OSError):  # it is offered again
+                with suppress(OSError):
                     self._retire(self._adopted_file(path))
 
     def adopt(self) -> list[Draft]:
@@ -164,7 +165,8 @@ class Drafts:
             if self._lock is None:
                 return
             if not self._mine and not self._adopted:
-                self._lock_file(self._session).unlink(missing_ok=True)
+                with suppress(OSError):
+                    self._lock_file(self._session).unlink(missing_ok=True)
             _release(self._lock)
             self._lock = None
 

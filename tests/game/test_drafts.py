@@ -235,24 +235,37 @@ def test_what_is_not_wanted_any_more_need_not_be_written(tmp_path: Path) -> None
     assert drafts.unwritten() == []
 
 
-def test_a_disk_that_cannot_be_written_any_more_is_no_reason_to_fail(tmp_path: Path) -> None:
-    before, folder = Drafts(tmp_path / "drafts"), tmp_path / "drafts"
-    for path in ("/a.l", "/b.l"):
-        before.keep(draft("left", path))
+def test_a_disk_that_lets_nothing_be_moved_or_removed_keeps_all_and_raises_nothing(
+    tmp_path: Path,
+) -> None:
+    before = Drafts(tmp_path)
+    before.keep(draft("first", "/p/first.l"))
+    before.keep(draft("second", "/p/second.l"))
     before.close()
-    drafts = Drafts(folder)
-    drafts.adopt()
-    drafts.keep(draft("mine", "/c.l"))
-    folder.rename(tmp_path / "moved")
-    folder.write_text("in the way")
-
-    drafts.drop("/c.l")
-    drafts.put_away("/a.l")
-    taken = drafts.take("/b.l")
-
+    (tmp_path / "old").write_text("in the way")
+    drafts = Drafts(tmp_path)
+    assert len(drafts.adopt()) == 2
+    drafts.put_away("/p/first.l")
+    drafts._file("/p/second.l").mkdir()  # and in the way of what is taken
+    taken = drafts.take("/p/second.l")
     assert taken is not None
-    assert taken.text == "left"
-    assert [lost.path for lost, _ in drafts.unwritten()] == ["/b.l"]
+    assert taken.text == "second"
+    assert [lost.path for lost, _ in drafts.unwritten()] == ["/p/second.l"]
+    drafts.close()
+    drafts._file("/p/second.l").rmdir()
+    (tmp_path / "old").unlink()
+    assert {each.text for each in Drafts(tmp_path).adopt()} == {"first", "second"}
+
+
+def test_a_session_ends_though_what_it_wrote_can_not_be_removed(tmp_path: Path) -> None:
+    drafts = Drafts(tmp_path)
+    drafts.keep(draft("mine"))
+    for file in tmp_path.iterdir():
+        file.unlink()
+        file.mkdir()  # which can't be unlinked
+    drafts.drop("/p/mine.l")
+    drafts.close()
+    assert drafts.get("/p/mine.l") is None
 
 
 def test_many_threads_leave_the_last_text_on_disk(tmp_path: Path) -> None:
