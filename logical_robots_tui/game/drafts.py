@@ -58,8 +58,8 @@ class Drafts:
 
     What a session that is over left behind is adopted by the next one and stays apart from what
     that one keeps itself, until somebody takes it or puts it away. A session still alive keeps its
-    own. All methods may be called from any thread and from a signal handler. What a disk does not let
-    be moved or removed stays where it is, and is offered again the next time.
+    own. What a disk does not let be moved or removed stays where it is, and is offered again the
+    next time. All methods may be called from any thread and from a signal handler.
 
     Args:
         folder: Where the drafts of all sessions are; it is made when needed.

@@ -2,18 +2,19 @@
 
 from __future__ import annotations
 
+import threading
 from functools import partial
 from typing import TYPE_CHECKING
 
 import pytest
 from textual.widgets import Input, OptionList, Static
 
-from logical_robots_tui.game import list_programs, load_program
+from logical_robots_tui.game import list_programs, load_program, save_program
 from logical_robots_tui.tui.dialogs.chooser import Chooser
 from logical_robots_tui.tui.dialogs.save import SaveAs
 from logical_robots_tui.tui.levels.screen import LevelScreen
 from logical_robots_tui.world import list_levels, load_level
-from tests.tui.conftest import LEVELS, PAPER, STILL, opened, source_of
+from tests.tui.conftest import LEVELS, PAPER, PATIENCE, STILL, opened, source_of
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -154,6 +155,33 @@ async def test_saving_under_a_new_name_makes_it_the_program_at_hand(data_dir: Pa
         assert game.session.source.name == "other"
         assert "other" in list_programs(data_dir / "programs")
         await game.until(lambda: not list((data_dir / "drafts").glob("*.json")))
+
+
+async def test_who_is_in_a_hurry_saves_once_and_takes_nothing_back(
+    data_dir: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    begun: list[Path] = []
+    go_on = threading.Event()
+
+    def save_slowly(path: Path, text: str) -> None:
+        save_program(path, text)
+        begun.append(path)
+        assert go_on.wait(PATIENCE)
+
+    monkeypatch.setattr("logical_robots_tui.tui.dialogs.save.save_program", save_slowly)
+    async with opened(data_dir) as game:
+        await game.press("2", "x", "f2")
+        await game.until(lambda: isinstance(game.app.screen, SaveAs))
+        await fill(game, "other")
+        await game.press("enter")
+        await game.until(lambda: begun)
+        await game.press("enter", "escape")
+        await game.pilot.pause(0)
+        assert isinstance(game.app.screen, SaveAs)
+        go_on.set()
+        await game.until(lambda: game.app.screen is game.main)
+        assert game.session.source.name == "other"
+        assert len(begun) == 1
 
 
 async def test_saving_over_the_program_at_hand_does_not_ask(data_dir: Path) -> None:

@@ -44,6 +44,7 @@ class SaveDialog(Dialog[Result]):
         super().__init__()
         self._proposed = name
         self._confirmed: Path | None = None
+        self._is_saving = False
 
     def compose(self) -> ComposeResult:
         """The fields, and what is wrong with them."""
@@ -82,20 +83,31 @@ class SaveDialog(Dialog[Result]):
         self._confirmed = None
         self.query_one("#complaint").display = False
 
+    def action_leave(self) -> None:
+        """Close without an answer; what is being saved is one."""
+        if not self._is_saving:
+            super().action_leave()
+
     @on(Input.Submitted)
     def _submitted(self) -> None:
-        in_background(self, self._save, "save", exclusive=True)
+        in_background(self, self._save, "save")
 
     async def _save(self) -> None:
+        if self._is_saving:
+            return
         try:
             path = self.file(self.query_one("#name", Input).value.strip())
             if self.replaces(path) and path != self._confirmed:
                 self._confirmed = path
                 self._complain(f"{path.stem} is there already. Press enter again to replace it.")
                 return
-            self.dismiss(await self.save(path))
+            self._is_saving = True
+            saved = await self.save(path)
         except InputError as error:
+            self._is_saving = False
             self._complain(str(error))
+        else:
+            self.dismiss(saved)
 
     def _complain(self, message: str) -> None:
         complaint = self.query_one("#complaint", Static)

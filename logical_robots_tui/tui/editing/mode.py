@@ -55,6 +55,7 @@ class EditMode:
         findings: What looks wrong, or None while that is being looked at.
         is_on: Whether keys and mouse edit.
         is_testing: Whether the level is only played for a moment.
+        saving: Held while the level is written to its file.
     """
 
     def __init__(self, screen: MainScreen, own: Path, drafts: Drafts, key: str = "") -> None:
@@ -65,6 +66,7 @@ class EditMode:
         self.file = Path(base.source) if base.source and not is_shipped(base) else None
         self.findings: list[Finding] | None = None
         self.is_on = self.is_testing = False
+        self.saving = asyncio.Lock()
         self.editor = LevelEditor(
             screen.session.level,
             lambda: screen.session.frame.after,
@@ -79,7 +81,7 @@ class EditMode:
             lambda: None if self.is_saved or self._is_unwanted else self.editor.level,
             screen.warn,
         )
-        self._is_unwanted = False
+        self._is_unwanted = self._is_over = False
         self.actions = EditActions(self)
         self.pointer = Pointer(self)
         self._tools = ToolLine(self.editor)
@@ -136,6 +138,7 @@ class EditMode:
 
     def end(self) -> None:
         """The level is left; what is not saved stays in its draft."""
+        self._is_over = True
         self.live.stop()
         if self.is_on or self.is_testing:
             self.leave()
@@ -184,7 +187,12 @@ class EditMode:
             level: What was saved.
             saved: The same with the name and source of the file.
         """
+        self.screen.tell(f"Saved as {one_line(saved.name)}.")
+        if self._is_over and level is not self.editor.level:
+            return  # the draft holds what was done since
         self.autosave.drop()
+        if self._is_over:
+            return
         if saved.source != self.base.source:
             self.screen.journal.open(saved)
         self.base, self.file = saved, Path(saved.source)
@@ -193,7 +201,6 @@ class EditMode:
             self.editor.edits.saved()
         self.autosave.rename(saved.source, saved.title)
         self.autosave.edited()
-        self.screen.tell(f"Saved as {one_line(saved.name)}.")
         self.redraw()
 
     def throw_away(self) -> None:

@@ -31,23 +31,33 @@ async def save(mode: EditMode) -> bool:
     """Save a level in its file; whether it is saved. Without a file of its own, ask for a name."""
     if mode.file is None:
         return await save_as(mode)
-    on_disk = await asyncio.to_thread(mode.on_disk)
-    if on_disk == "another":
+    # The file is written whatever is asked for meanwhile, and the game is to know of it.
+    is_saved = await asyncio.shield(asyncio.create_task(_save_in(mode, mode.file)))
+    if is_saved is None:
         name = one_line(mode.file.name)
         mode.screen.warn(f"{name} was changed by another program. Save under another name.")
         return await save_as(mode)
-    if mode.is_saved and on_disk == "same":
-        mode.screen.tell("It is saved already.")
+    return is_saved
+
+
+async def _save_in(mode: EditMode, file: Path) -> bool | None:
+    """Save a level in its file; whether it is saved, None if another program has changed that."""
+    async with mode.saving:
+        on_disk = await asyncio.to_thread(mode.on_disk)
+        if on_disk == "another":
+            return None
+        if mode.is_saved and on_disk == "same":
+            mode.screen.tell("It is saved already.")
+            return True
+        level = mode.editor.level
+        mode.screen.tell("Saving…")
+        try:
+            saved = await asyncio.to_thread(save_level, level, file)
+        except InputError as error:
+            mode.screen.warn(str(error))
+            return False
+        mode.saved(level, saved)
         return True
-    level = mode.editor.level
-    mode.screen.tell("Saving…")
-    try:
-        saved = await asyncio.to_thread(save_level, level, mode.file)
-    except InputError as error:
-        mode.screen.warn(str(error))
-        return False
-    mode.saved(level, saved)
-    return True
 
 
 async def save_as(mode: EditMode) -> bool:
@@ -63,7 +73,12 @@ async def save_as(mode: EditMode) -> bool:
 
 
 async def ask_what_to_keep(mode: EditMode) -> None:
-    """Leave editing, and ask what becomes of the changes."""
+    """Leave editing, and ask what becomes of the changes, once what is being saved is saved."""
+    async with mode.saving:
+        is_saved = mode.is_saved
+    if is_saved:
+        mode.leave()
+        return
     answers = [("keep", "Keep as a level"), ("game", "Just for this game"), ("away", "Throw away")]
     if mode.file is not None:
         answers.insert(0, ("save", "Save"))

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import threading
 from typing import TYPE_CHECKING
 
 import numpy as np
 import pytest
 from textual.widgets import Checkbox, Input, Select, TextArea
 
+from logical_robots_tui.editing.files import save_level
 from logical_robots_tui.tui.celebration import is_by_the_book
 from logical_robots_tui.tui.editing.finding_list import FindingList
 from logical_robots_tui.tui.editing.form import Ticks
@@ -15,11 +17,13 @@ from logical_robots_tui.tui.editing.forms import ThingForm
 from logical_robots_tui.tui.editing.level_form import LevelForm
 from logical_robots_tui.tui.levels.screen import LevelScreen
 from logical_robots_tui.world import Visibility, load_level
-from tests.tui.conftest import opened
+from tests.tui.conftest import PATIENCE, STILL, opened
 from tests.tui.editing.conftest import ROOM, studio
 
 if TYPE_CHECKING:
     from pathlib import Path
+
+    from logical_robots_tui.world import Level
 
 
 def said(file: Path) -> str:
@@ -28,6 +32,18 @@ def said(file: Path) -> str:
 
 def say(file: Path, text: str) -> None:
     file.write_text(text, "utf-8")
+
+
+class SlowSaving:
+    """Saves a level when it is told to go on."""
+
+    def __init__(self) -> None:
+        self.begun, self.go_on = threading.Event(), threading.Event()
+
+    def __call__(self, level: Level, path: Path) -> Level:
+        self.begun.set()
+        assert self.go_on.wait(PATIENCE)
+        return save_level(level, path)
 
 
 async def test_a_robot_is_stopped_by_a_wall_and_taken_elsewhere_under_way(
@@ -188,6 +204,50 @@ async def test_a_save_changes_little_and_one_without_a_change_nothing(
         await game.until(lambda: game.shows("was changed by another program"))
         await s.press("escape")
         assert "Another room" in said(room_file)
+
+
+async def test_a_save_is_finished_whatever_is_asked_for_meanwhile(
+    data_dir: Path, room_file: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    saving = SlowSaving()
+    monkeypatch.setattr("logical_robots_tui.tui.editing.saving.save_level", saving)
+    async with studio(data_dir, room_file) as s:
+        game = s.game
+        await game.until(lambda: s.mode.findings == [])
+        await s.drag((200, 30), (180, 30))
+        await s.press("s")
+        await game.until(saving.begun.is_set)
+        await s.press("j", "s", "M")  # the findings, another save, and back to playing
+        assert game.main.editing.is_on
+        saving.go_on.set()
+        await game.until(lambda: not game.main.editing.is_on)
+        assert game.app.screen is game.main
+        assert s.mode.is_saved
+        assert load_level(room_file).beacons == s.level.beacons
+
+
+async def test_a_save_under_way_when_the_level_is_left_keeps_what_was_done_since(
+    data_dir: Path, room_file: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    saving = SlowSaving()
+    monkeypatch.setattr("logical_robots_tui.tui.editing.saving.save_level", saving)
+    async with studio(data_dir, room_file) as s:
+        game = s.game
+        await s.drag((200, 30), (180, 30))
+        await s.press("s")
+        await game.until(saving.begun.is_set)
+        await s.drag((180, 30), (120, 30))
+        newest = s.level.beacons
+        await s.press("greater_than_sign")
+        await game.until(lambda: not game.main.editing.is_on)
+        saving.go_on.set()
+        await game.until(lambda: game.shows("Saved as room"))
+        assert game.session.opened.name != "room"
+        game.main.session.open_level(load_level(room_file), game.session.source, STILL)
+        game.main.begin_level()
+        await s.press("M")
+        await game.until(lambda: game.shows("unsaved changes of the level are back"))
+        assert s.level.beacons == newest
 
 
 async def test_changes_are_kept_as_a_new_level_that_the_chooser_shows(
