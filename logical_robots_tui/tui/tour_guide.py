@@ -52,7 +52,8 @@ class TourGuide:
         self._screen.go_to(self._screen.labyrinth)
 
     def _show(self) -> None:
-        assert self._tour is not None
+        if self._tour is None:
+            return  # it was ended before it stood
         self._screen.point_at(self._screen.labyrinth)
         for pane in self._screen.arrangement.panes:
             is_it = pane.command_id == self._tour.stop.place

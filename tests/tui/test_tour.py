@@ -92,3 +92,15 @@ async def test_it_keeps_its_place_when_the_terminal_changes(data_dir: Path) -> N
         await game.until(lambda: game.main.region.contains_region(game.main.query_one(Tour).region))
         await game.pilot.resize_terminal(20, 5)
         await game.until(lambda: not is_shown(game))
+
+
+async def test_one_that_is_ended_before_it_stands_is_over(data_dir: Path) -> None:
+    async with opened(data_dir) as game:
+        await game.ready()
+        game.main.tours.begin()
+        assert game.main.query(Tour)
+        game.main.tours.end()
+        await game.until(lambda: not is_shown(game))
+        await game.press("n")
+        await game.until(lambda: game.tick == 1)
+        assert game.main.focused is game.main.labyrinth
