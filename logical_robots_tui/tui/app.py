@@ -13,7 +13,7 @@ from textual.binding import Binding
 
 from logical_robots_tui.progress import FILE_NAME
 from logical_robots_tui.tui.colours import colours_in
-from logical_robots_tui.tui.commands import use_keys
+from logical_robots_tui.tui.commands import use_keys, with_keys
 from logical_robots_tui.tui.dressing import dress_of
 from logical_robots_tui.tui.freedoms import Freedoms
 from logical_robots_tui.tui.journal import Journal
@@ -180,7 +180,7 @@ class LogicalRobotsApp(SparingApp, inherit_bindings=False):
         if self.main.freedoms.programs:
             super().action_suspend_process()
         else:
-            self.main.warn("There is no shell to go to here; q leaves the game.")
+            self.main.warn(with_keys("There is no shell to go to here; {quit} leaves the game."))
 
     def copy_to_clipboard(self, text: str) -> None:
         """Keep a text to be pasted; the terminal's clipboard gets it where that is allowed."""

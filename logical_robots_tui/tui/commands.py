@@ -34,6 +34,7 @@ __all__ = [
     "editing_commands",
     "key_name",
     "use_keys",
+    "with_keys",
 ]
 
 COMMANDS = PLAYING + MAKING + LOOKING
@@ -69,6 +70,12 @@ def editing_commands() -> Mapping[str, Command]:
 def command(command_id: str) -> Command:
     """The command of that name."""
     return _in_use[command_id]
+
+
+def with_keys(text: str) -> str:
+    """Put the player's keys into a text that names commands in braces, such as ``{run} runs``."""
+    known = (*commands(), *editing_commands().values())
+    return text.format_map({entry.id: entry.key_name for entry in known})
 
 
 def bindings() -> Iterator[Binding]:

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 from logical_robots_tui.errors import InputError
 from logical_robots_tui.game import load_program
 from logical_robots_tui.progress import Version
+from logical_robots_tui.tui.commands import with_keys
 
 if TYPE_CHECKING:
     from logical_robots_tui.tui.screen import MainScreen
@@ -65,8 +66,9 @@ class Guide:
             return
         if screen.journal.record.state != "won":
             answers = [("no", "No, I go on trying"), ("yes", "Yes, show it")]
-            question = (
-                "See the program that wins before you have won? A hint (h) may be all you need."
+            question = with_keys(
+                "See the program that wins before you have won? "
+                "A hint ({hint}) may be all you need."
             )
             asked = Question("Reference program", question, answers)
             if await screen.app.push_screen_wait(asked) != "yes":
@@ -116,7 +118,9 @@ class Guide:
             screen.tell("This is the starter program.")
             return
         answers = [("yes", "Yes, begin anew"), ("no", "No, keep mine")]
-        question = "Put the starter program back? Yours is kept among the earlier versions (v)."
+        question = with_keys(
+            "Put the starter program back? Yours is kept among the earlier versions ({versions})."
+        )
         asked = Question("Reset to the starter", question, answers)
         if await screen.app.push_screen_wait(asked) == "yes":
             screen.journal.keep(screen.text, starter.text)

@@ -9,6 +9,7 @@ from textual.binding import Binding
 from textual.content import Content
 from textual.widgets import Static
 
+from logical_robots_tui.tui.commands import with_keys
 from logical_robots_tui.tui.theme import INK
 
 if TYPE_CHECKING:
@@ -27,7 +28,7 @@ class Stop:
     Attributes:
         place: Id of the part of the screen that it speaks of.
         title: What that is.
-        text: One or two sentences about it.
+        text: One or two sentences about it, with commands in braces for their keys.
     """
 
     place: str
@@ -45,8 +46,8 @@ STOPS = (
     Stop(
         "editor",
         "The program",
-        "What every robot thinks in every tick. 2 goes there; change it, "
-        "^R applies it, and esc leads back.",
+        "What every robot thinks in every tick. {editor} goes there; change it, "
+        "{apply} applies it, and esc leads back.",
     ),
     Stop(
         "inspector",
@@ -57,8 +58,8 @@ STOPS = (
     Stop(
         "commands",
         "The commands",
-        "space lets the robots run, r starts again, h gives a hint. "
-        "? shows every key, and all of it can be clicked. Good luck!",
+        "{run} lets the robots run, {restart} starts again, {hint} gives a hint. "
+        "{help} shows every key, and all of it can be clicked. Good luck!",
     ),
 )
 
@@ -126,7 +127,7 @@ class Tour(Static, can_focus=True):
         last = self._at == len(STOPS) - 1
         self.update(
             Content.assemble(
-                (f"{stop.text}\n", INK.text),
+                (f"{with_keys(stop.text)}\n", INK.text),
                 ("enter ", f"bold {INK.key}"),
                 ("begins   " if last else "goes on   ", INK.dim),
                 ("esc ", f"bold {INK.key}"),

@@ -129,6 +129,23 @@ async def test_the_game_does_as_it_is_set(data_dir: Path) -> None:
         await game.until(lambda: game.editor.has_focus)
 
 
+async def test_what_is_said_names_the_keys_that_are_set(data_dir: Path, short: Path) -> None:
+    keys = {"editor": ("tilde",), "apply": ("f9",), "hint": (), "watch": ("percent_sign",)}
+    wanted = Settings(keys=keys)
+    async with opened(data_dir, level=short, text=STILL, welcome=True, settings=wanted) as game:
+        await game.until(lambda: game.shows("1 of 4"))
+        await game.press("enter")
+        await game.until(lambda: game.shows("tick. ~") and game.shows("F9 applies it"))
+        await game.press("enter", "enter")
+        await game.until(lambda: game.shows("^P gives a"))
+        await game.press("enter")
+        await game.ready()
+        await game.press("at")
+        await game.until(lambda: game.shows("% shows what is pinned"))
+        await game.press("W")
+        await game.until(lambda: game.shows("A hint (^P) may be"))
+
+
 async def test_a_level_is_edited_with_the_keys_that_are_set(data_dir: Path) -> None:
     keys = {"brush": ("percent_sign",), "line": (), "edit_level": ("f9",)}
     async with opened(data_dir, text=STILL, settings=Settings(keys=keys)) as game:

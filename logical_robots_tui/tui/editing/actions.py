@@ -6,7 +6,7 @@ from dataclasses import replace
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
-from logical_robots_tui.tui.commands import editing_commands
+from logical_robots_tui.tui.commands import editing_commands, with_keys
 from logical_robots_tui.tui.editing.tools import Tool
 
 if TYPE_CHECKING:
@@ -145,7 +145,8 @@ class EditActions:
 
         ref = self._editor.selected
         if ref is None or self._editor.thing is None:
-            self._mode.screen.warn("Select a thing first: click it, or press tab.")
+            what = with_keys("Select a thing first: click it, or press {next_thing}.")
+            self._mode.screen.warn(what)
         else:
             self._mode.screen.app.push_screen(ThingForm(self._mode.editor, ref), self._closed)
 

@@ -7,6 +7,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from logical_robots_tui.game import Breakpoint, Superseded
+from logical_robots_tui.tui.commands import with_keys
 from logical_robots_tui.tui.inspector.answers import NO_PROGRAM
 from logical_robots_tui.tui.inspector.arranging import as_csv, as_json
 from logical_robots_tui.tui.inspector.pinning import branches_here, pin_here
@@ -119,7 +120,8 @@ class RowCommands:
         if pin is None:
             self._screen.tell(_NO_PIN)
         elif inspector.pins.toggle(pin):
-            self._screen.tell(f"Pinned: {one_line(pin.words)}. V shows what is pinned.")
+            where = with_keys("{watch} shows what is pinned.")
+            self._screen.tell(f"Pinned: {one_line(pin.words)}. {where}")
         else:
             self._screen.tell(f"No longer pinned: {one_line(pin.words)}.")
 

@@ -9,6 +9,7 @@ from textual.content import Content
 from textual.geometry import Region
 from textual.message import Message
 
+from logical_robots_tui.tui.commands import with_keys
 from logical_robots_tui.tui.inspector.cells import cell
 from logical_robots_tui.tui.inspector.lines import LinesView
 from logical_robots_tui.tui.inspector.sparkline import scale, sparkline
@@ -28,8 +29,8 @@ if TYPE_CHECKING:
 __all__ = ["WatchView"]
 
 _NOTHING = (
-    "Nothing is pinned. @ pins the predicate that is inspected, the value under the cursor, or the "
-    "chosen robot's memory; in the tree of a value it pins a part."
+    "Nothing is pinned. {pin} pins the predicate that is inspected, the value under the cursor, or "
+    "the chosen robot's memory; in the tree of a value it pins a part."
 )
 _KEYS = "enter open  ← → to where it changes  del unpin"
 _HERE = "on $here"
@@ -190,7 +191,7 @@ class WatchView(LinesView):
             words = f"{_KEYS}  ticks {ticks[0]} to {ticks[-1]}"
             lines += [Content(""), Content.styled(clip(words, self.columns), INK.dim)]
         else:
-            lines = Content.styled(_NOTHING, INK.dim).wrap(self.columns)
+            lines = Content.styled(with_keys(_NOTHING), INK.dim).wrap(self.columns)
         self.paint(lines)
 
     def _value(self, pin: Pin) -> Content:
