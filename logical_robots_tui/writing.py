@@ -3,8 +3,11 @@
 from __future__ import annotations
 
 import os
-import tempfile
-from pathlib import Path
+from secrets import token_hex
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from pathlib import Path
 
 __all__ = ["write_atomically"]
 
@@ -15,7 +18,7 @@ def write_atomically(path: Path, text: str | bytes) -> None:
     What a symbolic link leads to is replaced, not the link; a device or a pipe is written to.
 
     Args:
-        path: The file; its folder must exist.
+        path: The file; its folder must exist. A new one gets the permissions that are usual here.
         text: The new content; text is written as UTF-8, with its line ends as they are.
 
     Raises:
@@ -26,15 +29,16 @@ def write_atomically(path: Path, text: str | bytes) -> None:
         path.write_bytes(content)
         return
     path = path.resolve()
-    mode = path.stat().st_mode & 0o777 if path.exists() else 0o644
-    handle, temporary = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.")
+    temporary = path.with_name(f".{path.name}.{token_hex(4)}")
+    handle = os.open(temporary, os.O_WRONLY | os.O_CREAT | os.O_EXCL | os.O_CLOEXEC, 0o666)
     try:
         with os.fdopen(handle, "wb") as file:
+            if path.exists():
+                os.fchmod(handle, path.stat().st_mode & 0o777)
             file.write(content)
             file.flush()
-            os.fsync(file.fileno())
-        Path(temporary).chmod(mode)
-        Path(temporary).replace(path)
+            os.fsync(handle)
+        temporary.replace(path)
     except BaseException:
-        Path(temporary).unlink(missing_ok=True)
+        temporary.unlink(missing_ok=True)
         raise

@@ -25,6 +25,15 @@ def test_a_file_is_replaced_and_keeps_its_permissions(tmp_path: Path) -> None:
     assert list(tmp_path.iterdir()) == [file]
 
 
+def test_a_new_file_is_as_private_as_the_player_s_files_are(tmp_path: Path) -> None:
+    usual = os.umask(0o077)
+    try:
+        write_atomically(tmp_path / "mine.l", "one")
+    finally:
+        os.umask(usual)
+    assert (tmp_path / "mine.l").stat().st_mode & 0o777 == 0o600
+
+
 def test_a_link_goes_on_leading_to_its_file(tmp_path: Path) -> None:
     (tmp_path / "elsewhere").mkdir()
     file, link = tmp_path / "elsewhere" / "mine.l", tmp_path / "mine.l"
