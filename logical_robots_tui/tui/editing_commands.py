@@ -114,7 +114,7 @@ EDITING: tuple[Command, ...] = (
         "stop_editing",
         "Stop editing",
         "End a stroke under way, or go back to playing.",
-        *("escape", "M"),
+        "escape",
         bar="Leave",
     ),
 )

@@ -156,5 +156,7 @@ async def test_a_level_is_edited_with_the_keys_that_are_set(data_dir: Path) -> N
         assert game.shows("^P Line")
         await game.press("percent_sign")
         await game.until(lambda: game.shows("units wide"))
+        await game.press("M", "percent_sign")  # the former is no key of anything now
+        assert game.main.editing.is_on
         await game.press("f9")
         await game.until(lambda: not game.main.editing.is_on)
