@@ -132,7 +132,6 @@ def test_a_restricted_game_says_what_is_off(tmp_path: Path) -> None:
             if key == "s":
                 terminal.send("\x15")
                 terminal.wait_for(lambda: "my-open-space" not in terminal.text)
-                terminal.wait_for_quiet(0.5)
             terminal.send(str(path))
             terminal.wait_for(path.name)
             terminal.send("\r")
