@@ -135,7 +135,7 @@ class Scribe:
 
 
 def edited(text: str, environ: Mapping[str, str]) -> str:
-    """Return a text as the player's own editor leaves it.
+    """Return a text as the player's own editor leaves it, even if that ends badly.
 
     Args:
         text: To begin with.
@@ -143,12 +143,15 @@ def edited(text: str, environ: Mapping[str, str]) -> str:
 
     Raises:
         OSError: The editor can't be started, or the file not be written or read.
-        ValueError: Its name can't be understood, or what it wrote is no text.
-        CalledProcessError: It ended badly.
+        ValueError: Its name can't be understood.
+        CalledProcessError: It ended badly, and left the text as it was.
     """
     command = shlex.split(environ.get("VISUAL") or environ.get("EDITOR") or "vi")
     with tempfile.TemporaryDirectory(prefix="logical-robots-") as folder:
         path = Path(folder) / f"program{SUFFIX}"
         path.write_text(text, "utf-8")
-        subprocess.run([*command, str(path)], check=True)  # noqa: S603 - named by the player
-        return path.read_text("utf-8")
+        ended = subprocess.run([*command, str(path)], check=False)  # noqa: S603 - named by the player
+        left = path.read_text("utf-8", errors="replace")
+        if left == text:
+            ended.check_returncode()
+        return left

@@ -272,3 +272,16 @@ def test_the_player_s_own_editor_gets_the_terminal_and_gives_it_back(tmp_path: P
 def test_an_editor_that_fails_says_how(editor: str, error: type[Exception]) -> None:
     with pytest.raises(error):
         edited("text", {"EDITOR": editor})
+
+
+@pytest.mark.parametrize(
+    ("editor", "left"),
+    [
+        ("sh -c 'echo mine > $0; exit 3'", "mine\n"),
+        ("sh -c 'echo mine > $0; kill -9 $$'", "mine\n"),
+        (r"sh -c 'printf caf\\351 > $0'", "caf\ufffd"),
+    ],
+    ids=["ended badly", "killed", "no UTF-8"],
+)
+def test_what_an_editor_has_written_is_taken_however_it_ends(editor: str, left: str) -> None:
+    assert edited("text", {"EDITOR": editor}) == left
