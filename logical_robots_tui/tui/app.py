@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, ClassVar
 
 from textual import events
 from textual.binding import Binding
+from textual.errors import NoWidget
 
 from logical_robots_tui.progress import FILE_NAME
 from logical_robots_tui.tui.colours import colours_in
@@ -138,6 +139,8 @@ class LogicalRobotsApp(SparingApp, inherit_bindings=False):
     async def on_event(self, event: events.Event) -> None:
         """Handle an event; a key or a mouse button is to be answered before all else."""
         typed = None
+        if isinstance(event, events.MouseDown | events.MouseMove) and self._is_gone(event):
+            return
         if isinstance(event, events.Key | events.Paste) and not event.is_forwarded:
             if self._turns.must_wait(event):
                 return
@@ -150,6 +153,17 @@ class LogicalRobotsApp(SparingApp, inherit_bindings=False):
             await super().on_event(event)
             if typed is not None:
                 self._turns.begin(typed)
+
+    def _is_gone(self, event: events.MouseEvent) -> bool:
+        """Whether the mouse points at what was taken away and not yet painted over.
+
+        Textual would look for what that is a part of, to begin or go on with a selection there.
+        """
+        try:
+            widget, _ = self.screen.get_widget_at(event.x, event.y)
+        except NoWidget:
+            return False
+        return widget.parent is None and self.mouse_captured is None
 
     def moving_picture(self) -> Region | None:
         """The labyrinth, unless something lies over it."""

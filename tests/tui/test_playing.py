@@ -5,6 +5,9 @@ from __future__ import annotations
 import json
 from typing import TYPE_CHECKING
 
+from textual import events
+from textual.widgets._toast import Toast
+
 from logical_robots_tui.mind.limits import Limits
 from logical_robots_tui.tui.banner import VictoryBanner
 from tests.game.playing import SLOW as ENDLESS
@@ -240,3 +243,19 @@ async def test_nothing_is_drawn_when_nothing_changes(
         game.app.set_interval(0.01, lambda: turns.append(None))
         await game.until(lambda: len(turns) > 60)
         assert not drawn
+
+
+async def test_the_mouse_at_what_has_just_gone_away_does_nothing(data_dir: Path) -> None:
+    async with opened(data_dir, text=STILL) as game:
+        await game.ready()
+        game.main.tell("This goes away soon.")
+        await game.until(lambda: game.shows("This goes away soon."))
+        toast = game.main.query_one(Toast)
+        x, y = toast.region.center
+        holder = toast.parent
+        toast._detach()  # as when its time is over; the screen is laid out anew after that
+        for kind in (events.MouseDown, events.MouseMove, events.MouseUp):
+            await game.app.on_event(kind(None, x, y, 0, 0, 1, False, False, False, x, y))
+        toast._parent = holder
+        await game.press("n")
+        await game.until(lambda: game.tick == 1)
