@@ -16,6 +16,8 @@ if TYPE_CHECKING:
 
 __all__ = ["to_text", "try_cast"]
 
+_LARGEST = 2**63  # no whole number of SQLite's reaches it
+
 
 def to_text(value: Any) -> str:
     """A value as `ToString` writes it: ``1.0``, ``{'a': 1}``, ``[a, b]``."""
@@ -66,12 +68,12 @@ def _number(value: Any) -> float | None:
 
 
 def _whole(value: Any) -> int | None:
-    if isinstance(value, int):
-        return int(value)
-    number = _number(value)
-    if number is None or not math.isfinite(number):
-        return None
-    return math.floor(abs(number) + 0.5) * (1 if number >= 0 else -1)
+    if not isinstance(value, int):
+        number = _number(value)
+        if number is None or not math.isfinite(number):
+            return None
+        value = math.floor(abs(number) + 0.5) * (1 if number >= 0 else -1)
+    return int(value) if -_LARGEST <= value < _LARGEST else None
 
 
 def _truth(value: Any) -> bool | None:

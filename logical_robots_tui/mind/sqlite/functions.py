@@ -91,11 +91,13 @@ def _divide(left: float, right: float) -> float | None:
 
 
 def _modulo(left: float, right: float) -> float | None:
-    """The remainder with the sign of the dividend, whole if both are."""
+    """The remainder with the sign of the dividend, whole and exact if both are whole."""
     if not right:
         return None
-    remainder = math.fmod(left, right)
-    return int(remainder) if isinstance(left, int) and isinstance(right, int) else remainder
+    if isinstance(left, int) and isinstance(right, int):
+        remainder = abs(left) % abs(right)
+        return remainder if left >= 0 else -remainder
+    return _finite(lambda: math.fmod(left, right))
 
 
 def _concatenate(left: Scalar, right: Scalar) -> str:

@@ -70,6 +70,9 @@ TRY_CASTS = [
     ('"12"', "Num", "DOUBLE"),
     ('"2.5"', "Int", "BIGINT"),
     ('"x"', "Int", "BIGINT"),
+    ('"1e300"', "Int", "BIGINT"),
+    ("-1e300", "Int", "BIGINT"),
+    ("9223372036854775807", "Int", "BIGINT"),
     ("1.5", "Str", "VARCHAR"),
     ("memory.count", "Bool", "BOOLEAN"),
     (
