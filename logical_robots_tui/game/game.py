@@ -262,15 +262,14 @@ class Game:
         if self._running:
             return
         self._running = True
-        was_won = self.won_at is not None
         self.pace.start()
         try:
             while self._running:
+                was_won = self.won_at is not None
                 try:
                     if await self._go_on(self.pace.together):
                         return
                 except Superseded:
-                    was_won = self.won_at is not None
                     continue
                 if self.won_at is not None and not was_won:
                     return

@@ -51,6 +51,24 @@ async def test_running_ends_with_victory_and_tells_the_tick(hall_game: Game) -> 
     assert hall_game.frame.after.areas[0].visitors == ("Ada", "Bo")
 
 
+async def test_a_run_that_is_taken_back_between_two_ticks_ends_with_victory_again(
+    hall_game: Game,
+) -> None:
+    won_at = (await hall_game.run_until(tick=200)).tick
+    hall_game.pace.speed = 40
+    loop, beyond = asyncio.get_running_loop(), 0
+
+    def take_back(frame: Frame) -> None:
+        nonlocal beyond
+        if frame.tick > won_at:
+            beyond += 1
+            loop.call_soon(hall_game.go_to, won_at - 3) if beyond == 1 else hall_game.pause()
+
+    hall_game.listen(take_back)
+    await hall_game.run()
+    assert (hall_game.frame.tick, beyond) == (won_at, 1)
+
+
 async def test_a_won_game_goes_on_when_asked_to(hall_game: Game) -> None:
     await hall_game.run_until(tick=200)
     won_at = hall_game.won_at
