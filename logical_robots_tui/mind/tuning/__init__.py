@@ -18,6 +18,7 @@ from logical_robots_tui.mind.tuning import aggregates, columns, native, records,
 from logical_robots_tui.mind.tuning.indexes import indexed_where_lists_are_joined
 from logical_robots_tui.mind.tuning.items import items_as_rows
 from logical_robots_tui.mind.tuning.memories import memory_fields_as_columns
+from logical_robots_tui.mind.tuning.often import computed_once, looked_up
 from logical_robots_tui.mind.tuning.pairs import pairs_as_columns
 from logical_robots_tui.mind.tuning.together import together
 from logical_robots_tui.mind.tuning.whole_rays import still_read, whole_rays_when_wanted
@@ -115,6 +116,7 @@ def tune(statement: str, known: Known | None = None, *, for_all: bool = False) -
                 sharing.rows_as_they_come(query)
                 native.native_choice(query)
                 whole_rays_when_wanted(query)
+                looked_up(query)
         read = still_read(read, [query for query in queries if query is not None])
         crowd = _texts(queries)
         joins_lists = [indexed_where_lists_are_joined(query) for query in queries if query]
@@ -134,6 +136,7 @@ def _finished(
     result = records.records_as_columns(tree)
     read = columns.read_by(tree)
     sharing.shared(tree)
+    computed_once(tree)
     native.native_division(tree)
     return result, read
 

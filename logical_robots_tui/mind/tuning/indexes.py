@@ -1,9 +1,9 @@
-"""Where few robots think: an index for a join with rows of lists, and for no other join.
+"""Where few robots think: an index where rows of lists are joined or rows are looked up.
 
 SQLite makes an index for every join that has none, when it is allowed to. That pays for the rows
-of lists in memories, which are many. For what few robots sense and remember it takes longer than
-to do without, and so SQLite is kept from it there: for ``NOT a <> b``, which holds where ``a = b``
-does, it makes none.
+of lists in memories, which are many, and for the rows of a query that is asked again and again.
+For what few robots sense and remember it takes longer than to do without, and so SQLite is kept
+from it there: for ``NOT a <> b``, which holds where ``a = b`` does, it makes none.
 """
 
 from __future__ import annotations
@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING
 from sqlglot import exp
 
 from logical_robots_tui.mind.tuning import sql
+from logical_robots_tui.mind.tuning.often import is_looked_up
 
 if TYPE_CHECKING:
     from collections.abc import Set as AbstractSet
@@ -21,7 +22,7 @@ __all__ = ["indexed_where_lists_are_joined"]
 
 
 def indexed_where_lists_are_joined(tree: exp.Query) -> bool:
-    """Keep SQLite from making indexes, but for joins with queries of rows of lists.
+    """Keep SQLite from making indexes, but where rows of lists are joined or rows looked up.
 
     Args:
         tree: A tuned query; changed in place if there is such a join.
@@ -36,7 +37,9 @@ def indexed_where_lists_are_joined(tree: exp.Query) -> bool:
         for condition in sql.conjuncts(select)
         if isinstance(condition, exp.EQ)
     ]
-    others = [equal for equal in equals if not _joins_lists(equal, queries)]
+    others = [
+        equal for equal in equals if not _joins_lists(equal, queries) and not _looks_up(equal)
+    ]
     if len(others) == len(equals):
         return False
     for equal in others:
@@ -73,6 +76,12 @@ def _joins_lists(equal: exp.EQ, queries: AbstractSet[str]) -> bool:
     return any(
         sql.table_name(source) != "item" and _reads_lists(source, queries) for source in sources
     )
+
+
+def _looks_up(equal: exp.EQ) -> bool:
+    """Whether rows that a query keeps are looked up by a column."""
+    select = sql.nearest_select(equal)
+    return select is not None and is_looked_up(select)
 
 
 def _finds_by_number(equal: exp.EQ) -> bool:

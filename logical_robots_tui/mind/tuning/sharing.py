@@ -26,7 +26,7 @@ from logical_robots_tui.mind.tuning import notes, sql
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
 
-__all__ = ["rows_as_they_come", "shared"]
+__all__ = ["is_shared", "rows_as_they_come", "shared"]
 
 _NAME = "t_0_shared"
 
@@ -58,7 +58,7 @@ def rows_as_they_come(tree: exp.Query) -> None:
     select: exp.Expr = tree
     while isinstance(select, exp.Select):
         (source, *others) = sql.sources(select).values() or (None,)
-        if others or not isinstance(source, exp.Table) or not source.name.startswith(_NAME):
+        if others or not isinstance(source, exp.Table) or not is_shared(source.name):
             return
         query = queries[source.name]
         query.set("materialized", False)
@@ -66,6 +66,11 @@ def rows_as_they_come(tree: exp.Query) -> None:
         if not select.args.get("where"):
             select.set("where", exp.Where(this=exp.Literal.number(1)))
         select = query.this
+
+
+def is_shared(name: str) -> bool:
+    """Whether a named query is one of those that compute first what is shared."""
+    return name.startswith(_NAME)
 
 
 def _outer_selects(tree: exp.Query) -> Iterator[exp.Select]:

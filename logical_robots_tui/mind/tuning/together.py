@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING
 from sqlglot import exp
 
 from logical_robots_tui.mind.tuning import sql
+from logical_robots_tui.mind.tuning.often import asked_often
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -63,6 +64,7 @@ class _Lifting:
         # Named queries that depend on the viewer, as they were.
         self._dependent: dict[str, exp.Expr] = {}
         self._mentions = Counter(table.name for table in tree.find_all(exp.Table))
+        self._often = asked_often(tree)
 
     def lift(self, query: exp.Expr, *, must: bool = False) -> bool:
         """Add the viewer as last column.
@@ -195,7 +197,7 @@ class _Lifting:
         for name, table in sources.items():
             if not self._is_lifted(table):
                 continue
-            if self._mentions[table.name] > 1:
+            if self._mentions[table.name] > 1 or table.name in self._often:
                 theirs = exp.column(_VIEWER, name)
                 sql.restrict(select, exp.EQ(this=theirs, expression=viewer.copy()))
                 continue
