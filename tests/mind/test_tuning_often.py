@@ -58,12 +58,16 @@ def test_each_robot_of_a_crowd_has_its_own_gaps() -> None:
     mind.close()
 
 
-def test_a_query_that_is_asked_once_a_robot_is_computed_where_it_is_asked() -> None:
+def test_a_query_that_is_asked_once_a_robot_is_computed_once_where_all_see_everything() -> None:
     text = f"""
     Near(robot_name:, distance? Min= r.distance) distinct :-
       Sensor(robot_name:, sensor:), r in sensor.radar;
     {ROBOT} m = Max{{d :- Near(robot_name:, distance: d)}};
     """
     robot = Program.compile(text).tuned["Robot"]
-    assert "Near AS MATERIALIZED" not in robot.sql
-    assert "JSON_EACH" not in robot.sql
+    assert "Near AS MATERIALIZED" in robot.sql
+    assert "Near AS MATERIALIZED" not in robot.together
+    for sql in (robot.sql, robot.together):
+        assert "JSON_EACH" not in sql
+    found = think(text, looking(7), {}, memory="all", sensor="all")
+    assert [decision.memory for decision in found] == [20] * 7

@@ -110,6 +110,7 @@ def tune(statement: str, known: Known | None = None, *, for_all: bool = False) -
         bounds = 4 if "Memory" in read else 2 if "Sensor" in read else 0
         if any(at_once):
             read.setdefault("Sensor", ("robot_name",))
+        computed_once(tree, by_robots=True)  # for it is asked once where all see everything
         queries = [tree, *at_once]
         for query in queries:
             if query is not None:

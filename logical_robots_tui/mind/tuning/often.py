@@ -23,12 +23,17 @@ _ZERO = "t_0_zero"
 _KINDS = frozenset(table.lower() for table in KINDS)
 
 
-def computed_once(tree: exp.Query) -> None:
-    """Let SQLite keep the rows of named queries that are asked for row by row of others."""
+def computed_once(tree: exp.Query, *, by_robots: bool = False) -> None:
+    """Let SQLite keep the rows of named queries that are asked for row by row of others.
+
+    Args:
+        tree: A query; changed in place.
+        by_robots: Whether also of those that are asked for once for each robot that is seen.
+    """
     named = _named(tree)
     for table in tree.find_all(exp.Table):
         query = named.get(table.name)
-        if query is not None and _is_asked_often(table, named):
+        if query is not None and _is_asked_often(table, named, by_robots=by_robots):
             query.set("materialized", True)
 
 
@@ -76,7 +81,9 @@ def _named(tree: exp.Query) -> Mapping[str, exp.CTE]:
     return {query.alias: query for query in named.expressions} if named else {}
 
 
-def _is_asked_often(table: exp.Table, named: Mapping[str, exp.CTE]) -> bool:
+def _is_asked_often(
+    table: exp.Table, named: Mapping[str, exp.CTE], *, by_robots: bool = False
+) -> bool:
     """Whether a mention of a query stands in a subquery that is asked for each of many rows."""
     node: exp.Expr = table
     is_source = True
@@ -84,7 +91,7 @@ def _is_asked_often(table: exp.Table, named: Mapping[str, exp.CTE]) -> bool:
         if isinstance(parent, exp.From | exp.Join):
             is_source = True
         elif isinstance(parent, exp.Select):
-            if not is_source and not _has_few_rows(parent, named):
+            if not is_source and (by_robots or not _has_few_rows(parent, named)):
                 return True
             is_source = False
         node = parent
