@@ -86,3 +86,44 @@ def test_numbers_and_texts_are_compared_as_ever_beside_a_join_of_lists(told: Any
     roads = [{"start": f"B{n}", "finish": f"B{n}"} for n in range(5)]
     rows = [row("Ada", sees={3: (30, "beacon", "B1")}), row("Bo")]
     think(text, rows, {"Ada": {"roads": roads, "told": told}})
+
+
+@pytest.mark.parametrize("robots", [3, 33])
+@pytest.mark.parametrize(
+    "rule",
+    [
+        'Sensor(robot_name:, sensor:), x in sensor.radar, x.object == "wall"',
+        "Sensor(robot_name:, sensor:), x in sensor.radar, x.object == sensor.forward_object",
+        'Memory(robot_name:, memory:), x in memory.seen, x.object == "wall"',
+        "Memory(robot_name:, memory:), x in memory.seen, x.object == memory.wanted",
+    ],
+)
+def test_a_crowd_finds_rays_and_records_in_their_order_and_among_its_own(
+    rule: str, robots: int
+) -> None:
+    text = f"""
+    Mine(robot_name:, all? List= x.distance, first? ArgMin= x.label -> x.distance) distinct :-
+      {rule};
+    {ROBOT} Mine(robot_name:, all:, first:), m = {{all:, first:}};
+    """
+    places = range(0, 31, 2)
+    rows = [
+        row(f"R{n}", sees={i: ((i * 7 + n) % 4 + 1, "wall", f"W{i}") for i in places})
+        for n in range(robots)
+    ]
+    memories: dict[str, Any] = {
+        each["robot_name"]: {"seen": each["sensor"]["radar"], "wanted": "wall"} for each in rows
+    }
+    for each in rows:
+        each["sensor"]["forward_object"] = "wall"
+    for decision, each in zip(think(text, rows, memories), rows, strict=True):
+        mine = [ray for ray in each["sensor"]["radar"] if ray["object"] == "wall"]
+        nearest = min(mine, key=lambda ray: ray["distance"])
+        assert decision.memory == {
+            "all": [ray["distance"] for ray in mine],
+            "first": nearest["label"],
+        }
+    mind = Mind(Program.compile(text))
+    plan = mind.machinery("Robot", rows, memories).plan
+    mind.close()
+    assert not [line for line in plan if "AUTOMATIC" in line and " x_" in line]

@@ -15,7 +15,10 @@ from sqlglot.errors import SqlglotError
 from logical_robots_tui.mind.duck.translation import in_duckdb
 from logical_robots_tui.mind.program import INPUTS, Tuned
 from logical_robots_tui.mind.tuning import aggregates, columns, native, records, sharing, sql
-from logical_robots_tui.mind.tuning.indexes import indexed_where_lists_are_joined
+from logical_robots_tui.mind.tuning.indexes import (
+    found_by_number,
+    indexed_where_lists_are_joined,
+)
 from logical_robots_tui.mind.tuning.items import items_as_rows
 from logical_robots_tui.mind.tuning.memories import memory_fields_as_columns
 from logical_robots_tui.mind.tuning.often import computed_once, looked_up
@@ -118,6 +121,7 @@ def tune(statement: str, known: Known | None = None, *, for_all: bool = False) -
                 native.native_choice(query)
                 whole_rays_when_wanted(query)
                 looked_up(query)
+                found_by_number(query)
         read = still_read(read, [query for query in queries if query is not None])
         crowd = _texts(queries)
         joins_lists = [indexed_where_lists_are_joined(query) for query in queries if query]

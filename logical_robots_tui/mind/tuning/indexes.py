@@ -12,13 +12,30 @@ from typing import TYPE_CHECKING
 
 from sqlglot import exp
 
+from logical_robots_tui.mind.sqlite.filling import KINDS
 from logical_robots_tui.mind.tuning import sql
 from logical_robots_tui.mind.tuning.often import is_looked_up
 
 if TYPE_CHECKING:
     from collections.abc import Set as AbstractSet
 
-__all__ = ["indexed_where_lists_are_joined"]
+__all__ = ["found_by_number", "indexed_where_lists_are_joined"]
+
+_NUMBERED = frozenset({"item", "ray", *(table.lower() for table in KINDS)})
+
+
+def found_by_number(tree: exp.Query) -> None:
+    """Keep SQLite from finding rays, or records of lists, by what they hold among those of all.
+
+    Those of one radar or list have numbers that follow each other, and come in this order.
+
+    Args:
+        tree: A tuned query; changed in place.
+    """
+    for select in list(sql.selects(tree)):
+        for equal in sql.conjuncts(select):
+            if isinstance(equal, exp.EQ) and _finds_numbered(equal, select):
+                _without_index(equal)
 
 
 def indexed_where_lists_are_joined(tree: exp.Query) -> bool:
@@ -44,9 +61,29 @@ def indexed_where_lists_are_joined(tree: exp.Query) -> bool:
         return False
     for equal in others:
         if not _finds_by_number(equal):
-            unlike = exp.NEQ(this=equal.this, expression=equal.expression)
-            equal.replace(exp.Paren(this=exp.Not(this=unlike)))
+            _without_index(equal)
     return True
+
+
+def _without_index(equal: exp.EQ) -> None:
+    """Write a condition so that SQLite makes no index for it."""
+    unlike = exp.NEQ(this=equal.this, expression=equal.expression)
+    equal.replace(exp.Paren(this=exp.Not(this=unlike)))
+
+
+def _finds_numbered(equal: exp.EQ, select: exp.Select) -> bool:
+    """Whether rays or records could be found by a condition, and nothing else that is read."""
+    for side, other in ((equal.this, equal.expression), (equal.expression, equal.this)):
+        if _read_by(side, select) in _NUMBERED and side.name != "id":
+            table = _read_by(other, select)
+            return table is None or (table in ("sensor", "memory") and other.name != "robot_name")
+    return False
+
+
+def _read_by(node: exp.Expr, select: exp.Select) -> str | None:
+    """The name of the table of a select that a column is of, or None; "" if it is of a query."""
+    found = sql.source(node) if isinstance(node, exp.Column) else None
+    return sql.table_name(found[1]) if found is not None and found[0] is select else None
 
 
 def _queries_of_lists(tree: exp.Query) -> AbstractSet[str]:
