@@ -12,7 +12,7 @@ from typing import Any
 import pytest
 
 from logical_robots_tui.mind import Limits, Mind, Program, QueryError, Stopped
-from tests.mind.rows import ROBOT, row
+from tests.mind.rows import ROBOT, row, think
 
 
 @pytest.fixture(scope="module")
@@ -175,6 +175,17 @@ def test_names_that_are_half_characters_do_no_harm(program: Program) -> None:
     (decision,) = mind.think([nasty], {"Ada": "\udfff"})
     mind.close()
     assert decision.memory == 1
+
+
+@pytest.mark.parametrize("text", ['"a" ++ Chr(0) ++ "b"', '"{" ++ Chr(0)', "Chr(0)"])
+def test_a_text_with_nul_is_read_as_it_was_written(text: str) -> None:
+    program = (
+        f"{ROBOT} Memory(robot_name:, memory:), m = {{written: {text}, read: memory.written}};"
+    )
+    first: Any = think(program, [row("Ada")], {"Ada": ""})[0].memory
+    assert "\N{REPLACEMENT CHARACTER}" in first["written"]
+    then: Any = think(program, [row("Ada")], {"Ada": first})[0].memory
+    assert then["read"] == first["written"]
 
 
 def test_numbers_beyond_64_bits_are_numbers_still(program: Program) -> None:

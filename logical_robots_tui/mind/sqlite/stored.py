@@ -21,6 +21,8 @@ _HIDING = ("\\", '"{', '"[', "Inf")
 _ENDLESS = re.compile(r"e\+?\d\d\d")
 """What a text has that may hide a record in a text, half a character, or a number without end."""
 
+_UNFIT = "\N{REPLACEMENT CHARACTER}"
+
 _INFINITE = re.compile(r"(?<=[:\[,-])Inf(?=[,\]}])")
 
 
@@ -74,7 +76,9 @@ def from_sql(value: Any, deepest: int = _DEEPEST) -> Value:
         TooDeepError: They are nested more deeply.
     """
     if isinstance(value, str):
-        return _from_json(value, deepest) if value[:1] in ("{", "[") else value
+        if value[:1] in ("{", "["):
+            return _from_json(value, deepest)
+        return _whole(value) if "\0" in value else value
     if isinstance(value, bytes):
         return value.decode("utf-8", "replace")
     return value  # type: ignore[no-any-return]  # SQLite has nothing else but numbers and null
@@ -88,7 +92,7 @@ def _from_json(text: str, deepest: int) -> Value:
     except RecursionError:
         raise _too_deep() from None
     except ValueError:
-        return text
+        return _whole(text)
     return _unescaped(parsed, deepest)
 
 
@@ -117,7 +121,8 @@ def _parsed(text: str) -> Any:
 def _unescaped(value: Any, deepest: int) -> Value:
     """JSON in which no record or list hides in a text: SQLite forgets that a text is JSON.
 
-    Numbers that JSON can't hold become null, and half characters a replacement character.
+    Numbers that JSON can't hold become null; half characters, and NUL, with which a text in JSON
+    ends for SQLite, a replacement character.
     """
     if isinstance(value, dict):
         if deepest <= 0:
@@ -137,8 +142,9 @@ def _unescaped(value: Any, deepest: int) -> Value:
 
 
 def _whole(text: str) -> str:
-    """A text in which half characters are replaced."""
-    return text if text.isascii() else text.encode("utf-8", "replace").decode()
+    """A text in which half characters and NUL are replaced."""
+    whole = text if text.isascii() else text.encode("utf-8", "replace").decode()
+    return whole.replace("\0", _UNFIT)
 
 
 def _too_deep() -> TooDeepError:
