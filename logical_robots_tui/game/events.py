@@ -30,10 +30,10 @@ def events_between(level: Level, past: Frame, frame: Frame) -> Iterator[str]:
         yield from _of_robot(before, now)
     for old, area in zip(past.after.areas, frame.after.areas, strict=True):
         yield from _of_area(old, area)
-    wanted = {goal.area_name: goal for goal in goals(level, frame.after)}
-    for old, area in zip(past.after.areas, frame.after.areas, strict=True):
-        goal = wanted.get(area.name)
-        if goal is not None and old.visitors != area.visitors:
+    # Areas may share a name, so goals are told apart by their places.
+    wanted = [place for place, area in enumerate(level.areas) if area.victory_robots]
+    for place, goal in zip(wanted, goals(level, frame.after), strict=True):
+        if past.after.areas[place].visitors != frame.after.areas[place].visitors:
             yield goal.words
     known = {(d.robot_name, notice.kind) for d in past.decisions for notice in d.notices}
     for decision in frame.decisions:

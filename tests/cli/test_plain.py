@@ -141,3 +141,14 @@ def test_batteries_and_switches_are_told(level: Path) -> None:
     assert told == ["The battery of Pip is empty.", "Door is switched off."]
     back = [*events_between(load_level(level), frame, start)]
     assert back == ["Pip has charge again.", "Door is switched on."]
+
+
+def test_goals_of_one_name_are_told_apart(level: Path) -> None:
+    one = load_level(level)
+    (area,) = one.areas
+    both = replace(one, areas=(area, replace(area, x=area.x + 500, victory_robots=("Pip", "Bo"))))
+    start = start_frame(both)
+    here, there = start.after.areas
+    entered = replace(start.after, tick=1, areas=(replace(here, visitors=("Pip",)), there))
+    told = [*events_between(both, start, replace(start, tick=1, after=entered))]
+    assert told == ["Pip enters Door.", "Door: Pip is in."]
