@@ -159,6 +159,8 @@ class LogicalRobotsApp(SparingApp, inherit_bindings=False):
 
         Textual would look for what that is a part of, to begin or go on with a selection there.
         """
+        if not self.screen_stack:
+            return True
         try:
             widget, _ = self.screen.get_widget_at(event.x, event.y)
         except NoWidget:

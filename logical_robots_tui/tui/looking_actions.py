@@ -203,20 +203,17 @@ class LookingActions(ScreenActions):
 
     def palette(self) -> None:
         """Find a command by its name."""
-        from textual.command import CommandPalette
+        from logical_robots_tui.tui.palette import CommandProvider, Palette
 
-        from logical_robots_tui.tui.palette import CommandProvider
-
-        self._screen.app.push_screen(
-            CommandPalette([CommandProvider], placeholder="Find a command…")
-        )
+        self._screen.app.push_screen(Palette([CommandProvider], placeholder="Find a command…"))
 
     def theme(self) -> None:
         """Choose a theme."""
-        from textual.command import CommandPalette
         from textual.theme import ThemeProvider
 
-        self._screen.app.push_screen(CommandPalette([ThemeProvider], placeholder="Find a theme…"))
+        from logical_robots_tui.tui.palette import Palette
+
+        self._screen.app.push_screen(Palette([ThemeProvider], placeholder="Find a theme…"))
 
     def screenshot(self) -> None:
         """Save what is shown, once the palette is gone."""

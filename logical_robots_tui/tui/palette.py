@@ -5,9 +5,10 @@ from __future__ import annotations
 from functools import partial
 from typing import TYPE_CHECKING
 
-from textual.command import DiscoveryHit, Hit, Provider
+from textual.command import CommandPalette, DiscoveryHit, Hit, Provider
 
 from logical_robots_tui.tui.commands import commands, editing_commands
+from logical_robots_tui.tui.once import ClosedOnce
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable
@@ -16,7 +17,11 @@ if TYPE_CHECKING:
 
     from logical_robots_tui.tui.commands import Command
 
-__all__ = ["CommandProvider"]
+__all__ = ["CommandProvider", "Palette"]
+
+
+class Palette(CommandPalette, ClosedOnce[None]):
+    """A line to type in, and what can be had by that."""
 
 
 class CommandProvider(Provider):

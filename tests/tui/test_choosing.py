@@ -7,12 +7,16 @@ from functools import partial
 from typing import TYPE_CHECKING
 
 import pytest
+from rich.style import Style
+from textual import events
 from textual.widgets import Input, OptionList, Static
 
 from logical_robots_tui.game import list_programs, load_program, save_program
 from logical_robots_tui.tui.dialogs.chooser import Chooser
 from logical_robots_tui.tui.dialogs.save import SaveAs
 from logical_robots_tui.tui.levels.screen import LevelScreen
+from logical_robots_tui.tui.listing import Listing
+from logical_robots_tui.tui.palette import Palette
 from logical_robots_tui.world import list_levels, load_level
 from tests.tui.conftest import LEVELS, PAPER, PATIENCE, STILL, opened, source_of
 
@@ -252,3 +256,38 @@ async def test_what_is_longer_than_its_line_is_seen_at_its_end(data_dir: Path) -
         await game.until(lambda: game.shows("Save the program as"))
         await game.press(*"abcdefghij" * 10, *"-end")
         await game.until(lambda: game.shows("efghij-end"))
+
+
+async def test_a_click_at_an_entry_that_has_just_gone_chooses_nothing(data_dir: Path) -> None:
+    async with opened(data_dir) as game:
+        await game.ready()
+        await dialog(game, "o", Chooser)
+        entries = game.app.screen.query_one("#entries", OptionList)
+        await game.until(lambda: entries.option_count)
+        stale = Style(meta={"option": entries.option_count})
+        click = events.Click(entries, 2, 2, 0, 0, 1, False, False, False, 2, 2, stale)
+        entries.post_message(click)
+        await game.press("m")
+        await game.until(lambda: game.app.screen.query_one(Input).value == "m")
+        assert isinstance(game.app.screen, Chooser)
+
+
+async def test_a_double_click_closes_the_palette_once(data_dir: Path) -> None:
+    async with opened(data_dir) as game:
+        await game.ready()
+        await dialog(game, "ctrl+p", Palette)
+        for kind in 2 * (events.MouseDown, events.MouseUp):
+            game.app.post_message(kind(None, 1, 1, 0, 0, 1, False, False, False, 1, 1))
+        await game.until(lambda: game.app.screen is game.main)
+        await game.press("n")
+        await game.until(lambda: game.tick == 1)
+
+
+async def test_a_list_without_room_has_no_pages(data_dir: Path) -> None:
+    async with opened(data_dir, size=(20, 5)) as game:
+        await game.ready()
+        choice = game.inspector.query_one(Listing)
+        choice.highlighted = 2
+        choice.action_page_up()
+        choice.action_page_down()
+        assert choice.highlighted == 2

@@ -17,6 +17,7 @@ from textual.widgets.option_list import Option
 from logical_robots_tui.errors import LogicalRobotsError
 from logical_robots_tui.tui.background import in_background
 from logical_robots_tui.tui.dialogs.dialog import Dialog
+from logical_robots_tui.tui.listing import Listing
 from logical_robots_tui.tui.plain import clip, one_line, visible
 from logical_robots_tui.tui.theme import INK
 
@@ -102,7 +103,7 @@ class Chooser(Dialog[T], Generic[T]):
         self._all: list[str] = []
         # Kept and not looked up: a dialog that closes has lost its parts before itself is gone.
         self._filter = Input(placeholder=shelf.placeholder, id="filter", select_on_focus=False)
-        self._entries = OptionList(id="entries", markup=False, compact=True)
+        self._entries = Listing(id="entries", markup=False, compact=True)
         self._preview_text = Static(id="preview-text")
         self._complaint = Static(id="complaint")
 

@@ -7,12 +7,14 @@ from typing import ClassVar, Generic, TypeVar
 from textual.binding import Binding
 from textual.screen import ModalScreen
 
+from logical_robots_tui.tui.once import ClosedOnce
+
 __all__ = ["Dialog"]
 
 Result = TypeVar("Result")
 
 
-class Dialog(ModalScreen["Result | None"], Generic[Result]):
+class Dialog(ModalScreen["Result | None"], ClosedOnce["Result | None"], Generic[Result]):
     """A box over the game; leaving it without an answer gives None."""
 
     DEFAULT_CSS = """

@@ -12,6 +12,7 @@ from textual.widgets.option_list import Option
 
 from logical_robots_tui.editing.checks import Finding
 from logical_robots_tui.tui.dialogs.dialog import Dialog
+from logical_robots_tui.tui.listing import Listing
 from logical_robots_tui.tui.plain import one_line
 from logical_robots_tui.tui.theme import INK
 
@@ -43,7 +44,7 @@ class FindingList(Dialog[Finding]):
         """One line for each."""
         with Vertical(id="box") as box:
             box.border_title = "Findings"
-            yield OptionList(
+            yield Listing(
                 *(Option(_told(finding)) for finding in self._findings), markup=False, compact=True
             )
             yield Static("enter go there   ↑↓ choose   esc close", id="keys", markup=False)

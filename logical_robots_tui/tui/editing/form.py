@@ -12,6 +12,7 @@ from textual.content import Content
 from textual.widgets import Button, Checkbox, Input, OptionList, Select, Static, TextArea
 
 from logical_robots_tui.tui.dialogs.dialog import Dialog
+from logical_robots_tui.tui.listing import Listing
 from logical_robots_tui.tui.plain import one_line
 from logical_robots_tui.tui.theme import INK
 from logical_robots_tui.world import LevelError
@@ -39,7 +40,7 @@ class Tick(Checkbox):
         super().watch_value()
 
 
-class Ticks(OptionList):
+class Ticks(Listing):
     """Names to tick: enter, or a click, ticks one or takes that back.
 
     Args:

@@ -5,9 +5,9 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from textual.content import Content
-from textual.widgets import OptionList
 from textual.widgets.option_list import Option
 
+from logical_robots_tui.tui.listing import Listing
 from logical_robots_tui.tui.plain import one_line
 from logical_robots_tui.tui.theme import INK
 
@@ -30,7 +30,7 @@ _CHANGED = "•"
 _NARROWEST = 12  # columns of an entry
 
 
-class Choice(OptionList):
+class Choice(Listing):
     """The list at the left of the inspector."""
 
     DEFAULT_CSS = """

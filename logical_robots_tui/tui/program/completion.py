@@ -6,9 +6,9 @@ from typing import TYPE_CHECKING
 
 from textual.content import Content
 from textual.geometry import Offset
-from textual.widgets import OptionList
 from textual.widgets.option_list import Option
 
+from logical_robots_tui.tui.listing import Listing
 from logical_robots_tui.tui.plain import clip
 from logical_robots_tui.tui.theme import INK
 
@@ -21,7 +21,7 @@ _MOST = 60
 _WIDTH = 58
 
 
-class Completion(OptionList, can_focus=False):
+class Completion(Listing, can_focus=False):
     """Offers words; the editor keeps the focus and passes keys on."""
 
     DEFAULT_CSS = f"""

@@ -12,6 +12,7 @@ from textual.widgets import OptionList, Static
 from textual.widgets.option_list import Option
 
 from logical_robots_tui.tui.dialogs.dialog import Dialog
+from logical_robots_tui.tui.listing import Listing
 from logical_robots_tui.tui.plain import one_line
 from logical_robots_tui.tui.theme import INK
 from logical_robots_tui.tui.timeline.form import BreakpointForm
@@ -56,7 +57,7 @@ class BreakpointList(Dialog[None]):
         """The list above its keys."""
         with Vertical(id="box") as box:
             box.border_title = "Breakpoints"
-            yield OptionList(id="breakpoints", markup=False, compact=True)
+            yield Listing(id="breakpoints", markup=False, compact=True)
             yield Static(_NONE, id="none", markup=False)
             keys = "a add   space switch off or on   d delete   esc close"
             yield Static(keys, id="keys", markup=False)

@@ -14,6 +14,7 @@ from textual.widgets.option_list import Option
 
 from logical_robots_tui.game import EVENTS, Breakpoint, Event, mistake_in, subjects
 from logical_robots_tui.tui.dialogs.dialog import Dialog
+from logical_robots_tui.tui.listing import Listing
 from logical_robots_tui.tui.plain import one_line
 
 if TYPE_CHECKING:
@@ -74,7 +75,7 @@ class BreakpointForm(Dialog[Breakpoint]):
         """What happens, and up to three names."""
         with Vertical(id="box") as box:
             box.border_title = "Stop when…"
-            yield OptionList(
+            yield Listing(
                 *(Option(words, id=event) for event, words in EVENTS.items()),
                 id="events",
                 markup=False,
