@@ -21,3 +21,7 @@ class ClosedOnce(Screen[Result]):
     def dismiss(self, result: Result | None = None) -> AwaitComplete:
         """Close, unless that is done already."""
         return super().dismiss(result) if self.is_active else AwaitComplete()
+
+    def check_action(self, action: str, parameters: tuple[object, ...]) -> bool | None:
+        """Whether a key may do something: not once it is closed, and has lost its parts."""
+        return self.is_active and super().check_action(action, parameters)

@@ -13,6 +13,7 @@ from textual.widgets import Input, OptionList, Static
 
 from logical_robots_tui.game import list_programs, load_program, save_program
 from logical_robots_tui.tui.dialogs.chooser import Chooser
+from logical_robots_tui.tui.dialogs.hints import Hints
 from logical_robots_tui.tui.dialogs.save import SaveAs
 from logical_robots_tui.tui.levels.screen import LevelScreen
 from logical_robots_tui.tui.listing import Listing
@@ -291,3 +292,16 @@ async def test_a_list_without_room_has_no_pages(data_dir: Path) -> None:
         choice.action_page_up()
         choice.action_page_down()
         assert choice.highlighted == 2
+
+
+async def test_a_dialog_that_is_closed_does_nothing_any_more(data_dir: Path, short: Path) -> None:
+    async with opened(data_dir, level=short) as game:
+        await game.ready()
+        await dialog(game, "h", Hints)
+        hints = game.app.screen
+        hints.dismiss()
+        await game.until(lambda: not hints.query("#hints"))
+        await game.app.run_action("more", hints)
+        await hints.run_action("more")
+        assert game.app.screen is game.main
+        assert game.main.journal.record.hints == 1
