@@ -6,6 +6,8 @@ import os
 from secrets import token_hex
 from typing import TYPE_CHECKING
 
+from logical_robots_tui.paths import is_file, is_there, real
+
 if TYPE_CHECKING:
     from pathlib import Path
 
@@ -25,10 +27,10 @@ def write_atomically(path: Path, text: str | bytes) -> None:
         OSError: It can't be written; the old content is still there.
     """
     content = text.encode("utf-8") if isinstance(text, str) else text
-    if path.exists() and not path.is_file():
+    if is_there(path) and not is_file(path):
         path.write_bytes(content)
         return
-    path = path.resolve()
+    path = real(path)
     temporary = path.with_name(f".{path.name}.{token_hex(4)}")
     handle = os.open(temporary, os.O_WRONLY | os.O_CREAT | os.O_EXCL | os.O_CLOEXEC, 0o666)
     try:

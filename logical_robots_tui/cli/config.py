@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 from logical_robots_tui.cli.command import new_command
 from logical_robots_tui.cli.text import harmless
+from logical_robots_tui.paths import is_there
 
 if TYPE_CHECKING:
     import argparse
@@ -51,7 +52,7 @@ def start(options: argparse.Namespace) -> int:
         print(path)
         return FINE
     settings = Settings() if options.default else read_settings(path)
-    what = "what is set in" if path.exists() and not options.default else "to be put into"
+    what = "what is set in" if is_there(path) and not options.default else "to be put into"
     print(f"# Logical Robots: {what} {harmless(str(path))}", as_toml(settings), sep="\n")
     for complaint in settings.complaints:
         print(harmless(complaint), file=sys.stderr)

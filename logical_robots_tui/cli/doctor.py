@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 from logical_robots_tui import __version__
 from logical_robots_tui.cli.command import add_data_dir, new_command
 from logical_robots_tui.cli.text import harmless
+from logical_robots_tui.paths import is_folder, is_there
 
 if TYPE_CHECKING:
     import argparse
@@ -153,7 +154,7 @@ def _places(data_dir: Path | None) -> Iterator[Finding]:
     settings = settings_path()
     complaints = read_settings(settings).complaints
     wrong = "logical-robots config says what is wrong" if complaints else ""
-    value = f"{settings}{'' if settings.exists() else ' (none)'}"
+    value = f"{settings}{'' if is_there(settings) else ' (none)'}"
     yield Finding("places", "configuration", value, wrong)
     compiled = cache.folder()
     if compiled is None:
@@ -165,7 +166,7 @@ def _places(data_dir: Path | None) -> Iterator[Finding]:
 def _place(name: str, folder: Path, lost: str) -> Finding:
     """A folder that is there or can be made."""
     there = folder
-    while not there.exists() and there != there.parent:
+    while not is_there(there) and there != there.parent:
         there = there.parent
-    can = there.is_dir() and os.access(there, os.W_OK | os.X_OK)
+    can = is_folder(there) and os.access(there, os.W_OK | os.X_OK)
     return Finding("places", name, str(folder), "" if can else f"can't be written to: {lost}")

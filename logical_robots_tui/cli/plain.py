@@ -32,6 +32,7 @@ from logical_robots_tui.game.events import events_between
 from logical_robots_tui.game.naming import target
 from logical_robots_tui.game.source import shipped_texts
 from logical_robots_tui.mind import Program, ProgramError
+from logical_robots_tui.paths import is_there
 from logical_robots_tui.progress import FILE_NAME, Progress
 from logical_robots_tui.world import load_level
 
@@ -184,7 +185,7 @@ class _Table:
     def _save(self, name: str) -> None:
         try:
             path = target(name, self._own)
-            if path.exists():
+            if is_there(path):
                 raise InputError("is there already.", place=str(path), hint="Choose another name.")
             save_program(path, self._source.text)
             self._source = load_program(path)

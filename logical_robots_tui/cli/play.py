@@ -7,12 +7,14 @@ import os
 import re
 import sys
 from importlib import import_module
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 from logical_robots_tui.cli.command import add_data_dir, add_engine, check_engine, new_command
 from logical_robots_tui.cli.folders import folder_of
 from logical_robots_tui.errors import InputError
 from logical_robots_tui.garbage import collect_later
+from logical_robots_tui.paths import is_file
 from logical_robots_tui.shipped import shipped_names
 
 if TYPE_CHECKING:
@@ -106,9 +108,7 @@ def _is_sure_to_open(options: argparse.Namespace) -> bool:
 
 
 def _is_there(name: str | None, shipped: Sequence[str]) -> bool:
-    return (
-        name is None or name in shipped or os.path.isfile(name)  # noqa: PTH113 - pathlib raises an error for a name too long
-    )
+    return name is None or name in shipped or is_file(Path(name))
 
 
 def _fence_in(options: argparse.Namespace, game: str) -> None:

@@ -9,6 +9,7 @@ from logical_robots_tui.editing.checks import refusals
 from logical_robots_tui.editing.native_text import write_native
 from logical_robots_tui.editing.rewriting import rewritten
 from logical_robots_tui.editing.web_text import write_web
+from logical_robots_tui.paths import real
 from logical_robots_tui.shipped import shipped_folder
 from logical_robots_tui.world.level import LevelError
 from logical_robots_tui.world.limits import MOST_BYTES
@@ -46,7 +47,7 @@ def save_level(level: Level, path: Path, *, anew: bool = False) -> Level:
         raise LevelError(
             "The ending of the file says no format of a level.", place=place, hint=hint
         )
-    if path.resolve().parent == shipped_folder("levels").resolve():
+    if real(path).parent == shipped_folder("levels").resolve():
         message = "The levels that came with the game stay as they are."
         raise LevelError(message, place=place, hint="Save it in another folder.")
     for finding in refusals(level):

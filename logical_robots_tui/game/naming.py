@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 import re
-from pathlib import Path
-from typing import Literal
+from typing import TYPE_CHECKING, Literal
 
 from logical_robots_tui.errors import InputError
 from logical_robots_tui.game.source import SUFFIX
+from logical_robots_tui.paths import is_folder, real, typed_path
 from logical_robots_tui.shipped import shipped_folder, shipped_names
+
+if TYPE_CHECKING:
+    from pathlib import Path
 
 __all__ = ["target"]
 
@@ -36,7 +39,7 @@ def target(
     if not name:
         raise InputError(f"A {folder.removesuffix('s')} needs a name.")
     if "/" in name:
-        path = Path(name).expanduser().absolute()
+        path = _from_root(typed_path(name))
         path = path if path.suffix else path.with_suffix(usual)
     else:
         stem = name.removesuffix(usual)
@@ -50,11 +53,19 @@ def target(
                 f"{stem} came with the game and stays as it is.", hint="Choose another name."
             )
         path = own / f"{stem}{usual}"
-    if path.is_dir():
+    if is_folder(path):
         raise InputError("is a folder.", place=str(path), hint="Choose another name.")
-    if path.resolve().parent == shipped_folder(folder).resolve():
+    if real(path).parent == shipped_folder(folder).resolve():
         raise InputError(
             f"The {folder} that came with the game stay as they are.",
             hint="Save it in another folder.",
         )
     return path
+
+
+def _from_root(path: Path) -> Path:
+    try:
+        return path.absolute()
+    except OSError as error:
+        hint = "Name it from the root, as in /tmp/name."
+        raise InputError("the folder you are in is gone", place=str(path), hint=hint) from error

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from logical_robots_tui.errors import InputError
+from logical_robots_tui.paths import is_file, is_folder, real
 from logical_robots_tui.shipped import did_you_mean, shipped_folder, shipped_names
 from logical_robots_tui.writing import write_atomically
 
@@ -52,7 +53,7 @@ class Source:
 def list_programs(own: Path | None = None) -> list[str]:
     """Names of the shipped programs, then of those in the folder `own`, each sorted."""
     names = shipped_names("programs", SUFFIX)
-    if own is not None and own.is_dir():
+    if own is not None and is_folder(own):
         names += sorted(p.stem for p in own.glob(f"*{SUFFIX}") if p.stem not in names)
     return names
 
@@ -68,11 +69,14 @@ def load_program(path_or_name: str | Path, own: Path | None = None) -> Source:
         InputError: No such program, or it is not a text file of at most 1 MB.
     """
     path = Path(path_or_name)
-    if path.exists():
-        return _read(path)
+    try:
+        if path.exists():
+            return _read(path)
+    except OSError as error:
+        raise InputError(f"can't be read: {error.strerror or error}", place=str(path)) from error
     if path.name == str(path_or_name):
         for folder in (own, shipped_folder("programs")):
-            if folder is not None and (found := folder / f"{path.name}{SUFFIX}").is_file():
+            if folder is not None and is_file(found := folder / f"{path.name}{SUFFIX}"):
                 return _read(found)
     known = list_programs(own)
     raise InputError(
@@ -128,5 +132,5 @@ def _read(path: Path) -> Source:
         ) from error
     if "\0" in text:
         raise InputError("is a binary file, not a program", place=place)
-    shipped = path.resolve().parent == shipped_folder("programs").resolve()
+    shipped = real(path).parent == shipped_folder("programs").resolve()
     return Source(path.stem, text.replace("\r\n", "\n"), path, shipped)

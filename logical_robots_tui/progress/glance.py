@@ -6,6 +6,8 @@ import sqlite3
 from contextlib import closing
 from typing import TYPE_CHECKING
 
+from logical_robots_tui.paths import is_there
+
 if TYPE_CHECKING:
     from pathlib import Path
 
@@ -22,7 +24,7 @@ def facts_in(file: Path, *names: str) -> tuple[str, ...] | None:
     Returns:
         Facts; None if it is unclear what they are.
     """
-    if not file.exists():
+    if not is_there(file):
         return ("",) * len(names)
     try:
         place = f"{file.absolute().as_uri()}?mode=ro"

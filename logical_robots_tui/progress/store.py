@@ -14,6 +14,7 @@ import threading
 from datetime import UTC, datetime
 from typing import TYPE_CHECKING, TypeVar
 
+from logical_robots_tui.paths import is_there
 from logical_robots_tui.progress.schema import DamagedError, NewerError, prepare
 
 if TYPE_CHECKING:
@@ -67,7 +68,7 @@ class Store:
     def read(self, work: Callable[[sqlite3.Connection], T]) -> T:
         """Look something up; as long as there is no file, in an empty one."""
         with self._guard:
-            if self._file is not None and self._in_memory is None and not self._file.exists():
+            if self._file is not None and self._in_memory is None and not is_there(self._file):
                 self._nothing = self._nothing or _empty()
                 return work(self._nothing)
             return self._do(work)

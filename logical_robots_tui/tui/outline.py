@@ -11,6 +11,7 @@ import signal
 import sys
 from typing import TYPE_CHECKING
 
+from logical_robots_tui.paths import is_there
 from logical_robots_tui.progress import FILE_NAME
 from logical_robots_tui.progress.glance import facts_in
 from logical_robots_tui.tui.dress import NIGHT, NIGHT_NAME, Dress, dress_from, stamp_for
@@ -131,7 +132,7 @@ def _dress_for(colours: str, data_dir: Path) -> Dress | None:
     if facts is None:
         return None
     theme, kept = facts
-    if theme in ("", NIGHT_NAME) and not settings_path().exists() and colours in NIGHT:
+    if theme in ("", NIGHT_NAME) and not is_there(settings_path()) and colours in NIGHT:
         return NIGHT[colours]
     return dress_from(kept, stamp_for(colours, theme))
 

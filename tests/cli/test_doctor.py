@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import io
 import tomllib
 from typing import TYPE_CHECKING
 
+from logical_robots_tui.mind.cache import FOLDER_VARIABLE
 from tests.cli.running import in_terminal
 
 if TYPE_CHECKING:
@@ -68,3 +70,21 @@ def test_config_prints_a_file_that_sets_the_same(command: Command, home: Path) -
     assert found["theme"] == "nord"
     assert found["keys"]["run"] == ["%"]
     assert tomllib.loads(command("config", "--default").out)["keys"]["run"] == ["space", "F5"]
+
+
+def test_a_home_that_is_out_of_reach_stops_nothing(
+    command: Command, monkeypatch: pytest.MonkeyPatch, tmp_path: Path, level: Path, ahead: Path
+) -> None:
+    monkeypatch.setenv("HOME", str(tmp_path / ("x" * 300)))
+    monkeypatch.delenv(FOLDER_VARIABLE, raising=False)
+    told = command("doctor")
+    assert told.status == 1
+    assert "(logical-robots config says what is wrong)" in told.out
+    assert "Nothing of it is used" in command("config").err
+    assert command("check", ahead).status == 0
+    assert command("run", level, ahead).status == 0
+    monkeypatch.setattr("sys.stdin", io.StringIO("step\nsave mine\n"))
+    told = command("play", level, ahead, "--plain")
+    assert told.status == 0
+    assert "Tick 1." in told.out
+    assert "can't be written" in told.out

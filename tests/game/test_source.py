@@ -52,6 +52,13 @@ def test_a_folder_and_a_missing_file_are_refused(tmp_path: Path) -> None:
         load_program(tmp_path / "none.l")
 
 
+def test_a_path_that_is_out_of_reach_is_refused(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match="can't be read"):
+        load_program(tmp_path / ("x" * 300))
+    with pytest.raises(InputError, match="there is no such program"):
+        load_program("none", tmp_path / ("x" * 300))
+
+
 def test_a_misspelt_name_gets_a_suggestion(tmp_path: Path) -> None:
     save_program(tmp_path / "wanderer.l", "A(1);")
     with pytest.raises(InputError, match=r"Did you mean .wanderer."):

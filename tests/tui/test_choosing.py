@@ -220,6 +220,8 @@ async def test_saving_over_another_program_asks_first(data_dir: Path) -> None:
         (".hidden", "letters"),
         ("../up", "is a folder"),
         ("/dev/null/x", "can't be written"),
+        ("x" * 300, "can't be written"),
+        ("~nobody-of-that-name/x", "no such home"),
     ],
 )
 async def test_a_name_that_does_not_do_is_refused(
@@ -305,3 +307,17 @@ async def test_a_dialog_that_is_closed_does_nothing_any_more(data_dir: Path, sho
         await hints.run_action("more")
         assert game.app.screen is game.main
         assert game.main.journal.record.hints == 1
+
+
+@pytest.mark.parametrize(("key", "kind"), [("o", Chooser), ("l", LevelScreen)])
+async def test_a_path_that_is_out_of_reach_is_refused(data_dir: Path, key: str, kind: type) -> None:
+    async with opened(data_dir) as game:
+        await game.ready()
+        await dialog(game, key, kind)
+        for path, why in (
+            ("/tmp/" + "x" * 300 + ".toml", "can't be read"),
+            ("~nobody-of-that-name/x.toml", "no such home"),
+        ):
+            await fill(game, path)
+            await game.press("enter")
+            await game.until(lambda why=why: why in complaint(game))

@@ -6,6 +6,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from logical_robots_tui.errors import InputError
+from logical_robots_tui.paths import is_there
 
 if TYPE_CHECKING:
     import argparse
@@ -27,7 +28,7 @@ def refuse_existing(path: Path, *, force: bool) -> None:
     Raises:
         InputError: The file is there and may not be replaced.
     """
-    if path.exists() and not force:
+    if is_there(path) and not force:
         raise InputError(
             "This file is there already.",
             place=str(path),

@@ -14,6 +14,7 @@ from textual.widgets import Input, Static
 from logical_robots_tui.errors import InputError
 from logical_robots_tui.game import Source, load_program, save_program
 from logical_robots_tui.game.naming import target
+from logical_robots_tui.paths import is_there
 from logical_robots_tui.tui.background import in_background
 from logical_robots_tui.tui.dialogs.dialog import Dialog, Result
 from logical_robots_tui.tui.plain import one_line
@@ -76,7 +77,7 @@ class SaveDialog(Dialog[Result]):
 
     def replaces(self, path: Path) -> bool:
         """Whether to ask before something is saved there."""
-        return path.exists()
+        return is_there(path)
 
     @on(Input.Changed)
     def _changed(self) -> None:

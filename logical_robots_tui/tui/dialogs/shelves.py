@@ -3,15 +3,16 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from pathlib import Path
 from typing import TYPE_CHECKING
 
 from logical_robots_tui.errors import InputError
 from logical_robots_tui.game import list_programs, load_program
+from logical_robots_tui.paths import typed_path
 from logical_robots_tui.tui.dialogs.chooser import Card
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
+    from pathlib import Path
 
     from logical_robots_tui.game import Source
     from logical_robots_tui.progress import Version
@@ -41,8 +42,8 @@ class ProgramShelf:
 
     def take(self, name_or_path: str) -> Source:
         """Load a program; raises `InputError`."""
-        path = Path(name_or_path)
-        return load_program(path.expanduser() if "/" in name_or_path else name_or_path, self.own)
+        wanted = typed_path(name_or_path) if "/" in name_or_path else name_or_path
+        return load_program(wanted, self.own)
 
 
 @dataclass(frozen=True)

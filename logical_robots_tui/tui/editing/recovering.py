@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 from logical_robots_tui.editing.delta import alike
 from logical_robots_tui.errors import InputError
+from logical_robots_tui.paths import is_file
 from logical_robots_tui.tui.dialogs.question import Question
 from logical_robots_tui.tui.plain import clip, one_line
 from logical_robots_tui.world import load_level
@@ -51,7 +52,7 @@ def _read(draft: Draft) -> Level | None:
     """
     try:
         path = Path(draft.path)
-        if path.is_absolute() and path.is_file():
+        if path.is_absolute() and is_file(path):
             base = load_level(path)
             level = read_native(draft.text, base.name, base.source)
             return None if alike(base, level) else base

@@ -5,7 +5,6 @@ from __future__ import annotations
 import asyncio
 from dataclasses import replace
 from functools import partial
-from pathlib import Path
 from typing import TYPE_CHECKING, ClassVar
 
 from textual import on
@@ -15,6 +14,7 @@ from textual.content import Content
 from textual.widgets import Input, Static
 
 from logical_robots_tui.errors import LogicalRobotsError
+from logical_robots_tui.paths import typed_path
 from logical_robots_tui.tui.background import in_background
 from logical_robots_tui.tui.dialogs.chooser import is_path
 from logical_robots_tui.tui.dialogs.dialog import Dialog
@@ -27,6 +27,8 @@ from logical_robots_tui.tui.theme import INK, palette_of
 from logical_robots_tui.world import Level, list_levels, load_level
 
 if TYPE_CHECKING:
+    from pathlib import Path
+
     from textual import events
     from textual.app import ComposeResult
 
@@ -250,7 +252,7 @@ def _level_of(card: LevelCard) -> Level:
 
 
 def _load(name_or_path: str) -> Level:
-    return load_level(Path(name_or_path).expanduser() if "/" in name_or_path else name_or_path)
+    return load_level(typed_path(name_or_path) if "/" in name_or_path else name_or_path)
 
 
 def _records(names: list[str], progress: Progress) -> dict[str, LevelRecord]:

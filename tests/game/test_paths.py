@@ -1,0 +1,53 @@
+"""A question about a path has an answer, whatever the path is."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import pytest
+
+from logical_robots_tui.errors import InputError
+from logical_robots_tui.game.naming import target
+from logical_robots_tui.paths import is_file, is_folder, is_there, real, typed_path
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+OUT_OF_REACH = "x" * 300  # for root, too: longer than the name of a file can be
+
+
+def test_what_is_out_of_reach_is_not_there(tmp_path: Path) -> None:
+    for path in (tmp_path / OUT_OF_REACH, tmp_path / OUT_OF_REACH / "mine.l", tmp_path / "none"):
+        assert not is_there(path)
+        assert not is_file(path)
+        assert not is_folder(path)
+    assert is_folder(tmp_path)
+    (tmp_path / "mine.l").touch()
+    assert is_file(tmp_path / "mine.l")
+    assert is_there(tmp_path / "mine.l")
+
+
+def test_links_in_a_circle_lead_somewhere(tmp_path: Path) -> None:
+    (tmp_path / "round.l").symlink_to(tmp_path / "round.l")
+    assert real(tmp_path / "round.l") == tmp_path / "round.l"
+    assert target(f"{tmp_path}/round.l", tmp_path) == tmp_path / "round.l"
+
+
+def test_what_can_be_no_path_is_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("HOME", str(tmp_path))
+    assert typed_path("~/mine.l") == tmp_path / "mine.l"
+    with pytest.raises(InputError, match="no such home"):
+        typed_path("~nobody-of-that-name/mine.l")
+    with pytest.raises(InputError, match="is no path"):
+        typed_path("/tmp/mine\0.l")
+
+
+def test_a_name_in_a_folder_that_is_gone_is_refused(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    here = tmp_path / "here"
+    here.mkdir()
+    monkeypatch.chdir(here)
+    here.rmdir()
+    with pytest.raises(InputError, match="is gone"):
+        target("./mine.l", tmp_path)
