@@ -57,7 +57,7 @@ def start(options: argparse.Namespace) -> int:
     told = []
     status = FINE
     for name in options.programs:
-        text = load_program(name, own_programs(options.data_dir)).text
+        text = load_program(name, own_programs(options.data_dir), pipes=True).text
         found = diagnostics(text, options.engine)
         if any(diagnostic.severity == "error" for diagnostic in found):
             status = WRONG

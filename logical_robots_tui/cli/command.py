@@ -85,7 +85,7 @@ def opened(options: argparse.Namespace) -> tuple[Level, Program]:
 
     check_engine(options)
     level = load_level(options.level)
-    source = load_program(options.program, own_programs(options.data_dir))
+    source = load_program(options.program, own_programs(options.data_dir), pipes=True)
     try:
         return level, Program.compile(source.text)
     except ProgramError as error:

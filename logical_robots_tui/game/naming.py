@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Literal
 
 from logical_robots_tui.errors import InputError
 from logical_robots_tui.game.source import SUFFIX
-from logical_robots_tui.paths import is_folder, real, typed_path
+from logical_robots_tui.paths import is_file, is_folder, is_there, real, typed_path
 from logical_robots_tui.shipped import shipped_folder, shipped_names
 
 if TYPE_CHECKING:
@@ -55,6 +55,8 @@ def target(
         path = own / f"{stem}{usual}"
     if is_folder(path):
         raise InputError("is a folder.", place=str(path), hint="Choose another name.")
+    if is_there(path) and not is_file(path):
+        raise InputError("is no ordinary file.", place=str(path), hint="Choose another name.")
     if real(path).parent == shipped_folder(folder).resolve():
         raise InputError(
             f"The {folder} that came with the game stay as they are.",

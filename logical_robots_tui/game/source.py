@@ -58,12 +58,15 @@ def list_programs(own: Path | None = None) -> list[str]:
     return names
 
 
-def load_program(path_or_name: str | Path, own: Path | None = None) -> Source:
+def load_program(
+    path_or_name: str | Path, own: Path | None = None, *, pipes: bool = False
+) -> Source:
     """Read a program by its path, or by its name among the player's own and the shipped ones.
 
     Args:
         path_or_name: A path, or a name as `list_programs` gives it.
         own: Folder with the player's own programs.
+        pipes: Whether it may be a pipe or a device, which is waited for.
 
     Raises:
         InputError: No such program, or it is not a text file of at most 1 MB.
@@ -71,7 +74,7 @@ def load_program(path_or_name: str | Path, own: Path | None = None) -> Source:
     path = Path(path_or_name)
     try:
         if path.exists():
-            return _read(path)
+            return _read(path, pipes=pipes)
     except OSError as error:
         raise InputError(f"can't be read: {error.strerror or error}", place=str(path)) from error
     if path.name == str(path_or_name):
@@ -112,10 +115,12 @@ def save_program(path: Path, text: str) -> None:
         ) from error
 
 
-def _read(path: Path) -> Source:
+def _read(path: Path, *, pipes: bool = False) -> Source:
     place = str(path)
     if path.is_dir():
         raise InputError("is a folder, not a program", place=place, hint="Name a file in it.")
+    if not pipes and path.exists() and not path.is_file():
+        raise InputError("is no ordinary file", place=place, hint="A program is a text file.")
     try:
         with path.open("rb") as file:
             raw = file.read(MAX_PROGRAM_BYTES + 1)

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import os
+import threading
 from typing import TYPE_CHECKING
 
 import pytest
 
 from logical_robots_tui.errors import InputError
 from logical_robots_tui.game import list_programs, load_program, save_program
+from logical_robots_tui.game.naming import target
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -50,6 +53,21 @@ def test_a_folder_and_a_missing_file_are_refused(tmp_path: Path) -> None:
         load_program(tmp_path)
     with pytest.raises(InputError, match="there is no such program"):
         load_program(tmp_path / "none.l")
+
+
+def test_a_pipe_is_waited_for_only_by_who_says_so(tmp_path: Path) -> None:
+    pipe = tmp_path / "pipe.l"
+    os.mkfifo(pipe)
+    with pytest.raises(InputError, match="is no ordinary file"):
+        load_program(pipe)
+    with pytest.raises(InputError, match="there is no such program"):
+        load_program("pipe", tmp_path)
+    with pytest.raises(InputError, match="is no ordinary file"):
+        target("pipe", tmp_path)
+    writer = threading.Thread(target=pipe.write_text, args=("A(1);",))
+    writer.start()
+    assert load_program(pipe, pipes=True).text == "A(1);"
+    writer.join()
 
 
 def test_a_path_that_is_out_of_reach_is_refused(tmp_path: Path) -> None:
