@@ -8,6 +8,7 @@ import logging
 import os
 import sys
 from importlib import import_module
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 from logical_robots_tui import __version__
@@ -79,6 +80,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     collect_seldom()
     # Our arrays are small: more threads of numpy's would take longer to begin than they save.
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+    _open_what_is_closed()
     for stream in (sys.stdout, sys.stderr):
         stream.reconfigure(errors="backslashreplace")  # type: ignore[union-attr] # typed as TextIO
     logging.getLogger("logical_robots_tui").handlers = [crash.LogKeeper(logging.ERROR)]
@@ -131,6 +133,17 @@ def parser(command: str = "") -> argparse.ArgumentParser:
     for home in dict.fromkeys(_HOMES[name] for name in wanted):
         import_module(f"logical_robots_tui.cli.{home}").declare(commands)
     return top
+
+
+def _open_what_is_closed() -> None:
+    """Put nothing in the place of a standard stream that the process was started without.
+
+    Else it would be None, and its number that of the next file to be opened.
+    """
+    for name, mode in (("stdin", "r"), ("stdout", "w"), ("stderr", "w")):
+        if getattr(sys, name) is None:
+            nothing = Path(os.devnull).open(mode, encoding="utf-8")  # noqa: SIM115 - for good
+            setattr(sys, name, nothing)
 
 
 def _with_command(arguments: Sequence[str]) -> list[str]:

@@ -47,12 +47,12 @@ def save_level(level: Level, path: Path, *, anew: bool = False) -> Level:
         raise LevelError(
             "The ending of the file says no format of a level.", place=place, hint=hint
         )
-    if real(path).parent == shipped_folder("levels").resolve():
-        message = "The levels that came with the game stay as they are."
-        raise LevelError(message, place=place, hint="Save it in another folder.")
     for finding in refusals(level):
         raise LevelError(finding.text, place=place)
     try:
+        if real(path).parent == shipped_folder("levels").resolve():
+            message = "The levels that came with the game stay as they are."
+            raise LevelError(message, place=place, hint="Save it in another folder.")
         path.parent.mkdir(parents=True, exist_ok=True)
         before, text = _texts(level, path, anew)
         if len(text.encode()) > MOST_BYTES:

@@ -173,3 +173,17 @@ def test_what_the_parts_log_is_kept_in_a_file_and_not_printed(
     (kept,) = (tmp_path / "log").iterdir()
     assert "it stumbled" in kept.read_text()
     assert capsys.readouterr().err == ""
+
+
+@pytest.mark.parametrize("closed", ["<&-", ">&-", "2>&-", "<&- >&- 2>&-"])
+def test_a_stream_that_is_closed_is_an_empty_one(closed: str, tmp_path: Path) -> None:
+    script = f'"$0" -m logical_robots_tui play 01-first-steps --plain --data-dir "$1" {closed}'
+    done = subprocess.run(
+        ["sh", "-c", script, sys.executable, tmp_path],
+        input="step\n",
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert (done.returncode, done.stderr) == (0, "")
+    assert ("Tick 1." in done.stdout) == (closed == "2>&-")

@@ -420,6 +420,17 @@ def test_a_file_that_can_not_be_written_says_so(tmp_path: Path) -> None:
         save_level(room(), tmp_path / "file" / "level.toml")
 
 
+def test_in_a_folder_that_is_gone_nothing_can_be_written(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    here = tmp_path / "here"
+    here.mkdir()
+    monkeypatch.chdir(here)
+    here.rmdir()
+    with pytest.raises(LevelError, match="can't be written"):
+        save_level(room(), Path("level.toml"))
+
+
 def test_a_web_level_with_fine_walls_is_stored_compactly() -> None:
     level = resize(room(), 4000, 4000)
     level = paint_rectangle(level, (0, 0), (3999, 3999), border=1)
