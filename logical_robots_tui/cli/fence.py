@@ -47,7 +47,9 @@ _LISTINGS = frozenset(("os.listdir", "os.scandir", "os.chdir"))
 _REFUSED = frozenset(
     (
         *("os.exec", "os.fork", "os.forkpty", "os.posix_spawn", "os.spawn", "os.system"),
-        *("pty.spawn", "socket.connect", "socket.bind", "socket.sendto", "ctypes.dlopen"),
+        *("pty.spawn", "socket.connect", "socket.bind", "socket.sendto", "socket.sendmsg"),
+        *("socket.getaddrinfo", "socket.gethostbyaddr", "socket.gethostbyname"),
+        *("socket.getnameinfo", "ctypes.dlopen", "sqlite3.load_extension"),
     )
 )
 _HELPERS = ("logical_robots_tui.game.measuring", "logical_robots_tui.mind.compiling.worker")

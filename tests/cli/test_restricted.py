@@ -57,6 +57,12 @@ attempt("run python", lambda: subprocess.run([sys.executable, "-c", "pass"]))
 attempt("become", lambda: os.execv("/bin/sh", ["sh"]))
 attempt("fork", lambda: os.fork())
 attempt("call", lambda: socket.create_connection(("127.0.0.1", 9)))
+def send():
+    with socket.socket(type=socket.SOCK_DGRAM) as wire:
+        wire.sendmsg([b"x"], [], 0, ("127.0.0.1", 9))
+attempt("send", send)
+attempt("ask for an address", lambda: socket.getaddrinfo("localhost", 9))
+attempt("ask for an address by name", lambda: socket.gethostbyname("localhost"))
 attempt("load", lambda: ctypes.CDLL("libc.so.6"))
 attempt("fill the disk", lambda: (own / "big").write_bytes(bytes(65 * 1024**2)))
 attempt("fill memory", lambda: bytearray(3 * 1024**3))
