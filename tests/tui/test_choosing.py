@@ -15,6 +15,7 @@ from logical_robots_tui.game import list_programs, load_program, save_program
 from logical_robots_tui.tui.dialogs.chooser import Chooser
 from logical_robots_tui.tui.dialogs.hints import Hints
 from logical_robots_tui.tui.dialogs.save import SaveAs
+from logical_robots_tui.tui.dialogs.shelves import ProgramShelf
 from logical_robots_tui.tui.levels.screen import LevelScreen
 from logical_robots_tui.tui.listing import Listing
 from logical_robots_tui.tui.palette import Palette
@@ -24,6 +25,7 @@ from tests.tui.conftest import LEVELS, PAPER, PATIENCE, STILL, opened, source_of
 if TYPE_CHECKING:
     from pathlib import Path
 
+    from logical_robots_tui.game import Source
     from tests.tui.conftest import Opened
 
 FIRST = list_levels()[0]
@@ -323,3 +325,30 @@ async def test_a_path_that_is_out_of_reach_is_refused(
         await fill(game, path)
         await game.press("enter")
         await game.until(lambda: why in complaint(game))
+
+
+async def test_a_choice_that_comes_when_the_dialog_is_left_already_is_too_late(
+    data_dir: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    asked, told = threading.Event(), threading.Event()
+
+    def take(shelf: ProgramShelf, name: str) -> Source:
+        asked.set()
+        assert told.wait(PATIENCE)
+        return load_program(name, shelf.own)
+
+    monkeypatch.setattr(ProgramShelf, "take", take)
+    async with opened(data_dir) as game:
+        await game.ready()
+        await dialog(game, "o", Chooser)
+        chooser = game.app.screen
+        await fill(game, "herd")
+        await game.press("enter")
+        await game.until(asked.is_set)
+        assert isinstance(chooser, Chooser)
+        chooser.action_leave()
+        told.set()
+        await game.until(lambda: game.app.screen is game.main and not chooser.is_attached)
+        await game.press("n")
+        await game.until(lambda: game.tick == 1)
+        assert game.session.source.name == "mine"
