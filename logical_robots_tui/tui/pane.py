@@ -30,7 +30,7 @@ class Pane(Container):
         border: round $frame; border-title-color: $ink-dim; border-subtitle-color: $ink-dim;
         border-title-style: none; background: $surface; width: 1fr; height: 1fr;
     }
-    Pane:focus-within, Pane:focus { border: round $border; border-title-color: $ink-title; }
+    Pane:focus-within, Pane:focus { border: round $frame-here; border-title-color: $ink-title; }
     """
 
     command_id: ClassVar[str]

@@ -11,6 +11,7 @@ from textual.theme import BUILTIN_THEMES
 
 from logical_robots_tui.progress import FILE_NAME
 from logical_robots_tui.tui.colours import colours_in, contrast
+from logical_robots_tui.tui.inspector.choice import Choice
 from logical_robots_tui.tui.journal import Journal
 from logical_robots_tui.tui.places import THEME
 from logical_robots_tui.tui.theme import NIGHT, palette_of
@@ -40,6 +41,9 @@ def test_texts_stand_out_in_every_theme(theme: Theme) -> None:
             if name not in ("ink-faint", "ink-nothing"):
                 assert contrast(Color.parse(ink), Color.parse(ours["here"])) >= 2.9, name
     assert contrast(Color.parse(ours["here-ink"]), Color.parse(ours["here"])) >= 3
+    surface = Color.parse(papers["surface"])
+    elsewhere = contrast(Color.parse(ours["frame"]), surface)
+    assert contrast(Color.parse(ours["frame-here"]), surface) >= max(3, elsewhere + 1)
 
 
 @pytest.mark.parametrize("theme", THEMES_OF_TEXTUAL, ids=lambda theme: theme.name)
@@ -89,6 +93,27 @@ async def test_a_theme_is_chosen_from_the_palette_and_kept(data_dir: Path) -> No
     journal = Journal(data_dir / FILE_NAME)
     assert journal.progress.fact(THEME) == "gruvbox"
     journal.progress.close()
+
+
+async def test_the_chosen_entry_of_a_list_is_legible_in_every_theme(data_dir: Path) -> None:
+    async with opened(data_dir) as game:
+        await game.ready()
+        await game.press("3", "w")
+        await game.until(lambda: game.shows("Why · tick 0"))
+        choice = game.main.inspector.query_one(Choice)
+        choice.focus()
+        for theme in (NIGHT, *THEMES_OF_TEXTUAL):
+            game.app.theme = theme.name
+            await game.pilot.pause()
+            assert choice.has_focus
+            (entry,) = (s for s in choice.render_line(2) if s.text.strip() == "Why")
+            assert entry.style is not None
+            assert entry.style.color is not None
+            assert entry.style.bgcolor is not None
+            ink, paper = entry.style.color.triplet, entry.style.bgcolor.triplet
+            assert ink is not None
+            assert paper is not None
+            assert contrast(Color(*ink), Color(*paper)) >= 2.9, theme.name
 
 
 async def test_without_colours_everything_is_legible_in_greys(

@@ -22,7 +22,7 @@ class Dialog(ModalScreen["Result | None"], ClosedOnce["Result | None"], Generic[
     Dialog { align: center middle; background: $background 60%; }
     Dialog > #box {
         width: 90%; max-width: 96; height: auto; max-height: 90%; padding: 0 1;
-        border: round $border; border-title-color: $ink-title; background: $surface;
+        border: round $frame-here; border-title-color: $ink-title; background: $surface;
     }
     Dialog #complaint { color: $error; height: auto; max-height: 6; display: none; }
     Dialog #keys { color: $ink-dim; height: 1; margin-top: 1; text-wrap: nowrap; }
