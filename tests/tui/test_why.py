@@ -70,6 +70,8 @@ async def test_the_place_is_shown_in_the_program(data_dir: Path) -> None:
         place = told(game).index("d <= 20")
         view(game).action_move(place)
         await game.until(lambda: game.editor.selected_text == "d <= 20")
+        await game.press("e", "x")
+        await game.until(lambda: game.editor.text == TWO_RULES.replace("d <= 20", "xd <= 20"))
 
 
 async def test_it_follows_the_tick_and_the_program(data_dir: Path) -> None:

@@ -84,6 +84,7 @@ class Editor(TextArea):
         self._last_key_at = float("-inf")
         self._syntax: dict[str, Style] = {}
         self._marks: Mapping[int, Mark] = {}
+        self._pointed_out: Selection | None = None
         self.completion = Completion()
 
     def on_mount(self) -> None:
@@ -204,6 +205,22 @@ class Editor(TextArea):
             self.action_complete()
             if self.completion.names == [self.word]:
                 self.completion.close()
+
+    def point_out(self, start: tuple[int, int], stop: tuple[int, int]) -> None:
+        """Select a piece of the text to be seen, from elsewhere; typing does not replace it.
+
+        Args:
+            start: Line and column from 0 where it begins; the cursor goes there.
+            stop: Where it ends.
+        """
+        self.selection = self._pointed_out = Selection(stop, start)
+        self.scroll_cursor_visible(center=True)
+
+    def on_focus(self) -> None:
+        """What was only pointed out is not selected for whoever begins to write."""
+        if self.selection == self._pointed_out:
+            self.selection = Selection.cursor(self.cursor_location)
+        self._pointed_out = None
 
     def on_blur(self) -> None:
         """Offer nothing to somebody who is elsewhere."""

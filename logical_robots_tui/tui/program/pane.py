@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING, ClassVar
 from textual import on
 from textual.content import Content
 from textual.widgets import Static, TextArea
-from textual.widgets.text_area import Selection
 
 from logical_robots_tui.tui.pane import Pane
 from logical_robots_tui.tui.plain import clip, one_line
@@ -108,13 +107,12 @@ class ProgramPane(Pane):
         self.enter()
 
     def show_place(self, start: int, stop: int) -> None:
-        """Select a piece of the text, given by its offsets, and bring it into sight."""
+        """Point out a piece of the text, given by its offsets, and bring it into sight."""
         places = []
         for offset in (start, stop):
             before = self.text[:offset]
             places.append((before.count("\n"), offset - before.rfind("\n") - 1))
-        self.editor.selection = Selection(places[1], places[0])
-        self.editor.scroll_cursor_visible(center=True)
+        self.editor.point_out(*places)
 
     def go_to_definition(self) -> str:
         """Put the cursor where the predicate under it is defined, and return the word there.
