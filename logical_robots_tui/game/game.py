@@ -204,7 +204,7 @@ class Game:
         self._supersede()
         level = level or self.level
         frame = start_frame(level)
-        if self.history.first or level is not self.history.level_at(0):
+        if not self.history.begins_with(frame, level):
             self.history.begin_anew(frame, level)
         self._is_program_wanted = True
         self._show(frame)

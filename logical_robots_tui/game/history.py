@@ -108,6 +108,12 @@ class History:
         self._course.change_level(frame, level)
         self._look_for_parting(tick)
 
+    def begins_with(self, start: Frame, level: Level) -> bool:
+        """Whether the present course begins so, with nobody put elsewhere by hand."""
+        if self.first or level is not self.level_at(0):
+            return False
+        return self._course.moment(0).after == start.after
+
     def begin_anew(self, start: Frame, level: Level) -> None:
         """Leave the present course for one that begins at the start of a level."""
         self._leave(Course(start, level, self._length))

@@ -192,6 +192,21 @@ async def test_beginning_again_does_not_do_again_what_was_done_by_hand(tmp_path:
     await played.close()
 
 
+async def test_beginning_again_takes_back_who_was_put_elsewhere_at_the_start(
+    tmp_path: Path,
+) -> None:
+    played = game(tmp_path)
+    original = played.frame
+    level = played.level
+    played.change_level(level, {"Ada": (60.0, 25.0, 0.0)})
+    await played.run_until(tick=3)
+    assert played.restart(level) == original
+    assert played.frame_at(0) == original
+    frame = await played.step()
+    assert frame.after.robots[0].x == pytest.approx(original.after.robots[0].x + 1)
+    await played.close()
+
+
 async def test_another_program_begins_another_future_before_an_edit(tmp_path: Path) -> None:
     played = game(tmp_path)
     await played.run_until(tick=10)
