@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from typing import ClassVar, Generic, TypeVar
 
-from textual.await_complete import AwaitComplete
 from textual.binding import Binding
 from textual.screen import ModalScreen
 
@@ -37,12 +36,6 @@ class Dialog(ModalScreen["Result | None"], ClosedOnce["Result | None"], Generic[
     BINDINGS: ClassVar[list[Binding | tuple[str, str] | tuple[str, str, str]]] = [
         Binding("escape", "leave", "Close", show=False),
     ]
-
-    def dismiss(self, result: Result | None = None) -> AwaitComplete:
-        """Close with an answer; one that comes when the dialog is left already is too late."""
-        if self not in self.app.screen_stack:
-            return AwaitComplete()
-        return super().dismiss(result)
 
     def action_leave(self) -> None:
         """Close without an answer."""
