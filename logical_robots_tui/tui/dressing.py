@@ -34,7 +34,10 @@ def dress_of(app: App[None], colours: str) -> Dress | None:
         return None
     variables = app.theme_variables
     painted = {
-        **{name: variables[name] for name in ("background", "surface", "panel", "frame", "border")},
+        **{
+            name: variables[name]
+            for name in ("background", "surface", "panel", "frame", "frame-here")
+        },
         **{name: variables[f"ink-{name}"] for name in ("title", "dim", "key")},
         "void": hex_colour(palette_of(theme).void),
         "here": variables["tab-here"],

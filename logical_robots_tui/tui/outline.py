@@ -104,7 +104,7 @@ class _Paint:
         is_first = title == "Labyrinth"  # where the player begins
         inside = left + 1, top + 1, right - 1, bottom - 1
         yield from self.blank(*inside, "void" if is_first else "surface")
-        line = self("border" if is_first else "frame", "surface")
+        line = self("frame-here" if is_first else "frame", "surface")
         name = self("title" if is_first else "dim", "surface")
         width = right - left - 2
         rest = "─" * (width - len(title) - 3)
