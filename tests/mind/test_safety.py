@@ -169,6 +169,28 @@ def test_the_memory_of_a_mind_is_bounded_and_the_next_program_thinks() -> None:
     assert (done.returncode, done.stderr) == (0, "")
 
 
+@pytest.mark.parametrize("plain", [False, True])
+def test_a_thought_out_of_memory_leaves_the_next_ones_as_they_were(plain: bool) -> None:
+    program = Program.compile(
+        ROBOT + "Memory(robot_name:, memory:), m = (if sensor.clock == 2 "
+        "then List{Range(99999) :- a in Range(99999)} "
+        'else [memory, Min{r.distance :- r in sensor.radar, r.object == "wall"}]);'
+    )
+    mind = Mind(program, limits=Limits(think_seconds=60), plain=plain)
+    walls: dict[int, tuple[int, str, str]] = {3: (50, "wall", "wall")}
+    decisions = [
+        mind.think([row("Ada", clock=clock, sees=walls)], {"Ada": "m"})[0] for clock in range(4)
+    ]
+    mind.close()
+    assert [[n.kind for n in decision.notices] for decision in decisions] == [
+        [],
+        [],
+        ["failed"],
+        [],
+    ]
+    assert [decision.memory for decision in decisions] == [["m", 50], ["m", 50], "m", ["m", 50]]
+
+
 def test_names_that_are_half_characters_do_no_harm(program: Program) -> None:
     mind = Mind(program)
     nasty: Any = row("Ada", sees={1: (5, "area", "\ud800")})

@@ -54,7 +54,8 @@ class PlainTables:
         Raises:
             Exception: As `Database.load` and `Database.ask` do.
         """
-        if self._loaded is None or self._loaded[0] is not moment or self._loaded[1] is not view:
+        loaded = None if self._database.is_emptied else self._loaded
+        if loaded is None or loaded[0] is not moment or loaded[1] is not view:
             self._loaded = None
             first, last = view.sensors
             sensors = moment.sensors[first : last + 1]
@@ -149,6 +150,8 @@ class TunedTables:
         )
 
     def _fill(self, moment: Moment, wanted: Mapping[str, tuple[str, ...]]) -> None:
+        if self._database.is_emptied:
+            self._begin_anew()
         if self._moment is not moment:
             if _is_crowd(moment) != self._is_crowd:
                 self._change_size()
@@ -212,6 +215,10 @@ class TunedTables:
         self._is_crowd = not self._is_crowd
         self._database.close()
         self._database = self._new_database(CROWD_LAYOUT if self._is_crowd else self._few)
+        self._begin_anew()
+
+    def _begin_anew(self) -> None:
+        """Take note that the tables are empty."""
         self._lists.forget()
         self._radars.forget()
         self._moment = None
