@@ -14,7 +14,7 @@ from logical_robots_tui.cli.command import add_data_dir, add_engine, check_engin
 from logical_robots_tui.cli.folders import folder_of
 from logical_robots_tui.errors import InputError
 from logical_robots_tui.garbage import collect_later
-from logical_robots_tui.paths import is_file
+from logical_robots_tui.paths import is_file, is_folder
 from logical_robots_tui.shipped import shipped_names
 
 if TYPE_CHECKING:
@@ -79,11 +79,14 @@ def start(options: argparse.Namespace) -> int:
     """Open the game.
 
     Raises:
-        InputError: There is no terminal, no such engine, or the level or program can't be used.
+        InputError: There is no terminal, no such engine, nobody is named where all have folders, or
+            the level or program can't be used.
     """
     if not options.plain:
         _prepare_screen()
     check_engine(options)
+    if options.restricted and not options.player:
+        _refuse_everybodys(folder_of(options.data_dir))
     options.data_dir = folder_of(options.data_dir, options.player)
     if options.plain:
         if options.restricted:
@@ -99,6 +102,20 @@ def start(options: argparse.Namespace) -> int:
         return _play_on_screen(options)
     finally:
         OUTLINE.clear()
+
+
+def _refuse_everybodys(folder: Path) -> None:
+    """Refuse to give one player the folders of all.
+
+    Raises:
+        InputError: Others play in folders within that one.
+    """
+    if is_folder(folder_of(folder, ".")):
+        raise InputError(
+            "nobody is named as the player, and in this folder are those of others",
+            place=str(folder),
+            hint="Add --player NAME, or LOGICAL_ROBOTS_PLAYER=NAME to the environment.",
+        )
 
 
 def _is_sure_to_open(options: argparse.Namespace) -> bool:

@@ -178,3 +178,26 @@ def test_a_players_name_is_no_path(name: str) -> None:
     )
     assert done.returncode == 2
     assert "is no name" in done.stderr
+
+
+def test_nobody_gets_the_folders_of_all(tmp_path: Path) -> None:
+    command = [sys.executable, "-m", "logical_robots_tui", "play", "02-open-space", "--plain"]
+
+    def played(*arguments: object) -> subprocess.CompletedProcess[str]:
+        return subprocess.run(
+            [*command, "--data-dir", str(tmp_path), *map(str, arguments)],
+            input="",
+            capture_output=True,
+            text=True,
+            check=False,
+            timeout=60,
+        )
+
+    assert played("--restricted").returncode == 0
+    assert played("--restricted", "--player", "ada").returncode == 0
+    done = played("--restricted")
+    assert done.returncode == 2
+    assert "nobody is named as the player" in done.stderr
+    assert "LOGICAL_ROBOTS_PLAYER=NAME" in done.stderr
+    assert played("--restricted", "--player", "ben").returncode == 0
+    assert played().returncode == 0
