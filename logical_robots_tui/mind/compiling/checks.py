@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from logica.compiler import universe
 
-from logical_robots_tui.mind.close import closest
+from logical_robots_tui.mind.close import closest, distance
 from logical_robots_tui.mind.compiling import builtins
 from logical_robots_tui.mind.compiling.inference import Inference
 from logical_robots_tui.mind.compiling.parameters import lacking, parameters
@@ -206,6 +206,8 @@ def _instead(name: str, known: set[str]) -> str:
         return f"Use {_INSTEAD[name]}."
     working = {n for n in builtins.names() if n.isidentifier() and n[:1].isupper()}
     close = closest(name, known | {n for n in working if len(n) > 1})
+    if not close and len(name) > 2:  # in short names one slip is a large part
+        close = next((n for n in sorted(working) if distance(name, n) == 1), "")
     if close and (close in known or builtins.runs(close)):
         return f"Did you mean {close}?"
     return "`logical-robots help` lists what there is." if builtins.is_built_in(name) else ""

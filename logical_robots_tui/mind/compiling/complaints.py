@@ -42,6 +42,12 @@ FUNCTION = "{} is a function of its arguments; it has no rows of its own."
 OPEN = "{} leans on {}, which is left open for := to fill in; it has no rows of its own."
 
 _NO_CONDITION = "this is not a condition"
+_UNREAD = (
+    _NO_CONDITION,
+    "this is not an expression",
+    "this is not a predicate with arguments",
+    "this 'if' can't be read",
+)
 _FIELD = re.compile(r"[a-z_]\w*(\.[a-z_]\w*)*")
 
 _ANSI = re.compile(r"\x1b\[[0-9;]*m")
@@ -78,7 +84,9 @@ def explain(
     if "'" in source.skeleton[at : at + length]:
         hint = 'Texts stand in double quotes: "like this".'
     elif message == _NO_CONDITION and _FIELD.fullmatch(value := text[at : at + length].strip()):
-        hint = f"A value alone is no condition: write {value} == true."
+        hint = f"A value alone is no condition: write {value} == true, or name it: x = {value}."
+    elif message in _UNREAD and (found := _foreign(source.skeleton[at : at + length])):
+        hint = found
     elif (made := source.skeleton.find(":=", start, end)) >= 0 and ":-" in source.text[start:made]:
         at, length, message = made, 2, "':=' can't stand in the body of a rule"
         hint = "Write '=' for a value; ':=' makes a predicate from another."
@@ -198,6 +206,7 @@ _PLAIN = (
 _HINTS = (
     (r"nothing says what", "Give it a value in the body, or take it from a predicate."),
     (r"^this is not an? (expression|condition)", "Look for a missing comma, quote or operator."),
+    (r"not a predicate with arguments", "Rules and facts start with a name: Robot(...)."),
     (r"'if' can't be read", "Put it in parentheses: x = (if a < b then c else d)."),
     (r"'if' gives a value", "Write x = (if a < b then c else d), or join conditions with ','."),
     (r"more than one value", "A comma or a ';' seems to be missing."),
@@ -229,6 +238,24 @@ _HINTS = (
     (r"annotation can't", "For example: @Recursive(P, 50); @OrderBy(P, \"col0\"); @Limit(P, 3);"),
     (r"which is not defined", "Define it, or remove the annotation."),
 )  # fmt: skip
+
+
+_FOREIGN = (
+    (r"\A(//|--|/\*)", "Comments begin with '#'."),
+    (r"\n(?P<next>[A-Z@]\w*)", "Rules end with ';'. Is one missing before {next}?"),
+    (r"\A(?=.*\bthen\b)(?!.*\belse\b)", "Every 'if' needs an 'else': (if a < b then c else d)."),
+    (r"(?<!\bis )\bnot\b", "Write ~(a == b) or ~P(x) for what is not so."),
+    (r"\band\b", "Write ',' between conditions, and '&&' within an expression."),
+    (r"\bor\b", "Write '|' between conditions, and '||' within an expression."),
+)
+"""What other languages write, or what was forgotten, in a piece of text that can't be read."""
+
+
+def _foreign(piece: str) -> str:
+    for pattern, hint in _FOREIGN:
+        if found := re.search(pattern, piece, re.DOTALL):
+            return hint.format(**found.groupdict())
+    return ""
 
 
 def _hint(message: str) -> str:
