@@ -29,8 +29,8 @@ class EditActions:
         self._editor = mode.editor
 
     def settle(self, **values: Any) -> None:
-        """Set how tools work; a stroke under way is given up."""
-        self._editor.cancel()
+        """Set how tools work; a stroke under way ends."""
+        self._editor.finish()
         self._editor.settings = replace(self._editor.settings, **values)
 
     # -- tools ---------------------------------------------------------------------------------
@@ -164,12 +164,14 @@ class EditActions:
         """Save the level in its file, or ask for a name."""
         from logical_robots_tui.tui.editing.saving import save
 
+        self._editor.finish()
         self._spawn(partial(save, self._mode))
 
     def save_level_as(self) -> None:
         """Save the level under another name."""
         from logical_robots_tui.tui.editing.saving import save_as
 
+        self._editor.finish()
         self._spawn(partial(save_as, self._mode))
 
     def throw_away(self) -> None:

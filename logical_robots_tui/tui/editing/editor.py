@@ -151,8 +151,12 @@ class LevelEditor:
                 ),
             )
 
+    def finish(self) -> None:
+        """End the stroke for something else: what it has done stays, a line not drawn is none."""
+        self.stroke = None
+
     def cancel(self) -> bool:
-        """Give the stroke up; whether there was one."""
+        """Give the stroke up, and undo what it has done; whether there was one."""
         stroke, self.stroke = self.stroke, None
         if stroke is not None and stroke.has_done:
             self.undo()

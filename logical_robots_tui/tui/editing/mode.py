@@ -126,7 +126,7 @@ class EditMode:
 
     def leave(self) -> None:
         """Let keys and mouse play again; what was changed stays in the game."""
-        self.editor.cancel()
+        self.editor.finish()
         self.live.flush()
         self.is_on = False
         pane = self.screen.labyrinth

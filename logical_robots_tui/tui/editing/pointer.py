@@ -33,7 +33,7 @@ class Pointer:
     def press(self, x: float, y: float) -> None:
         """A button was pressed at a point of the map."""
         editor = self._mode.editor
-        editor.cancel()
+        editor.finish()
         editor.cursor = (x, y)
         editor.press(x, y, self._units)
         self._mode.redraw()

@@ -331,3 +331,20 @@ async def test_what_was_edited_is_offered_after_a_hangup(data_dir: Path, room_fi
         await game.ready()
         await game.until(lambda: game.main.journal.record)
         assert not game.shows("Go on editing")
+
+
+async def test_what_was_placed_with_keys_stays_when_something_else_is_begun(
+    data_dir: Path, room_file: Path
+) -> None:
+    async with studio(data_dir, room_file) as s:
+        game, areas, beacons = s.game, len(s.level.areas), len(s.level.beacons)
+        await s.press("c", "enter", "a", "enter", "s")
+        await game.until(lambda: s.mode.is_saved)
+        await s.press("t")
+        await game.until(lambda: game.tick > 1)
+        await s.press("t")
+        await game.until(lambda: game.main.editing.is_on and game.tick == 0)
+        assert (len(s.level.areas), len(s.level.beacons)) == (areas + 1, beacons + 1)
+        assert s.mode.is_saved
+        await s.press("a", "enter", "escape")
+        assert len(s.level.areas) == areas + 1
