@@ -32,12 +32,12 @@ class Question(Dialog[str]):
     """
 
     DEFAULT_CSS = """
-    Question > #box { max-width: 72; padding: 1 2; }
+    Question > #box { max-width: 76; padding: 1 2; }
     Question #text { height: auto; max-height: 14; margin-top: 1; display: none;
         background: $panel; padding: 0 1; }
     Question #answers { height: 1; margin-top: 1; }
     Question Button {
-        height: 1; min-width: 8; border: none; margin-right: 2; padding: 0 1;
+        height: 1; min-width: 8; border: none; margin-right: 1; padding: 0 1;
         background: $panel; color: $foreground; text-style: none;
     }
     Question Button:focus { background: $here; text-style: bold; border: none; }

@@ -348,3 +348,15 @@ async def test_what_was_placed_with_keys_stays_when_something_else_is_begun(
         assert s.mode.is_saved
         await s.press("a", "enter", "escape")
         assert len(s.level.areas) == areas + 1
+
+
+async def test_all_that_can_become_of_the_changes_is_in_sight(
+    data_dir: Path, room_file: Path
+) -> None:
+    async with studio(data_dir, room_file, size=(80, 24)) as s:
+        await s.press("a", "enter", "s")
+        await s.game.until(lambda: s.mode.is_saved)
+        await s.press("c", "enter", "h", "M")
+        await s.game.until(lambda: s.game.shows("What becomes of the changes"))
+        answers = ("Save", "Keep as a level", "Just for this game", "Throw away")
+        assert all(s.game.shows(f" {answer} ") for answer in answers)
