@@ -251,7 +251,7 @@ def _from_json(file: Path) -> Draft | None:
         data: dict[str, Any] = json.loads(file.read_text("utf-8"))
         saved = datetime.fromisoformat(data["saved"])
         program, path, text, base = (data[key] for key in ("program", "path", "text", "base"))
-    except (OSError, ValueError, KeyError, TypeError):
+    except (OSError, ValueError, KeyError, TypeError, RecursionError):
         return None
     if saved.tzinfo is None or not all(isinstance(t, str) for t in (program, path, text, base)):
         return None

@@ -59,12 +59,12 @@ def read_settings(path: Path) -> Settings:
         path: The file; a missing one sets nothing.
     """
     try:
-        text = path.read_text("utf-8")
+        text = path.read_text("utf-8-sig")
         found = tomllib.loads(text)
     except FileNotFoundError:
         return Settings()
-    except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
-        said = error.strerror if isinstance(error, OSError) else str(error)
+    except (OSError, ValueError, RecursionError) as error:
+        said = _refusal(error)
         return Settings(complaints=(f"{path}: {said}. Nothing of it is used.",))
     complaints: list[str] = []
 
@@ -72,6 +72,15 @@ def read_settings(path: Path) -> Settings:
         complaints.append(f"{path}{_line_of(name, text)}: {said}{'' if said[-1] in '.?' else '.'}")
 
     return replace(_settings(found, complain), complaints=tuple(complaints))
+
+
+def _refusal(error: Exception) -> str:
+    """Why nothing of a file can be used."""
+    if isinstance(error, OSError):
+        return error.strerror or str(error)
+    if isinstance(error, UnicodeDecodeError):
+        return "it is no text in UTF-8"
+    return "it is nested too deeply" if isinstance(error, RecursionError) else str(error)
 
 
 def _settings(found: dict[str, Any], complain: Complain) -> Settings:

@@ -27,7 +27,7 @@ def _own_keys() -> Iterator[None]:
 
 def settings(folder: Path, text: str) -> Settings:
     path = folder / "config.toml"
-    path.write_text(text, "utf-8")
+    path.write_bytes(text.encode("utf-8", "surrogateescape"))
     return read_settings(path)
 
 
@@ -73,12 +73,18 @@ def test_what_is_printed_sets_the_same(tmp_path: Path, given: Settings) -> None:
         ("[keys]\nrun = 'n'", ":2: keys.run: n is the key of step. Give that another key, or"),
         ("[keys]\nrun = 'F9'\nstep = 'f9'", ":3: keys.step: F9 is the key of run. Give that"),
         ("theme = x", "Invalid value (at line 1, column 9). Nothing of it is used."),
+        ("theme = " + "[" * 20_000, "it is nested too deeply. Nothing of it is used."),
+        ("theme = '\udcff'", "it is no text in UTF-8. Nothing of it is used."),
     ],
 )
 def test_what_is_wrong_is_named_with_its_place(tmp_path: Path, text: str, said: str) -> None:
     (complaint,) = settings(tmp_path, text).complaints
     assert complaint.startswith(str(tmp_path / "config.toml"))
     assert said in complaint
+
+
+def test_a_byte_order_mark_is_no_mistake(tmp_path: Path) -> None:
+    assert settings(tmp_path, "\ufeffframes = 10").frames == 10
 
 
 def test_one_wrong_key_leaves_the_others(tmp_path: Path) -> None:
