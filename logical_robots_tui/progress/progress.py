@@ -85,6 +85,7 @@ class Progress:
 
     def record(self, level: str) -> LevelRecord:
         """All about a level but the versions."""
+        level = _storable(level)
 
         def look(connection: sqlite3.Connection) -> LevelRecord:
             begun, won, hints, versions, ticks, rules, distance = connection.execute(
@@ -99,10 +100,12 @@ class Progress:
 
     def begin(self, level: str) -> None:
         """The player has set to work at a level."""
+        level = _storable(level)
         self._store.write(lambda connection: _begin(connection, level))
 
     def reveal(self, level: str, hints: int) -> None:
         """So many hints of a level are revealed; they are never hidden again."""
+        level = _storable(level)
 
         def note(connection: sqlite3.Connection) -> None:
             connection.execute("INSERT OR IGNORE INTO level (name) VALUES (?)", (level,))
@@ -114,6 +117,7 @@ class Progress:
 
     def win(self, level: str, text: str, measures: Measures | None = None) -> None:
         """A program has won a level; measures that are unknown stay as they were."""
+        level = _storable(level)
 
         def note(connection: sqlite3.Connection) -> None:
             now = _now()
@@ -134,10 +138,12 @@ class Progress:
 
     def keep(self, level: str, text: str) -> None:
         """Keep a version of the player's program; the same text again is the newest then."""
+        level = _storable(level)
         self._store.write(lambda connection: _keep(connection, level, text, _now()))
 
     def versions(self, level: str) -> list[Version]:
         """The versions kept for a level, the last used first."""
+        level = _storable(level)
         rows = self._store.read(
             lambda connection: connection.execute(
                 "SELECT number, text, kept, won, ticks, rules, distance, wins, starts "
@@ -149,6 +155,7 @@ class Progress:
 
     def newest(self, level: str) -> str | None:
         """The text that was last used at a level, or None."""
+        level = _storable(level)
         found: tuple[str] | None = self._store.read(
             lambda connection: connection.execute(
                 "SELECT text FROM version WHERE level = ? ORDER BY turn DESC LIMIT 1", (level,)
@@ -158,6 +165,7 @@ class Progress:
 
     def measures(self, level: str, text: str) -> Measures | None:
         """How well a text wins a level, as far as that is known, or None."""
+        level = _storable(level)
         found = self._store.read(
             lambda connection: connection.execute(
                 "SELECT ticks, rules, distance, wins, coalesce(starts, 0) FROM version "
@@ -239,7 +247,10 @@ def _now() -> str:
 
 
 def _storable(text: str) -> str:
-    """The text, with half characters replaced, which SQLite can't hold."""
+    """The text, with half characters replaced, which SQLite can't hold.
+
+    They stand for the bytes of a path that are not UTF-8, too.
+    """
     return text.encode("utf-8", "replace").decode()
 
 

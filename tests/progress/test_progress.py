@@ -169,3 +169,15 @@ def test_bests_are_the_least_and_the_most(found: list[Measures]) -> None:
     assert bests.rules == min(measures.rules for measures in found)
     assert bests.distance == min(measures.distance for measures in found)
     assert bests.wins == max(wins, default=None)
+
+
+def test_a_level_whose_path_is_not_utf_8_is_kept_as_any_other() -> None:
+    progress = Progress(None, fail)
+    progress.begin("/tmp/\udcdcbung/own.toml")
+    progress.reveal("/tmp/\udcdcbung/own.toml", 1)
+    progress.keep("/tmp/\udcdcbung/own.toml", "text")
+    progress.win("/tmp/\udcdcbung/own.toml", "text", Measures(1, 2, 3.0, 4, 20))
+    assert progress.record("/tmp/\udcdcbung/own.toml").hints == 1
+    assert progress.newest("/tmp/\udcdcbung/own.toml") == "text"
+    assert progress.measures("/tmp/\udcdcbung/own.toml", "text") is not None
+    assert len(progress.versions("/tmp/\udcdcbung/own.toml")) == 1
