@@ -40,7 +40,7 @@ def target(
         raise InputError(f"A {folder.removesuffix('s')} needs a name.")
     if "/" in name:
         path = _from_root(typed_path(name))
-        path = path if path.suffix else path.with_suffix(usual)
+        path = path if path.suffix or not path.name else path.with_suffix(usual)
     else:
         stem = name.removesuffix(usual)
         if not re.fullmatch(r"[\w][\w .+-]*", stem):

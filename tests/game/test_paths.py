@@ -51,3 +51,8 @@ def test_a_name_in_a_folder_that_is_gone_is_refused(
     here.rmdir()
     with pytest.raises(InputError, match="is gone"):
         target("./mine.l", tmp_path)
+
+
+def test_the_root_is_a_folder(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match="is a folder"):
+        target("/", tmp_path)

@@ -352,3 +352,20 @@ async def test_a_choice_that_comes_when_the_dialog_is_left_already_is_too_late(
         await game.press("n")
         await game.until(lambda: game.tick == 1)
         assert game.session.source.name == "mine"
+
+
+@pytest.mark.parametrize("sign", ["\udcff", "\x1b"])
+async def test_a_path_that_can_not_be_shown_is_not_proposed(
+    data_dir: Path, tmp_path: Path, sign: str
+) -> None:
+    path = tmp_path / f"o{sign}n.l"
+    path.write_text(STILL)
+    async with opened(data_dir) as game:
+        await game.ready()
+        game.main.library.open_program(load_program(path))
+        await game.until(lambda: game.session.source.path == path)
+        await dialog(game, "s", SaveAs)
+        assert game.app.screen.query_one(Input).value == ""
+        await fill(game, "own")
+        await game.press("enter")
+        await game.until(lambda: game.session.source.name == "own")

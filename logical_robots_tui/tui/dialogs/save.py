@@ -31,7 +31,7 @@ class SaveDialog(Dialog[Result]):
     """Asks for a name and saves; gives what is saved. What is there is replaced at a second enter.
 
     Args:
-        name: What to propose.
+        name: What to propose; nothing, if it has signs that can't be shown and so not be changed.
     """
 
     DEFAULT_CSS = """
@@ -43,7 +43,7 @@ class SaveDialog(Dialog[Result]):
 
     def __init__(self, name: str) -> None:
         super().__init__()
-        self._proposed = name
+        self._proposed = name if name.isprintable() else ""
         self._confirmed: Path | None = None
         self._is_saving = False
 
