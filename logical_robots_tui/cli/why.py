@@ -137,7 +137,8 @@ def _cut(before: str, line: Line, wide: int) -> str:
     room = max(20, wide - len(before) - len(place) - len(said))
     text = harmless(line.text)
     text = text if len(text) <= room else f"{text[: room - 3]}..."
-    return f"{before}{place}{text}{said}"[: max(wide, 40)]
+    told, wide = f"{before}{place}{text}{said}", max(wide, 40)
+    return told if len(told) <= wide else f"{told[: wide - 3]}..."
 
 
 def _truth(value: Any) -> str:

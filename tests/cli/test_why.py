@@ -96,3 +96,15 @@ def test_in_a_terminal_it_is_told_line_by_line(level: Path, two: Path) -> None:
     assert "(gave 1 row)" in shown
     assert "- d <= 20  (in no way)" in shown
     assert "--predicate Speed --given" in shown
+
+
+def test_a_line_that_is_too_long_shows_that_it_is_cut(level: Path, tmp_path: Path) -> None:
+    program = tmp_path / "long.l"
+    program.write_text(
+        'Robot(robot_name:, desire: {left_engine: 1, right_engine: 1}, memory: "") :-\n'
+        "  Sensor(robot_name:, sensor:), all = sensor.radar;\n"
+    )
+    with in_terminal("why", level, program, "--tick", 3, "--robot", "Pip") as terminal:
+        assert terminal.finish() == 0
+        (line,) = (line for line in terminal.text.splitlines() if " all = [" in line)
+    assert line.rstrip().endswith("...")
