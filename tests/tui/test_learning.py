@@ -54,8 +54,10 @@ async def test_hints_are_revealed_one_at_a_time_and_stay_so(data_dir: Path, shor
         await game.press("h")
         await game.until(lambda: game.shows("It is straight ahead."))
         assert not game.shows("Just go.")
+        assert game.shows("h next hint")
         await game.pilot.click("#more")
         await game.until(lambda: game.shows("These are all hints."))
+        assert not game.shows("h next hint")
         await game.press("h", "h", "q")
         await game.until(lambda: game.app.screen is game.main)
     assert record_of(data_dir).record(str(short)).hints == 3

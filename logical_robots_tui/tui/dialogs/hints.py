@@ -60,7 +60,7 @@ class Hints(Dialog[None]):
             with VerticalScroll():
                 yield Static(id="hints")
             yield Static(id="more")
-            yield Static("h next hint   esc close", id="keys", markup=False)
+            yield Static(id="keys", markup=False)
 
     def on_mount(self) -> None:
         """Somebody who asks for hints wants at least one."""
@@ -95,6 +95,7 @@ class Hints(Dialog[None]):
             lines += [Content.styled(f"    {line}", INK.text) for line in rest]
         self.query_one("#hints", Static).update(Content("\n").join(lines))
         left = len(self._hints) - self._revealed
+        self.query_one("#keys", Static).update(f"{'h next hint   ' if left else ''}esc close")
         self.query_one("#more", Static).update(
             Content(f"{left} more: press h for the next one." if left else "These are all hints.")
         )
