@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import re
 from typing import TYPE_CHECKING
 
 from textual.widgets import Input, Static
@@ -111,7 +112,10 @@ def _proposal(mode: EditMode) -> str:
         other = mode.file.with_stem(f"{mode.file.stem}-2")
         return other.stem if other.parent == mode.own else str(other)
     name = mode.base.name
-    return f"my-{name.lstrip('0123456789-') or name}" if mode.base.source else name
+    if not mode.base.source:  # a new level is called as its title says
+        words = re.findall(r"[^\W_]+", mode.editor.level.title.lower())
+        return "-".join(words) or name
+    return f"my-{name.lstrip('0123456789-') or name}"
 
 
 class SaveLevel(SaveDialog[Level]):
