@@ -85,8 +85,8 @@ def explain(
         hint = 'Texts stand in double quotes: "like this".'
     elif message == _NO_CONDITION and _FIELD.fullmatch(value := text[at : at + length].strip()):
         hint = f"A value alone is no condition: write {value} == true, or name it: x = {value}."
-    elif message in _UNREAD and (found := _foreign(source.skeleton[at : at + length])):
-        hint = found
+    elif message in _UNREAD and (known := _foreign(source.skeleton[at : at + length])):
+        hint = known
     elif (made := source.skeleton.find(":=", start, end)) >= 0 and ":-" in source.text[start:made]:
         at, length, message = made, 2, "':=' can't stand in the body of a rule"
         hint = "Write '=' for a value; ':=' makes a predicate from another."
