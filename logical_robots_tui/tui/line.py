@@ -27,8 +27,9 @@ class Line:
     sshd and the kernel buffer far more than a slow line takes in a second, so that being able to
     write says nothing. Therefore each sending ends in a question (`ASK`), and what waits for the
     answer is under way. Usually that is one sending; on a line that is long, but not slow, it is
-    as many as fit into the time of an answer. Before a terminal has answered for the first time,
-    it is not relied upon.
+    as many as fit into the time of an answer. That time is measured once by a question alone: even
+    a small picture takes its time on a slow line, and would let it seem long. Before a terminal
+    has answered for the first time, it is not relied upon.
 
     All times are in seconds on one clock of the caller's.
 
@@ -39,6 +40,12 @@ class Line:
         self._asked: deque[tuple[float, int]] = deque()
         self._least: float | None = None
         self._window = 1
+        self._is_measuring = self._is_measured = False
+
+    @property
+    def is_to_be_measured(self) -> bool:
+        """Whether to send a question alone now."""
+        return self._least is not None and not self._is_measured and not self._asked
 
     @property
     def is_free(self) -> bool:
@@ -51,7 +58,8 @@ class Line:
         return inf if self._least is None else self._room
 
     def sent(self, size: int, now: float) -> None:
-        """Note that so many bytes and a question were sent."""
+        """Note that so many bytes and a question were sent; none, to measure."""
+        self._is_measuring = not size and not self._asked
         self._asked.append((now, size))
 
     def answered(self, now: float) -> None:
@@ -60,6 +68,7 @@ class Line:
             return
         asked, size = self._asked.popleft()
         taken = max(now - asked, 0.001)
+        self._is_measured = self._is_measured or (self._is_measuring and not self._asked)
         if self._least is None or taken < self._least:
             self._least = taken
         elif size <= _LITTLE and self._window == 1:
@@ -70,7 +79,8 @@ class Line:
             self._window = 1
             self._room = max(_LEAST, int(self._room * _QUEUE / waited))
             return
-        self._window = min(_MOST_ASKED, 1 + int(self._least / _LONG))
+        if self._is_measured:
+            self._window = min(_MOST_ASKED, 1 + int(self._least / _LONG))
         if 2 * size > self._room:
             self._room = min(_MOST, 2 * self._room)
 
@@ -79,3 +89,4 @@ class Line:
         while self._asked and now - self._asked[0][0] > PATIENCE:
             self._asked.popleft()
             self._least = None
+            self._is_measured = False

@@ -128,6 +128,10 @@ class SparingApp(CarefulApp):
                 self._is_waiting = True
                 self.set_timer(PATIENCE, self._stop_waiting)
             return
+        if self._line.is_to_be_measured:
+            driver.ask(ASK)
+            self._line.sent(0, monotonic())
+            return
         text = self._sent.sequence(self._line.room, self.moving_picture())
         cursor = self.screen.outer_size.clamp_offset(self.cursor_position)
         if text or cursor != self._cursor_sent:

@@ -16,6 +16,8 @@ from logical_robots_tui.tui.line import PATIENCE, Line
 def watch(rate: float, way: float, frame: int, seconds: float = 20.0) -> tuple[float, float]:
     """Send frames thirty times a second over a line; a terminal answers each at once.
 
+    There is nothing small among them, but for a question to measure.
+
     Args:
         rate: Of the line, in bytes a second.
         way: Seconds from one end to the other.
@@ -28,14 +30,12 @@ def watch(rate: float, way: float, frame: int, seconds: float = 20.0) -> tuple[f
     """
     line, free_at, slowest, count = Line(), 0.0, 0.0, 0
     answers: list[float] = []
-    line.sent(0, 0.0)
-    line.answered(2 * way)
     for turn in range(int(1000 * seconds)):
-        now = 2 * way + turn / 1000
+        now = turn / 1000
         while answers and answers[0] <= now:
             line.answered(heapq.heappop(answers))
         if turn % 33 == 0 and line.is_free:
-            size = int(min(line.room, 3 * frame))
+            size = 0 if line.is_to_be_measured else int(min(line.room, 3 * frame))
             free_at = max(free_at, now) + size / rate
             heapq.heappush(answers, free_at + 2 * way)
             line.sent(size, now)
