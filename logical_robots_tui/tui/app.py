@@ -142,7 +142,7 @@ class LogicalRobotsApp(SparingApp, inherit_bindings=False):
         if isinstance(event, events.MouseDown | events.MouseMove) and self._is_gone(event):
             return
         if isinstance(event, events.Key | events.Paste) and not event.is_forwarded:
-            if self._turns.must_wait(event):
+            if self._turns.must_wait(event) or self.main.offers.overhears(event):
                 return
             typed = event
         if isinstance(event, events.Key | events.MouseDown | events.Paste):

@@ -56,15 +56,13 @@ class Bookmark:
                 self._drafts.put_away(draft.path)
 
     async def _ask(self, place: Place, draft: Draft) -> None:
-        from logical_robots_tui.tui.dialogs.question import Question
-
         screen, when = self._screen, draft.saved.astimezone()
         question = (
             f"“{clip(one_line(place.title), 40)}” was cut off at tick {place.tick}, "
             f"{when:%H:%M, %d %B}. Continue exactly there?"
         )
         answers = [("yes", "Yes, continue"), ("no", "No, from the start")]
-        if await screen.app.push_screen_wait(Question("Cut off", question, answers)) == "yes":
+        if await screen.offers.ask("Cut off", question, answers) == "yes":
             try:
                 await self._go_to(place)
             except LogicalRobotsError as error:

@@ -167,28 +167,24 @@ class Library:
     async def offer(self) -> None:
         """Offer the text that an earlier session left unsaved, if there is any."""
         screen = self._screen
-        drafts = [
-            draft
-            for draft in await asyncio.to_thread(screen.keeper.adopt)
-            if await self._is_unsaved(draft)
-        ]
+        drafts = await screen.offers.at_hand(self._left_unsaved)
         if not drafts:
             return
         here = str(screen.session.source.path)
         draft = next((draft for draft in drafts if draft.path == here), drafts[0])
-        from logical_robots_tui.tui.dialogs.question import Question
-
         answers = [("yes", "Yes, continue"), ("no", "No, put it away"), ("show", "Show it")]
         when = draft.saved.astimezone()
         name = clip(one_line(draft.program), 40)
         question = f"Continue with your unsaved text of “{name}” from {when:%H:%M, %d %B}?"
-        answer = await screen.app.push_screen_wait(
-            Question("Unsaved text", question, answers, text=draft.text)
-        )
+        answer = await screen.offers.ask("Unsaved text", question, answers, text=draft.text)
         if answer == "yes":
             self._continue_with(draft)
         elif answer == "no":
             await asyncio.to_thread(screen.keeper.drafts.put_away, draft.path)
+
+    async def _left_unsaved(self) -> list[Draft]:
+        drafts = await asyncio.to_thread(self._screen.keeper.adopt)
+        return [draft for draft in drafts if await self._is_unsaved(draft)]
 
     def _continue_with(self, draft: Draft) -> None:
         screen = self._screen

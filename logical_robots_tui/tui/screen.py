@@ -30,6 +30,7 @@ from logical_robots_tui.tui.labyrinth import LabyrinthView
 from logical_robots_tui.tui.labyrinth_pane import LabyrinthPane
 from logical_robots_tui.tui.layout import LEAST_HEIGHT, LEAST_WIDTH, Layout
 from logical_robots_tui.tui.library import Library
+from logical_robots_tui.tui.offers import Offers
 from logical_robots_tui.tui.pane import Pane
 from logical_robots_tui.tui.plain import one_line
 from logical_robots_tui.tui.program.editor import Editor
@@ -120,6 +121,7 @@ class MainScreen(Screen[None]):
         self.library = Library(self, data_dir / "programs")
         self.editing = EditingDoor(self, data_dir)
         self.bookmark = Bookmark(self, data_dir / "places")
+        self.offers = Offers(self)
         self.guide = Guide(self)
         self.capture = Capture(self, data_dir / "screens")
         self.scribe = Scribe(self, data_dir / "copied.txt")
@@ -167,18 +169,15 @@ class MainScreen(Screen[None]):
     def on_screen_resume(self, event: events.ScreenResume) -> None:
         """Take the styles as they are the first time: they have just been worked out."""
         event.refresh_styles = bool(self.stack_updates)
+        self.offers.resumed()
 
     def _start(self) -> None:
         collect_seldom()
         self.session.apply(self.text)
         self.journal.open(self.session.level)
-        self.spawn(self._offer_drafts, "drafts", exclusive=False)
+        self.spawn(self.offers.make, "drafts", exclusive=False)
         if self._is_new_here:
             self.tours.begin()
-
-    async def _offer_drafts(self) -> None:
-        for keeper in (self.library, self.editing, self.bookmark):
-            await keeper.offer()
 
     async def on_unmount(self) -> None:
         """Bring the text to safety and stop all work."""

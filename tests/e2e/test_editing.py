@@ -45,6 +45,7 @@ def test_a_level_is_edited_with_the_mouse_saved_and_survives_a_hangup(player: Pl
     tmux.mend()
     player.play("play", "short.toml", "ahead.l")
     tmux.wait_for("Go on editing the level")
+    tmux.wait_for("Yes, go on")
     tmux.press("y")
     tmux.wait_for("● not saved")
     tmux.press("Escape")

@@ -41,6 +41,7 @@ def assert_the_idea_is_offered(player: Player, *others: str) -> None:
     player.play("play", "short.toml", "ahead.l")
     for offer in ("unsaved", *others):
         player.tmux.wait_for(offer)
+        player.tmux.wait_for("Yes, continue")
         player.tmux.press("Enter")
         player.tmux.wait_until(partial(is_gone, offer))
     player.tmux.press("2")

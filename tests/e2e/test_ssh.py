@@ -157,6 +157,7 @@ def test_who_loses_the_connection_goes_on_there(host: Host, tmp_path: Path) -> N
         tmux.mend()
         tmux.start(*ssh, host.command(tmp_path / "data", *THREE_ROBOTS))
         tmux.wait_for("unsaved")
+        tmux.wait_for("Yes, continue")
         tmux.press("Enter")
         tmux.wait_for(TYPED)
 

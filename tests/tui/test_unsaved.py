@@ -2,28 +2,36 @@
 
 from __future__ import annotations
 
+import asyncio
 import os
 import signal
 import sys
+import threading
 from time import monotonic
 from typing import TYPE_CHECKING
 
 import pytest
-from textual.widgets import Input
+from textual import events
+from textual.widgets import Button, Input
 
+from logical_robots_tui.game import load_program
 from logical_robots_tui.game.drafts import Drafts
 from logical_robots_tui.tui.actions import Actions
 from logical_robots_tui.tui.crash import OwnMistake
+from logical_robots_tui.tui.dialogs.help import Help
 from logical_robots_tui.tui.dialogs.question import Question
 from logical_robots_tui.tui.dialogs.save import SaveAs
+from logical_robots_tui.tui.editing.door import EditingDoor
+from logical_robots_tui.tui.keeper import Keeper
 from tests.terminal import Terminal
-from tests.tui.conftest import LEVELS, PAPER, opened
+from tests.tui.conftest import CHARACTERS, LEVELS, PAPER, PATIENCE, opened
 from tests.waiting import until
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
     from pathlib import Path
 
+    from logical_robots_tui.game.drafts import Draft
     from tests.tui.conftest import Opened
 
 SOON = 10.0  # seconds; two are promised, the rest is for a machine that is busy
@@ -53,6 +61,7 @@ async def type_and_leave(data_dir: Path, words: str) -> None:
 async def asked(game: Opened) -> None:
     await game.until(lambda: isinstance(game.app.screen, Question))
     await game.until(lambda: game.shows("Continue with your unsaved text of “mine”"))
+    await game.until(lambda: game.shows("Yes, continue"))
 
 
 async def test_unsaved_text_is_offered_at_the_next_start(data_dir: Path) -> None:
@@ -65,6 +74,89 @@ async def test_unsaved_text_is_offered_at_the_next_start(data_dir: Path) -> None
         await game.until(lambda: game.editor.text == "hello" + PAPER)
         assert game.app.screen is game.main
     assert texts(data_dir) == ["hello" + PAPER]
+
+
+@pytest.mark.parametrize("key", ["n", "y", "s", "enter", "right", "tab", "escape"])
+async def test_a_key_that_was_meant_for_the_game_is_no_answer(data_dir: Path, key: str) -> None:
+    await type_and_leave(data_dir, "hello")
+    async with opened(data_dir) as game:
+        await game.until(lambda: game.shows("Continue with your unsaved text"))
+        question = game.app.screen
+        assert isinstance(question, Question)
+        assert not game.shows("put it away")
+        await game.press(key)
+        await game.until(lambda: game.shows("put it away"))
+        late = events.Key(key, CHARACTERS.get(key, key if len(key) == 1 else None))
+        late.time = question.answered_from - 0.001
+        game.app.post_message(late)
+        await game.pilot.pause(0)
+        assert game.app.screen is question
+        assert isinstance(question.focused, Button)
+        assert question.focused.id == "answer-yes"
+        assert not game.shows("helloFreedomMotion")
+        await game.press("n")
+        await game.until(lambda: game.app.screen is game.main)
+
+
+async def test_the_question_waits_until_no_dialog_lies_over_the_game(
+    data_dir: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    await type_and_leave(data_dir, "hello")
+    looked, go_on = threading.Event(), threading.Event()
+    adopt = Keeper.adopt
+
+    def slowly(keeper: Keeper) -> list[Draft]:
+        looked.set()
+        go_on.wait(PATIENCE)
+        return adopt(keeper)
+
+    monkeypatch.setattr(Keeper, "adopt", slowly)
+    async with opened(data_dir) as game:
+        try:
+            await game.until(looked.is_set)
+            await game.press("question_mark")
+            await game.until(lambda: isinstance(game.app.screen, Help))
+        finally:
+            go_on.set()
+        await game.until(lambda: game.main.keeper.drafts._adopted)
+        await game.ready()
+        assert isinstance(game.app.screen, Help)
+        await game.press("escape")
+        await asked(game)
+
+
+async def test_text_that_has_come_back_under_a_dialog_is_not_offered(
+    data_dir: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    await type_and_leave(data_dir, "hello")
+    looked, go_on = threading.Event(), threading.Event()
+    adopt = Keeper.adopt
+
+    def slowly(keeper: Keeper) -> list[Draft]:
+        found = adopt(keeper)
+        looked.set()
+        go_on.wait(PATIENCE)
+        return found
+
+    monkeypatch.setattr(Keeper, "adopt", slowly)
+    async with opened(data_dir, name="other") as game:
+        try:
+            await game.until(looked.is_set)
+            await game.press("question_mark")
+            await game.until(lambda: isinstance(game.app.screen, Help))
+            game.main.library.open_program(load_program(data_dir / "programs" / "mine.l"))
+        finally:
+            go_on.set()
+        offered = asyncio.Event()
+        monkeypatch.setattr(EditingDoor, "offer", lambda door: _now(offered))
+        await game.ready()
+        await game.press("escape")
+        await game.until(offered.is_set)
+        assert game.editor.text == "hello" + PAPER
+
+
+async def _now(event: asyncio.Event) -> None:
+    event.set()
 
 
 async def test_unwanted_text_is_put_away_and_not_offered_again(data_dir: Path) -> None:

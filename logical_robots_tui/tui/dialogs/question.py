@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from functools import partial
+from time import monotonic
 from typing import TYPE_CHECKING
 
 from textual import on
@@ -29,6 +31,10 @@ class Question(Dialog[str]):
         question: The question.
         answers: Pairs of name and label; the first letter of the label is its key.
         text: A text to show when asked, under the answer ``show``.
+        noticing: Seconds for which it is to be seen before it shows its answers.
+
+    Attributes:
+        answered_from: When the answers were shown, as the clock of events says; inf before.
     """
 
     DEFAULT_CSS = """
@@ -44,9 +50,17 @@ class Question(Dialog[str]):
     """
 
     def __init__(
-        self, title: str, question: str, answers: Sequence[tuple[str, str]], *, text: str = ""
+        self,
+        title: str,
+        question: str,
+        answers: Sequence[tuple[str, str]],
+        *,
+        text: str = "",
+        noticing: float = 0.0,
     ) -> None:
         super().__init__()
+        self._noticing = noticing
+        self.answered_from = float("inf")
         self._title_text = title
         self._question = question
         self._answers = answers
@@ -64,7 +78,16 @@ class Question(Dialog[str]):
                     yield Button(Content(label), id=f"answer-{name}", compact=True)
 
     def on_mount(self) -> None:
-        """Begin at the first answer."""
+        """Show the answers, at once or when the question has been seen."""
+        if self._noticing:
+            self.query_one("#answers").visible = False
+            self.call_after_refresh(partial(self.set_timer, self._noticing, self._show_answers))
+        else:
+            self._show_answers()
+
+    def _show_answers(self) -> None:
+        self.answered_from = monotonic()
+        self.query_one("#answers").visible = True
         self.query(Button).first().focus()
 
     def on_key(self, event: events.Key) -> None:

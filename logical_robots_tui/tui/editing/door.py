@@ -6,6 +6,7 @@ The editor itself is loaded when it is first asked for, so that the game begins 
 from __future__ import annotations
 
 import asyncio
+from functools import partial
 from typing import TYPE_CHECKING
 
 from logical_robots_tui.game.drafts import Drafts
@@ -84,7 +85,9 @@ class EditingDoor:
     async def offer(self) -> None:
         """Offer the level that an earlier session left unsaved, if there is one."""
         try:
-            drafts = await asyncio.to_thread(self.drafts.adopt)
+            drafts = await self._screen.offers.at_hand(
+                partial(asyncio.to_thread, self.drafts.adopt)
+            )
         except OSError:
             return  # what is edited now can't be kept either, and that is told then
         if drafts:

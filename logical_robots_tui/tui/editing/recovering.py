@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING
 from logical_robots_tui.editing.delta import alike
 from logical_robots_tui.errors import InputError
 from logical_robots_tui.paths import is_file
-from logical_robots_tui.tui.dialogs.question import Question
 from logical_robots_tui.tui.plain import clip, one_line
 from logical_robots_tui.world import load_level
 from logical_robots_tui.world.native import read_native
@@ -36,7 +35,7 @@ async def offer(screen: MainScreen, door: EditingDoor, drafts: Sequence[Draft]) 
         name = clip(one_line(draft.program), 40)
         question = f"Go on editing the level “{name}” from {when:%H:%M, %d %B}?"
         answers = [("yes", "Yes, go on"), ("no", "No, put it away")]
-        answer = await screen.app.push_screen_wait(Question("Unsaved level", question, answers))
+        answer = await screen.offers.ask("Unsaved level", question, answers)
         if answer == "yes":
             await screen.library.open_level(found)
             door.open(draft.path)

@@ -322,6 +322,7 @@ async def test_what_was_edited_is_offered_after_a_hangup(data_dir: Path, room_fi
     assert said(room_file) == ROOM
     async with opened(data_dir) as game:
         await game.until(lambda: game.shows("Go on editing the level “A room”"))
+        await game.until(lambda: game.shows("Yes, go on"))
         await game.press("y")
         await game.until(lambda: game.main.editing.is_on and game.session.level.width == 280)
         await game.until(lambda: game.session.level.walls[40, 100])
