@@ -79,15 +79,21 @@ class Scribe:
             screen.tell(self._nowhere())
 
     def find_next(self) -> None:
-        """Go to the next place of what was looked for last."""
+        """Go to the next place of what was looked for last; ask for it if nothing was."""
         screen, editor = self._screen, self._screen.program.editor
-        found = find_after(editor.text, self._wanted, min(editor.selection))
+        if not self._wanted:
+            screen.spawn(self.find, "library", exclusive=True)
+            return
+        selection, begin = editor.selection, min(editor.selection)
+        found = find_after(editor.text, self._wanted, begin, there=True)
+        if found == begin and max(selection) == self._end_of(found):
+            found = find_after(editor.text, self._wanted, begin)  # that one is found already
         if found is None:
             screen.tell(self._nowhere())
             return
         screen.go_to(screen.program)
         editor.move_cursor(found, center=True)
-        editor.selection = Selection((found[0], found[1] + len(self._wanted)), found)
+        editor.selection = Selection(self._end_of(found), found)
 
     async def rename(self) -> None:
         """Ask for another name of the predicate under the cursor, and use it everywhere."""
@@ -130,8 +136,11 @@ class Scribe:
                 screen.replace_text(text)
                 screen.session.apply(text)
 
+    def _end_of(self, found: tuple[int, int]) -> tuple[int, int]:
+        return found[0], found[1] + len(self._wanted)
+
     def _nowhere(self) -> str:
-        return f"{clip(one_line(self._wanted), _LONGEST) or 'Nothing'} is not in this program."
+        return f"{clip(one_line(self._wanted), _LONGEST)} is not in this program."
 
 
 def edited(text: str, environ: Mapping[str, str]) -> str:

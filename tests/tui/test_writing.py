@@ -206,6 +206,25 @@ def test_what_is_looked_for_is_found_again_from_the_top(
     assert find_after("a b c\nB", wanted, place) == found
 
 
+async def test_the_first_place_may_be_right_at_the_cursor(data_dir: Path) -> None:
+    async with opened(data_dir) as game:
+        await game.ready()
+        await game.press("2", "f3")
+        await game.until(lambda: game.shows("Find in the program"))
+        row = PAPER.splitlines().index("  speed = 0.5,")
+        game.editor.move_cursor((row, 2))
+        await game.press(*"speed", "enter")
+        await game.until(lambda: game.editor.selected_text == "speed")
+        assert game.editor.cursor_location == (row, 2)
+        await game.press("f3")
+        await game.until(lambda: game.editor.cursor_location > (row, 2))
+        assert game.editor.selected_text == "speed"
+        game.editor.move_cursor((row, 2))
+        await game.press("f3")
+        await game.until(lambda: game.editor.selected_text == "speed")
+        assert game.editor.cursor_location == (row, 2)
+
+
 async def test_a_text_is_found_and_replaced_as_one_edit(data_dir: Path) -> None:
     async with opened(data_dir) as game:
         await game.ready()

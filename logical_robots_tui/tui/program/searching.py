@@ -14,13 +14,16 @@ def is_predicate_name(text: str) -> bool:
     return re.fullmatch(r"[A-Z]\w*", text) is not None
 
 
-def find_after(text: str, wanted: str, place: tuple[int, int]) -> tuple[int, int] | None:
+def find_after(
+    text: str, wanted: str, place: tuple[int, int], *, there: bool = False
+) -> tuple[int, int] | None:
     """Return where a text stands next, from the top again after the end; None if nowhere.
 
     Args:
         text: Where to look.
         wanted: What to look for; capitals count only if it has some.
         place: Line and column, from 0, after which to look.
+        there: Whether a text that begins right at the place counts, too.
     """
     if not wanted:
         return None
@@ -28,7 +31,7 @@ def find_after(text: str, wanted: str, place: tuple[int, int]) -> tuple[int, int
         text = text.lower()
     lines = text.split("\n")
     offset = sum(len(line) + 1 for line in lines[: place[0]]) + place[1]
-    at = text.find(wanted, offset + 1)
+    at = text.find(wanted, offset + (not there))
     if at < 0:
         at = text.find(wanted)
     if at < 0:
