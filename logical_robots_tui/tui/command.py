@@ -72,7 +72,8 @@ def key_name(key: str) -> str:
     """A key as printed on a keyboard, such as ``^R`` or ``F5``."""
     if key.startswith("ctrl+"):
         letter = key.removeprefix("ctrl+")
-        return f"^{_NAMES.get(letter, letter).upper()}"
+        name = _NAMES.get(letter, letter)
+        return f"^{name.upper() if len(name) == 1 else name}"
     if key[0] == "f" and key[1:].isdigit():
         return key.upper()
     return _NAMES.get(key, key)

@@ -9,6 +9,7 @@ from textual.command import CommandPalette, DiscoveryHit, Hit, Provider
 
 from logical_robots_tui.tui.commands import commands, editing_commands
 from logical_robots_tui.tui.once import ClosedOnce
+from logical_robots_tui.tui.writing_commands import WRITING
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable
@@ -51,7 +52,8 @@ class CommandProvider(Provider):
         from logical_robots_tui.tui.screen import MainScreen
 
         edits = isinstance(self.screen, MainScreen) and self.screen.editing.is_on
-        return (*editing_commands().values(), *commands()) if edits else commands()
+        known = (*commands(), *WRITING)
+        return (*editing_commands().values(), *known) if edits else known
 
     def _caller(self, entry: Command) -> Callable[[], object]:
         return partial(self.screen.run_action, f"command('{entry.id}')")

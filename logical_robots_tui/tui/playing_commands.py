@@ -163,7 +163,7 @@ PLAYING: tuple[Command, ...] = (
         "Select all",
         "Select the whole text of the program.",
         _PROGRAM,
-        (),
+        ("f7",),
     ),
     Command(
         "external",

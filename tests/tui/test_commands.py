@@ -5,17 +5,23 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 import pytest
-from textual.widgets import Static
+from textual.binding import Binding
+from textual.widgets import Static, TextArea
+from textual.widgets.text_area import Selection
 
 from logical_robots_tui.tui.actions import Actions
 from logical_robots_tui.tui.bar import CommandBar
-from logical_robots_tui.tui.commands import COMMANDS, GROUPS, bindings, key_name
+from logical_robots_tui.tui.commands import COMMANDS, EDITING, GROUPS, bindings, key_name
 from logical_robots_tui.tui.drawing.glyphs import Drawing
 from logical_robots_tui.tui.labyrinth import LabyrinthView
-from tests.tui.conftest import opened
+from logical_robots_tui.tui.program.editor import Editor
+from logical_robots_tui.tui.writing_commands import WRITING, WRITING_GROUP
+from tests.tui.conftest import PAPER, opened
 
 if TYPE_CHECKING:
     from pathlib import Path
+
+    from logical_robots_tui.tui.commands import Command
 
 ONLY_IN_THE_PALETTE = {
     *(
@@ -42,7 +48,7 @@ def test_each_command_has_its_own_keys() -> None:
 
 def test_each_command_is_done_and_nothing_else() -> None:
     done = {name for name in dir(Actions) if not name.startswith("_")}
-    assert done == {entry.id for entry in COMMANDS}
+    assert done == {entry.id for entry in (*COMMANDS, *WRITING)}
 
 
 def test_each_command_can_be_asked_for_without_function_keys() -> None:
@@ -52,8 +58,8 @@ def test_each_command_can_be_asked_for_without_function_keys() -> None:
 
 
 def test_each_command_belongs_to_a_heading_and_ends_its_help_with_a_stop() -> None:
-    for entry in COMMANDS:
-        assert entry.group in GROUPS
+    for entry in (*COMMANDS, *WRITING):
+        assert entry.group in (*GROUPS, WRITING_GROUP)
         assert entry.help.endswith(".")
         assert entry.title[0].isupper()
 
@@ -65,7 +71,8 @@ def test_bindings_name_every_key_once() -> None:
 
 
 @pytest.mark.parametrize(
-    ("key", "name"), [("ctrl+r", "^R"), ("f5", "F5"), ("space", "space"), ("comma", ",")]
+    ("key", "name"),
+    [("ctrl+r", "^R"), ("f5", "F5"), ("space", "space"), ("comma", ","), ("ctrl+space", "^space")],
 )
 def test_keys_are_named_as_on_a_keyboard(key: str, name: str) -> None:
     assert key_name(key) == name
@@ -109,6 +116,90 @@ async def test_the_palette_finds_a_command_and_does_it(data_dir: Path) -> None:
         assert game.app.screen is game.main
 
 
+def test_the_keys_for_writing_are_those_of_the_editor() -> None:
+    owned = {
+        key
+        for binding in Binding.make_bindings([*TextArea.BINDINGS, *Editor.BINDINGS])
+        for key in binding.key.split(",")
+    }
+    keys = [key for entry in WRITING for key in entry.keys]
+    assert set(keys) <= owned
+    assert len(keys) == len(set(keys))
+    ids = [entry.id for entry in (*COMMANDS, *EDITING, *WRITING)]
+    assert len(ids) == len(set(ids))
+
+
+async def test_what_keys_do_in_the_editor_the_palette_does_from_anywhere(data_dir: Path) -> None:
+    async with opened(data_dir) as game:
+        await game.ready()
+
+        async def ask_for(words: str, shown: str) -> None:
+            await game.press("ctrl+p")
+            await game.until(lambda: game.shows("Find a command"))
+            await game.press(*words)
+            await game.until(lambda: game.shows(shown))
+            await game.press("enter")
+            await game.until(lambda: game.app.screen is game.main)
+
+        await ask_for("commentlines", "Comment lines   ^_")
+        await game.until(lambda: game.editor.text == f"# {PAPER}")
+        assert game.editor.has_focus
+        await ask_for("undointhe", "Undo in the program   ^Z")
+        await game.until(lambda: game.editor.text == PAPER)
+        await game.press("escape")
+        await ask_for("redointhe", "Redo in the program   ^Y")
+        await game.until(lambda: game.editor.text == f"# {PAPER}")
+        game.editor.put(f"Fr\n{PAPER}")
+        game.editor.move_cursor((0, 2))
+        await game.press("escape")
+        await ask_for("completethe", "Complete the word   ^space")
+        await game.until(lambda: game.editor.completion.display)
+        assert "FreedomMotion" in game.editor.completion.names
+        await game.press("escape")
+        await game.until(lambda: not game.editor.completion.display)
+        await ask_for("copy", "Copy   ^C")
+        await game.until(lambda: game.shows("Select something to copy first."))
+
+
+async def test_each_command_for_writing_does_what_its_key_does(data_dir: Path) -> None:
+    async with opened(data_dir) as game:
+        await game.ready()
+        editor = game.editor
+
+        def state() -> tuple[object, ...]:
+            return editor.text, editor.selection, editor.completion.display, game.app.clipboard
+
+        async def begin(entry: Command) -> tuple[object, ...]:
+            await game.press("2")
+            await game.until(lambda: editor.has_focus)
+            editor.load_text("  one\n")
+            editor.put("  one,Sq\nthree\n")
+            if entry.id == "do_again":
+                editor.undo()
+            editor.move_cursor((0, 6) if entry.id == "do_again" else (0, 8))
+            if entry.id == "copy":
+                editor.selection = Selection((0, 2), (0, 5))
+            game.app.copy_to_clipboard("before")
+            return state()
+
+        for entry in WRITING:
+            before = await begin(entry)
+            await game.press(*entry.keys)
+            await game.until(lambda before=before: state() != before)  # type: ignore[misc]
+            by_key = state()
+            await game.press("escape", "escape")
+            await game.until(lambda: not editor.has_focus)
+            await begin(entry)
+            await game.press("escape")
+            await game.until(lambda: not editor.has_focus)
+            game.main.action_command(entry.id)
+            await game.until(lambda by_key=by_key: state() == by_key)  # type: ignore[misc]
+            assert editor.has_focus
+            editor.completion.close()
+            await game.press("escape")
+            await game.until(lambda: not editor.has_focus)
+
+
 async def test_the_help_begins_with_what_the_player_works_in(data_dir: Path) -> None:
     async with opened(data_dir) as game:
 
@@ -137,7 +228,7 @@ async def test_the_help_lists_every_command_with_its_keys(data_dir: Path) -> Non
         await game.until(lambda: len(game.app.screen_stack) == 2)
         shown = game.app.screen.query_one("#help", Static)
         await game.until(lambda: "Restart" in str(shown.visual))
-        for entry in COMMANDS:
+        for entry in (*COMMANDS, *WRITING):
             assert entry.title in str(shown.visual)
             assert entry.key_names in str(shown.visual)
         await game.press("escape")

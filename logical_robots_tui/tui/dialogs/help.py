@@ -16,6 +16,7 @@ from logical_robots_tui.tui.drawing.glyphs import Drawing, legend
 from logical_robots_tui.tui.editing_commands import WHILE_EDITING
 from logical_robots_tui.tui.theme import INK, hex_colour, palette_of
 from logical_robots_tui.tui.timeline.drawing import PARTING, SIGNS, TRACKS
+from logical_robots_tui.tui.writing_commands import WRITING, WRITING_GROUP
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -23,17 +24,6 @@ if TYPE_CHECKING:
     from textual.app import ComposeResult
 
 __all__ = ["Help", "Subject"]
-
-_EDITOR_KEYS = (
-    ("tab", "indent; with shift, take indentation back; all selected lines at once"),
-    ("^space", "offer predicates, functions and fields that fit"),
-    ("^Z, ^Y", "undo, redo"),
-    ("^_", "make lines comments, or text again"),
-    ("^X, ^C, ^V", "cut, copy, paste"),
-    ("^home, ^end", "to the start and to the end of the text"),
-    ("F6, F7", "select the line, select all"),
-    ("^K, ^U, ^W", "delete to the end, to the start, the word before"),
-)
 
 _INSPECTOR_SIGNS = (
     ("◂", "what the world gives to the program"),
@@ -60,7 +50,7 @@ _ABOUT: dict[Subject, tuple[str, tuple[str, ...]]] = {
         "The program is edited here; letters are text, so commands have Ctrl or function keys. "
         "What you type is kept. A line with ✗ holds a mistake, one with ! looks odd; behind it, "
         "where there is room, and below the text stands why.",
-        ("In the program", "Program and level"),
+        (WRITING_GROUP, "Program and level"),
     ),
     "inspector": (
         "The inspector shows what the program found at the tick on the screen. Choose a page or "
@@ -118,8 +108,7 @@ class Help(Dialog[None]):
 
     def _content(self, width: int) -> Content:
         sections = {group: _commands_of(group, width) for group in GROUPS}
-        editing = [line for keys, what in _EDITOR_KEYS for line in _entry(keys, what, "", width)]
-        sections["In the program"] = editing
+        sections[WRITING_GROUP] = _commands_of(WRITING_GROUP, width)
         palette = palette_of(self.app.current_theme)
         signs = [
             (sign, hex_colour(rgb), said) for sign, rgb, said in legend(self._drawing, palette)
@@ -135,7 +124,7 @@ class Help(Dialog[None]):
 
 
 def _commands_of(group: str, width: int) -> list[Content]:
-    known = (*commands(), *editing_commands().values())
+    known = (*commands(), *editing_commands().values(), *WRITING)
     found = [entry for entry in known if entry.group == group]
     return [
         line
