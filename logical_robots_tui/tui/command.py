@@ -13,8 +13,6 @@ __all__ = ["CHARACTERS", "Command", "Place", "key_name"]
 Place: TypeAlias = Literal["anywhere", "editor", "outside"]
 """Where the command bar offers a command: always, only in the editor, only outside of it."""
 
-PALETTE_KEY = "^P"
-
 CHARACTERS = {_character_to_key(char): char for char in string.punctuation}
 """The printable characters that Textual has names for, by these."""
 
@@ -35,6 +33,7 @@ class Command:
         bar: Label in the command bar, or "" to leave it out; beside an equal key it is not said.
         place: Where the bar shows it.
         spare: How easily the bar does without it where there is little room; 0 is not at all.
+        without_key: What to name where it has no key: that of the palette, which finds all.
     """
 
     id: str
@@ -45,11 +44,12 @@ class Command:
     bar: str = ""
     place: Place = "outside"
     spare: int = 0
+    without_key: str = "^P"
 
     @property
     def key_name(self) -> str:
-        """The first key as printed on a keyboard, or that of the palette, which finds all."""
-        return key_name(self.keys[0]) if self.keys else PALETTE_KEY
+        """The first key as printed on a keyboard, or what to name instead."""
+        return key_name(self.keys[0]) if self.keys else self.without_key
 
     @property
     def key_names(self) -> str:

@@ -52,9 +52,14 @@ def use_keys(keys: Mapping[str, tuple[str, ...]]) -> None:
     Args:
         keys: By the id of the command; those that are not named get back what they came with.
     """
+    palette = next(entry for entry in COMMANDS if entry.id == "palette")
+    palette_keys = keys.get(palette.id, palette.keys)
+    # Without a key of its own the palette is still in the bar, to be clicked.
+    instead = key_name(palette_keys[0]) if palette_keys else palette.bar
     for known, in_use in ((COMMANDS, _in_use), (EDITING, _in_use_editing)):
         for entry in known:
-            in_use[entry.id] = replace(entry, keys=keys.get(entry.id, entry.keys))
+            own = keys.get(entry.id, entry.keys)
+            in_use[entry.id] = replace(entry, keys=own, without_key=instead)
 
 
 def commands() -> Iterable[Command]:

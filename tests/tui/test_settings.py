@@ -8,7 +8,7 @@ import pytest
 from textual.widgets import Static
 
 from logical_robots_tui.tui.bar import CommandBar
-from logical_robots_tui.tui.commands import COMMANDS, EDITING, use_keys
+from logical_robots_tui.tui.commands import COMMANDS, EDITING, use_keys, with_keys
 from logical_robots_tui.tui.drawing.glyphs import Drawing
 from logical_robots_tui.tui.keys import key_from
 from logical_robots_tui.tui.settings import Settings, as_toml, read_settings
@@ -44,6 +44,14 @@ def test_everything_can_be_set(tmp_path: Path) -> None:
     keys = {"run": ("percent_sign", "f9"), "restart": ()}
     keys["definition"] = ("ctrl+right_square_bracket",)
     assert found == Settings("gruvbox", Drawing.SEXTANTS, 10, False, False, keys)
+
+
+def test_a_command_without_a_key_is_found_where_the_palette_is() -> None:
+    assert with_keys("{rename} {step}") == "^P n"
+    use_keys({"palette": ("f9",), "hint": (), "brush": ()})
+    assert with_keys("{rename} {hint} {brush} {step}") == "F9 F9 F9 n"
+    use_keys({"palette": ()})
+    assert with_keys("{rename} {palette}") == "Commands Commands"
 
 
 @pytest.mark.parametrize("given", [Settings(), Settings("nord", Drawing.ASCII, 5, False, True)])
