@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 from functools import partial
+from threading import Event
 from typing import TYPE_CHECKING
 
 import pytest
@@ -14,16 +15,18 @@ from textual.widgets import Input
 
 from logical_robots_tui.progress import FILE_NAME, Bests, LevelRecord, Measures, Progress
 from logical_robots_tui.tui.drawing import DARK, Drawing
+from logical_robots_tui.tui.levels import screen
 from logical_robots_tui.tui.levels.card import LINES_AROUND, LevelCard, card_strips
 from logical_robots_tui.tui.levels.cards import LevelCards
 from logical_robots_tui.tui.levels.miniature import draw_miniature
 from logical_robots_tui.tui.levels.screen import LevelScreen
 from logical_robots_tui.world import list_levels, load_level
-from tests.tui.conftest import opened
+from tests.tui.conftest import PATIENCE, opened
 
 if TYPE_CHECKING:
     from pathlib import Path
 
+    from logical_robots_tui.world import Level
     from tests.tui.conftest import Opened
 
 NAMES = list_levels()
@@ -115,6 +118,38 @@ async def test_what_is_typed_filters_by_title_idea_and_state(data_dir: Path) -> 
         await game.press("enter", "right", "down", "escape")
         await game.until(lambda: game.app.screen is game.main)
         assert game.session.level.name == "open_room"
+
+
+async def test_what_is_typed_while_levels_are_read_costs_no_picture(
+    data_dir: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    own = data_dir / "levels"
+    own.mkdir(parents=True)
+    (own / "zzz.toml").write_text("title = ")
+    go_on = Event()
+
+    def slowly(card: LevelCard) -> Level:
+        go_on.wait(PATIENCE)
+        return load_level(card.file or card.name)
+
+    monkeypatch.setattr(screen, "_level_of", slowly)
+    async with opened(data_dir) as game:
+        try:
+            await game.ready()
+            await game.press("l")
+            await game.until(lambda: isinstance(game.app.screen, LevelScreen))
+            cards = game.app.screen.query_one(LevelCards)
+            line = game.app.screen.query_one("#filter", Input)
+            await game.until(lambda: len(cards._cards) == len(NAMES) + 1)
+            await game.press(*NAMES[1])
+            await game.until(lambda: [card.name for card in cards._cards] == [NAMES[1]])
+        finally:
+            go_on.set()
+        await game.until(partial(has_picture, cards, NAMES[1]))
+        line.value = ""
+        await game.until(lambda: len(cards._cards) == len(NAMES) + 1)
+        for name in NAMES:
+            await game.until(partial(has_picture, cards, name))
 
 
 async def test_the_level_at_hand_is_chosen_at_first(data_dir: Path) -> None:

@@ -85,6 +85,7 @@ class LevelScreen(Dialog["Level | NewLevel"]):
         self._all: list[LevelCard] = []
         self._shown: list[LevelCard] = []
         self._cards = LevelCards()
+        self._is_read = False
 
     def compose(self) -> ComposeResult:
         """How far the player is, a line to type in, the cards, more about the chosen one."""
@@ -152,6 +153,7 @@ class LevelScreen(Dialog["Level | NewLevel"]):
                 self._all[index] = replace(card, complaint=str(error))
             self._update(name, self._all[index])
         self._tell_head()
+        self._is_read = True
         in_background(self, self._draw_all, "pictures", exclusive=True)
 
     async def _draw_all(self) -> None:
@@ -219,7 +221,7 @@ class LevelScreen(Dialog["Level | NewLevel"]):
     def _filter_changed(self) -> None:
         self.query_one("#complaint").display = False
         self._filter(self._chosen.name if self._chosen else None)
-        if self._all and self._all[-1].level is not None:
+        if self._is_read:
             in_background(self, self._draw_all, "pictures", exclusive=True)
 
     @on(LevelCards.Chosen)
