@@ -126,7 +126,7 @@ class MainScreen(Screen[None]):
         self.capture = Capture(self, data_dir / "screens")
         self.scribe = Scribe(self, data_dir / "copied.txt")
         self._text_to_begin_with = source.text if text is None else text
-        self._watch = FileWatch()
+        self._watch = FileWatch(lambda: self.session.source, self.library.take_from_disk)
         self._is_new_here = welcome
         self.tours = TourGuide(self)
         self.travel = Travel(self)
@@ -176,6 +176,7 @@ class MainScreen(Screen[None]):
         self.session.apply(self.text)
         self.journal.open(self.session.level)
         self.spawn(self.offers.make, "drafts", exclusive=False)
+        self.spawn(self._watch.follow, "watch", exclusive=False)
         if self._is_new_here:
             self.tours.begin()
 
@@ -271,9 +272,6 @@ class MainScreen(Screen[None]):
         self._tabs.show(tabs, self.arrangement.active.command_id)
 
     def _beat(self) -> None:
-        newer = self._watch.newer(self.session.source)
-        if newer is not None:
-            self.library.take_from_disk(newer)
         if self.session.busy and self.redrawing.tempo.rested > _HEARTBEAT:
             self.redraw_lines()
 

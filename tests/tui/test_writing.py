@@ -153,7 +153,6 @@ async def test_a_line_that_looks_odd_has_a_mark(data_dir: Path) -> None:
 async def test_a_file_that_changes_on_disk_is_applied(data_dir: Path) -> None:
     async with opened(data_dir) as game:
         await game.ready()
-        await game.until(lambda: game.main._watch._source is not None)
         game.session.source.path.write_text(STILL)
         await game.until(lambda: game.editor.text == STILL)
         await game.until(lambda: game.session.state.applied == STILL)
@@ -164,7 +163,6 @@ async def test_typed_text_stays_when_its_file_changes_on_disk(data_dir: Path) ->
         await game.ready()
         await game.press("2", "x")
         await game.until(lambda: game.editor.text == "x" + PAPER)
-        await game.until(lambda: game.main._watch._source is not None)
         game.session.source.path.write_text(STILL)
         await game.until(lambda: game.shows("has changed on disk"))
         assert game.editor.text == "x" + PAPER

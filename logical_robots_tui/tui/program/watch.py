@@ -2,35 +2,56 @@
 
 from __future__ import annotations
 
+import asyncio
 from typing import TYPE_CHECKING
 
 from logical_robots_tui.errors import InputError
 from logical_robots_tui.game import load_program
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from logical_robots_tui.game import Source
 
 __all__ = ["FileWatch"]
 
+_PAUSE = 0.25  # seconds between two looks
+
 
 class FileWatch:
-    """Looks at one file, again and again."""
+    """Looks at one file, again and again, in a thread: a disk may take its time.
 
-    def __init__(self) -> None:
+    Args:
+        source: Gives what the game knows of the file at present.
+        changed: Called with the program as it is on disk when that has changed.
+    """
+
+    def __init__(self, source: Callable[[], Source], changed: Callable[[Source], None]) -> None:
+        self._current, self._changed = source, changed
         self._source: Source | None = None
         self._stamp: tuple[int, int] | None = None
+
+    async def follow(self) -> None:
+        """Go on looking until it is cancelled."""
+        while True:
+            await asyncio.sleep(_PAUSE)
+            source = self._current()
+            if source.shipped:
+                continue
+            found = await asyncio.to_thread(self.newer, source)
+            if found is not None and self._current() is source:
+                self._changed(found)
 
     def newer(self, source: Source) -> Source | None:
         """Return the program as it is on disk if that has changed since the last look.
 
         Args:
-            source: What the game knows of it; another file, or what was just saved there, is not
-                a change.
+            source: What the game knows of it. At the first look its text is compared, for the file
+                may have changed since it was read.
         """
         stamp = _stamp(source)
         if source is not self._source:
-            self._source, self._stamp = source, stamp
-            return None
+            self._source, self._stamp = source, None
         if source.shipped or stamp is None or stamp == self._stamp:
             return None
         self._stamp = stamp
