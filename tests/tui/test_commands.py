@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import partial
 from typing import TYPE_CHECKING
 
 import pytest
@@ -169,6 +170,12 @@ async def test_each_command_for_writing_does_what_its_key_does(data_dir: Path) -
         def state() -> tuple[object, ...]:
             return editor.text, editor.selection, editor.completion.display, game.app.clipboard
 
+        def differs(before: object) -> bool:
+            return state() != before
+
+        def is_like(by_key: object) -> bool:
+            return state() == by_key
+
         async def begin(entry: Command) -> tuple[object, ...]:
             await game.press("2")
             await game.until(lambda: editor.has_focus)
@@ -185,7 +192,7 @@ async def test_each_command_for_writing_does_what_its_key_does(data_dir: Path) -
         for entry in WRITING:
             before = await begin(entry)
             await game.press(*entry.keys)
-            await game.until(lambda before=before: state() != before)  # type: ignore[misc]
+            await game.until(partial(differs, before))
             by_key = state()
             await game.press("escape", "escape")
             await game.until(lambda: not editor.has_focus)
@@ -193,7 +200,7 @@ async def test_each_command_for_writing_does_what_its_key_does(data_dir: Path) -
             await game.press("escape")
             await game.until(lambda: not editor.has_focus)
             game.main.action_command(entry.id)
-            await game.until(lambda by_key=by_key: state() == by_key)  # type: ignore[misc]
+            await game.until(partial(is_like, by_key))
             assert editor.has_focus
             editor.completion.close()
             await game.press("escape")
