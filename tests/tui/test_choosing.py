@@ -14,6 +14,7 @@ from textual.widgets import Input, OptionList, Static
 from logical_robots_tui.game import list_programs, load_program, save_program
 from logical_robots_tui.tui.dialogs.chooser import Chooser
 from logical_robots_tui.tui.dialogs.hints import Hints
+from logical_robots_tui.tui.dialogs.question import Question
 from logical_robots_tui.tui.dialogs.save import SaveAs
 from logical_robots_tui.tui.dialogs.shelves import ProgramShelf
 from logical_robots_tui.tui.levels.screen import LevelScreen
@@ -189,6 +190,37 @@ async def test_who_is_in_a_hurry_saves_once_and_takes_nothing_back(
         await game.until(lambda: game.app.screen is game.main)
         assert game.session.source.name == "other"
         assert len(begun) == 1
+
+
+async def test_a_save_that_ends_under_another_dialog_leaves_no_dialog_that_stays(
+    data_dir: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    begun, go_on = threading.Event(), threading.Event()
+
+    def save_slowly(path: Path, text: str) -> None:
+        begun.set()
+        assert go_on.wait(PATIENCE)
+        path.write_text(text)
+
+    monkeypatch.setattr("logical_robots_tui.tui.dialogs.save.save_program", save_slowly)
+    async with opened(data_dir) as game:
+        await dialog(game, "s", SaveAs)
+        await fill(game, "other")
+        saving = game.app.screen
+        await game.press("enter")
+        await game.until(begun.is_set)
+        try:
+            game.app.push_screen(Question("Above", "All of it?", [("yes", "Yes")]))
+            await game.until(lambda: isinstance(game.app.screen, Question))
+        finally:
+            go_on.set()
+        save = next(worker for worker in game.app.workers if worker.group == "save")
+        await save.wait()
+        await game.press("y")
+        await game.until(lambda: game.app.screen is saving)
+        await game.press("escape")
+        await game.until(lambda: game.app.screen is game.main)
+    assert (data_dir / "programs" / "other.l").read_text() == PAPER
 
 
 async def test_saving_over_the_program_at_hand_does_not_ask(data_dir: Path) -> None:

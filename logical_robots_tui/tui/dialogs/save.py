@@ -105,10 +105,11 @@ class SaveDialog(Dialog[Result]):
             self._is_saving = True
             saved = await self.save(path)
         except InputError as error:
-            self._is_saving = False
             self._complain(str(error))
         else:
             self.dismiss(saved)
+        finally:
+            self._is_saving = False  # with another dialog above, this one stays
 
     def _complain(self, message: str) -> None:
         complaint = self.query_one("#complaint", Static)
