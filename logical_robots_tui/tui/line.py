@@ -89,4 +89,5 @@ class Line:
         while self._asked and now - self._asked[0][0] > PATIENCE:
             self._asked.popleft()
             self._least = None
+            self._window = 1
             self._is_measured = False

@@ -75,6 +75,21 @@ def test_a_lost_answer_is_given_up_after_a_while() -> None:
     assert line.is_free
 
 
+def test_a_line_that_was_long_is_measured_anew_when_an_answer_was_lost() -> None:
+    line = Line()
+    for start in (0.0, 1.0):
+        line.sent(0, start)
+        line.answered(start + 0.3)
+    line.sent(1000, 2.0)
+    assert line.is_free  # several are under way on it
+    line.forget(2.1 + PATIENCE)
+    line.sent(1000, 5.0)
+    line.answered(5.01)
+    assert line.is_to_be_measured
+    line.sent(0, 6.0)
+    assert not line.is_free
+
+
 @given(st.lists(st.text("ab[;0R1m", max_size=8), min_size=1), st.integers(1, 9))
 def test_answers_are_heard_wherever_they_come_in_and_a_paste_around_them_stays_whole(
     texts: list[str], size: int
