@@ -123,14 +123,13 @@ class SparingApp(CarefulApp):
             return
         if (self._sent.columns, self._sent.rows) != self.size:
             return  # all of it is about to be drawn anew
+        if self._line.is_to_be_measured:
+            driver.ask(ASK)
+            self._line.sent(0, monotonic())
         if not self._line.is_free:
             if not self._is_waiting:
                 self._is_waiting = True
                 self.set_timer(PATIENCE, self._stop_waiting)
-            return
-        if self._line.is_to_be_measured:
-            driver.ask(ASK)
-            self._line.sent(0, monotonic())
             return
         text = self._sent.sequence(self._line.room, self.moving_picture())
         cursor = self.screen.outer_size.clamp_offset(self.cursor_position)
