@@ -125,7 +125,10 @@ class Library:
         What the player typed meanwhile stays; the command for it takes the file's text.
         """
         session, name = self._screen.session, one_line(source.name)
-        if self._screen.text == session.source.text:
+        if self._screen.text == source.text:
+            session.saved_as(source)  # it may be the game that has just saved it
+            self._screen.keeper.edited()
+        elif self._screen.text == session.source.text:
             self._screen.replace_text(source.text)
             session.open_program(source, source.text)
             self._screen.tell(f"{name} has changed on disk and is applied.")

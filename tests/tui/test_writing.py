@@ -168,6 +168,18 @@ async def test_typed_text_stays_when_its_file_changes_on_disk(data_dir: Path) ->
         assert game.editor.text == "x" + PAPER
 
 
+async def test_a_file_in_which_the_typed_text_is_found_counts_as_saved(data_dir: Path) -> None:
+    async with opened(data_dir) as game:
+        await game.ready()
+        await game.press("2", "x")
+        await game.until(lambda: game.editor.text == "x" + PAPER)
+        game.session.source.path.write_text("x" + PAPER)
+        await game.until(lambda: game.session.source.text == "x" + PAPER)
+        await game.pilot.pause(0)
+        assert not game.shows("has changed on disk")
+        assert game.editor.text == "x" + PAPER
+
+
 async def test_ten_thousand_lines_are_pasted_and_edited_without_a_hang(data_dir: Path) -> None:
     async with opened(data_dir, text="") as game:
         await game.press("2")
