@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import sys
+from contextlib import suppress
 from typing import TYPE_CHECKING, Any
 
 from logical_robots_tui.cli.text import harmless
@@ -111,4 +112,6 @@ def _lines(error: LogicalRobotsError) -> list[str]:
 
 
 def _say(head: str, *more: str) -> None:
-    print(f"logical-robots: {harmless(head)}", *map(harmless, more), sep="\n", file=sys.stderr)
+    lines = f"logical-robots: {harmless(head)}", *map(harmless, more)
+    with suppress(OSError):  # the exit status still tells
+        print(*lines, sep="\n", file=sys.stderr)

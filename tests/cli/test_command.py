@@ -161,6 +161,12 @@ def test_a_full_disk_is_said_where_output_goes_there(typed: str) -> None:
     assert done.returncode == 2
 
 
+@pytest.mark.parametrize("typed", ["levels > /dev/full 2>&1", "run nowhere nothing 2> /dev/full"])
+def test_where_nothing_can_be_said_the_exit_status_tells(typed: str) -> None:
+    command = f"{sys.executable} -m logical_robots_tui {typed}"
+    assert subprocess.run(["sh", "-c", command], check=False).returncode == 2
+
+
 def test_what_the_parts_log_is_kept_in_a_file_and_not_printed(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
