@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from hypothesis import strategies as st
@@ -10,13 +11,17 @@ from hypothesis import strategies as st
 from logical_robots_tui.editing.properties import resize, set_words
 from logical_robots_tui.editing.things import KINDS, Kind, Ref, add, change, duplicate, remove
 from logical_robots_tui.editing.walls import fill, paint, paint_rectangle
-from logical_robots_tui.world import Area, Beacon, Level, LevelError, Robot, Visibility
+from logical_robots_tui.shipped import shipped_folder
+from logical_robots_tui.world import Area, Beacon, Level, LevelError, Robot, Visibility, list_levels
 from tests.world.making import make_level
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-__all__ = ["EDITS", "Edit", "drawn", "room", "sketch"]
+__all__ = ["CONFORMANCE", "EDITS", "SHIPPED", "Edit", "drawn", "room", "sketch"]
+
+CONFORMANCE = sorted((Path(__file__).parents[1] / "conformance" / "levels").glob("*.json"))
+SHIPPED = [shipped_folder("levels") / f"{name}.toml" for name in list_levels()]
 
 NAMES = st.sampled_from(["Ann", "Bob", "lamp", "gate", "机器人", "ü", "n" * 60, 'a "b" \\c', "#"])
 TEXTS = st.text("ab #\n\t'\"\\.[]=", max_size=20)

@@ -7,9 +7,8 @@ import json
 import math
 import re
 import tempfile
-from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import pytest
 from hypothesis import given, settings
@@ -25,27 +24,22 @@ from logical_robots_tui.editing.rewriting import rewritten
 from logical_robots_tui.editing.things import Ref, add, change, remove
 from logical_robots_tui.editing.walls import paint, paint_rectangle
 from logical_robots_tui.editing.web_text import lost_in_web, write_web
-from logical_robots_tui.shipped import shipped_folder
 from logical_robots_tui.world import (
     Area,
     Beacon,
     Level,
-    LevelError,
     Robot,
     Visibility,
-    list_levels,
     load_level,
 )
 from logical_robots_tui.world.native import read_native
 from logical_robots_tui.world.web import read_web
-from tests.editing.making import EDITS, Edit, room
+from tests.editing.making import CONFORMANCE, EDITS, SHIPPED, Edit, room
 from tests.world.making import levels
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-CONFORMANCE = sorted((Path(__file__).parents[1] / "conformance" / "levels").glob("*.json"))
-SHIPPED = [shipped_folder("levels") / f"{name}.toml" for name in list_levels()]
 
 BY_HAND = """\
 # A level made by hand.
@@ -358,77 +352,6 @@ def test_a_file_laid_out_very_differently_is_written_anew(old: str) -> None:
     text = BY_HAND.replace(old, f'[["{old[2:-2]}"]]')
     level = change(read(text), Ref("robots", 0), x=20.0)
     assert alike(read(rewritten(text, level)), level)
-
-
-# -- files ---------------------------------------------------------------------------------------
-
-
-@pytest.mark.parametrize("ending", [".toml", ".json"])
-def test_a_new_file_is_made_with_its_folders(ending: str, tmp_path: Path) -> None:
-    path = tmp_path / "mine" / f"maze{ending}"
-    saved = save_level(room(), path)
-    assert (saved.name, saved.source) == ("maze", str(path))
-    assert (load_level(path).walls == room().walls).all()
-    assert [file.name for file in path.parent.iterdir()] == [path.name]
-
-
-def test_a_file_of_the_web_platform_that_says_the_same_is_not_touched(tmp_path: Path) -> None:
-    path = tmp_path / "garden.json"
-    text = CONFORMANCE[0].read_text()
-    path.write_text(text)
-    level = load_level(path)
-    save_level(level, path)
-    assert path.read_text() == text
-    save_level(change(level, Ref("robots", 0), x=7.0), path)
-    assert load_level(path).robots[0].x == 7
-
-
-def test_a_broken_file_is_replaced(tmp_path: Path) -> None:
-    path = tmp_path / "level.toml"
-    path.write_text("walls = 3")
-    save_level(room(), path)
-    assert alike(load_level(path), room())
-
-
-@pytest.mark.parametrize(
-    ("name", "changes", "message"),
-    [
-        ("level.txt", {}, "no format of a level"),
-        ("level.toml", {"robots": ()}, "The level has no robots."),
-        ("level.toml", {"robots": (Robot("A", 1, 1),) * 2}, 'robots are called "A"'),
-        ("level.json", {"beacons": (Beacon("n" * 61, 1, 1),)}, "longer than 60"),
-    ],
-)
-def test_what_could_not_be_loaded_is_not_saved(
-    name: str, changes: dict[str, Any], message: str, tmp_path: Path
-) -> None:
-    path = tmp_path / name
-    with pytest.raises(LevelError, match=message) as caught:
-        save_level(replace(room(), **changes), path)
-    assert caught.value.place == str(path)
-    assert not path.exists()
-
-
-def test_our_own_levels_are_not_overwritten() -> None:
-    with pytest.raises(LevelError, match="stay as they are"):
-        save_level(room(), SHIPPED[0])
-
-
-def test_a_file_that_can_not_be_written_says_so(tmp_path: Path) -> None:
-    (tmp_path / "file").write_text("")
-    with pytest.raises(LevelError, match="can't be written"):
-        save_level(room(), tmp_path / "file" / "level.toml")
-
-
-def test_in_a_folder_that_is_gone_nothing_can_be_written(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    here = tmp_path / "here"
-    here.mkdir()
-    monkeypatch.chdir(here)
-    here.rmdir()
-    with pytest.raises(LevelError, match="can't be written"):
-        save_level(room(), Path("level.toml"))
 
 
 def test_a_web_level_with_fine_walls_is_stored_compactly() -> None:

@@ -7,48 +7,26 @@ from functools import partial
 from typing import TYPE_CHECKING
 
 import pytest
-from rich.style import Style
-from textual import events
-from textual.widgets import Input, OptionList, Static
+from textual.widgets import Input, OptionList
 
 from logical_robots_tui.game import list_programs, load_program, save_program
 from logical_robots_tui.tui.dialogs.chooser import Chooser
-from logical_robots_tui.tui.dialogs.hints import Hints
-from logical_robots_tui.tui.dialogs.question import Question
 from logical_robots_tui.tui.dialogs.save import SaveAs
-from logical_robots_tui.tui.dialogs.shelves import ProgramShelf
 from logical_robots_tui.tui.levels.screen import LevelScreen
-from logical_robots_tui.tui.listing import Listing
-from logical_robots_tui.tui.palette import Palette
 from logical_robots_tui.world import list_levels, load_level
 from tests.tui.conftest import LEVELS, PAPER, PATIENCE, STILL, opened, source_of
+from tests.tui.dialogs import complaint, dialog, fill
 
 if TYPE_CHECKING:
     from pathlib import Path
 
-    from logical_robots_tui.game import Source
     from tests.tui.conftest import Opened
 
 FIRST = list_levels()[0]
 
 
-async def dialog(game: Opened, key: str, kind: type) -> None:
-    await game.press(key)
-    await game.until(lambda: isinstance(game.app.screen, kind))
-
-
-async def fill(game: Opened, text: str) -> None:
-    game.app.screen.query_one(Input).value = text
-    await game.pilot.pause(0.05)
-
-
 def is_at(game: Opened, level: str) -> bool:
     return game.session.level.name == level
-
-
-def complaint(game: Opened) -> str:
-    said = game.app.screen.query_one("#complaint", Static)
-    return str(said.visual) if said.display else ""
 
 
 async def test_a_level_is_picked_from_the_list_and_brings_its_starter(data_dir: Path) -> None:
@@ -192,37 +170,6 @@ async def test_who_is_in_a_hurry_saves_once_and_takes_nothing_back(
         assert len(begun) == 1
 
 
-async def test_a_save_that_ends_under_another_dialog_leaves_no_dialog_that_stays(
-    data_dir: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    begun, go_on = threading.Event(), threading.Event()
-
-    def save_slowly(path: Path, text: str) -> None:
-        begun.set()
-        assert go_on.wait(PATIENCE)
-        path.write_text(text)
-
-    monkeypatch.setattr("logical_robots_tui.tui.dialogs.save.save_program", save_slowly)
-    async with opened(data_dir) as game:
-        await dialog(game, "s", SaveAs)
-        await fill(game, "other")
-        saving = game.app.screen
-        await game.press("enter")
-        await game.until(begun.is_set)
-        try:
-            game.app.push_screen(Question("Above", "All of it?", [("yes", "Yes")]))
-            await game.until(lambda: isinstance(game.app.screen, Question))
-        finally:
-            go_on.set()
-        save = next(worker for worker in game.app.workers if worker.group == "save")
-        await save.wait()
-        await game.press("y")
-        await game.until(lambda: game.app.screen is saving)
-        await game.press("escape")
-        await game.until(lambda: game.app.screen is game.main)
-    assert (data_dir / "programs" / "other.l").read_text() == PAPER
-
-
 async def test_saving_over_the_program_at_hand_does_not_ask(data_dir: Path) -> None:
     async with opened(data_dir) as game:
         await game.press("2", "x", "f2")
@@ -287,62 +234,6 @@ async def test_unsaved_text_comes_back_with_its_program(data_dir: Path) -> None:
         await game.until(lambda: game.shows("unsaved text of mine is back"))
 
 
-async def test_what_is_longer_than_its_line_is_seen_at_its_end(data_dir: Path) -> None:
-    async with opened(data_dir) as game:
-        await game.press("s")
-        await game.until(lambda: game.shows("Save the program as"))
-        await game.press(*"abcdefghij" * 10, *"-end")
-        await game.until(lambda: game.shows("efghij-end"))
-
-
-async def test_a_click_at_an_entry_that_has_just_gone_chooses_nothing(data_dir: Path) -> None:
-    async with opened(data_dir) as game:
-        await game.ready()
-        await dialog(game, "o", Chooser)
-        entries = game.app.screen.query_one("#entries", OptionList)
-        await game.until(lambda: entries.option_count)
-        stale = Style(meta={"option": entries.option_count})
-        click = events.Click(entries, 2, 2, 0, 0, 1, False, False, False, 2, 2, stale)
-        entries.post_message(click)
-        await game.press("m")
-        await game.until(lambda: game.app.screen.query_one(Input).value == "m")
-        assert isinstance(game.app.screen, Chooser)
-
-
-async def test_a_double_click_closes_the_palette_once(data_dir: Path) -> None:
-    async with opened(data_dir) as game:
-        await game.ready()
-        await dialog(game, "ctrl+p", Palette)
-        for kind in 2 * (events.MouseDown, events.MouseUp):
-            game.app.post_message(kind(None, 1, 1, 0, 0, 1, False, False, False, 1, 1))
-        await game.until(lambda: game.app.screen is game.main)
-        await game.press("n")
-        await game.until(lambda: game.tick == 1)
-
-
-async def test_a_list_without_room_has_no_pages(data_dir: Path) -> None:
-    async with opened(data_dir, size=(20, 5)) as game:
-        await game.ready()
-        choice = game.inspector.query_one(Listing)
-        choice.highlighted = 2
-        choice.action_page_up()
-        choice.action_page_down()
-        assert choice.highlighted == 2
-
-
-async def test_a_dialog_that_is_closed_does_nothing_any_more(data_dir: Path, short: Path) -> None:
-    async with opened(data_dir, level=short) as game:
-        await game.ready()
-        await dialog(game, "h", Hints)
-        hints = game.app.screen
-        hints.dismiss()
-        await game.until(lambda: not hints.query("#hints"))
-        await game.app.run_action("more", hints)
-        await hints.run_action("more")
-        assert game.app.screen is game.main
-        assert game.main.journal.record.hints == 1
-
-
 @pytest.mark.parametrize(("key", "kind"), [("o", Chooser), ("l", LevelScreen)])
 @pytest.mark.parametrize(
     ("path", "why"),
@@ -357,33 +248,6 @@ async def test_a_path_that_is_out_of_reach_is_refused(
         await fill(game, path)
         await game.press("enter")
         await game.until(lambda: why in complaint(game))
-
-
-async def test_a_choice_that_comes_when_the_dialog_is_left_already_is_too_late(
-    data_dir: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    asked, told = threading.Event(), threading.Event()
-
-    def take(shelf: ProgramShelf, name: str) -> Source:
-        asked.set()
-        assert told.wait(PATIENCE)
-        return load_program(name, shelf.own)
-
-    monkeypatch.setattr(ProgramShelf, "take", take)
-    async with opened(data_dir) as game:
-        await game.ready()
-        await dialog(game, "o", Chooser)
-        chooser = game.app.screen
-        await fill(game, "herd")
-        await game.press("enter")
-        await game.until(asked.is_set)
-        assert isinstance(chooser, Chooser)
-        chooser.action_leave()
-        told.set()
-        await game.until(lambda: game.app.screen is game.main and not chooser.is_attached)
-        await game.press("n")
-        await game.until(lambda: game.tick == 1)
-        assert game.session.source.name == "mine"
 
 
 @pytest.mark.parametrize("sign", ["\udcff", "\x1b"])

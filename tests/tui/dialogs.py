@@ -1,0 +1,30 @@
+"""What tests do with the dialogs of a game."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from textual.widgets import Input, Static
+
+if TYPE_CHECKING:
+    from tests.tui.conftest import Opened
+
+__all__ = ["complaint", "dialog", "fill"]
+
+
+async def dialog(game: Opened, key: str, kind: type) -> None:
+    """Open a dialog."""
+    await game.press(key)
+    await game.until(lambda: isinstance(game.app.screen, kind))
+
+
+async def fill(game: Opened, text: str) -> None:
+    """Put a text into the first line of a dialog."""
+    game.app.screen.query_one(Input).value = text
+    await game.pilot.pause(0)
+
+
+def complaint(game: Opened) -> str:
+    """What a dialog says is wrong."""
+    said = game.app.screen.query_one("#complaint", Static)
+    return str(said.visual) if said.display else ""
