@@ -103,12 +103,11 @@ class Database:
             self._connection.setlimit(category, limit)
         self._connection.setlimit(sqlite3.SQLITE_LIMIT_LENGTH, self._limits.value_bytes)
         self._connection.text_factory = self._text
-        self._is_filled = False
 
     @property
-    def is_emptied(self) -> bool:
-        """Whether what was filled in is gone: out of memory, SQLite takes all of it back."""
-        return self._is_filled and not self._connection.in_transaction
+    def is_empty(self) -> bool:
+        """Whether nothing is filled in, or not any more: out of memory, SQLite takes it back."""
+        return not self._connection.in_transaction
 
     def load(
         self,
@@ -145,7 +144,6 @@ class Database:
         try:
             if not connection.in_transaction:
                 connection.execute("BEGIN")  # never ended: there is nobody to share with
-                self._is_filled = True
             delete = _DELETE + table
             if gone is None:
                 connection.execute(self._own[delete])

@@ -54,7 +54,7 @@ class PlainTables:
         Raises:
             Exception: As `Database.load` and `Database.ask` do.
         """
-        loaded = None if self._database.is_emptied else self._loaded
+        loaded = None if self._database.is_empty else self._loaded
         if loaded is None or loaded[0] is not moment or loaded[1] is not view:
             self._loaded = None
             first, last = view.sensors
@@ -150,7 +150,7 @@ class TunedTables:
         )
 
     def _fill(self, moment: Moment, wanted: Mapping[str, tuple[str, ...]]) -> None:
-        if self._database.is_emptied:
+        if self._database.is_empty:
             self._begin_anew()
         if self._moment is not moment:
             if _is_crowd(moment) != self._is_crowd:
