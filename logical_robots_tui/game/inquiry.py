@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
     from logical_robots_tui.game.frame import Frame
     from logical_robots_tui.game.pins import Pin, Reading
-    from logical_robots_tui.mind import Explanation, Machinery, Mind, Program
+    from logical_robots_tui.mind import Explanation, Machinery, Mind, Program, Proof
     from logical_robots_tui.values import Value
     from logical_robots_tui.world import Level
 
@@ -91,9 +91,52 @@ class Inquiry:
         """
 
         def work(mind: Mind, stop: threading.Event) -> Explanation:
-            probing = program.take_apart(predicate, within, stop=stop, limits=self._limits)
             sensors, memories = frame.sensors, frame.memories_before
-            return mind.why(probing, robot, sensors, memories, given=given, stop=stop)
+            return mind.why(
+                predicate, robot, sensors, memories, given=given, within=within, stop=stop
+            )
+
+        return await self._do(self._explainer, program, work)
+
+    async def proof(
+        self,
+        program: Program,
+        robot: str,
+        frame: Frame,
+        *,
+        predicate: str = "Robot",
+        given: Mapping[str, Value] | None = None,
+        within: str = "",
+        depth: int = 100,
+    ) -> Proof:
+        """The whole proof of a row in a robot's reasoning at a frame, as `Mind.proof` gives it.
+
+        Args:
+            program: The program.
+            robot: Name of the robot.
+            frame: The tick.
+            predicate: One of the program's own predicates.
+            given: Values of some of its columns; the first row with these is proved.
+            within: A predicate made with ``:=`` in whose rules it is asked, or "".
+            depth: How many predicates deep.
+
+        Raises:
+            QueryError: As `why` does.
+            Superseded: A newer question came before the answer was there.
+        """
+
+        def work(mind: Mind, stop: threading.Event) -> Proof:
+            sensors, memories = frame.sensors, frame.memories_before
+            return mind.proof(
+                predicate,
+                robot,
+                sensors,
+                memories,
+                given=given,
+                within=within,
+                depth=depth,
+                stop=stop,
+            )
 
         return await self._do(self._explainer, program, work)
 

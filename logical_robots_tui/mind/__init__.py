@@ -18,8 +18,8 @@ if TYPE_CHECKING:
     from logical_robots_tui.mind.mind import Mind
     from logical_robots_tui.mind.program import Predicate, Program, Question, Report
     from logical_robots_tui.mind.table import Table
-    from logical_robots_tui.mind.why.explanation import Ask, Explanation
-    from logical_robots_tui.mind.why.telling import Line, tell
+    from logical_robots_tui.mind.why.explanation import Ask, Explanation, Node
+    from logical_robots_tui.mind.why.unfolding import Proof
 
 __all__ = [
     "Ask",
@@ -28,21 +28,21 @@ __all__ = [
     "Engine",
     "Explanation",
     "Limits",
-    "Line",
     "Machinery",
     "Mind",
+    "Node",
     "Notice",
     "NoticeKind",
     "Predicate",
     "Program",
     "ProgramError",
+    "Proof",
     "QueryError",
     "Question",
     "Report",
     "Stopped",
     "Table",
     "check_installed",
-    "tell",
     "why_not_duckdb",
 ]
 
@@ -55,21 +55,21 @@ __getattr__ = names_from(
         "Engine": "duck.engine",
         "Explanation": "why.explanation",
         "Limits": "limits",
-        "Line": "why.telling",
         "Machinery": "machinery",
         "Mind": "mind",
+        "Node": "why.explanation",
         "Notice": "decision",
         "NoticeKind": "decision",
         "Predicate": "program",
         "Program": "program",
         "ProgramError": "diagnostics",
+        "Proof": "why.unfolding",
         "QueryError": "diagnostics",
         "Question": "program",
         "Report": "program",
         "Stopped": "diagnostics",
         "Table": "table",
         "check_installed": "duck.engine",
-        "tell": "why.telling",
         "why_not_duckdb": "duck.notes",
     },
 )

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import sqlite3
+from contextlib import contextmanager
 from dataclasses import replace
 from functools import cache
 from itertools import accumulate
@@ -17,6 +18,7 @@ from logical_robots_tui.mind.sqlite.lasting import Lasting
 from logical_robots_tui.mind.sqlite.layouts import COLUMNS_LAYOUT, LISTS_LAYOUT
 from logical_robots_tui.mind.sqlite.stored import TooDeepError, from_sql
 from logical_robots_tui.mind.sqlite.tables import PlainTables, TunedTables, UnfitError
+from logical_robots_tui.mind.why.relations import SAME, same_in_sql
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
@@ -70,6 +72,7 @@ class Asking:
         self._deepest = limits.depth
         self._read_value = Lasting().read if frozen else from_sql
         self._duck = duck
+        self._explores = False
 
     def each(
         self, predicate: str, moment: Moment, within: Within
@@ -147,16 +150,20 @@ class Asking:
         Raises:
             FailureError: It failed, or took too long.
         """
-        try:
+        with _failures(within):
             columns, rows = self._plain.ask(sql, moment, view, within, parameters)
             return columns, self._read_all(rows, within)
-        except TooSlowError:
-            message = f"thinking took longer than {within.seconds:g} seconds"
-            raise FailureError(message, slow=True) from None
-        except (TooMuchError, TooDeepError) as error:
-            raise FailureError(str(error)) from None
-        except _SQLITE_ERRORS as error:
-            raise FailureError(printable(in_plain_words(error))) from None
+
+    def explore(self, moment: Moment, view: View, within: Within) -> Explored:
+        """What a view shows, to be asked for explanations."""
+        if not self._explores:
+            self._plain.offer(SAME, same_in_sql, 2)
+            self._explores = True
+        return Explored(self, self._plain, moment, view, within)
+
+    def sql_of(self, predicate: str) -> str:
+        """The plain query for the rows of a predicate, or "" where it has none."""
+        return self._program.statements.get(predicate, "")
 
     # -- inside --------------------------------------------------------------------------------
 
@@ -266,6 +273,70 @@ class Asking:
     def _read(self, row: Sequence[Any], within: Within) -> list[Value]:
         read, deepest = self._read_value, self._deepest
         return [v if v.__class__ in _READY else read(v, deepest) for v in within.each(row)]
+
+
+class Explored:
+    """What one view of a moment shows, for explanations.
+
+    Args:
+        asking: The databases of the mind.
+        plain: Its plain tables.
+        moment: The moment.
+        view: The view.
+        within: How long all of it may take, and most rows of a predicate.
+    """
+
+    def __init__(
+        self, asking: Asking, plain: PlainTables, moment: Moment, view: View, within: Within
+    ) -> None:
+        self._asking, self._plain = asking, plain
+        self._moment, self._view, self._within = moment, view, within
+
+    def rows(self, predicate: str, sql: str) -> Answer:
+        """Columns and rows of a predicate.
+
+        Args:
+            predicate: Its name.
+            sql: A query for them, or "" for that of the program.
+
+        Raises:
+            FailureError: It failed, or has too many.
+        """
+        if not sql:
+            return self._asking.rows(predicate, self._moment, self._view, self._within)
+        return self._asking.plainly(sql, self._moment, self._view, self._within)
+
+    def load(self, table: str, columns: Sequence[str], rows: Sequence[Sequence[Scalar]]) -> None:
+        """Fill a table that queries may read.
+
+        Raises:
+            FailureError: It takes too much memory.
+        """
+        with _failures(self._within):
+            self._plain.define(table, columns, rows, self._moment, self._view)
+
+    def ask(self, sql: str, parameters: Sequence[Scalar]) -> RawAnswer:
+        """Columns and rows of a query, as SQLite has them.
+
+        Raises:
+            FailureError: It failed.
+        """
+        with _failures(self._within):
+            return self._plain.ask(sql, self._moment, self._view, self._within, parameters)
+
+
+@contextmanager
+def _failures(within: Within) -> Iterator[None]:
+    """Failures in words for the player."""
+    try:
+        yield
+    except TooSlowError:
+        message = f"thinking took longer than {within.seconds:g} seconds"
+        raise FailureError(message, slow=True) from None
+    except (TooMuchError, TooDeepError) as error:
+        raise FailureError(str(error)) from None
+    except _SQLITE_ERRORS as error:
+        raise FailureError(printable(in_plain_words(error))) from None
 
 
 def _tables(program: Program, limits: Limits, *, frozen: bool) -> TunedTables | None:

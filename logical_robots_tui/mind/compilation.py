@@ -97,7 +97,7 @@ def take_apart(
         "text": program.text,
         "predicate": predicate,
         "within": within,
-        "functions": [p.name for p in program.predicates if p.is_function],
+        "with_rows": [p.name for p in program.predicates if p.kind == "program" and p.has_rows],
     }
     if not (known.has_rows or known.is_function or within):
         raise QueryError(known.reason)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
+from functools import partial
 from time import perf_counter
 from typing import TYPE_CHECKING, Literal
 
@@ -25,13 +26,16 @@ if TYPE_CHECKING:
 
     from logical_robots_tui.mind.asking import Answer
     from logical_robots_tui.mind.program import Program, Question
-    from logical_robots_tui.mind.sqlite.database import Scalar
     from logical_robots_tui.mind.why.explanation import Explanation
     from logical_robots_tui.mind.why.probing import Probing
+    from logical_robots_tui.mind.why.proving import Prover
+    from logical_robots_tui.mind.why.unfolding import Proof
 
 __all__ = ["Mind"]
 
 Memories = Mapping[str, Value]
+
+_EXPLAINED_ROWS = 20_000  # of one predicate, to find derivations among
 
 
 class Mind:
@@ -190,48 +194,70 @@ class Mind:
 
     def why(
         self,
-        probing: Probing,
+        predicate: str,
         robot: str,
         rows: Sequence[SensorRow],
         memories: Memories,
         *,
         given: Mapping[str, Value] | None = None,
+        within: str = "",
         stop: threading.Event | None = None,
     ) -> Explanation:
         """Why a predicate has the rows that it has in a robot's reasoning, or none.
 
         Args:
-            probing: The predicate, taken apart, of the program of this mind.
+            predicate: One of the program's own.
             robot: Name of the robot.
             rows: As for `think`.
             memories: As for `think`.
             given: Values of some of its columns, where only rows with these are meant; by default
                 the robot's name where there is a column ``robot_name``.
+            within: A predicate made with ``:=`` in whose copy of the rules it is asked, or "".
             stop: Set it from another thread to give up.
 
         Raises:
-            QueryError: There is no such robot, or a function was asked without its arguments.
+            QueryError: There is no such robot, predicate or column, a function was asked without
+                its arguments, or it failed.
             Stopped: `stop` was set before the answer was there.
         """
-        from logical_robots_tui.mind.why.explaining import MOST_WAYS, explain
+        prover = self._prover(robot, rows, memories, stop)
+        return prover.explain(predicate, self._about(predicate, robot, given, within, stop), within)
 
-        given = {} if given is None else given
-        if missing := [name for name in probing.given if name not in given]:
-            names = ", ".join(missing)
-            raise QueryError(f"{probing.predicate} is a function of {names}: give a value for it.")
-        moment = Moment(rows, memories, self.memory, self.sensor)
-        view = next((view for view in moment.views if robot in view.viewers), None)
-        if view is None:
-            raise QueryError(f"There is no robot {robot} at this tick.")
-        if "robot_name" not in probing.given:
-            given = {"robot_name": robot, **given}
-        within = Within(self.limits.query_seconds, MOST_WAYS, stop, cut=True)
+    def proof(
+        self,
+        predicate: str,
+        robot: str,
+        rows: Sequence[SensorRow],
+        memories: Memories,
+        *,
+        given: Mapping[str, Value] | None = None,
+        within: str = "",
+        depth: int = 100,
+        nodes: int = 10_000,
+        stop: threading.Event | None = None,
+    ) -> Proof:
+        """The whole proof of a row, down to what was sensed and remembered.
 
-        def found(sql: str, parameters: Sequence[Scalar]) -> list[dict[str, Value]]:
-            columns, answers = self._asking.plainly(sql, moment, view, within, parameters)
-            return [dict(zip(columns, answer, strict=True)) for answer in answers]
+        Args:
+            predicate: As for `why`, and so are the next ones.
+            robot: Name of the robot.
+            rows: As for `think`.
+            memories: As for `think`.
+            given: Values of some of its columns; the first row with these is proved.
+            within: A predicate made with ``:=`` in whose copy of the rules it is asked, or "".
+            depth: How many predicates deep.
+            nodes: Where unfolding ends.
+            stop: Set it from another thread to give up.
 
-        return explain(probing, robot, given, found)
+        Raises:
+            QueryError: As `why` does.
+            Stopped: `stop` was set before the answer was there.
+        """
+        from logical_robots_tui.mind.why.unfolding import unfold
+
+        prover = self._prover(robot, rows, memories, stop)
+        given = self._about(predicate, robot, given, within, stop)
+        return unfold(prover, predicate, given, within, depth=depth, nodes=nodes)
 
     def machinery(
         self,
@@ -273,6 +299,47 @@ class Mind:
         self._asking.close()
 
     # -- inside --------------------------------------------------------------------------------
+
+    def _prover(
+        self,
+        robot: str,
+        rows: Sequence[SensorRow],
+        memories: Memories,
+        stop: threading.Event | None,
+    ) -> Prover:
+        """Whoever explains what one robot thinks at one moment.
+
+        Raises:
+            QueryError: There is no such robot.
+        """
+        from logical_robots_tui.mind.why.proving import Prover
+        from logical_robots_tui.mind.why.relations import Relations
+
+        moment = Moment(rows, memories, self.memory, self.sensor)
+        view = next((view for view in moment.views if robot in view.viewers), None)
+        if view is None:
+            raise QueryError(f"There is no robot {robot} at this tick.")
+        within = Within(self.limits.query_seconds, _EXPLAINED_ROWS, stop)
+        source = self._asking.explore(moment, view, within)
+        return Prover(Relations(source), robot, partial(self._taken_apart, stop=stop))
+
+    def _about(
+        self,
+        predicate: str,
+        robot: str,
+        given: Mapping[str, Value] | None,
+        within: str,
+        stop: threading.Event | None,
+    ) -> Mapping[str, Value]:
+        """The values that are asked for, with the robot's name where that goes without saying."""
+        probing = self._taken_apart(predicate, within, stop=stop)
+        given = {} if given is None else given
+        if "robot_name" in probing.columns and "robot_name" not in probing.given:
+            return {"robot_name": robot, **given}
+        return given
+
+    def _taken_apart(self, predicate: str, within: str, *, stop: threading.Event | None) -> Probing:
+        return self.program.take_apart(predicate, within, stop=stop, limits=self.limits)
 
     def _table(
         self,

@@ -168,11 +168,11 @@ def _question(text: str, query: str) -> Question:
 def _probing(text: str, request: dict[str, Any]) -> Probing:
     """The rules of a predicate, taken apart as far as SQLite can prepare it in reasonable time."""
     predicate, within = request["predicate"], request["within"]
-    functions = frozenset(request["functions"])
     database = Database()
     try:
         is_quick = partial(_is_prepared_soon, database)
-        return take_apart(text, predicate, within, functions, is_quick)
+        define = partial(database.define, rows=())
+        return take_apart(text, predicate, within, request["with_rows"], is_quick, define)
     finally:
         database.close()
 

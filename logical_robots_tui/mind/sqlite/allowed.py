@@ -9,8 +9,8 @@ __all__ = ["BUILT_IN", "NAMED_QUERY", "TABLES"]
 TABLES = frozenset({"sensor", "memory", "json_each"})
 """Tables that may be read, in lower case."""
 
-NAMED_QUERY = re.compile(r"t_\d+_\w+|the_last_step")
-"""Names that the compiler gives to the named queries of a statement."""
+NAMED_QUERY = re.compile(r"t_\d+_\w+|the_last_step|WhyGiven")
+"""Names of the named queries of a statement."""
 
 BUILT_IN = frozenset(
     [

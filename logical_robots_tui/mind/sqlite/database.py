@@ -208,9 +208,33 @@ class Database:
             if work.halted:
                 self._connection.setlimit(sqlite3.SQLITE_LIMIT_LENGTH, self._limits.value_bytes)
 
-    def offer(self, name: str, function: Callable[[Any], Any]) -> None:
-        """Let queries call one more function, of one argument; its errors are theirs."""
-        self._connection.create_function(name, 1, function)
+    def define(self, table: str, columns: Sequence[str], rows: Sequence[Sequence[Scalar]]) -> None:
+        """Fill a further table that queries may read, and make it if it is not there.
+
+        Args:
+            table: Its name, an identifier.
+            columns: Names of its columns.
+            rows: All its rows, as SQLite values.
+
+        Raises:
+            TooMuchError: It takes more memory than there is.
+        """
+        self._trusted = True
+        connection = self._connection
+        names = ", ".join(f'"{name}"' for name in columns)
+        if not connection.in_transaction:
+            connection.execute("BEGIN")
+        try:
+            connection.execute(self._own[f"CREATE TABLE IF NOT EXISTS {table}({names})"])
+            places = ", ".join("?" * len(columns))
+            self._readable |= {table.lower()}
+            self.fill(table, ((f"INSERT INTO {table} VALUES ({places})", rows),))
+        except (sqlite3.DataError, MemoryError) as error:
+            raise self._too_much(error) from None
+
+    def offer(self, name: str, function: Callable[..., Any], arguments: int = 1) -> None:
+        """Let queries call one more function; its errors are theirs."""
+        self._connection.create_function(name, arguments, function)
         self._offered.add(name)
 
     def prepare(self, sql: str, parameters: Sequence[int] = ()) -> None:

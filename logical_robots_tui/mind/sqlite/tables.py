@@ -14,7 +14,7 @@ from logical_robots_tui.mind.sqlite.radars import Radars
 from logical_robots_tui.mind.sqlite.stored import to_input, to_sql
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
+    from collections.abc import Callable, Mapping, Sequence
 
     from logical_robots_tui.mind.limits import Limits
     from logical_robots_tui.mind.program import Tuned
@@ -54,6 +54,13 @@ class PlainTables:
         Raises:
             Exception: As `Database.load` and `Database.ask` do.
         """
+        self._load(moment, view)
+        return self._database.ask(
+            sql, parameters, most=within.rows + 1, deadline=within.deadline, stop=within.stop
+        )
+
+    def _load(self, moment: Moment, view: View) -> None:
+        """Fill in what a view shows, unless it is there."""
         loaded = None if self._database.is_empty else self._loaded
         if loaded is None or loaded[0] is not moment or loaded[1] is not view:
             self._loaded = None
@@ -68,9 +75,26 @@ class PlainTables:
                 [(name, to_sql(moment.remembered.get(name))) for name in names],
             )
             self._loaded = (moment, view)
-        return self._database.ask(
-            sql, parameters, most=within.rows + 1, deadline=within.deadline, stop=within.stop
-        )
+
+    def define(
+        self,
+        table: str,
+        columns: Sequence[str],
+        rows: Sequence[Sequence[Scalar]],
+        moment: Moment,
+        view: View,
+    ) -> None:
+        """Fill a further table that queries over what a view shows may read.
+
+        Raises:
+            TooMuchError: It takes more memory than there is.
+        """
+        self._load(moment, view)
+        self._database.define(table, columns, rows)
+
+    def offer(self, name: str, function: Callable[..., Any], arguments: int) -> None:
+        """Let queries call one more function."""
+        self._database.offer(name, function, arguments)
 
     def close(self) -> None:
         """Free the database."""

@@ -1,80 +1,90 @@
-"""The answer to "why?": what each part of each rule gave at one tick."""
+"""The answer to "why?": a tree whose nodes say what was there, or what was missing."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Literal
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Iterator, Mapping
 
-    from logical_robots_tui.mind.why.probing import Inside, Part, RuleParts, Side
+    from logical_robots_tui.mind.why.probing import Span
     from logical_robots_tui.values import Value
 
-__all__ = ["Ask", "Explanation", "InsideFound", "PartFound", "RuleFound"]
+__all__ = ["Ask", "Explanation", "Node", "RuleFound"]
 
 
 @dataclass(frozen=True, slots=True)
 class Ask:
-    """A predicate that a part asked, and with what: the question one step deeper.
+    """The question one step deeper.
 
     Attributes:
-        predicate: Its name.
-        given: The arguments that it was asked with, by the names of its columns.
-        within: The predicate made with ``:=`` in whose rules it stands, or "".
+        predicate: The predicate that is asked.
+        given: Values of its columns.
+        within: The predicate made with ``:=`` in whose copy of the rules it is asked, or "".
     """
 
     predicate: str
-    given: Mapping[str, Value]
+    given: Mapping[str, Value] = field(default_factory=dict)
     within: str = ""
 
 
 @dataclass(frozen=True, slots=True)
-class PartFound:
-    """What a part of a rule gave.
+class Node:
+    """One statement of an explanation.
 
     Attributes:
-        part: The part.
-        ways: In how many ways all parts up to this one hold; None if that could not be asked.
-        elsewhere: In how many they hold for another robot or for other arguments, if in none here.
-        sides: What it compares or asks with, and up to a few values of each.
-        new: Values of the variables that it gives a value, in the first way.
-        asked: The predicates of the program that it asked.
-        inside: The parts within it.
-        problem: Why it could not be asked, or "".
+        kind: ``rule``, ``column`` (of its row), ``call``, ``condition``, ``value``, ``element``,
+            ``denial``, ``alternative``, ``if``, ``coalesce``, ``aggregate``, ``contributor`` (to
+            an aggregate), ``read`` (from a sensor or a memory) or ``note``.
+        text: What it is about, often a piece of the program in one line.
+        said: What is said about it, or "".
+        holds: Whether it gave something; None where that is no question.
+        values: Its value; several are examples from several ways.
+        more: How many more values there are.
+        is_truth: Whether these are truths, which SQLite writes as 0 and 1.
+        span: Its place in the program.
+        robot: The robot that it is about, or "".
+        ray: A ray of a radar: its angle, or None.
+        asked: The question one step deeper.
+        children: What it follows from.
     """
 
-    part: Part
-    ways: int | None
-    elsewhere: int = 0
-    sides: tuple[tuple[Side, tuple[Value, ...]], ...] = ()
-    new: Mapping[str, Value] = field(default_factory=dict)
-    asked: tuple[Ask, ...] = ()
-    inside: tuple[InsideFound, ...] = ()
-    problem: str = ""
+    kind: Literal[
+        "rule",
+        "column",
+        "call",
+        "condition",
+        "value",
+        "element",
+        "denial",
+        "alternative",
+        "if",
+        "coalesce",
+        "aggregate",
+        "contributor",
+        "read",
+        "note",
+    ]
+    text: str
+    said: str = ""
+    holds: bool | None = None
+    values: tuple[Value, ...] = ()
+    more: int = 0
+    is_truth: bool = False
+    span: Span | None = None
+    robot: str = ""
+    ray: float | None = None
+    asked: Ask | None = None
+    children: tuple[Node, ...] = ()
 
-    @property
-    def holds(self) -> bool:
-        """Whether there is a way in which all parts up to this one hold."""
-        return self.ways is None or self.ways > 0
-
-
-@dataclass(frozen=True, slots=True)
-class InsideFound:
-    """What the parts within a part gave.
-
-    Attributes:
-        inside: The parts.
-        found: What they gave, up to the first that does not hold.
-    """
-
-    inside: Inside
-    found: tuple[PartFound, ...]
-
-    @property
-    def ways(self) -> int | None:
-        """In how many ways all of them hold."""
-        return self.found[-1].ways if self.found else None
+    def walk(self, depth: int = 0) -> Iterator[tuple[int, Node]]:
+        """This node and all below it, from the top, each with its depth."""
+        waiting = [(depth, self)]
+        while waiting:
+            at, node = waiting.pop()
+            yield at, node
+            waiting.extend((at + 1, child) for child in reversed(node.children))
 
 
 @dataclass(frozen=True, slots=True)
@@ -82,26 +92,20 @@ class RuleFound:
     """What a rule gave.
 
     Attributes:
-        rule: The rule.
-        rows: How many rows, before those that are alike become one; None if it failed.
-        examples: A few of them, by the names of the columns.
-        found: What its parts gave, up to the first that does not hold.
-        fixed: Fixed values of its head that are not those asked for, by the names of the columns:
-            the rule is about something else.
-        problem: Why it could not be asked, or "".
+        span: The rule.
+        rows: How many of the rows that are asked for come from it, up to a limit; None if that
+            could not be told.
+        row: The first of the rows, by the names of the columns, if this rule gives that; where
+            columns are aggregated it contributes to it.
+        stopped_by: What none of its ways got past, if it gives no row.
+        node: All that there is to tell.
     """
 
-    rule: RuleParts
+    span: Span
     rows: int | None
-    examples: tuple[Mapping[str, Value], ...] = ()
-    found: tuple[PartFound, ...] = ()
-    fixed: Mapping[str, Value] = field(default_factory=dict)
-    problem: str = ""
-
-    @property
-    def stopped_by(self) -> PartFound | None:
-        """The first part that does not hold, or None if the rule gave a row."""
-        return next((each for each in self.found if not each.holds), None)
+    row: Mapping[str, Value] | None
+    stopped_by: Node | None
+    node: Node
 
 
 @dataclass(frozen=True, slots=True)
@@ -112,8 +116,10 @@ class Explanation:
         predicate: Its name.
         robot: In whose reasoning.
         made_from: The predicate whose rules these are, or "".
-        within: The predicate made with ``:=`` whose fillings-in hold here, or "".
-        given: The arguments that were asked for, by the names of the columns.
+        within: The predicate made with ``:=`` in whose copy of the rules it was asked, or "".
+        given: The values that were asked for, by the names of the columns.
+        rows: How many rows have them, up to a limit.
+        row: The first of these rows, which is the one that is explained.
         rules: What each rule gave, in the order of the text.
     """
 
@@ -122,4 +128,11 @@ class Explanation:
     made_from: str
     within: str
     given: Mapping[str, Value]
+    rows: int
+    row: Mapping[str, Value] | None
     rules: tuple[RuleFound, ...]
+
+    @property
+    def nodes(self) -> tuple[Node, ...]:
+        """The nodes of all rules."""
+        return tuple(rule.node for rule in self.rules)

@@ -1,4 +1,9 @@
-"""A predicate's rules taken apart, as data that both the compile process and a mind know."""
+"""A predicate's rules taken apart, as data that both the compile process and a mind know.
+
+A body is taken apart into clauses, one for each choice of alternatives. A clause has one query
+whose rows are its derivations: each row holds the values of all variables and of all expressions
+that are shown, so everything that is told about a derivation is from one row.
+"""
 
 from __future__ import annotations
 
@@ -6,23 +11,36 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Literal
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
+    from collections.abc import Mapping
 
 __all__ = [
+    "DECIDED_BY_ONE",
     "GIVEN",
+    "LOWER",
+    "ROWS",
+    "Body",
     "Call",
-    "Inside",
-    "Part",
+    "Clause",
+    "Collected",
     "Probing",
-    "Query",
     "RuleParts",
-    "Side",
     "Span",
+    "Step",
+    "Term",
     "with_given",
 ]
 
 GIVEN = "WhyGiven"
-"""The table of the arguments that are given, one row."""
+"""The table of the values that are given, one row."""
+
+ROWS = "WhyRows_"
+"""What the name of the table with the rows of a predicate begins with."""
+
+LOWER = "WhyLower_"
+"""The same for rows of a recursive predicate that were there before the row in question."""
+
+DECIDED_BY_ONE = frozenset({"AnyValue", "ArgMax", "ArgMin", "Max", "Min"})
+"""Aggregates whose result is that of one of their elements."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -43,87 +61,128 @@ class Span:
 
 
 @dataclass(frozen=True, slots=True)
-class Side:
-    """Something that a part compares, or asks with.
-
-    Attributes:
-        text: As written.
-        is_truth: Whether it is true or false, and not a value.
-    """
-
-    text: str
-    is_truth: bool = False
-
-
-@dataclass(frozen=True, slots=True)
-class Query:
-    """SQL for the ways in which the parts of a rule up to some place hold together.
-
-    Attributes:
-        sql: The query. It reads the table `GIVEN` where arguments have to be given.
-        variables: Names of the variables that have a value there; their columns are c0, c1 ...
-        sides: What the next part compares or asks with; the columns that follow.
-        head: By name of a column of the predicate the column of the query that holds its value,
-            for those that are known there already.
-    """
-
-    sql: str
-    variables: tuple[str, ...] = ()
-    sides: tuple[Side, ...] = ()
-    head: Mapping[str, str] = field(default_factory=dict)
-
-
-@dataclass(frozen=True, slots=True)
 class Call:
-    """A predicate of the program that a part asks.
+    """A predicate of the program that is called.
 
     Attributes:
-        predicate: Its name.
-        arguments: By name of its column the number of the side that is given for it.
+        predicate: Its name, as written in the program.
+        within: The predicate made with ``:=`` in whose copy of the rules it is called, or "".
+        arguments: By name of its column the column of the query with the argument.
     """
 
     predicate: str
-    arguments: Mapping[str, int] = field(default_factory=dict)
+    within: str = ""
+    arguments: Mapping[str, str] = field(default_factory=dict)
 
 
 @dataclass(frozen=True, slots=True)
-class Inside:
-    """Parts that stand within a part.
+class Collected:
+    """What an aggregate goes over, in one clause.
 
     Attributes:
-        kind: ``either`` (one alternative of several), ``denied`` (what must not hold) or
-            ``collected`` (what an aggregate goes over).
-        span: Where they stand.
-        start: Asked before any of them.
-        parts: The parts in the order in which they are asked.
+        column: The column of the head that holds the result.
+        operator: The aggregate's name.
+        value: The column of the query with an element's value.
+        by: The column with what an element is chosen by, for ``value -> by``; else "".
     """
 
-    kind: Literal["either", "denied", "collected"]
-    span: Span
-    start: Query | None
-    parts: tuple[Part, ...]
+    column: str
+    operator: str
+    value: str
+    by: str = ""
 
 
 @dataclass(frozen=True, slots=True)
-class Part:
-    """One part of a rule's body, or a field of its head that may fail to have a value.
+class Body:
+    """What stands in the braces of an aggregate, or must not hold.
 
     Attributes:
-        kind: ``call`` (asks a predicate), ``condition`` (compares), ``value`` (gives a variable
-            its value), ``element`` (goes through a list), ``choice`` (of alternatives),
-            ``denial`` (of what must not hold) or ``head`` (computes a field of the head).
         span: Where it stands.
-        query: For the ways in which all parts up to this one hold; None if it can't be asked
-            alone, then the next one answers for both.
-        calls: Predicates of the program that it asks.
-        inside: Parts within it.
+        given: By name of a column of the table of given values the column of the outer query
+            with that value.
+        clauses: One for each choice of alternatives.
     """
 
-    kind: Literal["call", "condition", "value", "element", "choice", "denial", "head"]
     span: Span
-    query: Query | None = None
-    calls: tuple[Call, ...] = ()
-    inside: tuple[Inside, ...] = ()
+    given: Mapping[str, str]
+    clauses: tuple[Clause, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Term:
+    """An expression, to tell where its value comes from.
+
+    Attributes:
+        kind: ``literal``, ``value``, ``truth`` (of a comparison or a junction), ``if``,
+            ``coalesce``, ``call`` (of a predicate of the program) or ``aggregate``.
+        span: Where it stands.
+        column: The column of the query with its value; "" for a literal.
+        parts: The terms in it. For ``if``: condition and value of each branch, then the value
+            without any.
+        call: What it calls.
+        body: What it aggregates.
+    """
+
+    kind: Literal["literal", "value", "truth", "if", "coalesce", "call", "aggregate"]
+    span: Span
+    column: str = ""
+    parts: tuple[Term, ...] = ()
+    call: Call | None = None
+    body: Body | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Step:
+    """One part of a clause.
+
+    Attributes:
+        kind: ``call`` (of a predicate), ``condition``, ``value`` (gives a variable its value),
+            ``element`` (goes through a list), ``denial`` (of what must not hold) or ``function``
+            (a call for its value, which an expression goes on with).
+        span: Where it stands.
+        query: Name of the query for the ways in which all steps up to this one hold.
+        gives: By name the columns of the variables that have a value after it only.
+        terms: What it compares, or computes.
+        call: The predicate that it calls.
+        denied: What must not hold.
+        reads: Of a call of ``Sensor`` or ``Memory``: what the clause reads of it.
+    """
+
+    kind: Literal["call", "condition", "value", "element", "denial", "function"]
+    span: Span
+    query: str
+    gives: Mapping[str, str] = field(default_factory=dict)
+    terms: tuple[Term, ...] = ()
+    call: Call | None = None
+    denied: Body | None = None
+    reads: tuple[Term, ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class Clause:
+    """A body with one choice of alternatives, and a query for its derivations.
+
+    Attributes:
+        taken: The alternatives that were chosen.
+        before: Name of the query before any step.
+        steps: In the order in which they are asked: that of the text, as far as what a step needs
+            is known by then.
+        head: By name of a column of the head that is not aggregated its column of the query.
+        terms: The expressions of these, by name of the column.
+        collected: The aggregated columns of the head.
+    """
+
+    taken: tuple[Span, ...]
+    before: str
+    steps: tuple[Step, ...]
+    head: Mapping[str, str] = field(default_factory=dict)
+    terms: Mapping[str, Term] = field(default_factory=dict)
+    collected: tuple[Collected, ...] = ()
+
+    @property
+    def query(self) -> str:
+        """Name of the query whose rows are the derivations."""
+        return self.steps[-1].query if self.steps else self.before
 
 
 @dataclass(frozen=True, slots=True)
@@ -132,21 +191,11 @@ class RuleParts:
 
     Attributes:
         span: The whole rule.
-        start: Asked before any part: whether the head's fixed values are those asked for.
-        parts: In the order in which they are asked: that of the text, as far as what a part
-            needs is known by then.
-        columns: Names of the columns of the head; the last query's sides are their values.
+        clauses: One for each choice of alternatives.
     """
 
     span: Span
-    start: Query | None
-    parts: tuple[Part, ...]
-    columns: tuple[str, ...]
-
-    @property
-    def last(self) -> Query | None:
-        """The query for the ways in which all parts hold."""
-        return self.parts[-1].query if self.parts else self.start
+    clauses: tuple[Clause, ...]
 
 
 @dataclass(frozen=True, slots=True)
@@ -155,23 +204,43 @@ class Probing:
 
     Attributes:
         predicate: Its name.
+        within: The predicate made with ``:=`` in whose copy of the rules it is asked, or "".
+        name: The name of that copy, or the same as `predicate`.
         made_from: The predicate whose rules these are, where it was made with ``:=``, or "".
-        within: The predicate made with ``:=`` whose fillings-in hold here, or "".
-        given: Columns without which nothing can be asked of it: it is a function of them.
+        columns: Names of its columns.
+        given: Those without which nothing can be asked of it: it is a function of them.
+        distinct: Whether rows that are alike are one.
         rules: In the order of the text.
+        queries: SQL by name of the query, of those that SQLite can prepare.
+        rows: Name of the query for its rows, if it is a function; else "".
+        tables: By name of a predicate that is called the table with its rows.
+        sources: By name of such a predicate, or of this one, SQL for its rows, where the program
+            has none.
+        recursive: By name the predicates that call each other in a circle with this one: what
+            each is called in the program, and in whose copy it stands.
+        founded: Whether rows of these can be told from rows that were there before.
     """
 
     predicate: str
-    made_from: str
     within: str
+    name: str
+    made_from: str
+    columns: tuple[str, ...]
     given: tuple[str, ...]
+    distinct: bool
     rules: tuple[RuleParts, ...]
+    queries: Mapping[str, str]
+    rows: str = ""
+    tables: Mapping[str, str] = field(default_factory=dict)
+    sources: Mapping[str, str] = field(default_factory=dict)
+    recursive: Mapping[str, tuple[str, str]] = field(default_factory=dict)
+    founded: bool = True
 
 
-def with_given(sql: str, columns: Sequence[str]) -> str:
-    """A query with the table of given arguments, whose values are its first parameters."""
-    if not columns:
+def with_given(sql: str, number: int) -> str:
+    """A query with the table of so many given values, which are its first parameters."""
+    if not number:
         return sql
-    names = ", ".join(f'"{name}"' for name in columns)
-    places = ", ".join("?" * len(columns))
+    names = ", ".join(f"g{i}" for i in range(number))
+    places = ", ".join("?" * number)
     return f"WITH {GIVEN}({names}) AS (VALUES ({places})) SELECT * FROM ({sql})"  # noqa: S608 - ours

@@ -9,11 +9,16 @@ from logica.compiler import rule_translate
 from logical_robots_tui.mind.compiling import builtins
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator
+    from collections.abc import Collection, Iterable, Iterator, Mapping
 
     from logical_robots_tui.mind.compiling.rules import Rule
 
-__all__ = ["Scope", "combines", "flat", "in_order", "names"]
+__all__ = ["Scope", "column_name", "combines", "flat", "in_order", "names"]
+
+
+def column_name(field: str | int) -> str:
+    """The column that a field of a head or a call is: those by position are col0, col1 ..."""
+    return f"col{field}" if isinstance(field, int) else str(field)
 
 
 def names(tree: Any, *, inside: bool = False) -> frozenset[str]:
@@ -39,18 +44,14 @@ class Scope:
     """The variables of a body, seen from within and from without.
 
     Args:
-        functions: Names of the predicates that have rows only for given arguments.
+        functions: By name of a predicate that has rows only for given arguments the columns that
+            have to be given.
         variables: Variables that are meant where they are mentioned inside aggregates.
     """
 
-    def __init__(self, functions: frozenset[str], variables: Iterable[str]) -> None:
+    def __init__(self, functions: Mapping[str, Collection[str]], variables: Iterable[str]) -> None:
         self.functions = functions
         self.variables = frozenset(variables)
-
-    def within(self, body: Iterable[Rule]) -> Scope:
-        """The scope of a body that stands inside of this one."""
-        found = frozenset[str]().union(*map(names, body))
-        return Scope(self.functions, self.variables | found)
 
     def mentioned(self, tree: Any) -> frozenset[str]:
         """The variables of this scope that a syntax tree mentions, at any depth."""
@@ -73,11 +74,15 @@ class Scope:
             return self._equal(*pair, known)
         call = part.get("predicate", {})
         name = str(call.get("predicate_name", ""))
-        if builtins.is_built_in(name) or name in self.functions or not name[:1].isalpha():
+        if name not in self.functions and (builtins.is_built_in(name) or not name[:1].isalpha()):
             return known if self.mentioned(part) <= known else None
+        needed = self.functions.get(name, ())
         found = known
         for argument in call["record"]["field_value"]:
-            matched = self._matched(argument["value"]["expression"], found)
+            value = argument["value"]["expression"]
+            if column_name(argument["field"]) in needed and not self.mentioned(value) <= known:
+                return None
+            matched = self._matched(value, found)
             if matched is None:
                 return None
             found = matched

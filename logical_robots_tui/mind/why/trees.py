@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from logica.parser_py import parse
 
@@ -13,7 +13,7 @@ if TYPE_CHECKING:
 
     from logical_robots_tui.mind.compiling.rules import Rule
 
-__all__ = ["any_value", "asked", "equal", "make", "number", "renamed", "rule", "variable"]
+__all__ = ["asked", "equal", "number", "rule", "variable"]
 
 
 def variable(name: str) -> Rule:
@@ -36,29 +36,6 @@ def equal(left: Rule, right: Rule) -> Rule:
     return {"unification": {"left_hand_side": left, "right_hand_side": right}}
 
 
-def any_value(of: Rule, local: str) -> Rule:
-    """The value of an expression, or null if it has none.
-
-    Args:
-        of: The expression.
-        local: Name of a variable that is used nowhere else.
-    """
-    text = parse.HeritageAwareString("AnyValue")
-    collected = {
-        "operator": "AnyValue",
-        "argument": variable(local),
-        "expression_heritage": text,
-    }
-    head = {"field": "logica_value", "value": {"aggregation": collected}}
-    combine = {
-        "head": {"predicate_name": "Combine", "record": {"field_value": [head]}},
-        "distinct_denoted": True,
-        "full_text": text,
-        "body": {"conjunction": {"conjunct": [equal(variable(local), of)]}},
-    }
-    return {"combine": combine}
-
-
 def rule(name: str, columns: Mapping[str | int, Rule], body: Iterable[Rule], text: str) -> Rule:
     """A rule; each of its parts is copied, so that none stands in two places.
 
@@ -78,35 +55,6 @@ def rule(name: str, columns: Mapping[str | int, Rule], body: Iterable[Rule], tex
     if conjuncts := [deep_copy(part) for part in body]:
         found["body"] = {"conjunction": {"conjunct": conjuncts}}
     return found
-
-
-def make(name: str, base: str, given: Mapping[str | int, Rule]) -> Rule:
-    """A rule that makes a predicate from another, with ``:=``.
-
-    Args:
-        name: The new predicate.
-        base: What it is made from.
-        given: What is filled in, by the names of what is left open.
-    """
-    predicates = [{"literal": {"the_predicate": {"predicate_name": each}}} for each in (name, base)]
-    columns: dict[str | int, Rule] = dict(enumerate([*predicates, {"record": _record(given)}]))
-    return rule("@Make", columns, (), name)
-
-
-def renamed(tree: Any, names: Mapping[str, str]) -> Any:
-    """A copy of a syntax tree with other names of variables."""
-    tree = deep_copy(tree)
-    waiting = [tree]
-    while waiting:
-        node = waiting.pop()
-        if isinstance(node, dict):
-            if isinstance(node.get("variable"), dict):
-                name = node["variable"]["var_name"]
-                node["variable"]["var_name"] = names.get(name, name)
-            waiting.extend(node.values())
-        elif isinstance(node, list):
-            waiting.extend(node)
-    return tree
 
 
 def _record(columns: Mapping[str | int, Rule]) -> Rule:

@@ -1,0 +1,274 @@
+"""Why a rule gives nothing: the first of its steps that no way gets past."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+from logical_robots_tui.mind.failures import FailureError
+from logical_robots_tui.mind.sqlite.stored import from_sql
+from logical_robots_tui.mind.why.deriving import counted, value_of
+from logical_robots_tui.mind.why.explanation import Node
+from logical_robots_tui.mind.why.relations import same
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Mapping, Sequence
+
+    from logical_robots_tui.mind.sqlite.database import Scalar
+    from logical_robots_tui.mind.why.deriving import Telling
+    from logical_robots_tui.mind.why.probing import Clause, RuleParts, Step, Term
+    from logical_robots_tui.mind.why.relations import Relations, Way
+    from logical_robots_tui.values import Value
+
+__all__ = ["Refuting"]
+
+_MOST_WAYS = 1_000
+_EXAMPLES = 5
+
+
+class Refuting:
+    """Tells why bodies have no derivation.
+
+    Args:
+        relations: The rows of predicates at the moment in question.
+        queries: SQL by name of a query.
+
+    Attributes:
+        telling: Tells derivations of what must not hold.
+    """
+
+    telling: Telling
+
+    def __init__(self, relations: Relations, queries: Mapping[str, str]) -> None:
+        self._relations, self._queries = relations, queries
+
+    def rule(
+        self, rule: RuleParts, given: Sequence[Scalar], alike: Mapping[str, Value]
+    ) -> tuple[dict[str, Value], Node | None, tuple[Node, ...]]:
+        """Why a rule has no row.
+
+        Args:
+            rule: The rule.
+            given: The given values that it reads.
+            alike: Values that columns of its head are to have.
+
+        Returns:
+            The values of its head that are never those asked for; what stopped it; its nodes.
+        """
+        others = self._others(rule, given, alike)
+        if others:
+            return others, None, tuple(Node("column", c, values=(v,)) for c, v in others.items())
+        found = [self._clause(clause, given, alike) for clause in rule.clauses]
+        nodes = _joined(rule.clauses, [nodes for _, nodes in found])
+        return {}, _stopped(found), nodes
+
+    def bodies(self, clauses: Sequence[Clause], given: Sequence[Scalar]) -> tuple[Node, ...]:
+        """Why none of some clauses has a derivation, or a derivation of one that has."""
+        for clause in clauses:
+            way = self._first(clause.query, given, {})
+            if way is not None:
+                return self.telling.derivation(clause, way)
+        return _joined(clauses, [self._clause(clause, given, {})[1] for clause in clauses])
+
+    # -- inside ----------------------------------------------------------------------------------
+
+    def _others(
+        self, rule: RuleParts, given: Sequence[Scalar], alike: Mapping[str, Value]
+    ) -> dict[str, Value]:
+        """Fixed values of the head that are not those asked for."""
+        clause = rule.clauses[0]
+        way = self._first(clause.before, given, {})
+        return {
+            column: value_of(way, place)
+            for column, place in clause.head.items()
+            if way is not None and column in alike and place in way
+            if not same(value_of(way, place), alike[column])
+        }
+
+    def _clause(
+        self, clause: Clause, given: Sequence[Scalar], alike: Mapping[str, Value]
+    ) -> tuple[int, tuple[Node, ...]]:
+        """How many steps hold, and the nodes up to the first that does not."""
+        before, ways, query = self._first(clause.before, given, {}), 1, clause.before
+        for number, step in enumerate(clause.steps):
+            sql = self._queries.get(step.query)
+            if sql is None:
+                continue  # the next step answers for this one, too
+            now = self._alike(clause, step.query, alike)
+            found = self._relations.count(sql, given, now, _MOST_WAYS)
+            if found:
+                before, ways, query = self._first(step.query, given, now), found, step.query
+                continue
+            held = self._held(clause, number, before, ways)
+            failed = self._failed(clause, step, query, before, ways, given, alike)
+            return number, (*held, failed)
+        return len(clause.steps), (
+            *self._held(clause, len(clause.steps), before, ways),
+            *self._unlike(clause, query, given, alike),
+        )
+
+    def _held(self, clause: Clause, until: int, way: Way | None, ways: int) -> tuple[Node, ...]:
+        """The nodes of the steps that hold, as they are in one way."""
+        nodes = self.telling.derivation(clause, way or {}, until)
+        if ways > 1 and nodes:
+            said = f"one of {counted(ways, 'way', is_all=ways < _MOST_WAYS)}"
+            nodes = (*nodes[:-1], replace(nodes[-1], said=said))
+        return nodes
+
+    def _failed(
+        self,
+        clause: Clause,
+        step: Step,
+        before: str,
+        way: Way | None,
+        ways: int,
+        given: Sequence[Scalar],
+        alike: Mapping[str, Value],
+    ) -> Node:
+        """The node of a step that nothing gets past."""
+        span, text = step.span, step.span.text
+        sql = self._queries[step.query]
+        elsewhere = self._relations.count(sql, given, {}, _MOST_WAYS) if alike else 0
+        said = "in no way"
+        if elsewhere:
+            number = counted(elsewhere, "way", is_all=elsewhere < _MOST_WAYS)
+            said = f"not here, but in {number} elsewhere"
+        children: tuple[Node, ...] = ()
+        asked = None
+        is_one = ways == 1
+        if way is not None and step.denied is not None:
+            children = self.bodies(step.denied.clauses, self.telling.given(step.denied, way))
+            said = "there is such a thing" if not elsewhere else said
+        elif way is not None and step.call is not None and step.call.predicate not in _INPUTS:
+            asked = self.telling.ask(step.call, way)
+        terms = [term for term in step.terms if term.kind != "literal"]
+        if way is not None and is_one:
+            children = (*children, *(n for term in terms for n in self.telling.term(term, way)))
+        elif before:
+            columns = self._alike(clause, before, alike)
+            children = (*children, *self._examples(terms, before, given, columns))
+        if step.call is not None and before:
+            children = (*children, *self._arguments(step, before, way, given, clause, alike))
+        return Node(
+            "call" if step.call else _KINDS.get(step.kind, "condition"),  # type: ignore[arg-type]
+            text,
+            said,
+            False,
+            span=span,
+            asked=asked,
+            children=children,
+        )
+
+    def _examples(
+        self,
+        terms: Sequence[Term],
+        query: str,
+        given: Sequence[Scalar],
+        alike: Mapping[str, Value],
+    ) -> Iterator[Node]:
+        """The different values that expressions have over all ways."""
+        for term in _flat(terms):
+            sql = self._queries.get(query)
+            if sql is None or not term.column or term.kind == "literal":
+                continue
+            try:
+                found = self._relations.ways(
+                    sql, given, alike, f"DISTINCT {term.column}", _MOST_WAYS
+                )
+            except FailureError:
+                continue
+            values = tuple(from_sql(way[term.column]) for way in found)
+            yield Node(
+                "value",
+                term.span.text,
+                values=values[:_EXAMPLES],
+                more=max(0, len(values) - _EXAMPLES),
+                is_truth=term.kind == "truth",
+                span=term.span,
+            )
+
+    def _arguments(
+        self,
+        step: Step,
+        query: str,
+        way: Way | None,
+        given: Sequence[Scalar],
+        clause: Clause,
+        alike: Mapping[str, Value],
+    ) -> Iterator[Node]:
+        """With what a call was made that gave nothing."""
+        assert step.call is not None
+        del query, given, clause, alike
+        for column, place in step.call.arguments.items():
+            if way is not None and place in way and column != "robot_name":
+                yield Node("value", column, values=(value_of(way, place),))
+
+    def _unlike(
+        self, clause: Clause, query: str, given: Sequence[Scalar], alike: Mapping[str, Value]
+    ) -> Iterator[Node]:
+        """What the rule gives where all its steps hold, but not with the values asked for."""
+        way = self._first(query, given, {})
+        for column, place in clause.head.items() if way is not None else ():
+            if column in alike and not same(value_of(way or {}, place), alike[column]):
+                value = value_of(way or {}, place)
+                yield Node("column", column, "is another", False, (value,))
+
+    def _first(self, query: str, given: Sequence[Scalar], alike: Mapping[str, Value]) -> Way | None:
+        sql = self._queries.get(query)
+        if sql is None:
+            return None
+        return next(iter(self._relations.ways(sql, given, alike)), None)
+
+    def _alike(self, clause: Clause, query: str, alike: Mapping[str, Value]) -> dict[str, Value]:
+        """The conditions on a query for columns of the head that are known by then."""
+        sql = self._queries[query]
+        return {
+            place: alike[column]
+            for column, place in clause.head.items()
+            if column in alike and re.search(rf"\bAS {place}\b", sql)
+        }
+
+
+_INPUTS = ("Sensor", "Memory")
+
+_KINDS = {"element": "element", "value": "value", "denial": "denial"}
+
+
+def _flat(terms: Sequence[Term]) -> Iterator[Term]:
+    """Terms, each followed by what it compares."""
+    for term in terms:
+        yield term
+        if term.kind in ("truth", "if"):
+            yield from _flat(term.parts)
+
+
+def _joined(clauses: Sequence[Clause], found: Sequence[tuple[Node, ...]]) -> tuple[Node, ...]:
+    """The nodes of clauses: what they have in common, then each alternative."""
+    if len(clauses) == 1:
+        return found[0]
+    common = 0
+    while (
+        all(len(nodes) > common for nodes in found)
+        and len({repr(nodes[common]) for nodes in found}) == 1
+    ):
+        common += 1
+    branches = tuple(
+        Node(
+            "alternative",
+            " and ".join(span.text for span in clause.taken),
+            "this alternative does not hold",
+            False,
+            span=clause.taken[-1] if clause.taken else None,
+            children=nodes[common:],
+        )
+        for clause, nodes in zip(clauses, found, strict=True)
+        if nodes[common:]
+    )
+    return (*found[0][:common], *branches)
+
+
+def _stopped(found: Sequence[tuple[int, tuple[Node, ...]]]) -> Node | None:
+    """What stopped the clause that came furthest."""
+    _, nodes = max(found, key=lambda each: each[0])
+    return nodes[-1] if nodes and nodes[-1].holds is False else None

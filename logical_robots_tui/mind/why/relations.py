@@ -1,0 +1,160 @@
+"""The rows of predicates at a moment, and queries over them."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, Protocol
+
+from logical_robots_tui.mind.sqlite.stored import from_sql, to_sql
+from logical_robots_tui.mind.why.probing import with_given
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping, Sequence
+
+    from logical_robots_tui.mind.sqlite.database import Scalar
+    from logical_robots_tui.values import Value
+
+__all__ = ["SAME", "Relations", "Source", "Way", "same", "same_in_sql"]
+
+SAME = "why_same"
+"""The function for whether two values are the same, in queries."""
+
+Way = dict[str, "Scalar"]
+"""A derivation: a row of a clause's query, as SQLite has it, by the names of the columns."""
+
+_CLOSE = 1e-12
+
+
+class Source(Protocol):
+    """Where the rows come from."""
+
+    def rows(self, predicate: str, sql: str) -> tuple[Sequence[str], Sequence[Sequence[Value]]]:
+        """Columns and rows of a predicate.
+
+        Args:
+            predicate: Its name.
+            sql: A query for them, or "" for that of the program.
+
+        Raises:
+            FailureError: It failed, or has too many.
+        """
+
+    def load(self, table: str, columns: Sequence[str], rows: Sequence[Sequence[Scalar]]) -> None:
+        """Fill a table that queries may read.
+
+        Raises:
+            FailureError: It takes too much memory.
+        """
+
+    def ask(
+        self, sql: str, parameters: Sequence[Scalar]
+    ) -> tuple[Sequence[str], Sequence[Sequence[Any]]]:
+        """Columns and rows of a query, as SQLite has them.
+
+        Raises:
+            FailureError: It failed.
+        """
+
+
+class Relations:
+    """The rows that predicates have for one robot at one moment.
+
+    Args:
+        source: Where they come from.
+    """
+
+    def __init__(self, source: Source) -> None:
+        self._source = source
+        self._rows: dict[str, tuple[dict[str, Value], ...]] = {}
+        self._columns: dict[str, Sequence[str]] = {}
+        self._loaded: dict[str, Sequence[Mapping[str, Value]]] = {}
+
+    def rows(self, predicate: str, sql: str = "") -> tuple[dict[str, Value], ...]:
+        """The rows of a predicate, by the names of the columns.
+
+        Raises:
+            FailureError: It failed, or has too many.
+        """
+        if predicate not in self._rows:
+            columns, rows = self._source.rows(predicate, sql)
+            self._columns[predicate] = columns
+            self._rows[predicate] = tuple(dict(zip(columns, row, strict=True)) for row in rows)
+        return self._rows[predicate]
+
+    def fill(self, table: str, predicate: str, rows: Sequence[Mapping[str, Value]]) -> None:
+        """Fill a table with some of the rows of a predicate, unless it holds just these.
+
+        Raises:
+            FailureError: It takes too much memory.
+        """
+        if self._loaded.get(table) is not rows:
+            self._loaded.pop(table, None)
+            stored = [tuple(map(to_sql, row.values())) for row in rows]
+            self._source.load(table, self._columns[predicate], stored)
+            self._loaded[table] = rows
+
+    def ways(
+        self,
+        sql: str,
+        given: Sequence[Scalar],
+        alike: Mapping[str, Value] | None = None,
+        what: str = "*",
+        most: int = 1,
+    ) -> list[Way]:
+        """Rows of a query.
+
+        Args:
+            sql: The query.
+            given: The given values that it reads.
+            alike: Values that columns are to have.
+            what: What to select.
+            most: Most rows.
+
+        Raises:
+            FailureError: It failed.
+        """
+        where = " AND ".join(f"{SAME}({column}, ?)" for column in alike or ())
+        whole = with_given(sql, len(given))
+        query = f"SELECT {what} FROM ({whole})"  # noqa: S608 - the compiler's own SQL
+        query += f"{' WHERE ' * bool(where)}{where} LIMIT {most}"
+        parameters = [*given, *map(to_sql, (alike or {}).values())]
+        columns, rows = self._source.ask(query, parameters)
+        return [dict(zip(columns, row, strict=True)) for row in rows]
+
+    def count(
+        self,
+        sql: str,
+        given: Sequence[Scalar],
+        alike: Mapping[str, Value] | None = None,
+        most: int = 1,
+    ) -> int:
+        """How many rows a query has, at most so many.
+
+        Raises:
+            FailureError: It failed.
+        """
+        return len(self.ways(sql, given, alike, "1", most))
+
+
+def same(one: Value, other: Value) -> bool:
+    """Whether two values are the same, but for the last digits of a number.
+
+    A number loses these where it passes through text.
+    """
+    if isinstance(one, dict):
+        return (
+            isinstance(other, dict)
+            and one.keys() == other.keys()
+            and all(same(value, other[key]) for key, value in one.items())
+        )
+    if isinstance(one, list):
+        return isinstance(other, list) and len(one) == len(other) and all(map(same, one, other))
+    if isinstance(one, int | float) and isinstance(other, int | float):
+        return one == other or abs(one - other) <= _CLOSE * max(abs(one), abs(other))
+    return type(one) is type(other) and one == other
+
+
+def same_in_sql(one: Scalar, other: Scalar) -> bool:
+    """The same of values as SQLite has them."""
+    if one.__class__ is other.__class__ and one == other:
+        return True
+    return same(from_sql(one), from_sql(other))

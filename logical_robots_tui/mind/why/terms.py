@@ -1,0 +1,97 @@
+"""Expressions: of which kind they are, and which parts tell where their value comes from."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, Literal
+
+from logical_robots_tui.mind.compiling.rules import COMPARISONS, JUNCTIONS
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from logical_robots_tui.mind.compiling.rules import Rule
+
+__all__ = ["chain_root", "chains", "kind_of", "parts_of"]
+
+Kind = Literal["literal", "variable", "value", "truth", "if", "coalesce", "aggregate"]
+
+
+def kind_of(tree: Rule) -> Kind:
+    """Of which kind an expression is."""
+    if "literal" in tree and "the_list" not in tree["literal"]:
+        return "literal"
+    if "variable" in tree:
+        return "variable"
+    if "combine" in tree:
+        return "aggregate"
+    if "implication" in tree:
+        return "if"
+    name = str(tree.get("call", {}).get("predicate_name", ""))
+    if name == "Coalesce":
+        return "coalesce"
+    return "truth" if name in COMPARISONS | JUNCTIONS | {"!"} else "value"
+
+
+def parts_of(tree: Rule, kind: Kind) -> list[Rule]:
+    """The parts of an expression that tell where its value comes from."""
+    if kind == "if":
+        implication = tree["implication"]
+        branches = implication["if_then"]
+        pairs = [b[part] for b in branches for part in ("condition", "consequence")]
+        return [*pairs, implication["otherwise"]]
+    if kind == "coalesce":
+        return _operands(tree["call"])
+    if kind == "truth":
+        return [each for each in _operands(tree["call"]) if kind_of(each) != "literal"]
+    return list(_inside(tree)) if kind == "value" else []
+
+
+def chains(tree: Any) -> Iterator[Rule]:
+    """What is read of records in a syntax tree: ``sensor.radar``, ``memory.plan.at``."""
+    waiting = [tree]
+    while waiting:
+        node = waiting.pop()
+        if isinstance(node, list):
+            waiting.extend(reversed(node))
+        elif isinstance(node, dict):
+            if chain_root(node):
+                yield node
+            else:
+                waiting.extend(reversed(node.values()))
+
+
+def chain_root(tree: Rule) -> str:
+    """The variable that an expression reads fields of, and does nothing else; or ""."""
+    if "subscript" not in tree:
+        return ""
+    while "subscript" in tree:
+        tree = tree["subscript"].get("record", {})
+    return str(tree.get("variable", {}).get("var_name", ""))
+
+
+def _inside(tree: Rule) -> Iterator[Rule]:
+    """The parts of a calculation, a record or a list that have a story of their own."""
+    if chain_root(tree):
+        return
+    waiting: list[Any] = list(tree.values())
+    waiting.reverse()
+    while waiting:
+        node = waiting.pop()
+        if isinstance(node, list):
+            waiting.extend(reversed(node))
+        elif isinstance(node, dict):
+            if _is_told(node):
+                yield node
+            else:
+                waiting.extend(reversed(node.values()))
+
+
+def _is_told(node: Rule) -> bool:
+    if "implication" in node or "combine" in node or "variable" in node or chain_root(node):
+        return True
+    return "call" in node and kind_of(node) in ("coalesce", "truth")
+
+
+def _operands(call: Rule) -> list[Rule]:
+    values = (argument["value"].get("expression") for argument in call["record"]["field_value"])
+    return [value for value in values if value is not None]
