@@ -21,24 +21,29 @@ from logical_robots_tui.cli.moment import check_name, frame_at
 from logical_robots_tui.cli.text import finite, harmless, written
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Iterator, Sequence
 
     from logical_robots_tui.cli.command import Commands
-    from logical_robots_tui.mind import Ask, Explanation, Line, Program
+    from logical_robots_tui.mind import Ask, Explanation, Node, Program
     from logical_robots_tui.world import Level
 
 __all__ = ["declare"]
 
 GAVE, GAVE_NOT = 0, 1
 WIDEST = 100  # columns, where nobody says how wide the terminal is
+DEEPEST = 100
 
 EPILOG = """\
 examples:
-  logical-robots why LEVEL PROGRAM --tick 300 --robot Pip
-  logical-robots why LEVEL PROGRAM --tick 300 --robot Pip --predicate Next
-  logical-robots why LEVEL PROGRAM --tick 300 --robot Pip --predicate Steer --given col0=0.5
+  logical-robots why 06-breadcrumbs breadcrumbs --tick 300 --robot Crow
+  logical-robots why 06-breadcrumbs breadcrumbs --tick 300 --robot Crow --tree
+  logical-robots why 06-breadcrumbs breadcrumbs --tick 300 --robot Crow --predicate Next
+  logical-robots why 06-breadcrumbs breadcrumbs --tick 3 --robot Crow \\
+    --predicate Steer --given col0=0.5
 
-Each rule, part by part: + holds, - does not. The arguments of a function are called col0, col1 ...
+A row is explained by one derivation; for each rule that does not give it, the first part is shown
+that nothing gets past: + holds, - does not. --tree follows every call, down to what was sensed
+and remembered. The arguments of a function are called col0, col1 ...
 
 exit status: 0 there is a row, 1 there is none, 2 bad level, program or name
 """
@@ -72,6 +77,16 @@ def declare(commands: Commands) -> None:
     command.add_argument(
         "--within", default="", metavar="P", help="in the rules of P, which is made with ':='"
     )
+    command.add_argument(
+        "--tree", action="store_true", help="the whole proof, down to what was sensed"
+    )
+    command.add_argument(
+        "--depth",
+        type=number_from(1),
+        default=DEEPEST,
+        metavar="N",
+        help="with --tree: how many predicates deep",
+    )
     add_json(command)
 
 
@@ -81,44 +96,62 @@ def start(options: argparse.Namespace) -> int:
     check_name("robot", options.robot, (robot.name for robot in level.robots))
     own = [predicate.name for predicate in program.predicates if predicate.kind == "program"]
     check_name("predicate", options.predicate, own)
-    explanation = asyncio.run(_explain(level, program, options))
+    explanation, nodes, complete = asyncio.run(_explain(level, program, options))
     if prefers_json(options):
-        print(json.dumps(finite(_data(explanation, options.tick)), ensure_ascii=False))
+        data = {**_data(explanation, options.tick), "tree": [*map(_node, nodes)]}
+        print(json.dumps(finite(data), ensure_ascii=False))
     else:
-        print(*_lines(explanation, options.tick), sep="\n")
-    return GAVE if any(rule.rows for rule in explanation.rules) else GAVE_NOT
+        print(*_lines(explanation, nodes, options), sep="\n")
+        if not complete:
+            print("", "This is not all of it; --depth says how deep it goes.", sep="\n")
+    return GAVE if explanation.rows else GAVE_NOT
 
 
-async def _explain(level: Level, program: Program, options: argparse.Namespace) -> Explanation:
+async def _explain(
+    level: Level, program: Program, options: argparse.Namespace
+) -> tuple[Explanation, tuple[Node, ...], bool]:
+    """The explanation, what to show of it, and whether that is all."""
     from logical_robots_tui.game import Inquiry
 
     frame = await frame_at(level, program, options.tick, options.engine)
     inquiry = Inquiry(level)
+    given, within = dict(options.given) or None, options.within
+    robot, predicate = options.robot, options.predicate
     try:
-        return await inquiry.why(
+        if not options.tree:
+            explanation = await inquiry.why(
+                program, robot, frame, predicate=predicate, given=given, within=within
+            )
+            return explanation, explanation.nodes, True
+        proof = await inquiry.proof(
             program,
-            options.robot,
+            robot,
             frame,
-            predicate=options.predicate,
-            given=dict(options.given) or None,
-            within=options.within,
+            predicate=predicate,
+            given=given,
+            within=within,
+            depth=options.depth,
         )
+        return proof.explanation, proof.nodes, proof.complete
     finally:
         await inquiry.close()
 
 
-def _lines(explanation: Explanation, tick: int) -> Iterator[str]:
-    from logical_robots_tui.mind import tell
-
+def _lines(
+    explanation: Explanation, nodes: Sequence[Node], options: argparse.Namespace
+) -> Iterator[str]:
     wide = shutil.get_terminal_size((WIDEST, 0)).columns
-    yield f"{explanation.predicate} for {harmless(explanation.robot)} at tick {tick}"
-    lines = list(tell(explanation))
-    for line in lines:
-        mark = {True: "+", False: "-", None: " "}[line.holds]
-        yield _cut(f"{'  ' * line.depth}{mark} ", line, wide)
-    asked = (line.asked for line in lines if line.asked is not None)
+    yield f"{explanation.predicate} for {harmless(explanation.robot)} at tick {options.tick}"
+    if explanation.made_from:
+        yield f"  is made from {explanation.made_from}, whose rules these are"
+    lines = [line for node in nodes for line in node.walk()]
+    for depth, node in lines:
+        yield _line(depth, node, wide)
+    if options.tree:
+        return
+    asked = (node.asked for _, node in lines if node.asked is not None)
     if deeper := dict.fromkeys(_deeper(ask) for ask in asked):
-        yield from ("", "Deeper with one of:", *(f"  {options}" for options in deeper))
+        yield from ("", "Deeper with --tree, or one of:", *(f"  {each}" for each in deeper))
 
 
 def _deeper(ask: Ask) -> str:
@@ -128,17 +161,23 @@ def _deeper(ask: Ask) -> str:
     return harmless(" ".join([f"--predicate {ask.predicate}", *given, *within]))
 
 
-def _cut(before: str, line: Line, wide: int) -> str:
-    place = f"line {line.span.line}: " if line.kind == "rule" and line.span is not None else ""
-    said = f"  ({line.said})" if line.said else ""
-    if line.kind == "value":
-        values = (_truth(value) if line.is_truth else written(value) for value in line.values)
-        said = f" = {' or '.join(values)}"
-    room = max(20, wide - len(before) - len(place) - len(said))
-    text = harmless(line.text)
+def _line(depth: int, node: Node, wide: int) -> str:
+    mark = {True: "+", False: "-", None: " "}[node.holds]
+    before = f"{'  ' * depth}{mark} "
+    place = f"line {node.span.line}: " if node.kind == "rule" and node.span is not None else ""
+    said = f"  ({node.said})" if node.said else ""
+    values = [(_truth(value) if node.is_truth else written(value)) for value in node.values]
+    if node.more:
+        values.append(f"{node.more} more")
+    told = f" = {' or '.join(values)}" if values else ""
+    room = max(20, wide - len(before) - len(place) - len(said) - min(len(told), wide // 2))
+    text = harmless(node.text)
     text = text if len(text) <= room else f"{text[: room - 3]}..."
-    told, wide = f"{before}{place}{text}{said}", max(wide, 40)
-    return told if len(told) <= wide else f"{told[: wide - 3]}..."
+    whole, wide = f"{before}{place}{text}", max(wide, 40)
+    left = wide - len(whole) - len(said)
+    told = told if len(told) <= left else f"{told[: max(0, left - 3)]}..."
+    whole = f"{whole}{told}{said}"
+    return whole if len(whole) <= wide else f"{whole[: wide - 3]}..."
 
 
 def _truth(value: Any) -> str:
@@ -146,40 +185,54 @@ def _truth(value: Any) -> str:
 
 
 def _data(explanation: Explanation, tick: int) -> dict[str, Any]:
-    """The explanation for scripts: rules with their rows, and the lines of each."""
-    from logical_robots_tui.mind import tell
-
+    """The explanation for scripts."""
     return {
         "tick": tick,
         "robot": explanation.robot,
         "predicate": explanation.predicate,
         "made_from": explanation.made_from or None,
+        "rows": explanation.rows,
+        "row": explanation.row,
         "rules": [
             {
-                "line": rule.rule.span.line,
-                "text": rule.rule.span.text,
+                "line": rule.span.line,
+                "text": rule.span.text,
                 "rows": rule.rows,
-                "examples": rule.examples,
-                "stopped_by": rule.stopped_by.part.span.text if rule.stopped_by else None,
-                "stopped_at_line": rule.stopped_by.part.span.line if rule.stopped_by else None,
+                "gives_row": rule.row is not None,
+                "stopped_by": rule.stopped_by.text if rule.stopped_by else None,
+                "stopped_at_line": rule.stopped_by.span.line
+                if rule.stopped_by and rule.stopped_by.span
+                else None,
             }
             for rule in explanation.rules
         ],
-        "lines": [
-            {
-                "depth": line.depth,
-                "kind": line.kind,
-                "text": line.text,
-                "said": line.said,
-                "holds": line.holds,
-                "values": line.values,
-                "line": line.span.line if line.span else None,
-                "asked": line.asked
-                and {"predicate": line.asked.predicate, "given": line.asked.given},
-            }
-            for line in tell(explanation)
-        ],
     }
+
+
+def _node(node: Node) -> dict[str, Any]:
+    """A node for scripts; what does not apply is left out."""
+    told: dict[str, Any] = {"kind": node.kind, "text": node.text}
+    if node.said:
+        told["said"] = node.said
+    if node.holds is not None:
+        told["holds"] = node.holds
+    if node.values:
+        told["values"] = [bool(v) if node.is_truth and v is not None else v for v in node.values]
+    if node.more:
+        told["more"] = node.more
+    if node.span is not None:
+        told["line"] = node.span.line
+    if node.robot:
+        told["robot"] = node.robot
+    if node.ray is not None:
+        told["ray"] = node.ray
+    if node.asked is not None:
+        told["asked"] = {"predicate": node.asked.predicate, "given": node.asked.given}
+        if node.asked.within:
+            told["asked"]["within"] = node.asked.within
+    if node.children:
+        told["children"] = [*map(_node, node.children)]
+    return told
 
 
 def _given(text: str) -> tuple[str, Any]:

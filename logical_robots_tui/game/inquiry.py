@@ -140,6 +140,26 @@ class Inquiry:
 
         return await self._do(self._explainer, program, work)
 
+    async def calls(self, program: Program, robot: str, frame: Frame, predicate: str) -> Table:
+        """The calls of a function in a robot's reasoning at a frame, as `Mind.calls` gives them.
+
+        Args:
+            program: The program.
+            robot: Name of the robot.
+            frame: The tick.
+            predicate: A function of the program's own.
+
+        Raises:
+            QueryError: There is no such robot or function, or a rule that calls it failed.
+            Superseded: A newer survey began before the answer was there.
+        """
+
+        def work(mind: Mind, stop: threading.Event) -> Table:
+            sensors, memories = frame.sensors, frame.memories_before
+            return mind.calls(predicate, robot, sensors, memories, stop=stop)
+
+        return await self._do(self._surveyor, program, work)
+
     async def machinery(self, program: Program, frame: Frame) -> list[Machinery]:
         """How each of the program's predicates is computed at a frame, the slowest first.
 

@@ -18,7 +18,7 @@ from logical_robots_tui.mind.sqlite.lasting import Lasting
 from logical_robots_tui.mind.sqlite.layouts import COLUMNS_LAYOUT, LISTS_LAYOUT
 from logical_robots_tui.mind.sqlite.stored import TooDeepError, from_sql
 from logical_robots_tui.mind.sqlite.tables import PlainTables, TunedTables, UnfitError
-from logical_robots_tui.mind.why.relations import SAME, same_in_sql
+from logical_robots_tui.mind.why.relations import ALIKE, SAME, alike_in_sql, same_in_sql
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
@@ -158,6 +158,7 @@ class Asking:
         """What a view shows, to be asked for explanations."""
         if not self._explores:
             self._plain.offer(SAME, same_in_sql, 2)
+            self._plain.offer(ALIKE, alike_in_sql, 2)
             self._explores = True
         return Explored(self, self._plain, moment, view, within)
 

@@ -29,6 +29,7 @@ if TYPE_CHECKING:
     from logical_robots_tui.mind.why.explanation import Explanation
     from logical_robots_tui.mind.why.probing import Probing
     from logical_robots_tui.mind.why.proving import Prover
+    from logical_robots_tui.mind.why.relations import Relations
     from logical_robots_tui.mind.why.unfolding import Proof
 
 __all__ = ["Mind"]
@@ -259,6 +260,48 @@ class Mind:
         given = self._about(predicate, robot, given, within, stop)
         return unfold(prover, predicate, given, within, depth=depth, nodes=nodes)
 
+    def calls(
+        self,
+        predicate: str,
+        robot: str,
+        rows: Sequence[SensorRow],
+        memories: Memories,
+        *,
+        stop: threading.Event | None = None,
+    ) -> Table:
+        """The calls of a function in a robot's reasoning: arguments and results, each once.
+
+        Args:
+            predicate: A function of the program's own.
+            robot: Name of the robot.
+            rows: As for `think`.
+            memories: As for `think`.
+            stop: Set it from another thread to give up.
+
+        Raises:
+            QueryError: There is no such robot or function, or a rule that calls it failed.
+            Stopped: `stop` was set before the answer was there.
+        """
+        from logical_robots_tui.mind.why.calling import calls_of
+        from logical_robots_tui.mind.why.proving import Prover
+
+        known = self.program.predicate(predicate)
+        if known is None or not known.is_function:
+            raise QueryError(f"{predicate} is not a function of this program.")
+        callers = {
+            name: [p for p, used in self.program.uses.items() if name in used and p != name]
+            for name in self.program.uses
+        }
+        relations = self._relations(robot, rows, memories, stop)
+        prover = Prover(relations, robot, partial(self._taken_apart, stop=stop))
+        most = self.limits.rows
+        try:
+            columns, found = calls_of(predicate, callers, prover, relations, most + 1)
+        except FailureError as failure:
+            raise QueryError(f"The calls of {predicate} can't be told: {failure}.") from None
+        shown = tuple("value" if column == "logica_value" else column for column in columns)
+        return Table(shown, tuple(found[:most]), truncated=len(found) > most)
+
     def machinery(
         self,
         predicate: str,
@@ -313,6 +356,22 @@ class Mind:
             QueryError: There is no such robot.
         """
         from logical_robots_tui.mind.why.proving import Prover
+
+        relations = self._relations(robot, rows, memories, stop)
+        return Prover(relations, robot, partial(self._taken_apart, stop=stop))
+
+    def _relations(
+        self,
+        robot: str,
+        rows: Sequence[SensorRow],
+        memories: Memories,
+        stop: threading.Event | None,
+    ) -> Relations:
+        """The rows of predicates in the reasoning of one robot at one moment.
+
+        Raises:
+            QueryError: There is no such robot.
+        """
         from logical_robots_tui.mind.why.relations import Relations
 
         moment = Moment(rows, memories, self.memory, self.sensor)
@@ -320,8 +379,7 @@ class Mind:
         if view is None:
             raise QueryError(f"There is no robot {robot} at this tick.")
         within = Within(self.limits.query_seconds, _EXPLAINED_ROWS, stop)
-        source = self._asking.explore(moment, view, within)
-        return Prover(Relations(source), robot, partial(self._taken_apart, stop=stop))
+        return Relations(self._asking.explore(moment, view, within))
 
     def _about(
         self,

@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from logical_robots_tui.mind.limits import Limits
     from logical_robots_tui.mind.why.probing import Probing
 
-__all__ = ["INPUTS", "Duck", "Predicate", "Program", "Question", "Report", "Tuned"]
+__all__ = ["INPUTS", "VALUE", "Duck", "Predicate", "Program", "Question", "Report", "Tuned"]
 
 Report: TypeAlias = "Callable[[int, int], None]"
 """Told how many predicates of how many are compiled."""
@@ -23,6 +23,10 @@ INPUTS: Mapping[str, tuple[str, ...]] = {
     "Memory": ("robot_name", "memory"),
 }
 """The predicates that the game supplies, with their columns."""
+
+
+VALUE = "logica_value"
+"""The column in which a function keeps its value."""
 
 
 @dataclass(frozen=True, slots=True)

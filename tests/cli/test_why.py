@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import pytest
 
@@ -34,40 +34,41 @@ def test_each_rule_says_whether_it_gave_a_row_and_what_stopped_it(
 ) -> None:
     told = command("why", level, two, "--tick", 3, "--robot", "Pip")
     assert told.status == 0
+    assert told.data["rows"] == 1
+    assert told.data["row"]["memory"] == "far"
     far, near = told.data["rules"]
-    assert (far["line"], far["rows"], far["stopped_by"]) == (2, 1, None)
-    assert far["examples"][0]["memory"] == "far"
+    assert (far["line"], far["rows"], far["gives_row"], far["stopped_by"]) == (2, 1, True, None)
     assert (near["line"], near["rows"], near["stopped_by"]) == (4, 0, "d <= 20")
     assert near["stopped_at_line"] == 5
 
 
 def test_one_step_deeper(command: Command, level: Path, two: Path) -> None:
-    asked = [
-        line["asked"]
-        for line in command("why", level, two, "--tick", 3, "--robot", "Pip").data["lines"]
-        if line["asked"]
-    ]
+    asked = _asked(command("why", level, two, "--tick", 3, "--robot", "Pip").data["tree"])
     assert asked[0]["predicate"] == "Speed"
-    given = f"col0={asked[0]['given']['col0']}"
-    told = command(
-        "why", level, two, "--tick", 3, "--robot", "Pip", "--predicate", "Speed", "--given", given
-    )
-    assert told.data["rules"][0]["rows"] == 1
-    told = command(
-        "why",
-        level,
-        two,
-        "--tick",
-        3,
-        "--robot",
-        "Pip",
-        "--predicate",
-        "Speed",
-        "--given",
-        "col0=9",
-    )
+    question = ("why", level, two, "--tick", 3, "--robot", "Pip", "--predicate", "Speed")
+    given = [f"--given={column}={value}" for column, value in asked[0]["given"].items()]
+    assert command(*question, *given).data["rules"][0]["rows"] == 1
+    told = command(*question, "--given", "col0=9")
     assert told.status == 1
     assert told.data["rules"][0]["stopped_by"] == "d > 20"
+
+
+def test_a_tree_goes_down_to_what_was_sensed(command: Command, level: Path, two: Path) -> None:
+    question = ("why", level, two, "--tick", 3, "--robot", "Pip", "--tree")
+    (root,) = command(*question).data["tree"]
+    kinds = [node["kind"] for node in _walk(root)]
+    assert kinds.count("rule") == 2
+    assert "read" in kinds
+    (shallow,) = command(*question, "--depth", 1).data["tree"]
+    assert [node["kind"] for node in _walk(shallow)].count("rule") == 1
+
+
+def _walk(node: dict[str, Any]) -> list[dict[str, Any]]:
+    return [node, *(each for child in node.get("children", ()) for each in _walk(child))]
+
+
+def _asked(nodes: list[dict[str, Any]]) -> list[dict[str, Any]]:
+    return [each["asked"] for node in nodes for each in _walk(node) if "asked" in each]
 
 
 @pytest.mark.parametrize(
@@ -93,7 +94,7 @@ def test_in_a_terminal_it_is_told_line_by_line(level: Path, two: Path) -> None:
         assert terminal.finish() == 0
         shown = terminal.text
     assert "Robot for Pip at tick 3" in shown
-    assert "(gave 1 row)" in shown
+    assert "(gives this row)" in shown
     assert "- d <= 20  (in no way)" in shown
     assert "--predicate Speed --given" in shown
 
@@ -106,5 +107,5 @@ def test_a_line_that_is_too_long_shows_that_it_is_cut(level: Path, tmp_path: Pat
     )
     with in_terminal("why", level, program, "--tick", 3, "--robot", "Pip") as terminal:
         assert terminal.finish() == 0
-        (line,) = (line for line in terminal.text.splitlines() if " all = [" in line)
+        (line,) = (line for line in terminal.text.splitlines() if " all = sensor.radar = [" in line)
     assert line.rstrip().endswith("...")

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 from logica.parser_py import parse
 
 from logical_robots_tui.mind.compiling.prelude import PRELUDE
+from logical_robots_tui.mind.program import VALUE
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -33,9 +34,6 @@ __all__ = [
 
 Rule: TypeAlias = dict[str, Any]
 """A node of a syntax tree."""
-
-VALUE = "logica_value"
-"""The column in which a function keeps its value."""
 
 COMPARISONS = frozenset({"!=", "<", "<=", "==", ">", ">=", "in", "is", "is not"})
 """The operators whose value is a truth about their operands' values."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import marshal
 from bisect import bisect_left
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from logical_robots_tui.mind.sqlite.database import Database
 from logical_robots_tui.mind.sqlite.filling import WHOLE_RAY, fillings, whole_ray

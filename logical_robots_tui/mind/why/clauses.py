@@ -1,4 +1,4 @@
-"""Taking bodies apart: a clause for each choice of alternatives, with one query for its derivations.
+"""Taking bodies apart: a clause for each choice of alternatives, with a query for derivations.
 
 In the compile process. Where an expression calls a predicate of the program, the call becomes a
 part of the body of its own, as the compiler makes it, so that its value is mentioned in many
@@ -326,13 +326,25 @@ class _ClauseBuilder:
                 )
             )
             span = self._builder.span(self._calls[name])
-            return Term("call", span, self._column(tree), call=self._call(call))
+            arguments = [
+                value
+                for field in call["record"]["field_value"]
+                if field["field"] != VALUE
+                and (value := field["value"].get("expression")) is not None
+                and not chain_root(value)
+                and (self._is_call(value) or parts_of(value, kind_of(value)))
+            ]
+            parts = tuple(map(self._term, arguments))
+            return Term("call", span, self._column(tree), parts, call=self._call(call))
         if kind == "aggregate":
             body = self._inner(tree["combine"]) if self._depth < _DEEPEST else None
             return Term("aggregate", span, self._column(tree), body=body)
-        parts = tuple(map(self._term, parts_of(tree, kind)))
+        found = parts_of(tree, kind)
+        if kind == "value":
+            found = [*{_plain(part): part for part in found}.values()]
+        parts = tuple(map(self._term, found))
         shown = "value" if kind == "variable" else kind
-        return Term(shown, span, self._column(tree), parts)  # type: ignore[arg-type]  # the rest
+        return Term(shown, span, self._column(tree), parts)
 
     def _inner(self, combine: Rule) -> Body | None:
         """The body of an aggregate or a denial."""

@@ -5,10 +5,11 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
+from logical_robots_tui.mind.program import VALUE
 from logical_robots_tui.mind.sqlite.stored import from_sql
 from logical_robots_tui.mind.why.explanation import Ask, Node
 from logical_robots_tui.mind.why.probing import DECIDED_BY_ONE
-from logical_robots_tui.mind.why.relations import same
+from logical_robots_tui.mind.why.relations import alike
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -22,6 +23,7 @@ __all__ = ["MOST_ELEMENTS", "Telling", "counted", "shown", "value_of"]
 
 MOST_ELEMENTS = 1_000
 _SHOWN_ELEMENTS = 100
+_TOLD_ELEMENTS = 40  # with where they come from
 
 
 class Telling:
@@ -50,7 +52,7 @@ class Telling:
             until: The first step that is left out, with all behind it.
         """
         nodes = [node for step in clause.steps[:until] for node in self.step(step, way)]
-        for span in reversed(clause.taken):
+        for span in reversed(clause.taken if until is None else ()):
             inside = [n for n in nodes if n.span is not None and _is_within(n.span, span)]
             if inside:
                 first = nodes.index(inside[0])
@@ -62,7 +64,7 @@ class Telling:
     def row(self, clause: Clause, way: Way, row: Mapping[str, Value]) -> tuple[Node, ...]:
         """The nodes of the columns of a row that are not aggregated, and where they come from."""
         return tuple(
-            self._column(column, clause.terms[column], way)
+            self._column(column, clause.terms[column], way, row[column])
             if column in clause.terms
             else Node("column", shown(column), values=(row[column],))
             for column in clause.head
@@ -128,14 +130,15 @@ class Telling:
         span, text = term.span, term.span.text
         if term.kind == "call" and term.call is not None:
             asked = self.ask(term.call, way)
-            yield Node("call", text, values=(value,), span=span, asked=asked)
+            inner = tuple(node for part in term.parts for node in self.term(part, way))
+            yield Node("call", text, values=(value,), span=span, asked=asked, children=inner)
             return
         kind = term.kind if term.kind in ("if", "coalesce", "aggregate") else "value"
         children = tuple(self.reason(term, way))
         is_truth = term.kind == "truth"
         holds = bool(value) if is_truth else None
         yield Node(
-            kind,  # type: ignore[arg-type]  # one of these
+            kind,
             text,
             holds=holds,
             values=() if is_truth and value is not None else (value,),
@@ -185,23 +188,28 @@ class Telling:
                 children = self.derivation(clause, way)
                 said = f"decides, of {number}" if len(found) > 1 else "is the only one"
                 return (replace(self._element(collected, way, said), children=children),)
-        nodes = tuple(self._element(one, way, "") for _, one, way in found[:_SHOWN_ELEMENTS])
+        nodes = tuple(
+            replace(
+                self._element(one, way, ""),
+                children=self.derivation(clause, way) if place < _TOLD_ELEMENTS else (),
+            )
+            for place, (clause, one, way) in enumerate(found[:_SHOWN_ELEMENTS])
+        )
         more = len(found) - len(nodes)
         rest = (Node("note", f"and {more:,} more"),) if more else ()
         return (Node("note", f"goes over {number}", children=(*nodes, *rest)),)
 
     # -- inside ----------------------------------------------------------------------------------
 
-    def _column(self, name: str, term: Term, way: Way) -> Node:
+    def _column(self, name: str, term: Term, way: Way, value: Value) -> Node:
         """The node of a column of the head."""
         label = shown(name)
-        values = (value_of(way, term.column),)
         if term.kind == "call":
             (node,) = self.term(term, way)
-            return replace(node, kind="column", text=f"{label}: {node.text}")
+            return replace(node, kind="column", text=f"{label}: {node.text}", values=(value,))
         children = tuple(self.reason(term, way))
         text = f"{label}: {term.span.text}"
-        return Node("column", text, values=values, span=term.span, children=children)
+        return Node("column", text, values=(value,), span=term.span, children=children)
 
     def _read(self, term: Term, way: Way) -> Iterator[Node]:
         if term.column in way:
@@ -248,15 +256,15 @@ class Telling:
         self, found: Sequence[tuple[Clause, Collected, Way]], result: Value
     ) -> tuple[Clause, Collected, Way] | None:
         """The one whose value the result is, the best of them."""
-        alike = [each for each in found if same(value_of(each[2], each[1].value), result)]
-        if not alike or not alike[0][1].by:
-            return alike[0] if alike else None
-        keys = [value_of(way, one.by) for _, one, way in alike]
-        numbers = [key if isinstance(key, int | float) else None for key in keys]
-        if None in numbers:
-            return alike[0]
-        best = min if alike[0][1].operator == "ArgMin" else max
-        return alike[numbers.index(best(n for n in numbers if n is not None))]
+        equal = [each for each in found if alike(value_of(each[2], each[1].value), result)]
+        if not equal or not equal[0][1].by:
+            return equal[0] if equal else None
+        keys = [value_of(way, one.by) for _, one, way in equal]
+        numbers = [key for key in keys if isinstance(key, int | float)]
+        if len(numbers) < len(keys):
+            return equal[0]
+        best = min if equal[0][1].operator == "ArgMin" else max
+        return equal[numbers.index(best(numbers))]
 
     def _element(self, collected: Collected, way: Way, said: str) -> Node:
         value = value_of(way, collected.value)
@@ -272,7 +280,7 @@ def value_of(way: Way, place: str) -> Value:
 
 def shown(column: str) -> str:
     """What a column is called on the screen."""
-    return "value" if column == "logica_value" else column
+    return "value" if column == VALUE else column
 
 
 def counted(number: int, what: str, *, is_all: bool) -> str:

@@ -93,11 +93,12 @@ def _make(name: str, make: Rule, expanded: Expanded) -> None:
     reached = {base, *expanded.reach(base)}
     touched = {p for p in reached - filled.keys() if expanded.reach(p) & filled.keys()} | {base}
     copies = {p: f"{p}_in_{name}" for p in touched if p in expanded.rules} | {base: name}
-    renaming = {**copies, **filled}
+    # Plain texts: the name of a rule that was copied does not stand where the copy was ordered.
+    renaming = {f"{old}": f"{new}" for old, new in {**copies, **filled}.items()}
     for original, copy in copies.items():
         rules = deep_copy(expanded.rules.get(original, []))
         for rule in rules:
-            rule["head"]["predicate_name"] = copy
+            rule["head"]["predicate_name"] = f"{copy}"
             rename(rule, renaming)
         expanded.rules[copy] = rules
         if copy != name:
@@ -116,6 +117,8 @@ def rename(tree: Any, names: Mapping[str, str]) -> None:
             for key in ("call", "predicate", "the_predicate"):
                 inner = node.get(key)
                 if isinstance(inner, dict) and inner.get("predicate_name") in names:
+                    # What was written knows where it stands.
+                    inner.setdefault("written", inner["predicate_name"])
                     inner["predicate_name"] = names[str(inner["predicate_name"])]
             if isinstance(node.get("operator"), str) and node["operator"] in names:
                 node["operator"] = names[node["operator"]]

@@ -7,15 +7,17 @@ is read off that one derivation.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from logical_robots_tui.mind.diagnostics import QueryError
 from logical_robots_tui.mind.failures import FailureError
+from logical_robots_tui.mind.program import VALUE
 from logical_robots_tui.mind.sqlite.stored import to_sql
 from logical_robots_tui.mind.why.deriving import MOST_ELEMENTS, Telling, counted, shown, value_of
 from logical_robots_tui.mind.why.explanation import Explanation, Node, RuleFound
 from logical_robots_tui.mind.why.refuting import Refuting
-from logical_robots_tui.mind.why.relations import same
+from logical_robots_tui.mind.why.relations import ALIKE, same
 from logical_robots_tui.mind.why.staging import Stages
 
 if TYPE_CHECKING:
@@ -69,13 +71,16 @@ class Prover:
         given = _checked(given, probing)
         try:
             rows = self.rows(probing, given)
-            self._prepare(probing, None)
+            self.prepare(probing)
         except FailureError as failure:
             raise QueryError(f"{predicate} failed: {failure}.") from None
         row = self._stage(probing).first(probing, rows) if rows else None
         rules = tuple(self._rule(rule, probing, given, rows, row) for rule in probing.rules)
-        if row is not None and not any(found.row for found in rules):
-            rules = (*rules, _unexplained(rules[0], probing))
+        if row is not None and all(found.row is None for found in rules):
+            if _is_over_nothing(probing, row):
+                rules = (_over_nothing(rules[0], row), *rules[1:])
+            else:
+                rules = (*rules, _unexplained(rules[0], probing))
         return Explanation(
             predicate,
             self._robot,
@@ -87,6 +92,14 @@ class Prover:
             rules,
         )
 
+    def taken_apart(self, predicate: str) -> Probing:
+        """A predicate, taken apart.
+
+        Raises:
+            QueryError: It can't be.
+        """
+        return self._take_apart(predicate, "")
+
     def rows(self, probing: Probing, given: Row) -> Sequence[Row]:
         """The rows of a predicate with given values.
 
@@ -94,7 +107,7 @@ class Prover:
             FailureError: They can't be computed.
         """
         if probing.given:
-            self._prepare(probing, None)
+            self.prepare(probing)
             sql = probing.queries.get(probing.rows)
             if sql is None:
                 raise FailureError("it can't be asked for its rows")
@@ -125,22 +138,19 @@ class Prover:
         try:
             number = self._number(rule, probing, given, arguments, rows)
             if row is not None:
-                self._prepare(probing, row)
+                self.prepare(probing, row)
                 nodes = self._derived(rule, probing, row, arguments, telling)
-                self._prepare(probing, None)
+                self.prepare(probing)
                 if nodes is not None:
                     said = _gives(number, len(rows))
                     return RuleFound(
                         rule.span, number, row, None, _heading(rule, said, True, nodes)
                     )
-            alike = {c: v for c, v in given.items() if c not in probing.given}
-            if row is not None and not number:
-                alike = {**row} if not _is_aggregated(rule) else _keys(rule, row)
-                alike = {c: v for c, v in alike.items() if c not in probing.given}
             if number:
                 said = f"gives {_counted(number)}, but not the first"
                 return RuleFound(rule.span, number, None, None, _heading(rule, said, True))
-            others, stopped, children = refuting.rule(rule, arguments, alike)
+            wanted = {c: v for c, v in given.items() if c not in probing.given}
+            others, stopped, children = refuting.rule(rule, arguments, wanted)
             if row is None and stopped is None and _is_aggregated(rule):
                 unlike = self._unlike(rule, probing, given)
                 children, stopped = (*children, *unlike), next(iter(unlike), None)
@@ -183,7 +193,7 @@ class Prover:
         number = 0
         for clause in rule.clauses:
             sql = self._sql(clause, probing)
-            places = {place: given[c] for c, place in clause.head.items() if c in given}
+            places = [(place, given[c]) for c, place in clause.head.items() if c in given]
             if probing.distinct:
                 what = f"DISTINCT {', '.join(clause.head.values()) or 'one'}"
                 ways = self._relations.ways(sql, arguments, places, what, MOST_ROWS)
@@ -226,7 +236,9 @@ class Prover:
             ]
             children = telling.contributors(found, row[column], is_all)
             operator = found[0][1].operator
-            said = f"{operator} over {counted(len(found), 'row', is_all=is_all)} of this rule"
+            said = f"{operator} over {counted(len(found), 'row', is_all=is_all)}"
+            if len(probing.rules) > 1:
+                said += " of this rule"
             yield Node("aggregate", shown(column), said, values=(row[column],), children=children)
 
     def _ways(
@@ -239,8 +251,11 @@ class Prover:
     ) -> Iterator[tuple[Clause, Way]]:
         """Derivations of a row by a rule; of one with aggregates, what contributes to it."""
         for clause in rule.clauses:
-            alike = {place: row[c] for c, place in clause.head.items() if c in row}
-            found = self._relations.ways(self._sql(clause, probing), arguments, alike, most=most)
+            alike = [(place, row[c]) for c, place in clause.head.items() if c in row]
+            sql = self._sql(clause, probing)
+            found = self._relations.ways(sql, arguments, alike, most=most)
+            if not found and any(isinstance(value, dict | list) for _, value in alike):
+                found = self._relations.ways(sql, arguments, alike, most=most, compared=ALIKE)
             for way in found:
                 yield clause, way
 
@@ -253,7 +268,7 @@ class Prover:
 
     # -- tables ----------------------------------------------------------------------------------
 
-    def _prepare(self, probing: Probing, row: Row | None) -> None:
+    def prepare(self, probing: Probing, row: Row | None = None) -> None:
         """Fill the tables that the queries of a predicate read.
 
         Args:
@@ -284,8 +299,8 @@ def _checked(given: Row, probing: Probing) -> Row:
     Raises:
         QueryError: One is not there, or an argument is missing.
     """
-    if "logica_value" in probing.columns and "value" in given and "value" not in probing.columns:
-        given = {("logica_value" if c == "value" else c): v for c, v in given.items()}
+    if VALUE in probing.columns and "value" in given and "value" not in probing.columns:
+        given = {(VALUE if c == "value" else c): v for c, v in given.items()}
     columns = ", ".join(map(shown, probing.columns))
     for column in given:
         if column not in probing.columns:
@@ -319,6 +334,22 @@ def _gives(number: int, of: int) -> str:
     if of <= 1:
         return "gives this row"
     return f"gives {_counted(number)}; this is the first"
+
+
+def _is_over_nothing(probing: Probing, row: Row) -> bool:
+    """Whether a row is what aggregates without a key give where there is nothing."""
+    is_keyless = not any(clause.head for rule in probing.rules for clause in rule.clauses)
+    return is_keyless and all(value in (None, 0) for value in row.values())
+
+
+def _over_nothing(found: RuleFound, row: Row) -> RuleFound:
+    """A rule whose aggregates go over nothing, and so does every other one of its predicate."""
+    columns = tuple(
+        Node("column", shown(c), "goes over nothing", None, (v,)) for c, v in row.items()
+    )
+    children = (*columns, *found.node.children)
+    node = replace(found.node, said="gives this row, of nothing", holds=True, children=children)
+    return replace(found, rows=1, row=row, node=node)
 
 
 def _unexplained(like: RuleFound, probing: Probing) -> RuleFound:

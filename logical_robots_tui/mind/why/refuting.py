@@ -7,7 +7,8 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from logical_robots_tui.mind.failures import FailureError
-from logical_robots_tui.mind.sqlite.stored import from_sql
+from logical_robots_tui.mind.program import VALUE
+from logical_robots_tui.mind.sqlite.stored import from_sql, to_sql
 from logical_robots_tui.mind.why.deriving import counted, value_of
 from logical_robots_tui.mind.why.explanation import Node
 from logical_robots_tui.mind.why.relations import same
@@ -66,7 +67,7 @@ class Refuting:
     def bodies(self, clauses: Sequence[Clause], given: Sequence[Scalar]) -> tuple[Node, ...]:
         """Why none of some clauses has a derivation, or a derivation of one that has."""
         for clause in clauses:
-            way = self._first(clause.query, given, {})
+            way = self._first(clause.query, given, ())
             if way is not None:
                 return self.telling.derivation(clause, way)
         return _joined(clauses, [self._clause(clause, given, {})[1] for clause in clauses])
@@ -78,11 +79,11 @@ class Refuting:
     ) -> dict[str, Value]:
         """Fixed values of the head that are not those asked for."""
         clause = rule.clauses[0]
-        way = self._first(clause.before, given, {})
+        way = self._first(clause.before, given, ())
         return {
             column: value_of(way, place)
             for column, place in clause.head.items()
-            if way is not None and column in alike and place in way
+            if way is not None and column in alike and place in way and column != VALUE
             if not same(value_of(way, place), alike[column])
         }
 
@@ -90,7 +91,7 @@ class Refuting:
         self, clause: Clause, given: Sequence[Scalar], alike: Mapping[str, Value]
     ) -> tuple[int, tuple[Node, ...]]:
         """How many steps hold, and the nodes up to the first that does not."""
-        before, ways, query = self._first(clause.before, given, {}), 1, clause.before
+        before, ways, query = self._first(clause.before, given, ()), 1, clause.before
         for number, step in enumerate(clause.steps):
             sql = self._queries.get(step.query)
             if sql is None:
@@ -129,7 +130,7 @@ class Refuting:
         """The node of a step that nothing gets past."""
         span, text = step.span, step.span.text
         sql = self._queries[step.query]
-        elsewhere = self._relations.count(sql, given, {}, _MOST_WAYS) if alike else 0
+        elsewhere = self._relations.count(sql, given, (), _MOST_WAYS) if alike else 0
         said = "in no way"
         if elsewhere:
             number = counted(elsewhere, "way", is_all=elsewhere < _MOST_WAYS)
@@ -141,15 +142,16 @@ class Refuting:
             children = self.bodies(step.denied.clauses, self.telling.given(step.denied, way))
             said = "there is such a thing" if not elsewhere else said
         elif way is not None and step.call is not None and step.call.predicate not in _INPUTS:
-            asked = self.telling.ask(step.call, way)
+            asked = self.telling.ask(step.call, way | self._known(clause, alike))
         terms = [term for term in step.terms if term.kind != "literal"]
         if way is not None and is_one:
             children = (*children, *(n for term in terms for n in self.telling.term(term, way)))
         elif before:
             columns = self._alike(clause, before, alike)
             children = (*children, *self._examples(terms, before, given, columns))
-        if step.call is not None and before:
-            children = (*children, *self._arguments(step, before, way, given, clause, alike))
+        if asked is not None:
+            arguments = (Node("value", c, values=(v,)) for c, v in asked.given.items())
+            children = (*children, *arguments)
         return Node(
             "call" if step.call else _KINDS.get(step.kind, "condition"),  # type: ignore[arg-type]
             text,
@@ -165,7 +167,7 @@ class Refuting:
         terms: Sequence[Term],
         query: str,
         given: Sequence[Scalar],
-        alike: Mapping[str, Value],
+        alike: Sequence[tuple[str, Value]],
     ) -> Iterator[Node]:
         """The different values that expressions have over all ways."""
         for term in _flat(terms):
@@ -188,46 +190,39 @@ class Refuting:
                 span=term.span,
             )
 
-    def _arguments(
-        self,
-        step: Step,
-        query: str,
-        way: Way | None,
-        given: Sequence[Scalar],
-        clause: Clause,
-        alike: Mapping[str, Value],
-    ) -> Iterator[Node]:
-        """With what a call was made that gave nothing."""
-        assert step.call is not None
-        del query, given, clause, alike
-        for column, place in step.call.arguments.items():
-            if way is not None and place in way and column != "robot_name":
-                yield Node("value", column, values=(value_of(way, place),))
-
     def _unlike(
         self, clause: Clause, query: str, given: Sequence[Scalar], alike: Mapping[str, Value]
     ) -> Iterator[Node]:
         """What the rule gives where all its steps hold, but not with the values asked for."""
-        way = self._first(query, given, {})
+        way = self._first(query, given, self._alike(clause, query, alike))
         for column, place in clause.head.items() if way is not None else ():
             if column in alike and not same(value_of(way or {}, place), alike[column]):
                 value = value_of(way or {}, place)
                 yield Node("column", column, "is another", False, (value,))
 
-    def _first(self, query: str, given: Sequence[Scalar], alike: Mapping[str, Value]) -> Way | None:
+    @staticmethod
+    def _known(clause: Clause, alike: Mapping[str, Value]) -> Way:
+        """The values that follow from those that the head is to have."""
+        return {place: to_sql(alike[c]) for c, place in clause.head.items() if c in alike}
+
+    def _first(
+        self, query: str, given: Sequence[Scalar], alike: Sequence[tuple[str, Value]]
+    ) -> Way | None:
         sql = self._queries.get(query)
         if sql is None:
             return None
         return next(iter(self._relations.ways(sql, given, alike)), None)
 
-    def _alike(self, clause: Clause, query: str, alike: Mapping[str, Value]) -> dict[str, Value]:
+    def _alike(
+        self, clause: Clause, query: str, alike: Mapping[str, Value]
+    ) -> list[tuple[str, Value]]:
         """The conditions on a query for columns of the head that are known by then."""
         sql = self._queries[query]
-        return {
-            place: alike[column]
+        return [
+            (place, alike[column])
             for column, place in clause.head.items()
-            if column in alike and re.search(rf"\bAS {place}\b", sql)
-        }
+            if column in alike and column != VALUE and re.search(rf"\bAS {place}\b", sql)
+        ]
 
 
 _INPUTS = ("Sensor", "Memory")

@@ -13,10 +13,23 @@ if TYPE_CHECKING:
     from logical_robots_tui.mind.sqlite.database import Scalar
     from logical_robots_tui.values import Value
 
-__all__ = ["SAME", "Relations", "Source", "Way", "same", "same_in_sql"]
+__all__ = [
+    "ALIKE",
+    "SAME",
+    "Relations",
+    "Source",
+    "Way",
+    "alike",
+    "alike_in_sql",
+    "same",
+    "same_in_sql",
+]
 
 SAME = "why_same"
 """The function for whether two values are the same, in queries."""
+
+ALIKE = "why_alike"
+"""That for whether they are the same but for the order of lists."""
 
 Way = dict[str, "Scalar"]
 """A derivation: a row of a clause's query, as SQLite has it, by the names of the columns."""
@@ -96,27 +109,29 @@ class Relations:
         self,
         sql: str,
         given: Sequence[Scalar],
-        alike: Mapping[str, Value] | None = None,
+        alike: Sequence[tuple[str, Value]] = (),
         what: str = "*",
         most: int = 1,
+        compared: str = SAME,
     ) -> list[Way]:
         """Rows of a query.
 
         Args:
             sql: The query.
             given: The given values that it reads.
-            alike: Values that columns are to have.
+            alike: Columns and the values that they are to have.
             what: What to select.
             most: Most rows.
+            compared: The function that compares these.
 
         Raises:
             FailureError: It failed.
         """
-        where = " AND ".join(f"{SAME}({column}, ?)" for column in alike or ())
+        where = " AND ".join(f"{compared}({column}, ?)" for column, _ in alike)
         whole = with_given(sql, len(given))
         query = f"SELECT {what} FROM ({whole})"  # noqa: S608 - the compiler's own SQL
         query += f"{' WHERE ' * bool(where)}{where} LIMIT {most}"
-        parameters = [*given, *map(to_sql, (alike or {}).values())]
+        parameters = [*given, *(to_sql(value) for _, value in alike)]
         columns, rows = self._source.ask(query, parameters)
         return [dict(zip(columns, row, strict=True)) for row in rows]
 
@@ -124,7 +139,7 @@ class Relations:
         self,
         sql: str,
         given: Sequence[Scalar],
-        alike: Mapping[str, Value] | None = None,
+        alike: Sequence[tuple[str, Value]] = (),
         most: int = 1,
     ) -> int:
         """How many rows a query has, at most so many.
@@ -151,6 +166,28 @@ def same(one: Value, other: Value) -> bool:
     if isinstance(one, int | float) and isinstance(other, int | float):
         return one == other or abs(one - other) <= _CLOSE * max(abs(one), abs(other))
     return type(one) is type(other) and one == other
+
+
+def alike(one: Value, other: Value) -> bool:
+    """Whether two values are the same, but for the order of lists.
+
+    In which order an aggregate lists its elements is not said by a program, and a list may be in
+    another order where the same is computed in another query.
+    """
+    return same(one, other) or same(_sorted(one), _sorted(other))
+
+
+def _sorted(value: Value) -> Value:
+    if isinstance(value, dict):
+        return {name: _sorted(each) for name, each in value.items()}
+    if isinstance(value, list):
+        return sorted(map(_sorted, value), key=repr)
+    return value
+
+
+def alike_in_sql(one: Scalar, other: Scalar) -> bool:
+    """The same of values as SQLite has them."""
+    return alike(from_sql(one), from_sql(other))
 
 
 def same_in_sql(one: Scalar, other: Scalar) -> bool:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from logica.parser_py import parse
 
@@ -26,7 +26,7 @@ def number(text: str) -> Rule:
     return {"literal": {"the_number": {"number": text}}}
 
 
-def asked(predicate: str, columns: Mapping[str | int, Rule]) -> Rule:
+def asked(predicate: str, columns: Mapping[Any, Rule]) -> Rule:
     """A call of a predicate, as part of a body."""
     return {"predicate": {"predicate_name": predicate, "record": _record(columns)}}
 
@@ -36,7 +36,7 @@ def equal(left: Rule, right: Rule) -> Rule:
     return {"unification": {"left_hand_side": left, "right_hand_side": right}}
 
 
-def rule(name: str, columns: Mapping[str | int, Rule], body: Iterable[Rule], text: str) -> Rule:
+def rule(name: str, columns: Mapping[Any, Rule], body: Iterable[Rule], text: str) -> Rule:
     """A rule; each of its parts is copied, so that none stands in two places.
 
     Args:
@@ -57,7 +57,7 @@ def rule(name: str, columns: Mapping[str | int, Rule], body: Iterable[Rule], tex
     return found
 
 
-def _record(columns: Mapping[str | int, Rule]) -> Rule:
+def _record(columns: Mapping[Any, Rule]) -> Rule:
     return {
         "field_value": [
             {"field": name, "value": {"expression": value}} for name, value in columns.items()

@@ -102,5 +102,8 @@ def _proving(explanation: Explanation) -> tuple[Node, ...]:
     if explanation.row is None:
         return explanation.nodes
     giving = tuple(rule.node for rule in explanation.rules if rule.row is not None)
-    unexplained = explanation.rules[-1].node
-    return giving[:1] or (unexplained,)
+    if not giving:
+        return (explanation.rules[-1].node,)
+    # Several rules may contribute to what is aggregated; else one of them is enough.
+    is_aggregated = any(child.kind == "aggregate" for child in giving[0].children)
+    return giving if is_aggregated else giving[:1]

@@ -9,9 +9,9 @@ from logical_robots_tui.mind import Mind, Program
 from tests.mind.rows import row
 
 if TYPE_CHECKING:
-    from logical_robots_tui.mind.why.explanation import Explanation, PartFound, RuleFound
+    from logical_robots_tui.mind import Explanation, Node, Proof
 
-__all__ = ["REST", "part", "why"]
+__all__ = ["REST", "below", "find", "proof", "texts", "why"]
 
 REST = """
 Robot(robot_name:, desire: {left_engine: 0, right_engine: 0}, memory: "") :- Sensor(robot_name:);
@@ -31,12 +31,39 @@ def why(
     **visibility: Any,
 ) -> Explanation:
     """Why a predicate of a program has its rows."""
-    program = Program.compile(text)
-    with closing(Mind(program, **visibility)) as mind:
-        probing = program.take_apart(predicate, within)
-        return mind.why(probing, robot, rows or [row("Ada")], memories or {}, given=given)
+    with closing(Mind(Program.compile(text), **visibility)) as mind:
+        return mind.why(
+            predicate, robot, rows or [row("Ada")], memories or {}, given=given, within=within
+        )
 
 
-def part(rule: RuleFound, text: str) -> PartFound:
-    """What a part of a rule gave, found by the beginning of its text."""
-    return next(each for each in rule.found if each.part.span.text.startswith(text))
+def proof(
+    text: str,
+    predicate: str = "Robot",
+    robot: str = "Ada",
+    *,
+    rows: list[Any] | None = None,
+    memories: dict[str, Any] | None = None,
+    given: dict[str, Any] | None = None,
+    depth: int = 100,
+) -> Proof:
+    """The whole proof of a row of a predicate."""
+    with closing(Mind(Program.compile(text))) as mind:
+        return mind.proof(
+            predicate, robot, rows or [row("Ada")], memories or {}, given=given, depth=depth
+        )
+
+
+def find(node: Node, text: str) -> Node:
+    """The first node below another one whose text begins so."""
+    return next(each for _, each in node.walk() if each.text.startswith(text))
+
+
+def texts(nodes: tuple[Node, ...]) -> list[str]:
+    """The texts of nodes."""
+    return [node.text for node in nodes]
+
+
+def below(node: Node, kind: str) -> list[Node]:
+    """The nodes of a kind below another one."""
+    return [each for _, each in node.walk() if each.kind == kind]

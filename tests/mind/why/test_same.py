@@ -8,7 +8,7 @@ import pytest
 
 from logical_robots_tui.game import list_programs, load_program
 from logical_robots_tui.mind import Mind, Program
-from logical_robots_tui.mind.why.explaining import MOST_WAYS
+from logical_robots_tui.mind.why.proving import MOST_ROWS
 from logical_robots_tui.world import World, list_levels, load_level
 from tests.mind.rows import nearly_same
 
@@ -40,26 +40,26 @@ def test_rules_give_the_rows_of_their_predicate(name: str) -> None:
         for predicate in program.predicates:
             if predicate.kind != "program" or not predicate.has_rows:
                 continue
-            probing = program.take_apart(predicate.name)
             table = mind.query(predicate.name, rows, memories)  # type: ignore[arg-type] # Values
             column = table.columns.index("robot_name") if "robot_name" in table.columns else None
             for robot in robots:
-                found = mind.why(probing, robot, rows, memories)  # type: ignore[arg-type] # Values
-                ways = [rule.rows for rule in found.rules]
+                proof = mind.proof(predicate.name, robot, rows, memories)  # type: ignore[arg-type]
+                found = proof.explanation
                 mine = [
                     row
                     for number, row in enumerate(table.rows)
                     if (not table.viewers or table.viewers[number] == robot)
                     and (column is None or row[column] == robot)
                 ]
-                assert None not in ways, (predicate.name, found)
-                # An aggregate without a key has a row also when nothing goes into it.
-                mine = [row for row in mine if any(value is not None for value in row)]
-                total = sum(way or 0 for way in ways)
-                assert (total > 0) == bool(mine), (predicate.name, robot, ways, mine)
-                assert total >= min(len(mine), MOST_WAYS)
+                assert found.rows == min(len(mine), MOST_ROWS), (predicate.name, robot)
+                if mine:
+                    assert any(rule.row is not None for rule in found.rules), (
+                        predicate.name,
+                        robot,
+                    )
+                    assert all(node.holds for node in proof.nodes)
                 if predicate.name == "Robot":
                     (row,) = mine
-                    examples = [example for rule in found.rules for example in rule.examples]
                     decided = dict(zip(table.columns, row, strict=True))
-                    assert any(nearly_same(example, decided) for example in examples)
+                    assert found.row is not None
+                    assert nearly_same(dict(found.row), decided)

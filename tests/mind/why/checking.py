@@ -1,0 +1,145 @@
+"""Whether an explanation is true, as an evaluator of another kind has it: whole queries.
+
+What is told of a row is put into its rule: all variables and expressions that are shown are set to
+the values that are shown, and the program itself is asked whether its rule holds so.
+"""
+
+from __future__ import annotations
+
+import json
+import re
+from collections import Counter
+from typing import TYPE_CHECKING, Any
+
+from logical_robots_tui.mind import Program, ProgramError
+from logical_robots_tui.mind.why.relations import same
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Sequence
+
+    from logical_robots_tui.mind import Mind, Node
+
+__all__ = ["Checker", "false_claims"]
+
+
+class Checker:
+    """Asks a program whether what is claimed holds.
+
+    Args:
+        program: The program.
+        mind: A mind with it.
+        rows: Sensor rows.
+        memories: By robot.
+    """
+
+    def __init__(self, program: Program, mind: Mind, rows: Any, memories: Any) -> None:
+        self.program, self.mind = program, mind
+        self.rows, self.memories = rows, memories
+        self.asked = self.unknown = 0
+
+    def holds(self, conditions: Sequence[str], made: str) -> bool | None:
+        """Whether there is a way in which all of some conditions hold; None if none can say.
+
+        Args:
+            conditions: The conditions.
+            made: What is filled in with ``:=`` where the rule that they are from is a copy, or "".
+        """
+        self.asked += 1
+        rule = f"Holds(one: 1) :- {', '.join(conditions)}"
+        for asked in (rule, f"{rule};\nMade := Holds({made})") if made else (rule,):
+            try:
+                question = self.program.question(asked)
+            except ProgramError:
+                self.unknown += 1
+                return None
+            if self.mind.ask(question, self.rows, self.memories).rows:
+                return True
+        return False
+
+
+def false_claims(node: Node, checker: Checker, made: str = "") -> Iterator[str]:
+    """What is false about a rule that is said to give a row."""
+    rule = node.text
+    head, _, body = rule.partition(":-")
+    claims = [*_claims(node)]
+    fixed = [body.strip()] if body else []
+    fixed += [claim for claim in claims if claim is not None]
+    for column, expression in _columns(head):
+        values = [n.values[0] for n in node.children if _names(n, column) and n.values]
+        fixed += [claim for value in values[:1] if (claim := _equal(expression, value))]
+    if fixed and checker.holds(fixed, made) is False:
+        yield f"{rule} does not hold with {fixed}"
+    for _, inner in node.walk():
+        if inner.kind == "aggregate":
+            yield from _wrong_aggregate(inner)
+
+
+def _claims(node: Node) -> Iterator[str | None]:
+    """What is claimed of the variables and expressions of one derivation."""
+    for child in node.children:
+        if child.kind in ("aggregate", "denial", "contributor", "rule", "note", "column"):
+            if child.kind == "column":
+                yield from _claims(child)
+            continue
+        if len(child.values) == 1 and not child.is_truth:
+            text = child.text
+            if child.span is not None and child.holds and "==" in text:
+                text = text.split("==")[0].strip()
+            if child.span is None or "==" not in text:
+                yield _equal(text, child.values[0])
+        elif child.holds is not None and child.kind == "value" and not child.values:
+            yield f"({child.text})" if child.holds else None
+        yield from _claims(child)
+
+
+def _equal(expression: str, value: Any) -> str | None:
+    if value is None:
+        return f"({expression}) is null"
+    if isinstance(value, bool | int | float | str):
+        return f"({expression}) == {json.dumps(value)}"
+    return None
+
+
+def _columns(head: str) -> Iterator[tuple[str, str]]:
+    """Columns of a head of the generated kind that are not aggregated, and their expressions."""
+    found = re.match(r"\w+\(x: (.*), y: (.*)\)(?: distinct)?\s*$", head.strip())
+    if found:
+        yield "x", found.group(1)
+        yield "y", found.group(2)
+    elif found := re.match(r"\w+\(x: (.*), y\?", head.strip()):
+        yield "x", found.group(1)
+
+
+def _names(node: Node, column: str) -> bool:
+    return node.kind == "column" and (node.text == column or node.text.startswith(f"{column}: "))
+
+
+def _wrong_aggregate(node: Node) -> Iterator[str]:
+    """What is false about the elements of an aggregate."""
+    value: Any = node.values[0]
+    elements = [n.values[0] for _, n in node.walk() if n.kind == "contributor"]
+    note = next((n for n in node.children if n.kind == "note" and "goes over" in n.text), None)
+    if node.said.endswith("of this rule"):
+        return
+    if not elements or note is None:
+        if elements and not same(elements[0], value):
+            yield f"{node.text}: {elements[0]} is said to decide, {value} came out"
+        return
+    direct = [n for n in note.children if n.kind == "contributor"]
+    elements = [n.values[0] for n in direct]
+    operator = direct[0].text.split(" -> ")[0]
+    numbers = [e for e in elements if isinstance(e, int | float)]
+    expected: Any = value
+    if operator in ("+", "Sum"):
+        expected = sum(numbers) if numbers else None
+    elif operator in ("List",):
+        good = Counter(map(repr, elements)) == Counter(map(repr, value or []))
+        expected = value if good else elements
+    elif operator in ("Set",):
+        expected = (
+            value if {*map(repr, elements)} - {"None"} == {*map(repr, value or [])} else elements
+        )
+    elif operator in ("Count",):
+        expected = len({repr(e) for e in elements if e is not None})
+    if not same(expected, value):
+        yield f"{node.text} = {value}, but goes over {elements}"
