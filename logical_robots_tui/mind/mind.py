@@ -30,6 +30,7 @@ if TYPE_CHECKING:
     from logical_robots_tui.mind.why.probing import Probing
     from logical_robots_tui.mind.why.proving import Prover
     from logical_robots_tui.mind.why.relations import Relations
+    from logical_robots_tui.mind.why.sourcing import Made, Path
     from logical_robots_tui.mind.why.unfolding import Proof
 
 __all__ = ["Mind"]
@@ -259,6 +260,33 @@ class Mind:
         prover = self._prover(robot, rows, memories, stop)
         given = self._about(predicate, robot, given, within, stop)
         return unfold(prover, predicate, given, within, depth=depth, nodes=nodes)
+
+    def source(
+        self,
+        robot: str,
+        path: Path,
+        rows: Sequence[SensorRow],
+        memories: Memories,
+        *,
+        stop: threading.Event | None = None,
+    ) -> Made:
+        """Where a part of the memory comes from that a robot has after one moment.
+
+        Args:
+            robot: Name of the robot.
+            path: The part: names of fields and places in lists; () for the whole memory.
+            rows: As for `think`.
+            memories: As for `think`.
+            stop: Set it from another thread to give up.
+
+        Raises:
+            QueryError: There is no such robot or part, or how it came about can't be told.
+            Stopped: `stop` was set before the answer was there.
+        """
+        from logical_robots_tui.mind.why.sourcing import source_of
+
+        prover = self._prover(robot, rows, memories, stop)
+        return source_of(prover, "Robot", {"robot_name": robot}, "memory", path)
 
     def calls(
         self,

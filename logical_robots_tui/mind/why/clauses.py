@@ -18,7 +18,13 @@ from logical_robots_tui.mind.why import trees
 from logical_robots_tui.mind.why.probing import GIVEN, Body, Call, Clause, Collected, Step, Term
 from logical_robots_tui.mind.why.scopes import Scope, column_name, combines, flat, in_order, names
 from logical_robots_tui.mind.why.spans import span_of
-from logical_robots_tui.mind.why.terms import chain_root, chains, kind_of, parts_of
+from logical_robots_tui.mind.why.terms import (
+    chain_root,
+    chains,
+    kind_of,
+    names_of,
+    parts_of,
+)
 
 if TYPE_CHECKING:
     from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
@@ -152,6 +158,7 @@ class _ClauseBuilder:
         everything = [*self._body, *self._head.values(), *(a for _, a in self._collected.values())]
         variables = frozenset[str]().union(*map(names, everything))
         self._begin: list[Rule] = []
+        self._given = given
         known: frozenset[str] = frozenset()
         if given:
             self._begin = [trees.asked(GIVEN, dict(given))]
@@ -175,11 +182,7 @@ class _ClauseBuilder:
             wanted.append(self._used)
         variables = {self._column(trees.variable(name)) for name in self._scope.variables}
         head = {column: self._column(value) for column, value in self._head.items()}
-        terms = {
-            column: self._term(value)
-            for column, value in self._head.items()
-            if kind_of(value) not in ("literal", "variable") or self._is_call(value)
-        }
+        terms = {column: self._term(value) for column, value in self._head.items()}
         collected = tuple(self._collection(column, *of) for column, of in self._collected.items())
         always = variables | {*head.values()}
         wanted.append({*map(itemgetter(0), self._columns.values())})
@@ -197,6 +200,7 @@ class _ClauseBuilder:
             {column: place for column, place in head.items() if place},
             terms,
             collected,
+            {self._column(variable): name for name, variable in self._given.items()},
         )
 
     # -- calls -----------------------------------------------------------------------------------
@@ -286,7 +290,7 @@ class _ClauseBuilder:
             return []
         return [side for side in sides if kind_of(side) != "literal"]
 
-    def _call(self, call: Rule) -> Call | None:
+    def _call(self, call: Rule) -> Call:
         name = str(call["predicate_name"])
         arguments = {
             column_name(argument["field"]): self._column(argument["value"]["expression"])
@@ -294,7 +298,15 @@ class _ClauseBuilder:
             if argument["field"] != "*" and "expression" in argument["value"]
         }
         arguments = {column: place for column, place in arguments.items() if place}
-        return Call(name, "", arguments) if name in INPUTS else self._names.call(name, arguments)
+        if name in INPUTS:
+            return Call(name, "", arguments)
+        terms = {
+            column_name(argument["field"]): self._term(argument["value"]["expression"])
+            for argument in call["record"]["field_value"]
+            if "expression" in argument["value"] and argument["field"] not in ("*", VALUE)
+        }
+        terms = {c: term for c, term in terms.items() if term.kind not in ("literal", "variable")}
+        return replace(self._names.call(name, arguments), terms=terms)
 
     def _reads(self, call: Rule) -> tuple[Term, ...]:
         """What is read of a sensor or a memory, anywhere in the clause."""
@@ -326,16 +338,9 @@ class _ClauseBuilder:
                 )
             )
             span = self._builder.span(self._calls[name])
-            arguments = [
-                value
-                for field in call["record"]["field_value"]
-                if field["field"] != VALUE
-                and (value := field["value"].get("expression")) is not None
-                and not chain_root(value)
-                and (self._is_call(value) or parts_of(value, kind_of(value)))
-            ]
-            parts = tuple(map(self._term, arguments))
-            return Term("call", span, self._column(tree), parts, call=self._call(call))
+            called = self._call(call)
+            parts = tuple(each for each in called.terms.values() if each.kind != "field")
+            return Term("call", span, self._column(tree), parts, call=called)
         if kind == "aggregate":
             body = self._inner(tree["combine"]) if self._depth < _DEEPEST else None
             return Term("aggregate", span, self._column(tree), body=body)
@@ -343,8 +348,7 @@ class _ClauseBuilder:
         if kind == "value":
             found = [*{_plain(part): part for part in found}.values()]
         parts = tuple(map(self._term, found))
-        shown = "value" if kind == "variable" else kind
-        return Term(shown, span, self._column(tree), parts)
+        return Term(kind, span, self._column(tree), parts, names_of(tree, kind))
 
     def _inner(self, combine: Rule) -> Body | None:
         """The body of an aggregate or a denial."""
@@ -365,8 +369,8 @@ class _ClauseBuilder:
         if call.get("predicate_name") == "->":
             sides = {f["field"]: f["value"]["expression"] for f in call["record"]["field_value"]}
             value, by = self._column(sides["left"]), self._column(sides["right"])
-            return Collected(column, operator, value, by)
-        return Collected(column, operator, self._column(argument))
+            return Collected(column, operator, value, by, self._term(sides["left"]))
+        return Collected(column, operator, self._column(argument), "", self._term(argument))
 
     # -- queries ---------------------------------------------------------------------------------
 

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from logical_robots_tui.mind.why.relations import Relations, Way
     from logical_robots_tui.values import Value
 
-__all__ = ["MOST_ELEMENTS", "Telling", "counted", "shown", "value_of"]
+__all__ = ["MOST_ELEMENTS", "Telling", "counted", "decided", "shown", "value_of"]
 
 MOST_ELEMENTS = 1_000
 _SHOWN_ELEMENTS = 100
@@ -65,8 +65,6 @@ class Telling:
         """The nodes of the columns of a row that are not aggregated, and where they come from."""
         return tuple(
             self._column(column, clause.terms[column], way, row[column])
-            if column in clause.terms
-            else Node("column", shown(column), values=(row[column],))
             for column in clause.head
             if column in row
         )
@@ -160,7 +158,12 @@ class Telling:
             yield from self._aggregate(term.body, value_of(way, term.column), way)
         elif term.kind == "call":
             yield from self.term(term, way)
-        else:
+        elif term.kind == "record":
+            for name, part in zip(term.names, term.parts, strict=True):
+                for node in self.term(part, way):
+                    is_named = part.kind == "variable" and part.span.text == name
+                    yield node if is_named else replace(node, text=f"{name}: {node.text}")
+        elif term.kind != "field" or term.parts[0].kind != "variable":
             for part in term.parts:
                 yield from self.term(part, way)
 
@@ -182,9 +185,9 @@ class Telling:
         operator = found[0][1].operator
         number = counted(len(found), "row", is_all=is_all)
         if operator in DECIDED_BY_ONE:
-            decided = self._decided(found, result)
-            if decided is not None:
-                clause, collected, way = decided
+            best = decided(found, result)
+            if best is not None:
+                clause, collected, way = best
                 children = self.derivation(clause, way)
                 said = f"decides, of {number}" if len(found) > 1 else "is the only one"
                 return (replace(self._element(collected, way, said), children=children),)
@@ -204,6 +207,8 @@ class Telling:
     def _column(self, name: str, term: Term, way: Way, value: Value) -> Node:
         """The node of a column of the head."""
         label = shown(name)
+        if term.kind in ("literal", "variable"):
+            return Node("column", label, values=(value,))
         if term.kind == "call":
             (node,) = self.term(term, way)
             return replace(node, kind="column", text=f"{label}: {node.text}", values=(value,))
@@ -252,25 +257,26 @@ class Telling:
             return
         yield from self.contributors(found[:MOST_ELEMENTS], result, is_all)
 
-    def _decided(
-        self, found: Sequence[tuple[Clause, Collected, Way]], result: Value
-    ) -> tuple[Clause, Collected, Way] | None:
-        """The one whose value the result is, the best of them."""
-        equal = [each for each in found if alike(value_of(each[2], each[1].value), result)]
-        if not equal or not equal[0][1].by:
-            return equal[0] if equal else None
-        keys = [value_of(way, one.by) for _, one, way in equal]
-        numbers = [key for key in keys if isinstance(key, int | float)]
-        if len(numbers) < len(keys):
-            return equal[0]
-        best = min if equal[0][1].operator == "ArgMin" else max
-        return equal[numbers.index(best(numbers))]
-
     def _element(self, collected: Collected, way: Way, said: str) -> Node:
         value = value_of(way, collected.value)
         by = f" -> {_short(value_of(way, collected.by))}" if collected.by else ""
         node = Node("contributor", f"{collected.operator}{by}", said, True, (value,))
         return _ray(node)
+
+
+def decided(
+    found: Sequence[tuple[Clause, Collected, Way]], result: Value
+) -> tuple[Clause, Collected, Way] | None:
+    """The element whose value is the result of an aggregate, the best of them."""
+    equal = [each for each in found if alike(value_of(each[2], each[1].value), result)]
+    if not equal or not equal[0][1].by:
+        return equal[0] if equal else None
+    keys = [value_of(way, one.by) for _, one, way in equal]
+    numbers = [key for key in keys if isinstance(key, int | float)]
+    if len(numbers) < len(keys):
+        return equal[0]
+    best = min if equal[0][1].operator == "ArgMin" else max
+    return equal[numbers.index(best(numbers))]
 
 
 def value_of(way: Way, place: str) -> Value:
@@ -309,4 +315,6 @@ def _is_within(one: Span, other: Span) -> bool:
 
 def _is_among(term: Term, step: Step) -> bool:
     """Whether a term is just a variable that the step gives a value."""
-    return term.kind == "literal" or (not term.parts and term.column in step.gives.values())
+    return term.kind == "literal" or (
+        term.kind == "variable" and term.column in step.gives.values()
+    )

@@ -68,11 +68,13 @@ class Call:
         predicate: Its name, as written in the program.
         within: The predicate made with ``:=`` in whose copy of the rules it is called, or "".
         arguments: By name of its column the column of the query with the argument.
+        terms: The same as expressions, of those that are more than a variable or a literal.
     """
 
     predicate: str
     within: str = ""
     arguments: Mapping[str, str] = field(default_factory=dict)
+    terms: Mapping[str, Term] = field(default_factory=dict)
 
 
 @dataclass(frozen=True, slots=True)
@@ -84,12 +86,14 @@ class Collected:
         operator: The aggregate's name.
         value: The column of the query with an element's value.
         by: The column with what an element is chosen by, for ``value -> by``; else "".
+        term: The expression of the value.
     """
 
     column: str
     operator: str
     value: str
     by: str = ""
+    term: Term | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -113,20 +117,35 @@ class Term:
     """An expression, to tell where its value comes from.
 
     Attributes:
-        kind: ``literal``, ``value``, ``truth`` (of a comparison or a junction), ``if``,
-            ``coalesce``, ``call`` (of a predicate of the program) or ``aggregate``.
+        kind: ``literal``, ``variable``, ``value``, ``field`` (read of a record), ``record``,
+            ``cast`` (to a type), ``truth`` (of a comparison or a junction), ``if``, ``coalesce``,
+            ``call`` (of a predicate of the program) or ``aggregate``.
         span: Where it stands.
         column: The column of the query with its value; "" for a literal.
         parts: The terms in it. For ``if``: condition and value of each branch, then the value
-            without any.
+            without any. For ``field``: what holds the record.
+        names: Of ``record`` the names of the parts; of ``field`` the way into the record.
         call: What it calls.
         body: What it aggregates.
     """
 
-    kind: Literal["literal", "value", "truth", "if", "coalesce", "call", "aggregate"]
+    kind: Literal[
+        "literal",
+        "variable",
+        "value",
+        "field",
+        "record",
+        "cast",
+        "truth",
+        "if",
+        "coalesce",
+        "call",
+        "aggregate",
+    ]
     span: Span
     column: str = ""
     parts: tuple[Term, ...] = ()
+    names: tuple[str, ...] = ()
     call: Call | None = None
     body: Body | None = None
 
@@ -170,6 +189,7 @@ class Clause:
         head: By name of a column of the head that is not aggregated its column of the query.
         terms: The expressions of these, by name of the column.
         collected: The aggregated columns of the head.
+        given: By column of the query with a variable that is given that of the given values.
     """
 
     taken: tuple[Span, ...]
@@ -178,6 +198,7 @@ class Clause:
     head: Mapping[str, str] = field(default_factory=dict)
     terms: Mapping[str, Term] = field(default_factory=dict)
     collected: tuple[Collected, ...] = ()
+    given: Mapping[str, str] = field(default_factory=dict)
 
     @property
     def query(self) -> str:

@@ -6,9 +6,8 @@ is read off that one derivation.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import replace
-from typing import TYPE_CHECKING
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, TypeAlias
 
 from logical_robots_tui.mind.diagnostics import QueryError
 from logical_robots_tui.mind.failures import FailureError
@@ -21,19 +20,42 @@ from logical_robots_tui.mind.why.relations import ALIKE, same
 from logical_robots_tui.mind.why.staging import Stages
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Callable, Iterator, Mapping, Sequence
 
     from logical_robots_tui.mind.sqlite.database import Scalar
-    from logical_robots_tui.mind.why.probing import Clause, Collected, Probing, RuleParts
+    from logical_robots_tui.mind.why.probing import (
+        Body,
+        Clause,
+        Collected,
+        Probing,
+        RuleParts,
+        Span,
+    )
     from logical_robots_tui.mind.why.relations import Relations, Way
     from logical_robots_tui.values import Value
 
-__all__ = ["MOST_ROWS", "Prover"]
+__all__ = ["MOST_ROWS", "Derived", "Prover"]
 
 MOST_ROWS = 1_000
 """Where counting rows ends."""
 
-Row = Mapping[str, "Value"]
+Row: TypeAlias = "Mapping[str, Value]"
+
+
+@dataclass(frozen=True, slots=True)
+class Derived:
+    """A row and its derivations.
+
+    Attributes:
+        probing: The predicate.
+        row: The row.
+        ways: For each derivation its rule, its clause, and its row of the clause's query. There is
+            one, or where the head aggregates all that contribute.
+    """
+
+    probing: Probing
+    row: Row
+    ways: tuple[tuple[Span, Clause, Way], ...]
 
 
 class Prover:
@@ -44,6 +66,9 @@ class Prover:
         robot: In whose reasoning.
         take_apart: Gives a predicate, by its name and the made predicate in whose copy it stands,
             taken apart.
+
+    Attributes:
+        robot: In whose reasoning.
     """
 
     def __init__(
@@ -52,7 +77,7 @@ class Prover:
         robot: str,
         take_apart: Callable[[str, str], Probing],
     ) -> None:
-        self._relations, self._robot, self._take_apart = relations, robot, take_apart
+        self._relations, self.robot, self._take_apart = relations, robot, take_apart
         self._stages: dict[tuple[str, ...], Stages] = {}
 
     def explain(self, predicate: str, given: Row, within: str = "") -> Explanation:
@@ -83,7 +108,7 @@ class Prover:
                 rules = (*rules, _unexplained(rules[0], probing))
         return Explanation(
             predicate,
-            self._robot,
+            self.robot,
             probing.made_from,
             within,
             given,
@@ -120,6 +145,47 @@ class Prover:
             name = probing.name
             found = self._relations.rows(name, probing.sources.get(name, ""))
         return [row for row in found if all(same(row[c], v) for c, v in given.items())]
+
+    def derivations(self, predicate: str, within: str, given: Row) -> Derived:
+        """The first row with given values, and a derivation of it; of aggregates, all of them.
+
+        Raises:
+            QueryError: There is none, or how it came about can't be told.
+            FailureError: A query failed.
+        """
+        probing = self._take_apart(predicate, within)
+        given = _checked(given, probing)
+        self.prepare(probing)
+        rows = self.rows(probing, given)
+        if not rows:
+            raise QueryError(f"{predicate} has no such row.")
+        row = self._stage(probing).first(probing, rows)
+        arguments = [to_sql(given[column]) for column in probing.given]
+        self.prepare(probing, row)
+        ways: list[tuple[Span, Clause, Way]] = []
+        for rule in probing.rules:
+            most = MOST_ELEMENTS if _is_aggregated(rule) else 1
+            found = self._ways(rule, probing, row, arguments, most)
+            ways += [(rule.span, clause, way) for clause, way in found]
+            if ways and not _is_aggregated(rule):
+                break
+        if not ways:
+            raise QueryError(f"How {predicate} has this row can't be told.")
+        return Derived(probing, row, tuple(ways))
+
+    def elements(self, probing: Probing, body: Body, way: Way) -> list[tuple[Clause, Way]]:
+        """Derivations of what an aggregate goes over, in one derivation.
+
+        Raises:
+            FailureError: A query failed.
+        """
+        self.prepare(probing)
+        given = [way.get(place) for place in body.given.values()]
+        return [
+            (clause, inner)
+            for clause in body.clauses
+            for inner in self._relations.ways(self._sql(clause, probing), given, most=MOST_ELEMENTS)
+        ]
 
     # -- rules -----------------------------------------------------------------------------------
 

@@ -11,9 +11,20 @@ if TYPE_CHECKING:
 
     from logical_robots_tui.mind.compiling.rules import Rule
 
-__all__ = ["chain_root", "chains", "kind_of", "parts_of"]
+__all__ = ["chain_root", "chains", "kind_of", "names_of", "parts_of"]
 
-Kind = Literal["literal", "variable", "value", "truth", "if", "coalesce", "aggregate"]
+Kind = Literal[
+    "literal",
+    "variable",
+    "value",
+    "field",
+    "record",
+    "cast",
+    "truth",
+    "if",
+    "coalesce",
+    "aggregate",
+]
 
 
 def kind_of(tree: Rule) -> Kind:
@@ -26,9 +37,13 @@ def kind_of(tree: Rule) -> Kind:
         return "aggregate"
     if "implication" in tree:
         return "if"
+    if "subscript" in tree:
+        return "field"
+    if "record" in tree and all(isinstance(f["field"], str) for f in _fields(tree)):
+        return "record"
     name = str(tree.get("call", {}).get("predicate_name", ""))
-    if name == "Coalesce":
-        return "coalesce"
+    if name in ("Coalesce", "TryCast"):
+        return "coalesce" if name == "Coalesce" else "cast"
     return "truth" if name in COMPARISONS | JUNCTIONS | {"!"} else "value"
 
 
@@ -43,7 +58,27 @@ def parts_of(tree: Rule, kind: Kind) -> list[Rule]:
         return _operands(tree["call"])
     if kind == "truth":
         return [each for each in _operands(tree["call"]) if kind_of(each) != "literal"]
+    if kind == "cast":
+        return _operands(tree["call"])[:1]
+    if kind == "field":
+        while "subscript" in tree:
+            tree = tree["subscript"]["record"]
+        return [tree]
+    if kind == "record":
+        return [f["value"]["expression"] for f in _fields(tree) if "expression" in f["value"]]
     return list(_inside(tree)) if kind == "value" else []
+
+
+def names_of(tree: Rule, kind: Kind) -> tuple[str, ...]:
+    """The names of the fields of a record, or the way that is read into one."""
+    if kind == "record":
+        return tuple(str(f["field"]) for f in _fields(tree) if "expression" in f["value"])
+    names: list[str] = []
+    while kind == "field" and "subscript" in tree:
+        symbol = tree["subscript"]["subscript"].get("literal", {}).get("the_symbol", {})
+        names.append(str(symbol.get("symbol", "")))
+        tree = tree["subscript"]["record"]
+    return tuple(reversed(names))
 
 
 def chains(tree: Any) -> Iterator[Rule]:
@@ -69,10 +104,13 @@ def chain_root(tree: Rule) -> str:
     return str(tree.get("variable", {}).get("var_name", ""))
 
 
+def _fields(tree: Rule) -> list[Rule]:
+    found: list[Rule] = tree["record"]["field_value"]
+    return found
+
+
 def _inside(tree: Rule) -> Iterator[Rule]:
-    """The parts of a calculation, a record or a list that have a story of their own."""
-    if chain_root(tree):
-        return
+    """The parts of a calculation or a list that have a story of their own."""
     waiting: list[Any] = list(tree.values())
     waiting.reverse()
     while waiting:
@@ -87,9 +125,9 @@ def _inside(tree: Rule) -> Iterator[Rule]:
 
 
 def _is_told(node: Rule) -> bool:
-    if "implication" in node or "combine" in node or "variable" in node or chain_root(node):
+    if {"implication", "combine", "variable", "subscript"} & node.keys():
         return True
-    return "call" in node and kind_of(node) in ("coalesce", "truth")
+    return "call" in node and kind_of(node) in ("coalesce", "cast", "truth")
 
 
 def _operands(call: Rule) -> list[Rule]:

@@ -1,0 +1,189 @@
+"""Where a value in a robot's memory comes from: back through the ticks that only kept it.
+
+A value is followed from the tick in which it is seen to the one in which a rule made it, across
+robots that read each other's memories; and from there on to what it was made from.
+"""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, TypeAlias
+
+from logical_robots_tui.mind import QueryError
+from logical_robots_tui.mind.why.relations import alike
+from logical_robots_tui.mind.why.sourcing import part_of
+
+if TYPE_CHECKING:
+    import threading
+    from collections.abc import Callable, Mapping, Sequence
+
+    from logical_robots_tui.mind import Mind
+    from logical_robots_tui.mind.why.probing import Span
+    from logical_robots_tui.mind.why.sourcing import Made, Path, Read
+    from logical_robots_tui.values import SensorRow, Value
+
+__all__ = ["Link", "Origin", "origin_of", "read_path", "written_path"]
+
+MOST_LINKS = 24
+_MOST_READS = 4  # of one link that are followed
+
+Moment: TypeAlias = "tuple[Sequence[SensorRow], Mapping[str, Value]]"
+
+
+@dataclass(frozen=True, slots=True)
+class Link:
+    """A value, and the tick in which it was made.
+
+    Attributes:
+        robot: In whose memory it was made.
+        path: The part of that memory.
+        value: The value.
+        tick: The tick in which it was made; 0 if it was there at the start.
+        until: The tick in which it is looked at.
+        span: The expression that made it.
+        rule: The rule in which that stands.
+        reads: What was read for it.
+        before: Numbers of the links, from 0, of the values among these that are followed.
+    """
+
+    robot: str
+    path: Path
+    value: Value
+    tick: int
+    until: int
+    span: Span | None
+    rule: Span | None
+    reads: tuple[Read, ...]
+    before: tuple[int, ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class Origin:
+    """The history of a value.
+
+    Attributes:
+        links: The value itself, then what it was made from, and so on.
+        complete: Whether all was followed to the start or to sensors.
+    """
+
+    links: tuple[Link, ...]
+    complete: bool
+
+
+def origin_of(
+    mind: Mind,
+    robot: str,
+    path: Path,
+    tick: int,
+    moment: Callable[[int], Moment],
+    *,
+    most: int = MOST_LINKS,
+    stop: threading.Event | None = None,
+) -> Origin:
+    """Where a part of the memory comes from that a robot has after a tick.
+
+    Args:
+        mind: A mind with the program.
+        robot: Name of the robot.
+        path: The part: names of fields and places in lists.
+        tick: The tick, from 1.
+        moment: Gives sensor rows and memories of a tick, from 1 to this one.
+        most: Most links.
+        stop: Set it from another thread to give up.
+
+    Raises:
+        QueryError: There is no such robot or part, or how it came about can't be told.
+        Stopped: `stop` was set before the answer was there.
+    """
+    links: list[Link] = []
+    numbers: dict[tuple[int, str, Path], int] = {}
+    waiting: list[tuple[int | None, int, str, Path]] = [(None, tick, robot, path)]
+    complete = True
+    while waiting:
+        parent, at, whose, part = waiting.pop(0)
+        if len(links) >= most:
+            complete = False
+            break
+        try:
+            link = _link(mind, whose, part, at, moment, stop)
+        except QueryError:
+            if parent is None:
+                raise
+            complete = False
+            continue
+        key = (link.tick, link.robot, link.path)
+        number = numbers.setdefault(key, len(links))
+        if parent is not None and number not in links[parent].before and number != parent:
+            links[parent] = replace(links[parent], before=(*links[parent].before, number))
+        if number < len(links):
+            continue
+        links.append(link)
+        found = [read for read in link.reads if read.what == "memory" and read.value is not None]
+        complete = complete and len(found) <= _MOST_READS
+        if link.tick > 1:
+            waiting += [(number, link.tick - 1, r.robot, r.path) for r in found[:_MOST_READS]]
+    return Origin(tuple(links), complete)
+
+
+def read_path(text: str) -> Path:
+    """The part of a memory that a text names, such as ``memory.plan.at`` or ``memory.seen[0]``.
+
+    Raises:
+        ValueError: It names none.
+    """
+    found = re.fullmatch(r"memory((?:\.[^.\[\]]+|\[-?\d+\])*)", text.strip())
+    if found is None:
+        raise ValueError(f"{text!r} is no part of a memory, such as memory.plan or memory.seen[0]")
+    pieces = re.findall(r"\.([^.\[\]]+)|\[(-?\d+)\]", found.group(1))
+    return tuple(name if name else int(number) for name, number in pieces)
+
+
+def written_path(path: Path, what: str = "memory") -> str:
+    """The same the other way round."""
+    return what + "".join(f"[{p}]" if isinstance(p, int) else f".{p}" for p in path)
+
+
+def _link(
+    mind: Mind,
+    robot: str,
+    path: Path,
+    tick: int,
+    moment: Callable[[int], Moment],
+    stop: threading.Event | None,
+) -> Link:
+    """The tick in which a value was made, or that it was there from the start."""
+    until = tick
+    while True:
+        rows, memories = moment(tick)
+        made = mind.source(robot, path, rows, memories, stop=stop)
+        kept = _kept(made, memories)
+        if kept is None:
+            return Link(robot, path, made.value, tick, until, made.span, made.rule, made.reads)
+        robot, path = kept
+        tick -= 1
+        if tick < 1:
+            return Link(robot, path, made.value, 0, until, None, None, ())
+
+
+def _kept(made: Made, memories: Mapping[str, Value]) -> tuple[str, Path] | None:
+    """Whose memory, and which part of it, has held a value before, if it was only kept."""
+    if not made.reads or any(read.what != "memory" for read in made.reads):
+        return None
+    robots = {read.robot for read in made.reads}
+    if len(robots) > 1:
+        return None
+    robot, path = robots.pop(), _common([read.path for read in made.reads])
+    try:
+        before = part_of(memories.get(robot), path)
+    except QueryError:
+        return None
+    return (robot, path) if alike(before, made.value) else None
+
+
+def _common(paths: Sequence[Path]) -> Path:
+    """The longest beginning that paths have in common."""
+    length = 0
+    while length < min(map(len, paths)) and len({path[length] for path in paths}) == 1:
+        length += 1
+    return paths[0][:length]
