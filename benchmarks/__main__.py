@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any
 from rich.console import Console
 from rich.table import Table
 
+from benchmarks.answers import answers
 from benchmarks.classes import classes
 from benchmarks.editing import editing
 from benchmarks.first_frame import first_frame
@@ -41,6 +42,7 @@ BENCHMARKS = {
     "editing": editing,
     "history": history,
     "inspector": inspector,
+    "answers": answers,
     "screen": with_screen,
     "traffic": traffic,
     "ssh": ssh,

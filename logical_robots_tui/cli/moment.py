@@ -25,15 +25,13 @@ async def frame_at(level: Level, program: Program, tick: int, engine: Engine) ->
         tick: Which tick; 0 is the start.
         engine: What the robots think with.
     """
-    from logical_robots_tui.game import Game
+    from logical_robots_tui.game import Run
 
-    game = Game(level, program, history=1, engine=engine)
+    run = Run(level, program, engine=engine)
     try:
-        while game.frame.tick < tick:
-            await game.run_until(tick=tick)
-        return game.frame
+        return await run.frame(tick)
     finally:
-        await game.close()
+        await run.close()
 
 
 def check_name(what: str, name: str, known: Iterable[str]) -> None:

@@ -22,6 +22,7 @@ from logical_robots_tui.game.pins import MIND, ROBOT_COLUMNS, Path, Pin, Reading
 from logical_robots_tui.game.place import Place, place_of
 from logical_robots_tui.game.reference import is_shipped, level_key, reference_for
 from logical_robots_tui.game.rules import count_rules
+from logical_robots_tui.game.run import Run, run_key
 from logical_robots_tui.game.source import Source, list_programs, load_program, save_program
 from logical_robots_tui.game.start import start_frame
 
@@ -52,6 +53,7 @@ __all__ = [
     "Pin",
     "Place",
     "Reading",
+    "Run",
     "Source",
     "Superseded",
     "compile_program",
@@ -66,6 +68,7 @@ __all__ = [
     "place_of",
     "read",
     "reference_for",
+    "run_key",
     "save_program",
     "start_frame",
     "subjects",
