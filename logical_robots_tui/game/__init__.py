@@ -14,6 +14,7 @@ from logical_robots_tui.game.frame import Frame
 from logical_robots_tui.game.game import Answer, Game, Superseded
 from logical_robots_tui.game.goal import Goal, goals
 from logical_robots_tui.game.history import History, NoSuchTickError
+from logical_robots_tui.game.holding import Stretches, rows_that_count
 from logical_robots_tui.game.inquiry import Inquiry
 from logical_robots_tui.game.marks import MARK_KINDS, Mark, MarkKind
 from logical_robots_tui.game.pace import FLAT_OUT, SPEEDS, Pace
@@ -55,6 +56,7 @@ __all__ = [
     "Reading",
     "Run",
     "Source",
+    "Stretches",
     "Superseded",
     "compile_program",
     "count_rules",
@@ -68,6 +70,7 @@ __all__ = [
     "place_of",
     "read",
     "reference_for",
+    "rows_that_count",
     "run_key",
     "save_program",
     "start_frame",

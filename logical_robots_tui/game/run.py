@@ -25,7 +25,7 @@ from logical_robots_tui.mind import Limits
 
 if TYPE_CHECKING:
     import threading
-    from collections.abc import AsyncIterator, Callable
+    from collections.abc import AsyncGenerator, Callable
 
     from logical_robots_tui.game.frame import Frame
     from logical_robots_tui.mind import Engine, Mind, Program
@@ -83,23 +83,31 @@ class Run:
         raise ValueError(f"there is no tick {tick}")
 
     async def each(
-        self, first: int, last: int, work: Callable[[Frame, Mind, threading.Event], T]
-    ) -> AsyncIterator[T]:
+        self,
+        first: int,
+        last: int,
+        work: Callable[[Frame, Mind, threading.Event], T],
+        *,
+        to_victory: bool = False,
+    ) -> AsyncGenerator[T]:
         """What a piece of work gives for each of some ticks, in their order.
 
         Args:
             first: The first tick, from 0.
             last: The last one.
             work: Done in a thread, with the frame, a mind to ask, and the event that ends it.
+            to_victory: Whether the tick of victory is the last one, if there is one before.
 
         Raises:
             Stopped: Another piece of work was begun.
         """
-        tick = first
-        while tick <= last:
-            for done in await self._thinker.do(partial(self._some, tick, last, work)):
+        tick, over = first, False
+        while tick <= last and not over:
+            some = partial(self._some, tick, last, work, to_victory)
+            found, over = await self._thinker.do(some)
+            for done in found:
                 yield done
-                tick += 1
+            tick += len(found)
 
     async def close(self) -> None:
         """Keep what was computed, and free the mind."""
@@ -115,19 +123,21 @@ class Run:
         tick: int,
         last: int,
         work: Callable[[Frame, Mind, threading.Event], T],
+        to_victory: bool,
         stop: threading.Event,
-    ) -> list[T]:
-        """What the work gives for the next ticks, for as many as there is time for."""
+    ) -> tuple[list[T], bool]:
+        """What the work gives for the next ticks there is time for, and whether that is all."""
         until = perf_counter() + _SECONDS
         done: list[T] = []
-        mind = None
-        while tick + len(done) <= last and (not done or perf_counter() < until):
+        mind, over = None, False
+        while not over and tick + len(done) <= last and (not done or perf_counter() < until):
             frame = self._reached(tick + len(done), stop, until)
             if frame is None:
                 break
             mind = mind or self._thinker.mind(self.program, self.level, self.limits)
             done.append(work(frame, mind, stop))
-        return done
+            over = to_victory and frame.after.won_at is not None
+        return done, over
 
     def _reached(self, tick: int, stop: threading.Event, until: float) -> Frame | None:
         """The frame of a tick, or None if the way there takes longer than until then."""

@@ -53,10 +53,13 @@ class Question:
     Attributes:
         text: As it was typed.
         sql: The query.
+        gives: What its rows are: those of a predicate or of conditions; the ``value`` of an
+            expression, one; or whether conditions without variables hold, "true" or "false".
     """
 
     text: str
     sql: str
+    gives: Literal["rows", "value", "truth"] = "rows"
 
 
 @dataclass(frozen=True, slots=True)

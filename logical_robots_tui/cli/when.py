@@ -1,0 +1,222 @@
+"""``logical-robots when``: in which ticks of a run a question holds."""
+
+from __future__ import annotations
+
+import asyncio
+import json
+import sys
+from contextlib import ExitStack
+from dataclasses import dataclass
+from time import monotonic
+from typing import TYPE_CHECKING, Any
+
+from logical_robots_tui.cli.command import (
+    add_json,
+    add_level_and_program,
+    new_command,
+    number_from,
+    opened,
+    prefers_json,
+)
+from logical_robots_tui.cli.moment import check_name
+from logical_robots_tui.cli.text import columns, harmless
+
+if TYPE_CHECKING:
+    import argparse
+    import threading
+    from collections.abc import Callable
+
+    from logical_robots_tui.cli.command import Commands
+    from logical_robots_tui.game import Frame, Stretches
+    from logical_robots_tui.mind import Mind, Program, Question
+    from logical_robots_tui.world import Level
+
+__all__ = ["declare"]
+
+FOUND, NEVER = 0, 1
+DEFAULT_TICKS = 5000
+_PATIENCE = 0.5  # seconds without a word
+
+EPILOG = """\
+examples:
+  logical-robots when 06-breadcrumbs breadcrumbs Robot                  a predicate has rows
+  logical-robots when 06-breadcrumbs breadcrumbs 'Fresh(robot_name: "Crow")'
+  logical-robots when 06-breadcrumbs breadcrumbs --robot Crow \\
+    'Sensor(sensor:), sensor.forward_distance < 20'                     conditions
+  logical-robots when 04-everybody-home everybody-home '2 + 2 == 4'     an expression is true
+
+A question is what query takes. It holds in a tick in which it has rows; an expression, in which it
+is neither null, false nor 0. The run ends with victory, or after N ticks.
+
+exit status: 0 it holds in some tick, 1 in none, 2 bad level, program or question
+"""
+
+
+def declare(commands: Commands) -> None:
+    """Add the command to the list."""
+    command = new_command(
+        commands,
+        "when",
+        start=start,
+        wants_json=prefers_json,
+        summary="say in which ticks of a run something holds",
+        description="Ask a question in Logica at every tick of a run, and tell in which it holds.",
+        epilog=EPILOG,
+    )
+    add_level_and_program(command)
+    command.add_argument(
+        "question", metavar="QUESTION", help="a call, an expression, conditions, or whole rules"
+    )
+    command.add_argument(
+        "--ticks",
+        type=number_from(1),
+        default=DEFAULT_TICKS,
+        metavar="N",
+        help="end after this many ticks (default: %(default)s)",
+    )
+    command.add_argument("--robot", metavar="R", help="only what holds in this robot's mind")
+    add_json(command)
+
+
+@dataclass
+class _Found:
+    """What is known of a run so far.
+
+    Attributes:
+        holds: The ticks in which the question holds.
+        fails: Those in which it fails.
+        reason: Why it failed first, or "".
+        ticks: The last tick that was asked.
+        won_at: The tick of victory, or None.
+    """
+
+    holds: Stretches
+    fails: Stretches
+    reason: str = ""
+    ticks: int = 0
+    won_at: int | None = None
+
+
+def start(options: argparse.Namespace) -> int:
+    """Go through the run and tell the ticks."""
+    from logical_robots_tui.cli.failure import ProgramFileError
+    from logical_robots_tui.mind import ProgramError, QueryError
+
+    level, program = opened(options)
+    if options.robot is not None:
+        check_name("robot", options.robot, (robot.name for robot in level.robots))
+    try:
+        question = program.question(options.question)
+    except ProgramError as error:
+        raise ProgramFileError("question", error) from error
+    found = asyncio.run(_search(level, program, question, options))
+    if found.fails.ticks == found.ticks:
+        raise QueryError(f"In every tick: {found.reason}")
+    if prefers_json(options):
+        print(json.dumps(_data(options.question, found), ensure_ascii=False))
+    else:
+        print(*_lines(options.question, found), sep="\n")
+    return FOUND if found.holds.ticks else NEVER
+
+
+async def _search(
+    level: Level, program: Program, question: Question, options: argparse.Namespace
+) -> _Found:
+    """Ask at every tick up to victory or the last one."""
+    from logical_robots_tui.game import Run, Stretches, rows_that_count
+    from logical_robots_tui.mind import QueryError
+
+    def ask(frame: Frame, mind: Mind, stop: threading.Event) -> tuple[Frame, bool | str]:
+        try:
+            table = mind.ask(question, frame.sensors, frame.memories_before, stop=stop)
+        except QueryError as error:
+            return frame, str(error)
+        return frame, bool(rows_that_count(question, table, options.robot or "").rows)
+
+    found = _Found(Stretches(), Stretches())
+    run = Run(level, program, engine=options.engine)
+    with _Patience(level.title, options.ticks) as show:
+        try:
+            async for frame, answer in run.each(1, options.ticks, ask, to_victory=True):
+                found.ticks, found.won_at = frame.tick, frame.after.won_at
+                if isinstance(answer, str):
+                    found.fails.add(frame.tick)
+                    found.reason = found.reason or answer
+                elif answer:
+                    found.holds.add(frame.tick)
+                show(frame.tick)
+        finally:
+            await run.close()
+    return found
+
+
+class _Patience:
+    """A progress bar on a terminal, for a search that takes its time.
+
+    Args:
+        title: What is searched.
+        ticks: The last tick.
+    """
+
+    def __init__(self, title: str, ticks: int) -> None:
+        self._title, self._ticks = title, ticks
+        self._began = monotonic()
+        self._stack = ExitStack()
+        self._show: Callable[[int], None] | None = None
+
+    def __enter__(self) -> Callable[[int], None]:
+        return self._told
+
+    def __exit__(self, *_error: object) -> None:
+        self._stack.close()
+
+    def _told(self, tick: int) -> None:
+        if self._show is None and sys.stderr.isatty() and monotonic() > self._began + _PATIENCE:
+            from logical_robots_tui.cli.progress import progress_bar
+
+            self._show = self._stack.enter_context(progress_bar(self._title, self._ticks))
+        if self._show is not None:
+            self._show(tick)
+
+
+def _lines(question: str, found: _Found) -> list[str]:
+    """What was found, for a person."""
+    ticks = f"{found.ticks} {'tick' if found.ticks == 1 else 'ticks'}"
+    end = f"{ticks}, up to victory" if found.won_at is not None else ticks
+    lines = []
+    if stretches := found.holds.found:
+        first, last = stretches[0][0], stretches[-1][1]
+        lines += [
+            f"{harmless(question)}",
+            f"holds in {found.holds.ticks} of {end}: first in tick {first}, last in tick {last}.",
+            "",
+            *columns([("FROM", "TO", "TICKS"), *(_row(*each) for each in stretches)]),
+        ]
+    else:
+        lines.append(f"{harmless(question)} never holds in {end}.")
+    if found.fails.found:
+        (first, last), *more = found.fails.found
+        where = f"tick {first}" if first == last else f"ticks {first} to {last}"
+        others = f" and in {found.fails.ticks - (last - first + 1)} more" if more else ""
+        lines += ["", f"It failed in {where}{others}: {harmless(found.reason)}"]
+    return lines
+
+
+def _row(first: int, last: int) -> tuple[str, str, str]:
+    return str(first), str(last), str(last - first + 1)
+
+
+def _data(question: str, found: _Found) -> dict[str, Any]:
+    """What was found, for scripts."""
+    stretches = found.holds.found
+    return {
+        "question": question,
+        "ticks": found.ticks,
+        "won_at": found.won_at,
+        "first": stretches[0][0] if stretches else None,
+        "last": stretches[-1][1] if stretches else None,
+        "holds_in": found.holds.ticks,
+        "stretches": stretches,
+        "failed_in": found.fails.found,
+        "failure": found.reason or None,
+    }
