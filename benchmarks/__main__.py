@@ -14,6 +14,7 @@ from rich.console import Console
 from rich.table import Table
 
 from benchmarks.answers import answers
+from benchmarks.breakpoints import breakpoints
 from benchmarks.classes import classes
 from benchmarks.editing import editing
 from benchmarks.first_frame import first_frame
@@ -39,6 +40,7 @@ BENCHMARKS = {
     "think": thinking,
     "swarms": swarms,
     "game": whole_game,
+    "breakpoints": breakpoints,
     "editing": editing,
     "history": history,
     "inspector": inspector,

@@ -77,7 +77,11 @@ def compile_question(
     """As `Program.question`; what was compiled before is at hand."""
     limits = limits or Limits()
     _check_text(query, limits)
-    request = {"text": program.text, "query": query}
+    columns = {
+        table: sorted({n for t in program.tuned.values() for n in t.columns.get(table, ())})
+        for table in ("Memory", "Item")
+    }
+    request = {"text": program.text, "query": query, "columns": columns}
     return _compiler.answer(request, "question", Question, limits, stop)
 
 

@@ -69,6 +69,9 @@ class Mind:
         self.limits = limits or Limits()
         duck = DuckTables(self.limits) if engine == "duckdb" else None
         self._sizes = Sizes() if frozen else None
+        self._moment: Moment | None = None
+        # What `Robot` gave at that moment, as far as that is known.
+        self._thought: list[tuple[View, Answer]] = []
         self._asking = Asking(program, self.limits, plain=plain, duck=duck, frozen=frozen)
 
     def think(
@@ -89,12 +92,13 @@ class Mind:
             Stopped: `stop` was set before the thought was finished.
         """
         within = Within(self.limits.think_seconds, self.limits.think_rows, stop)
-        moment = Moment(rows, memories, self.memory, self.sensor)
+        moment = self._moment_of(rows, memories)
         names = moment.names
         answers: dict[str, list[Mapping[str, Value]]] = {name: [] for name in names}
         strangers: dict[str, list[Notice]] = {}
         failures: dict[str, Notice] = {}
         cut_off: dict[str, list[Notice]] = {}
+        self._thought = []
         for view, answer in self._asking.each("Robot", moment, within):
             if isinstance(answer, FailureError):
                 notice = self._blame(answer, moment, view, within)
@@ -105,6 +109,7 @@ class Mind:
                 cut_off |= dict.fromkeys(view.viewers, notices)
             columns, found = answer
             mine = frozenset(view.viewers)
+            self._thought.append((view, answer))
             for values in found:
                 row = dict(zip(columns, values, strict=True))
                 name = row.get("robot_name")
@@ -165,6 +170,7 @@ class Mind:
         memories: Memories,
         *,
         stop: threading.Event | None = None,
+        in_order: bool = True,
     ) -> Table:
         """What a question about the program gives at one moment.
 
@@ -173,20 +179,21 @@ class Mind:
             rows: As for `think`.
             memories: As for `think`.
             stop: Set it from another thread to give up.
+            in_order: Whether it matters in which order the rows are; without, it may be quicker.
 
         Raises:
             QueryError: It failed.
             Stopped: `stop` was set before the answer was there.
         """
-        moment = Moment(rows, memories, self.memory, self.sensor)
+        moment = self._moment_of(rows, memories)
         within = Within(self.limits.query_seconds, self.limits.rows, stop, cut=True)
         try:
             return self._collected(
-                (view, self._asking.plainly(question.sql, moment, view, within))
-                for view in moment.views
+                self._asking.question(question, moment, within, in_order=in_order)
             )
         except FailureError as failure:
-            raise QueryError(f"This failed: {failure}.") from None
+            what = question.text if question.text.isidentifier() else "This"
+            raise QueryError(f"{what} failed: {failure}.") from None
 
     def why(
         self,
@@ -274,6 +281,19 @@ class Mind:
 
     # -- inside --------------------------------------------------------------------------------
 
+    def _moment_of(self, rows: Sequence[SensorRow], memories: Memories) -> Moment:
+        """What is reasoned over; the last one again where nobody changes it and it is the same."""
+        last = self._moment
+        if last is None or last.sensors is not rows or last.remembered is not memories:
+            last = Moment(rows, memories, self.memory, self.sensor)
+            self._moment = last if self._sizes is not None else None
+            self._thought = []
+        return last
+
+    def _has_thought(self, moment: Moment) -> bool:
+        """Whether the rows of `Robot` are known for each view of a moment."""
+        return len(self._thought) == len(moment.views)
+
     def _table(
         self,
         predicate: str,
@@ -281,7 +301,9 @@ class Mind:
         memories: Memories,
         stop: threading.Event | None,
     ) -> Table:
-        moment = Moment(rows, memories, self.memory, self.sensor)
+        moment = self._moment_of(rows, memories)
+        if predicate == "Robot" and moment is self._moment and self._has_thought(moment):
+            return self._collected(self._thought)
         within = Within(self.limits.query_seconds, self.limits.rows, stop, cut=True)
 
         def answers() -> Iterator[tuple[View, Answer]]:

@@ -14,6 +14,7 @@ from sqlglot.errors import SqlglotError
 
 from logical_robots_tui.mind.duck.translation import in_duckdb
 from logical_robots_tui.mind.program import INPUTS, Tuned
+from logical_robots_tui.mind.sqlite.remembered import ITEM_FIELDS, MEMORY_FIELDS
 from logical_robots_tui.mind.tuning import aggregates, columns, native, records, sharing, sql
 from logical_robots_tui.mind.tuning.indexes import (
     found_by_number,
@@ -54,6 +55,26 @@ class Known:
 
     fields: dict[str, str] = field(default_factory=dict)
     items: dict[str, str] = field(default_factory=dict)
+
+    @classmethod
+    def closed(cls, read: Mapping[str, Sequence[str]]) -> Known:
+        """What the columns are that are read already, with no room for more.
+
+        Args:
+            read: By name of a table its columns, as a tuned query names them.
+        """
+        fields, items = {}, {}
+        for name in read.get("Memory", ()):
+            column, _, known = name.partition("=")
+            if known:
+                fields[known] = column
+        for name in read.get("Item", ()):
+            column, _, known = name.partition("=")
+            items[known.rpartition(".")[2]] = column
+        # No field has a number for its name.
+        fields |= {str(at): c for at, c in enumerate(MEMORY_FIELDS) if c not in fields.values()}
+        items |= {str(at): c for at, c in enumerate(ITEM_FIELDS) if c not in items.values()}
+        return cls(fields, items)
 
 
 def tune_all(statements: Mapping[str, str]) -> dict[str, Tuned]:
