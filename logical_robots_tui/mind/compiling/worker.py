@@ -228,7 +228,7 @@ def _tuned_question(question: Question, columns: dict[str, Any]) -> Question:
         columns: By name of a table the columns of it that the program's queries read: those of the
             question are among them, so that one table serves all.
     """
-    tuned = tune(question.sql, Known.closed(columns), for_all=True)
+    tuned = tune(question.sql, Known.closed(columns), for_all=True, by_name=True)
     found = {} if tuned is None else _prepared({"": tuned})
     return replace(question, tuned=found.get(""))
 
