@@ -9,7 +9,7 @@ from logical_robots_tui.game.breakpoints import (
     mistake_in,
     subjects,
 )
-from logical_robots_tui.game.compiling import compile_program
+from logical_robots_tui.game.compiling import compile_program, mistake_in_question
 from logical_robots_tui.game.frame import Frame
 from logical_robots_tui.game.game import Answer, Game, Superseded
 from logical_robots_tui.game.goal import Goal, goals
@@ -24,6 +24,7 @@ from logical_robots_tui.game.place import Place, place_of
 from logical_robots_tui.game.reference import is_shipped, level_key, reference_for
 from logical_robots_tui.game.rules import count_rules
 from logical_robots_tui.game.run import Run, run_key
+from logical_robots_tui.game.seeking import Sought, seek
 from logical_robots_tui.game.source import Source, list_programs, load_program, save_program
 from logical_robots_tui.game.start import start_frame
 
@@ -55,6 +56,7 @@ __all__ = [
     "Place",
     "Reading",
     "Run",
+    "Sought",
     "Source",
     "Stretches",
     "Superseded",
@@ -66,6 +68,7 @@ __all__ = [
     "list_programs",
     "load_program",
     "mistake_in",
+    "mistake_in_question",
     "pin_of_cell",
     "place_of",
     "read",
@@ -73,6 +76,7 @@ __all__ = [
     "rows_that_count",
     "run_key",
     "save_program",
+    "seek",
     "start_frame",
     "subjects",
 ]

@@ -8,9 +8,10 @@ from functools import partial
 from typing import TYPE_CHECKING, TypeVar
 
 from logical_robots_tui.game.game import Superseded
+from logical_robots_tui.game.holding import rows_that_count
 from logical_robots_tui.game.pins import read
 from logical_robots_tui.game.thinker import Thinker
-from logical_robots_tui.mind import Limits, QueryError, Stopped, Table
+from logical_robots_tui.mind import Limits, ProgramError, QueryError, Stopped, Table
 
 if TYPE_CHECKING:
     import threading
@@ -179,11 +180,23 @@ class Inquiry:
 def _tables(
     predicates: Iterable[str], frame: Frame, mind: Mind, stop: threading.Event
 ) -> dict[str, Table | QueryError]:
-    """The rows of predicates at a frame, or why one has none."""
+    """The rows of predicates or questions at a frame, or why one has none."""
     found: dict[str, Table | QueryError] = {}
     for name in predicates:
         try:
-            found[name] = mind.query(name, frame.sensors, frame.memories_before, stop=stop)
+            found[name] = _table(name, frame, mind, stop)
+        except ProgramError as error:
+            found[name] = QueryError(f"This can't be asked: {error.diagnostics[0].message}.")
         except QueryError as error:
             found[name] = error
     return found
+
+
+def _table(name: str, frame: Frame, mind: Mind, stop: threading.Event) -> Table:
+    """The rows of a predicate, or those for which a question holds."""
+    sensors, memories = frame.sensors, frame.memories_before
+    if name.isidentifier():
+        return mind.query(name, sensors, memories, stop=stop)
+    question = mind.program.question(name, stop=stop, limits=mind.limits)
+    table = mind.ask(question, sensors, memories, stop=stop, in_order=False)
+    return rows_that_count(question, table)
