@@ -22,6 +22,7 @@ __all__ = ["Watch"]
 
 _Rows: TypeAlias = "list[tuple[Value, ...]]"
 _FEW = 3  # values that are told
+_LONGEST = 60  # characters of one of them
 _BY_NAME = ("Robot", "Sensor", "Memory")
 
 
@@ -164,9 +165,14 @@ def _without(rows: _Rows, others: _Rows) -> _Rows:
 
 
 def _listed(rows: _Rows) -> str:
-    told = [", ".join(map(to_json, row)) for row in rows[:_FEW]]
+    told = [", ".join(map(_told, row)) for row in rows[:_FEW]]
     more = len(rows) - _FEW
     return "; ".join(told) + (f" and {more} more" if more > 0 else "")
+
+
+def _told(value: Value) -> str:
+    text = to_json(value)
+    return text if len(text) <= _LONGEST else f"{text[:_LONGEST]}…"
 
 
 def _happenings(each: Breakpoint, past: Frame, frame: Frame) -> Iterator[str]:
