@@ -170,9 +170,10 @@ async def test_what_is_asked_can_be_stopped_at_and_pinned(data_dir: Path, short:
 
 
 async def run_to_hits(game: Opened) -> None:
-    for tick in (3, 9):
-        await game.press("space")
-        await game.until(lambda tick=tick: game.tick == tick and not game.session.busy)
+    await game.press("space")
+    await game.until(lambda: game.tick == 3 and not game.session.busy)
+    await game.press("space")
+    await game.until(lambda: game.tick == 9 and not game.session.busy)
     game.session.breakpoints.remove(Breakpoint("rows", AT))
     await game.press("n", "n", "n")
     await game.until(lambda: game.tick == 12)
