@@ -38,6 +38,7 @@ def answers(effort: Effort) -> Iterator[Measurement]:
                 "query, same tick": ["query", *run, *at, "Robot"],
                 "query, half way": ["query", *run, "--tick", str(last // 2), "Robot"],
                 "why": ["why", *run, *at, *robot],
+                "when": ["when", *run, "--ticks", str(last), "Memory(memory:), memory == 1"],
             }
             for what, command in again.items():
                 ask(*command)

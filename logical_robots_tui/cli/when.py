@@ -6,7 +6,6 @@ import asyncio
 import json
 import sys
 from contextlib import ExitStack
-from dataclasses import dataclass
 from time import monotonic
 from typing import TYPE_CHECKING, Any
 
@@ -23,12 +22,11 @@ from logical_robots_tui.cli.text import columns, harmless
 
 if TYPE_CHECKING:
     import argparse
-    import threading
     from collections.abc import Callable
 
     from logical_robots_tui.cli.command import Commands
-    from logical_robots_tui.game import Frame, Stretches
-    from logical_robots_tui.mind import Mind, Program, Question
+    from logical_robots_tui.game import Holding
+    from logical_robots_tui.mind import Program, Question
     from logical_robots_tui.world import Level
 
 __all__ = ["declare"]
@@ -78,25 +76,6 @@ def declare(commands: Commands) -> None:
     add_json(command)
 
 
-@dataclass
-class _Found:
-    """What is known of a run so far.
-
-    Attributes:
-        holds: The ticks in which the question holds.
-        fails: Those in which it fails.
-        reason: Why it failed first, or "".
-        ticks: The last tick that was asked.
-        won_at: The tick of victory, or None.
-    """
-
-    holds: Stretches
-    fails: Stretches
-    reason: str = ""
-    ticks: int = 0
-    won_at: int | None = None
-
-
 def start(options: argparse.Namespace) -> int:
     """Go through the run and tell the ticks."""
     from logical_robots_tui.cli.failure import ProgramFileError
@@ -110,44 +89,27 @@ def start(options: argparse.Namespace) -> int:
     except ProgramError as error:
         raise ProgramFileError("question", error) from error
     found = asyncio.run(_search(level, program, question, options))
-    if found.fails.ticks == found.ticks:
+    if found.failed_in == found.ticks:
         raise QueryError(f"In every tick: {found.reason}")
     if prefers_json(options):
         print(json.dumps(_data(options.question, found), ensure_ascii=False))
     else:
         print(*_lines(options.question, found), sep="\n")
-    return FOUND if found.holds.ticks else NEVER
+    return FOUND if found.stretches else NEVER
 
 
 async def _search(
     level: Level, program: Program, question: Question, options: argparse.Namespace
-) -> _Found:
+) -> Holding:
     """Ask at every tick up to victory or the last one."""
-    from logical_robots_tui.game import Run, Stretches, rows_that_count
-    from logical_robots_tui.mind import QueryError
+    from logical_robots_tui.game import Run, when_it_holds
 
-    def ask(frame: Frame, mind: Mind, stop: threading.Event) -> tuple[Frame, bool | str]:
-        try:
-            table = mind.ask(question, frame.sensors, frame.memories_before, stop=stop)
-        except QueryError as error:
-            return frame, str(error)
-        return frame, bool(rows_that_count(question, table, options.robot or "").rows)
-
-    found = _Found(Stretches(), Stretches())
     run = Run(level, program, engine=options.engine)
     with _Patience(level.title, options.ticks) as show:
         try:
-            async for frame, answer in run.each(1, options.ticks, ask, to_victory=True):
-                found.ticks, found.won_at = frame.tick, frame.after.won_at
-                if isinstance(answer, str):
-                    found.fails.add(frame.tick)
-                    found.reason = found.reason or answer
-                elif answer:
-                    found.holds.add(frame.tick)
-                show(frame.tick)
+            return await when_it_holds(run, question, options.ticks, options.robot or "", show)
         finally:
             await run.close()
-    return found
 
 
 class _Patience:
@@ -179,25 +141,25 @@ class _Patience:
             self._show(tick)
 
 
-def _lines(question: str, found: _Found) -> list[str]:
+def _lines(question: str, found: Holding) -> list[str]:
     """What was found, for a person."""
     ticks = f"{found.ticks} {'tick' if found.ticks == 1 else 'ticks'}"
     end = f"{ticks}, up to victory" if found.won_at is not None else ticks
     lines = []
-    if stretches := found.holds.found:
+    if stretches := found.stretches:
         first, last = stretches[0][0], stretches[-1][1]
         lines += [
             f"{harmless(question)}",
-            f"holds in {found.holds.ticks} of {end}: first in tick {first}, last in tick {last}.",
+            f"holds in {found.holds_in} of {end}: first in tick {first}, last in tick {last}.",
             "",
             *columns([("FROM", "TO", "TICKS"), *(_row(*each) for each in stretches)]),
         ]
     else:
         lines.append(f"{harmless(question)} never holds in {end}.")
-    if found.fails.found:
-        (first, last), *more = found.fails.found
+    if found.failed:
+        (first, last), *more = found.failed
         where = f"tick {first}" if first == last else f"ticks {first} to {last}"
-        others = f" and in {found.fails.ticks - (last - first + 1)} more" if more else ""
+        others = f" and in {found.failed_in - (last - first + 1)} more" if more else ""
         lines += ["", f"It failed in {where}{others}: {harmless(found.reason)}"]
     return lines
 
@@ -206,17 +168,17 @@ def _row(first: int, last: int) -> tuple[str, str, str]:
     return str(first), str(last), str(last - first + 1)
 
 
-def _data(question: str, found: _Found) -> dict[str, Any]:
+def _data(question: str, found: Holding) -> dict[str, Any]:
     """What was found, for scripts."""
-    stretches = found.holds.found
+    stretches = found.stretches
     return {
         "question": question,
         "ticks": found.ticks,
         "won_at": found.won_at,
         "first": stretches[0][0] if stretches else None,
         "last": stretches[-1][1] if stretches else None,
-        "holds_in": found.holds.ticks,
+        "holds_in": found.holds_in,
         "stretches": stretches,
-        "failed_in": found.fails.found,
+        "failed_in": found.failed,
         "failure": found.reason or None,
     }

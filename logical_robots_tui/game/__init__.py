@@ -14,7 +14,7 @@ from logical_robots_tui.game.frame import Frame
 from logical_robots_tui.game.game import Answer, Game, Superseded
 from logical_robots_tui.game.goal import Goal, goals
 from logical_robots_tui.game.history import History, NoSuchTickError
-from logical_robots_tui.game.holding import Stretches, rows_that_count
+from logical_robots_tui.game.holding import Holding, rows_that_count, when_it_holds
 from logical_robots_tui.game.inquiry import Inquiry
 from logical_robots_tui.game.marks import MARK_KINDS, Mark, MarkKind
 from logical_robots_tui.game.pace import FLAT_OUT, SPEEDS, Pace
@@ -45,6 +45,7 @@ __all__ = [
     "Goal",
     "History",
     "Hit",
+    "Holding",
     "Inquiry",
     "Mark",
     "MarkKind",
@@ -58,7 +59,6 @@ __all__ = [
     "Run",
     "Sought",
     "Source",
-    "Stretches",
     "Superseded",
     "compile_program",
     "count_rules",
@@ -79,4 +79,5 @@ __all__ = [
     "seek",
     "start_frame",
     "subjects",
+    "when_it_holds",
 ]

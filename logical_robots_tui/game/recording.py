@@ -68,6 +68,11 @@ class Recording:
         """The latest tick that is known."""
         return len(self._pieces) * _TOGETHER + len(self._loose) - 1
 
+    @property
+    def lasts(self) -> bool:
+        """Whether every tick would be the same again."""
+        return self._lasting >= self.last
+
     def moment(self, tick: int) -> Moment:
         """What a known tick left behind.
 

@@ -51,6 +51,9 @@ class Run:
         program: What the robots think.
         engine: What they think with, as `Mind` has it.
         limits: Bounds on thinking.
+
+    Attributes:
+        key: Stands for everything on which the ticks depend.
     """
 
     def __init__(
@@ -68,13 +71,18 @@ class Run:
         self._worlds = Worlds(level)
         self._latest: Frame = start_frame(level)
         start = Moment(self._latest.after, self._latest.memories, (), 0.0, 0.0)
-        key = run_key(level, program, engine, self.limits)
-        self._recording = Recording(key, level, start)
+        self.key = run_key(level, program, engine, self.limits)
+        self._recording = Recording(self.key, level, start)
 
     @property
     def last(self) -> int:
         """The latest tick that was computed."""
         return self._recording.last
+
+    @property
+    def lasts(self) -> bool:
+        """Whether all ticks that were computed would be the same again: none took too long."""
+        return self._recording.lasts
 
     async def frame(self, tick: int) -> Frame:
         """The frame of a tick; 0 is the start."""

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from functools import partial
 from typing import TYPE_CHECKING, Literal, TypeAlias
 
-from logical_robots_tui.game.advancing import known_frame
+from logical_robots_tui.game.advancing import Known, known_frame
 from logical_robots_tui.game.history import NoSuchTickError
 from logical_robots_tui.game.holding import rows_that_count
 from logical_robots_tui.game.thinker import Thinker
@@ -17,14 +17,15 @@ if TYPE_CHECKING:
     import threading
     from collections.abc import Callable, Sequence
 
-    from logical_robots_tui.game.advancing import Known
     from logical_robots_tui.game.game import Game
+    from logical_robots_tui.game.history import History
     from logical_robots_tui.game.packing import Moment
     from logical_robots_tui.mind import Program, Question
 
 __all__ = ["Sought", "seek"]
 
 _TOGETHER = 16  # ticks that are asked at once
+_ROBOTS = 200  # that are taken from history at once, so that the event loop is not held up
 
 _Tick: TypeAlias = "tuple[Moment, Known]"
 """What the tick before left behind, and the tick."""
@@ -93,10 +94,11 @@ async def seek(
     trouble, holds_here, is_outside, last = "", False, False, here
     try:
         question = await thinker.do(partial(_compiled, game, program, query))
-        for at in range(0, len(ticks), _TOGETHER):
-            numbers = ticks[at : at + _TOGETHER]
+        together = max(1, min(_TOGETHER, _ROBOTS // len(game.level.robots)))
+        for at in range(0, len(ticks), together):
+            numbers = ticks[at : at + together]
             try:
-                some = [(history.around(tick)[0], history.known(tick)) for tick in numbers]
+                some = [_taken(history, tick) for tick in numbers]
             except NoSuchTickError:  # forgotten meanwhile
                 break
             for tick, answer in zip(
@@ -115,6 +117,16 @@ async def seek(
     finally:
         await thinker.close()
     return Sought(None, last, holds_here, trouble)
+
+
+def _taken(history: History, tick: int) -> _Tick:
+    """A tick out of a history.
+
+    Raises:
+        NoSuchTickError: The history does not hold it.
+    """
+    before, moment = history.around(tick)
+    return before, Known(history.level_at(tick - bool(moment.decisions)), moment)
 
 
 def _compiled(game: Game, program: Program, query: str, stop: threading.Event) -> Question:
