@@ -105,6 +105,7 @@ class Recording:
         if (folder := _folder()) is not None:
             folder.drop(self._key)
         self._pieces, self._digests, self._loose = [], [], [self._start]
+        self._lasting = math.inf
 
     def save(self) -> None:
         """Keep on disk what was added, as far as there is room, unless more is there already."""
@@ -178,7 +179,11 @@ class Recording:
         Raises:
             DamagedError: It can't be one of this run.
         """
-        if not _is_moment(moment, tick, self._level):
+        try:
+            is_right = _is_moment(moment, tick, self._level)
+        except TypeError:  # a list in place of a name
+            is_right = False
+        if not is_right:
             raise DamagedError(f"this is not tick {tick}")
         return moment
 

@@ -63,7 +63,7 @@ async def seek(
         game: In whose history, from the present tick on, and about whose program.
         query: A call, an expression, conditions, or whole rules of which the last is asked.
         way: 1 to look at later ticks, -1 at earlier ones.
-        told: Called meanwhile with the tick up to which was looked.
+        told: Called meanwhile with the tick up to which was looked; what it raises ends the search.
 
     Raises:
         ProgramError: The query is wrong.

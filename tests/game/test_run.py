@@ -217,6 +217,8 @@ def change(at: list[int], value: object) -> Callable[[list[Any]], object]:
         change([0, 3, 5, 0], "won"),
         change([0, 4, 5, 0], [True, ["Eve"]]),
         change([0, 4, 5, 0], [1, []]),
+        change([0, 4, 5, 0], [True, [[]]]),
+        change([0, 1, 0], []),
         change([0, 5, 0, 5, 0], "12"),
         change([0, 5, 0, 5, 0], float("nan")),
         change([0, 5, 0, 5, 6], 1),

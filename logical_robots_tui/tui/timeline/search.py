@@ -5,7 +5,7 @@ from __future__ import annotations
 from time import monotonic
 from typing import TYPE_CHECKING, Literal
 
-from logical_robots_tui.game import seek
+from logical_robots_tui.game import Superseded, seek
 from logical_robots_tui.mind import ProgramError
 from logical_robots_tui.tui.commands import with_keys
 from logical_robots_tui.tui.plain import one_line
@@ -60,15 +60,23 @@ class Search:
         if game is None:
             self._screen.tell(_NO_PROGRAM)
             return
-        about = self._about(game)
+        about, patience = self._about(game), _Patience(self._screen)
+
+        def told(tick: int) -> None:
+            if about != self._about(session.game):
+                raise Superseded  # the player went on to something else
+            patience.told(tick)
+
         try:
-            sought = await seek(game, self._question, way, _Told(self._screen))
+            sought = await seek(game, self._question, way, told)
+        except Superseded:
+            return
         except ProgramError as error:
             message = error.diagnostics[0].message
             self._screen.warn(f"{self._question} can't be asked: {message}.")
             return
         if about != self._about(session.game):
-            return  # the player went on to something else
+            return
         if sought.tick is not None:
             self._screen.travel.go_to(sought.tick)
         else:
@@ -91,7 +99,7 @@ class Search:
         return game, game.program, game.history.turns, game.frame.tick, self._question
 
 
-class _Told:
+class _Patience:
     """Says once, of a search that takes its time, that it goes on."""
 
     def __init__(self, screen: MainScreen) -> None:
@@ -99,7 +107,8 @@ class _Told:
         self._began = monotonic()
         self._has_told = False
 
-    def __call__(self, tick: int) -> None:
+    def told(self, tick: int) -> None:
+        """Take note of how far it has come."""
         if not self._has_told and monotonic() > self._began + _PATIENCE:
             self._has_told = True
             self._screen.tell(f"Searching, at tick {tick}… To go to any tick ends it.")
