@@ -4,9 +4,6 @@ from __future__ import annotations
 
 import asyncio
 import json
-import sys
-from contextlib import ExitStack
-from time import monotonic
 from typing import TYPE_CHECKING, Any
 
 from logical_robots_tui.cli.command import (
@@ -22,7 +19,6 @@ from logical_robots_tui.cli.text import columns, harmless
 
 if TYPE_CHECKING:
     import argparse
-    from collections.abc import Callable
 
     from logical_robots_tui.cli.command import Commands
     from logical_robots_tui.game import Holding
@@ -33,7 +29,6 @@ __all__ = ["declare"]
 
 FOUND, NEVER = 0, 1
 DEFAULT_TICKS = 5000
-_PATIENCE = 0.5  # seconds without a word
 
 EPILOG = """\
 examples:
@@ -102,43 +97,15 @@ async def _search(
     level: Level, program: Program, question: Question, options: argparse.Namespace
 ) -> Holding:
     """Ask at every tick up to victory or the last one."""
+    from logical_robots_tui.cli.patience import Patience
     from logical_robots_tui.game import Run, when_it_holds
 
     run = Run(level, program, engine=options.engine)
-    with _Patience(level.title, options.ticks) as show:
+    with Patience(level.title, options.ticks) as show:
         try:
             return await when_it_holds(run, question, options.ticks, options.robot or "", show)
         finally:
             await run.close()
-
-
-class _Patience:
-    """A progress bar on a terminal, for a search that takes its time.
-
-    Args:
-        title: What is searched.
-        ticks: The last tick.
-    """
-
-    def __init__(self, title: str, ticks: int) -> None:
-        self._title, self._ticks = title, ticks
-        self._began = monotonic()
-        self._stack = ExitStack()
-        self._show: Callable[[int], None] | None = None
-
-    def __enter__(self) -> Callable[[int], None]:
-        return self._told
-
-    def __exit__(self, *_error: object) -> None:
-        self._stack.close()
-
-    def _told(self, tick: int) -> None:
-        if self._show is None and sys.stderr.isatty() and monotonic() > self._began + _PATIENCE:
-            from logical_robots_tui.cli.progress import progress_bar
-
-            self._show = self._stack.enter_context(progress_bar(self._title, self._ticks))
-        if self._show is not None:
-            self._show(tick)
 
 
 def _lines(question: str, found: Holding) -> list[str]:

@@ -84,11 +84,32 @@ class Run:
         """Whether all ticks that were computed would be the same again: none took too long."""
         return self._recording.lasts
 
-    async def frame(self, tick: int) -> Frame:
-        """The frame of a tick; 0 is the start."""
-        async for frame in self.each(tick, tick, lambda frame, _mind, _stop: frame):
-            return frame
-        raise ValueError(f"there is no tick {tick}")
+    async def frame(self, tick: int, told: Callable[[int], object] = lambda _tick: None) -> Frame:
+        """The frame of a tick.
+
+        Args:
+            tick: Which one; 0 is the start.
+            told: Called meanwhile with the tick up to which was computed.
+        """
+        await self._reach(tick, told)
+        (frame,) = [each async for each in self.each(tick, tick, lambda each, _mind, _stop: each)]
+        return frame
+
+    async def moments(self, first: int, last: int) -> list[Moment]:
+        """What some ticks left behind: the world, memories and decisions; nobody senses again.
+
+        Args:
+            first: The first tick, from 0.
+            last: The last one.
+        """
+        while True:
+            await self._reach(last, lambda _tick: None)
+            try:
+                return await self._thinker.do(
+                    lambda _stop: [self._recording.moment(tick) for tick in range(first, last + 1)]
+                )
+            except DamagedError:
+                self._forget()
 
     async def each(
         self,
@@ -117,6 +138,13 @@ class Run:
                 yield done
             tick += len(found)
 
+    async def _reach(self, tick: int, told: Callable[[int], object]) -> None:
+        """Compute the ticks up to one, as far as they are not known."""
+        while self._recording.last < tick:
+            until = perf_counter() + _SECONDS
+            await self._thinker.do(partial(self._reached, tick, until=until))
+            told(self._recording.last)
+
     async def close(self) -> None:
         """Keep what was computed, and free the mind."""
         try:
@@ -139,7 +167,7 @@ class Run:
         done: list[T] = []
         mind, over = None, False
         while not over and tick + len(done) <= last and (not done or perf_counter() < until):
-            frame = self._reached(tick + len(done), stop, until)
+            frame = self._reached(tick + len(done), stop, until=until)
             if frame is None:
                 break
             mind = mind or self._thinker.mind(self.program, self.level, self.limits)
@@ -147,7 +175,7 @@ class Run:
             over = to_victory and frame.after.won_at is not None
         return done, over
 
-    def _reached(self, tick: int, stop: threading.Event, until: float) -> Frame | None:
+    def _reached(self, tick: int, stop: threading.Event, *, until: float) -> Frame | None:
         """The frame of a tick, or None if the way there takes longer than until then."""
         try:
             while self._recording.last < tick:
@@ -156,9 +184,13 @@ class Run:
                     break
             return self._known(tick) if tick <= self._recording.last else None
         except DamagedError:
-            self._recording.forget()
-            self._latest = self._known(0)
+            self._forget()
             return None
+
+    def _forget(self) -> None:
+        """Begin anew: what was read is not what this run left behind."""
+        self._recording.forget()
+        self._latest = start_frame(self.level)
 
     def _known(self, tick: int) -> Frame:
         if self._latest.tick == tick:

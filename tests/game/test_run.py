@@ -19,7 +19,7 @@ from logical_robots_tui.game import run as running
 from logical_robots_tui.game.recording import packed
 from logical_robots_tui.mind import Limits, Mind, Program
 from logical_robots_tui.paths import is_there
-from logical_robots_tui.world import load_level
+from logical_robots_tui.world import World, load_level
 from tests.game.playing import BACKWARDS, COUNTER, hall
 
 if TYPE_CHECKING:
@@ -108,6 +108,49 @@ async def test_a_tick_is_reached_in_any_order(level: Level) -> None:
     run = Run(level, Program.compile(COUNTER))
     for tick in (70, 3, 0, 33, 32, 31, TICKS):
         assert await run.frame(tick) == expected[tick]
+    await run.close()
+
+
+async def test_what_ticks_left_behind_is_told_without_sensing_again(
+    level: Level, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    expected = await frames(level)
+    monkeypatch.setattr(World, "sense", never)
+    run = Run(level, Program.compile(COUNTER))
+    found = await run.moments(5, TICKS)
+    await run.close()
+    assert [m.after for m in found] == [f.after for f in expected[5:]]
+    assert [m.memories for m in found] == [f.memories for f in expected[5:]]
+    assert [m.decisions for m in found] == [f.decisions for f in expected[5:]]
+    assert found[-1].driven > found[0].driven > 0
+
+
+async def test_what_ticks_left_behind_is_computed_if_it_is_not_known(
+    level: Level, folder: Path
+) -> None:
+    run = Run(level, Program.compile(COUNTER))
+    expected = await run.moments(0, TICKS)
+    assert [m.after.tick for m in expected] == list(range(TICKS + 1))
+    await run.close()
+    key, pieces, moments = content_of(entry(folder))
+    pieces[1][0][5][0][5][0] = "12"
+    written = [zlib.compress(json.dumps(piece).encode()) for piece in pieces]
+    entry(folder).write_bytes(forged(key, written, moments))
+    again = Run(level, Program.compile(COUNTER))
+    found = await again.moments(0, TICKS)
+    await again.close()
+    assert [(m.after, m.memories) for m in found] == [(m.after, m.memories) for m in expected]
+
+
+async def test_it_is_told_how_far_a_run_has_come(level: Level) -> None:
+    told: list[int] = []
+    run = Run(level, Program.compile(COUNTER))
+    await run.frame(300, told.append)
+    assert told[-1] == 300
+    assert told == sorted(told)
+    told.clear()
+    await run.frame(200, told.append)
+    assert not told
     await run.close()
 
 
