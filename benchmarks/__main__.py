@@ -13,6 +13,8 @@ from typing import TYPE_CHECKING, Any
 from rich.console import Console
 from rich.table import Table
 
+from benchmarks.answers import answers
+from benchmarks.breakpoints import breakpoints
 from benchmarks.classes import classes
 from benchmarks.editing import editing
 from benchmarks.first_frame import first_frame
@@ -38,9 +40,11 @@ BENCHMARKS = {
     "think": thinking,
     "swarms": swarms,
     "game": whole_game,
+    "breakpoints": breakpoints,
     "editing": editing,
     "history": history,
     "inspector": inspector,
+    "answers": answers,
     "screen": with_screen,
     "traffic": traffic,
     "ssh": ssh,

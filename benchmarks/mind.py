@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import os
 import tempfile
 from contextlib import contextmanager
@@ -90,8 +91,9 @@ def _cache_folder() -> Iterator[None]:
 
 def _find_kept(program: Program) -> float:
     """What a start of the game takes for a program that an earlier one compiled."""
-    cache.keep(program)
-    return 1000 * seconds_for(partial(cache.find, program.text))
+    request = json.dumps({"text": program.text}).encode()
+    cache.keep(request, program)
+    return 1000 * seconds_for(partial(cache.find, request, Program))
 
 
 def think_milliseconds(mind: Mind, rows: list[SensorRow], thinks: int) -> float:

@@ -28,6 +28,7 @@ _HOMES = {
     "run": "run",
     "trace": "trace",
     "query": "query",
+    "when": "when",
     "why": "why",
     "check": "check",
     "help": "help",
@@ -53,6 +54,8 @@ examples:
   logical-robots play LEVEL            play one of them
   logical-robots run LEVEL PROGRAM     run without a screen
   logical-robots trace LEVEL PROGRAM   tell every tick as JSON
+  logical-robots when LEVEL PROGRAM QUESTION
+                                       say in which ticks something holds
   logical-robots why LEVEL PROGRAM --tick N --robot R
                                        say why a robot did what it did
   logical-robots check PROGRAM         say what is wrong with a program

@@ -19,21 +19,23 @@ __all__ = ["check_name", "frame_at"]
 async def frame_at(level: Level, program: Program, tick: int, engine: Engine) -> Frame:
     """The frame of a tick of a run from the start; a victory on the way does not end it.
 
+    Ticks that an earlier process has computed are not computed again.
+
     Args:
         level: Where it happens.
         program: What the robots think.
         tick: Which tick; 0 is the start.
         engine: What the robots think with.
     """
-    from logical_robots_tui.game import Game
+    from logical_robots_tui.cli.patience import Patience
+    from logical_robots_tui.game import Run
 
-    game = Game(level, program, history=1, engine=engine)
-    try:
-        while game.frame.tick < tick:
-            await game.run_until(tick=tick)
-        return game.frame
-    finally:
-        await game.close()
+    run = Run(level, program, engine=engine)
+    with Patience(level.title, tick) as show:
+        try:
+            return await run.frame(tick, show)
+        finally:
+            await run.close()
 
 
 def check_name(what: str, name: str, known: Iterable[str]) -> None:

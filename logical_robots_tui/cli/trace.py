@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import json
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 from logical_robots_tui.cli.command import (
     add_level_and_program,
@@ -17,11 +17,14 @@ from logical_robots_tui.cli.text import finite
 
 if TYPE_CHECKING:
     import argparse
+    import threading
 
     from logical_robots_tui.cli.command import Commands
     from logical_robots_tui.game import Frame
-    from logical_robots_tui.mind import Engine, Program, QueryError, Table
+    from logical_robots_tui.mind import Engine, Mind, Program, QueryError, Table
     from logical_robots_tui.world import Level
+
+    _Tables: TypeAlias = dict[str, Table | QueryError]
 
 __all__ = ["declare"]
 
@@ -84,27 +87,31 @@ def start(options: argparse.Namespace) -> int:
 async def _trace(
     level: Level, program: Program, options: argparse.Namespace, engine: Engine
 ) -> bool:
-    from logical_robots_tui.game import Game, Inquiry
+    from logical_robots_tui.game import Run
+    from logical_robots_tui.mind import QueryError
 
-    game = Game(level, program, history=1, engine=engine)
-    inquiry = Inquiry(level)
+    def ask(frame: Frame, mind: Mind, stop: threading.Event) -> tuple[Frame, _Tables]:
+        tables: _Tables = {}
+        for name in options.predicates:
+            try:
+                tables[name] = mind.query(name, frame.sensors, frame.memories_before, stop=stop)
+            except QueryError as error:
+                tables[name] = error
+        return frame, tables
+
+    run = Run(level, program, engine=engine)
+    won = False
     try:
-        while game.frame.tick < options.ticks and game.won_at is None:
-            frame = await game.step()
-            tables = {}
-            if options.predicates:
-                tables = await inquiry.survey(program, frame, options.predicates)
+        async for frame, tables in run.each(1, options.ticks, ask, to_victory=True):
+            won = frame.after.won_at is not None
             told = _told(level, frame, options.robot, tables)
             print(json.dumps(finite(told), ensure_ascii=False, allow_nan=False))
-        return game.won_at is not None
+        return won
     finally:
-        await inquiry.close()
-        await game.close()
+        await run.close()
 
 
-def _told(
-    level: Level, frame: Frame, robot: str | None, tables: dict[str, Table | QueryError]
-) -> dict[str, Any]:
+def _told(level: Level, frame: Frame, robot: str | None, tables: _Tables) -> dict[str, Any]:
     """What is told of a tick, of all robots or of one."""
     mine = frozenset([robot] if robot is not None else [each.name for each in level.robots])
     after = frame.after

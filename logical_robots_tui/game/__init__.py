@@ -9,11 +9,12 @@ from logical_robots_tui.game.breakpoints import (
     mistake_in,
     subjects,
 )
-from logical_robots_tui.game.compiling import compile_program
+from logical_robots_tui.game.compiling import compile_program, mistake_in_question
 from logical_robots_tui.game.frame import Frame
 from logical_robots_tui.game.game import Answer, Game, Superseded
 from logical_robots_tui.game.goal import Goal, goals
 from logical_robots_tui.game.history import History, NoSuchTickError
+from logical_robots_tui.game.holding import Holding, rows_that_count, when_it_holds
 from logical_robots_tui.game.inquiry import Inquiry
 from logical_robots_tui.game.marks import MARK_KINDS, Mark, MarkKind
 from logical_robots_tui.game.pace import FLAT_OUT, SPEEDS, Pace
@@ -22,6 +23,8 @@ from logical_robots_tui.game.pins import MIND, ROBOT_COLUMNS, Path, Pin, Reading
 from logical_robots_tui.game.place import Place, place_of
 from logical_robots_tui.game.reference import is_shipped, level_key, reference_for
 from logical_robots_tui.game.rules import count_rules
+from logical_robots_tui.game.run import Run, run_key
+from logical_robots_tui.game.seeking import Sought, seek
 from logical_robots_tui.game.source import Source, list_programs, load_program, save_program
 from logical_robots_tui.game.start import start_frame
 
@@ -42,6 +45,7 @@ __all__ = [
     "Goal",
     "History",
     "Hit",
+    "Holding",
     "Inquiry",
     "Mark",
     "MarkKind",
@@ -52,6 +56,8 @@ __all__ = [
     "Pin",
     "Place",
     "Reading",
+    "Run",
+    "Sought",
     "Source",
     "Superseded",
     "compile_program",
@@ -62,11 +68,16 @@ __all__ = [
     "list_programs",
     "load_program",
     "mistake_in",
+    "mistake_in_question",
     "pin_of_cell",
     "place_of",
     "read",
     "reference_for",
+    "rows_that_count",
+    "run_key",
     "save_program",
+    "seek",
     "start_frame",
     "subjects",
+    "when_it_holds",
 ]

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from logical_robots_tui.game.packing import Moment
     from logical_robots_tui.game.watching import Watch
     from logical_robots_tui.game.worlds import Worlds
-    from logical_robots_tui.mind import Mind, Table
+    from logical_robots_tui.mind import Mind
     from logical_robots_tui.values import Value
     from logical_robots_tui.world import Level, World, WorldState
 
@@ -77,10 +77,6 @@ def advance(
     Raises:
         Stopped: `stop` was set.
     """
-
-    def ask(predicate: str, frame: Frame) -> Table:
-        return mind.query(predicate, frame.sensors, frame.memories_before, stop=stop)
-
     if known:
         most = len(known) if most is None else min(most, len(known))
     until = perf_counter() + seconds
@@ -90,7 +86,8 @@ def advance(
             frame = known_frame(worlds, past.after, past.memories, known[len(done)])
         else:
             frame = _next_frame(worlds.of(level), mind, past, stop)
-        hits = watch.hits(past, frame, ask) if watch.breakpoints and frame.decisions else ()
+        is_watched = watch.breakpoints and frame.decisions
+        hits = watch.hits(past, frame, mind, stop) if is_watched else ()
         done.append(Advance(frame, hits))
         has_won = frame.after.won_at == frame.tick
         if hits or has_won or len(done) == most or perf_counter() > until:

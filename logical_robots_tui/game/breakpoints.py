@@ -21,9 +21,9 @@ Event: TypeAlias = Literal[
 ]
 
 EVENTS: dict[Event, str] = {
-    "rows": "a predicate has rows",
-    "no rows": "a predicate has no rows any more",
-    "change": "a predicate changes",
+    "rows": "a predicate has rows, or a question holds",
+    "no rows": "a predicate has no rows any more, or a question does not hold",
+    "change": "a predicate or the answer to a question changes",
     "enters": "a robot enters an area",
     "leaves": "a robot leaves an area",
     "blocked": "a robot is blocked by a wall",
@@ -32,7 +32,7 @@ EVENTS: dict[Event, str] = {
 }
 """What can happen, in words."""
 
-OF_PREDICATES = frozenset[Event]({"rows", "no rows", "change"})
+OF_QUESTIONS = frozenset[Event]({"rows", "no rows", "change"})
 """The events for which the program has to be asked."""
 
 
@@ -42,8 +42,9 @@ class Breakpoint:
 
     Attributes:
         event: What happens.
-        subject: The name of the predicate; of the area; of what is lost sight of; or the kind of
-            the notice. "" is any, but for predicates.
+        subject: The name of the predicate, or any question about the program; the name of the
+            area, or of what is lost sight of; or the kind of the notice. "" is any, but for
+            predicates.
         robot: Whom it happens to; of a predicate, whose rows count. "" is any.
         column: For ``change`` which column counts; "" is the whole row.
     """
@@ -54,15 +55,21 @@ class Breakpoint:
     column: str = ""
 
     @property
+    def is_named(self) -> bool:
+        """Whether its subject is a name, and not a question that has to be compiled."""
+        return self.event not in OF_QUESTIONS or self.subject.isidentifier() or not self.subject
+
+    @property
     def words(self) -> str:
         """What it says, such as ``Ada enters Home``."""
         who = self.robot or "a robot"
         whose = f" for {self.robot}" if self.robot else ""
         match self.event:
             case "rows":
-                return f"{self.subject} has rows{whose}"
+                return f"{self.subject} {'has rows' if self.is_named else 'holds'}{whose}"
             case "no rows":
-                return f"{self.subject} has no rows any more{whose}"
+                what = "has no rows" if self.is_named else "does not hold"
+                return f"{self.subject} {what} any more{whose}"
             case "change":
                 column = f".{self.column}" if self.column else ""
                 return f"{self.subject}{column} changes{whose}"
@@ -129,7 +136,7 @@ class Breakpoints:
 
 def subjects(event: Event, level: Level, program: Program | None) -> tuple[str, ...]:
     """The names that an event can be about in a level under a program."""
-    if event in OF_PREDICATES:
+    if event in OF_QUESTIONS:
         return tuple(each.name for each in program.predicates if each.has_rows) if program else ()
     if event in ("enters", "leaves"):
         return tuple(area.name for area in level.areas)
@@ -140,17 +147,22 @@ def subjects(event: Event, level: Level, program: Program | None) -> tuple[str, 
 
 
 def mistake_in(breakpoint_: Breakpoint, level: Level, program: Program | None) -> str:
-    """Why a breakpoint can't be hit in a level under a program, one sentence, or ""."""
+    """Why a breakpoint can't be hit in a level under a program, one sentence, or "".
+
+    Of a question only the compiler knows whether it can be asked.
+    """
     robot, subject = breakpoint_.robot, breakpoint_.subject
     names = tuple(each.name for each in level.robots)
     if robot and robot not in names:
         return f"This level has no robot {robot}. {did_you_mean(robot, names)}".rstrip()
     known = subjects(breakpoint_.event, level, program)
-    if breakpoint_.event in OF_PREDICATES:
+    if breakpoint_.event in OF_QUESTIONS:
         if program is None:
             return ""
         if not subject:
-            return "It needs the name of a predicate."
+            return "It needs the name of a predicate, or a question."
+        if not breakpoint_.is_named:
+            return ""
         predicate = program.predicate(subject)
         if predicate is not None and not predicate.has_rows:
             return predicate.reason

@@ -1,4 +1,4 @@
-"""Compiling off the event loop."""
+"""Compiling off the event loop: programs, and questions about them."""
 
 from __future__ import annotations
 
@@ -6,10 +6,12 @@ import asyncio
 import threading
 from typing import TYPE_CHECKING
 
+from logical_robots_tui.mind import ProgramError
+
 if TYPE_CHECKING:
     from logical_robots_tui.mind import Program, Report
 
-__all__ = ["compile_program"]
+__all__ = ["compile_program", "mistake_in_question"]
 
 
 async def compile_program(text: str, report: Report | None = None) -> Program:
@@ -42,3 +44,24 @@ async def compile_program(text: str, report: Report | None = None) -> Program:
     except asyncio.CancelledError:
         stop.set()
         raise
+
+
+async def mistake_in_question(program: Program, query: str) -> str:
+    """What is wrong with a question about a program, in words, or "".
+
+    Cancelling the call ends the compilation. What is right is compiled when it is asked.
+
+    Args:
+        program: What it is about.
+        query: A call, an expression, conditions, or whole rules of which the last is asked.
+    """
+    stop = threading.Event()
+    try:
+        await asyncio.to_thread(program.question, query, stop=stop)
+    except ProgramError as error:
+        first = error.diagnostics[0]
+        return f"{first.message}. {first.hint}".strip()
+    except asyncio.CancelledError:
+        stop.set()
+        raise
+    return ""

@@ -8,9 +8,10 @@ from functools import partial
 from typing import TYPE_CHECKING, TypeVar
 
 from logical_robots_tui.game.game import Superseded
+from logical_robots_tui.game.holding import rows_that_count
 from logical_robots_tui.game.pins import read
 from logical_robots_tui.game.thinker import Thinker
-from logical_robots_tui.mind import Limits, QueryError, Stopped, Table
+from logical_robots_tui.mind import Limits, ProgramError, QueryError, Stopped, Table
 
 if TYPE_CHECKING:
     import threading
@@ -92,9 +93,8 @@ class Inquiry:
 
         def work(mind: Mind, stop: threading.Event) -> Explanation:
             sensors, memories = frame.sensors, frame.memories_before
-            return mind.why(
-                predicate, robot, sensors, memories, given=given, within=within, stop=stop
-            )
+            explainer = mind.explainer(robot, sensors, memories, stop=stop)
+            return explainer.why(predicate, given, within)
 
         return await self._do(self._explainer, program, work)
 
@@ -127,16 +127,8 @@ class Inquiry:
 
         def work(mind: Mind, stop: threading.Event) -> Proof:
             sensors, memories = frame.sensors, frame.memories_before
-            return mind.proof(
-                predicate,
-                robot,
-                sensors,
-                memories,
-                given=given,
-                within=within,
-                depth=depth,
-                stop=stop,
-            )
+            explainer = mind.explainer(robot, sensors, memories, stop=stop)
+            return explainer.proof(predicate, given, within, depth=depth)
 
         return await self._do(self._explainer, program, work)
 
@@ -156,7 +148,7 @@ class Inquiry:
 
         def work(mind: Mind, stop: threading.Event) -> Table:
             sensors, memories = frame.sensors, frame.memories_before
-            return mind.calls(predicate, robot, sensors, memories, stop=stop)
+            return mind.explainer(robot, sensors, memories, stop=stop).calls(predicate)
 
         return await self._do(self._surveyor, program, work)
 
@@ -242,11 +234,23 @@ class Inquiry:
 def _tables(
     predicates: Iterable[str], frame: Frame, mind: Mind, stop: threading.Event
 ) -> dict[str, Table | QueryError]:
-    """The rows of predicates at a frame, or why one has none."""
+    """The rows of predicates or questions at a frame, or why one has none."""
     found: dict[str, Table | QueryError] = {}
     for name in predicates:
         try:
-            found[name] = mind.query(name, frame.sensors, frame.memories_before, stop=stop)
+            found[name] = _table(name, frame, mind, stop)
+        except ProgramError as error:
+            found[name] = QueryError(f"This can't be asked: {error.diagnostics[0].message}.")
         except QueryError as error:
             found[name] = error
     return found
+
+
+def _table(name: str, frame: Frame, mind: Mind, stop: threading.Event) -> Table:
+    """The rows of a predicate, or those for which a question holds."""
+    sensors, memories = frame.sensors, frame.memories_before
+    if name.isidentifier():
+        return mind.query(name, sensors, memories, stop=stop)
+    question = mind.program.question(name, stop=stop, limits=mind.limits)
+    table = mind.ask(question, sensors, memories, stop=stop, in_order=False)
+    return rows_that_count(question, table)

@@ -156,7 +156,7 @@ def _link(
     until = tick
     while True:
         rows, memories = moment(tick)
-        made = mind.source(robot, path, rows, memories, stop=stop)
+        made = mind.explainer(robot, rows, memories, stop=stop).source(path)
         kept = _kept(made, memories)
         if kept is None:
             return Link(robot, path, made.value, tick, until, made.span, made.rule, made.reads)

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
     from logical_robots_tui.values import Value
 
-__all__ = ["Moment", "Packed"]
+__all__ = ["Moment", "Packed", "laid_out", "moment_in"]
 
 _QUICKEST = 1  # of zlib's levels; from tick to tick so little changes that more is not needed
 _KEPT_OPEN = 4  # for those who step through them
@@ -60,9 +60,7 @@ class Packed:
     __slots__ = ("_bytes",)
 
     def __init__(self, moments: Sequence[Moment]) -> None:
-        # Robots and areas may come and go where the level was changed.
-        runs = [_run_of(list(run)) for _, run in groupby(moments, _names_of)]
-        self._bytes = zlib.compress(marshal.dumps(runs), _QUICKEST)
+        self._bytes = zlib.compress(marshal.dumps(laid_out(moments)), _QUICKEST)
 
     def __len__(self) -> int:
         """How many bytes it takes."""
@@ -70,26 +68,42 @@ class Packed:
 
     def moment(self, at: int) -> Moment:
         """One of the moments, by its place among them, counted from 0."""
-        runs = iter(_opened(self._bytes))
-        begin, names, area_names, told, areas, bodies, thoughts = next(runs)
-        while at >= len(told):
-            at -= len(told)
-            begin, names, area_names, told, areas, bodies, thoughts = next(runs)
-        won_at, milliseconds, driven, has_decided = told[at]
-        after = WorldState(
-            begin + at,
-            tuple([RobotState(n, *body[at]) for n, body in zip(names, bodies, strict=True)]),
-            tuple([AreaState(n, *area) for n, area in zip(area_names, areas[at], strict=True)]),
-            won_at,
-        )
-        mine = [(name, *thought[at]) for name, thought in zip(names, thoughts, strict=True)]
-        return Moment(
-            after,
-            {name: memory for name, memory, _, _ in mine},
-            tuple([_decision(*each) for each in mine]) if has_decided else (),
-            milliseconds,
-            driven,
-        )
+        return moment_in(_opened(self._bytes), at)
+
+
+def laid_out(moments: Sequence[Moment]) -> list[Any]:
+    """Moments as numbers, texts, lists and tuples, what is alike near each other."""
+    # Robots and areas may come and go where the level was changed.
+    return [_run_of(list(run)) for _, run in groupby(moments, _names_of)]
+
+
+def moment_in(runs: Sequence[Any], at: int) -> Moment:
+    """One of the moments that were laid out, also after a journey through JSON."""
+    rest = iter(runs)
+    begin, names, area_names, told, areas, bodies, thoughts = next(rest)
+    while at >= len(told):
+        at -= len(told)
+        begin, names, area_names, told, areas, bodies, thoughts = next(rest)
+    won_at, milliseconds, driven, has_decided = told[at]
+    after = WorldState(
+        begin + at,
+        tuple([RobotState(n, *body[at]) for n, body in zip(names, bodies, strict=True)]),
+        tuple(
+            [
+                AreaState(name, active, tuple(visitors))
+                for name, (active, visitors) in zip(area_names, areas[at], strict=True)
+            ]
+        ),
+        won_at,
+    )
+    mine = [(name, *thought[at]) for name, thought in zip(names, thoughts, strict=True)]
+    return Moment(
+        after,
+        {name: memory for name, memory, _, _ in mine},
+        tuple([_decision(*each) for each in mine]) if has_decided else (),
+        milliseconds,
+        driven,
+    )
 
 
 @lru_cache(maxsize=_KEPT_OPEN)

@@ -32,7 +32,7 @@ class Pin:
     """A number of rows, or one value in one row.
 
     Attributes:
-        predicate: Whose rows.
+        predicate: Whose rows; or any question, of which the rows count for which it holds.
         column: Which value of the row; "" is the number of rows.
         where: Which rows: columns with the value that they have there.
         path: The way from the value to the part of it that counts.
@@ -44,8 +44,15 @@ class Pin:
     path: Path = ()
 
     @property
+    def is_question(self) -> bool:
+        """Whether it is a question that has to be compiled."""
+        return not self.predicate.isidentifier()
+
+    @property
     def name(self) -> str:
         """What it is without whose it is, such as ``Robot.memory.phase`` or ``Near: rows``."""
+        if self.is_question:
+            return self.predicate
         if not self.column:
             return f"{self.predicate}: rows"
         steps = (f"[{step}]" if isinstance(step, int) else f".{step}" for step in self.path)

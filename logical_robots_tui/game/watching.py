@@ -5,24 +5,25 @@ from __future__ import annotations
 from collections import Counter
 from typing import TYPE_CHECKING, TypeAlias
 
-from logical_robots_tui.game.breakpoints import OF_PREDICATES, Breakpoint, Hit
-from logical_robots_tui.mind import QueryError, Table
+from logical_robots_tui.game.breakpoints import OF_QUESTIONS, Breakpoint, Hit
+from logical_robots_tui.game.holding import rows_that_count
+from logical_robots_tui.mind import ProgramError, QueryError, Table
 from logical_robots_tui.mind.sqlite.stored import to_json
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator, Sequence
+    import threading
+    from collections.abc import Iterator, Sequence
 
     from logical_robots_tui.game.frame import Frame
-    from logical_robots_tui.mind import Decision
+    from logical_robots_tui.mind import Decision, Mind, Question
     from logical_robots_tui.values import SensorRow, Value
 
-__all__ = ["Ask", "Watch"]
-
-Ask: TypeAlias = "Callable[[str, Frame], Table]"
-"""Gives the rows of a predicate at a frame, or raises `QueryError`."""
+__all__ = ["Watch"]
 
 _Rows: TypeAlias = "list[tuple[Value, ...]]"
 _FEW = 3  # values that are told
+_LONGEST = 60  # characters of one of them
+_BY_NAME = ("Robot", "Sensor", "Memory")
 
 
 class Watch:
@@ -39,22 +40,30 @@ class Watch:
         self.breakpoints = breakpoints
         self.troubles: dict[Breakpoint, str] = {}
         self._asked: dict[str, tuple[Frame, Table]] = {}
+        self._questions: dict[str, Question | ProgramError] = {}
 
-    def hits(self, past: Frame, frame: Frame, ask: Ask) -> tuple[Hit, ...]:
+    def hits(self, past: Frame, frame: Frame, mind: Mind, stop: threading.Event) -> tuple[Hit, ...]:
         """The breakpoints that a tick hits.
 
         Args:
             past: The tick before.
             frame: The tick.
-            ask: Asks the program.
+            mind: Whom to ask; the same one each time.
+            stop: Set it from another thread to give up.
+
+        Raises:
+            Stopped: `stop` was set.
         """
         found = []
         for each in self.breakpoints:
             try:
-                if each.event in OF_PREDICATES:
-                    values = self._change_of_rows(each, past, frame, ask)
+                if each.event in OF_QUESTIONS:
+                    values = self._change_of_rows(each, past, frame, mind, stop)
                 else:
                     values = "; ".join(_happenings(each, past, frame))
+            except ProgramError as error:
+                self.troubles[each] = f"This can't be asked: {error.diagnostics[0].message}."
+                continue
             except QueryError as error:
                 self.troubles[each] = f"Tick {frame.tick}: {error}"
                 continue
@@ -63,9 +72,11 @@ class Watch:
                 found.append(Hit(each, frame.tick, values))
         return tuple(found)
 
-    def _change_of_rows(self, each: Breakpoint, past: Frame, frame: Frame, ask: Ask) -> str:
-        before = _rows_for(each, self._table(each.subject, past, ask))
-        after = _rows_for(each, self._table(each.subject, frame, ask))
+    def _change_of_rows(
+        self, each: Breakpoint, past: Frame, frame: Frame, mind: Mind, stop: threading.Event
+    ) -> str:
+        before = self._rows(each, past, mind, stop)
+        after = self._rows(each, frame, mind, stop)
         if each.event == "rows":
             return "" if before or not after else _listed(after)
         if each.event == "no rows":
@@ -75,13 +86,48 @@ class Watch:
             return ""
         return " → ".join(_listed(rows) if rows else "nothing" for rows in (gone, new))
 
-    def _table(self, predicate: str, frame: Frame, ask: Ask) -> Table:
-        asked = self._asked.get(predicate)
+    def _rows(self, each: Breakpoint, frame: Frame, mind: Mind, stop: threading.Event) -> _Rows:
+        table = self._table(each.subject, frame, mind, stop)
+        question = self._questions.get(each.subject)
+        if each.event != "change" and question is not None and not isinstance(question, Exception):
+            table = rows_that_count(question, table)
+        return _rows_for(each, table)
+
+    def _table(self, subject: str, frame: Frame, mind: Mind, stop: threading.Event) -> Table:
+        asked = self._asked.get(subject)
         if asked is not None and asked[0] is frame:
             return asked[1]
-        table = ask(predicate, frame)
-        self._asked[predicate] = (frame, table)
+        question = self._question(subject, mind, stop)
+        sensors, memories = frame.sensors, frame.memories_before
+        if question is None:
+            table = mind.query(subject, sensors, memories, stop=stop)
+        else:
+            table = mind.ask(question, sensors, memories, stop=stop, in_order=False)
+        self._asked[subject] = (frame, table)
         return table
+
+    def _question(self, subject: str, mind: Mind, stop: threading.Event) -> Question | None:
+        """What to ask about a subject; None if it is a predicate that is better asked by name.
+
+        Of all robots together only questions and `Robot` are asked.
+
+        Raises:
+            ProgramError: The subject is neither a predicate nor a question.
+        """
+        if subject in _BY_NAME:
+            return None
+        question = self._questions.get(subject)
+        if question is None:
+            try:
+                question = mind.program.question(subject, stop=stop, limits=mind.limits)
+            except ProgramError as error:
+                question = error
+            self._questions[subject] = question
+        if not isinstance(question, ProgramError):
+            return question
+        if mind.program.predicate(subject) is not None:
+            return None
+        raise question
 
 
 def _rows_for(each: Breakpoint, table: Table) -> _Rows:
@@ -119,9 +165,14 @@ def _without(rows: _Rows, others: _Rows) -> _Rows:
 
 
 def _listed(rows: _Rows) -> str:
-    told = [", ".join(map(to_json, row)) for row in rows[:_FEW]]
+    told = [", ".join(map(_told, row)) for row in rows[:_FEW]]
     more = len(rows) - _FEW
     return "; ".join(told) + (f" and {more} more" if more > 0 else "")
+
+
+def _told(value: Value) -> str:
+    text = to_json(value)
+    return text if len(text) <= _LONGEST else f"{text[:_LONGEST]}…"
 
 
 def _happenings(each: Breakpoint, past: Frame, frame: Frame) -> Iterator[str]:

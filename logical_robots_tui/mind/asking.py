@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 
     from logical_robots_tui.mind.duck.engine import DuckTables
     from logical_robots_tui.mind.limits import Limits
-    from logical_robots_tui.mind.program import Duck, Program, Tuned
+    from logical_robots_tui.mind.program import Duck, Program, Question, Tuned
     from logical_robots_tui.mind.sqlite.database import Answer as RawAnswer
     from logical_robots_tui.mind.sqlite.database import Scalar
     from logical_robots_tui.mind.sqlite.moment import Moment, View, Within
@@ -34,6 +34,7 @@ if TYPE_CHECKING:
 __all__ = ["Answer", "Asking"]
 
 _PLAN = "EXPLAIN QUERY PLAN "
+_MOST_TOGETHER = 20_000  # rows for all views from one query
 
 _SQLITE_ERRORS = (sqlite3.Error, sqlite3.Warning)
 
@@ -79,7 +80,7 @@ class Asking:
     ) -> Iterator[tuple[View, Answer | FailureError]]:
         """Rows of a predicate for each view of a moment, or why there are none."""
         # All at once: in between, the caller may ask for something else.
-        answers = self._quick_answers(predicate, moment, within)
+        answers = self._quick_answers(self._program.tuned.get(predicate), moment, within)
         yield from zip(moment.views, answers, strict=False)
         for view in moment.views[len(answers) :]:
             try:
@@ -87,15 +88,34 @@ class Asking:
             except FailureError as failure:
                 yield view, failure
 
+    def question(
+        self, question: Question, moment: Moment, within: Within, *, in_order: bool
+    ) -> Iterator[tuple[View, Answer]]:
+        """Rows of a question for each view of a moment.
+
+        Args:
+            question: Compiled for the program.
+            moment: What it is asked of.
+            within: Bounds; more rows are left out.
+            in_order: Whether it matters in which order the rows of a view are.
+
+        Raises:
+            FailureError: It failed, or took too long.
+        """
+        tuned = question.tuned
+        answers = self._quick_answers(tuned, moment, within, in_order=in_order)
+        yield from zip(moment.views, answers, strict=False)
+        for view in moment.views[len(answers) :]:
+            yield view, self._ask(tuned, question.sql, moment, view, within)
+
     def rows(self, predicate: str, moment: Moment, view: View, within: Within) -> Answer:
         """Rows of a predicate for one view.
 
         Raises:
             FailureError: It failed, took too long, or has too many rows.
         """
-        columns, rows = self._ask(
-            predicate, self._program.statements[predicate], moment, view, within
-        )
+        tuned, sql = self._program.tuned.get(predicate), self._program.statements[predicate]
+        columns, rows = self._ask(tuned, sql, moment, view, within)
         if len(rows) > within.rows and not within.cut:
             raise FailureError(f"{predicate} has more than {within.rows:,} rows")
         return columns, rows
@@ -123,7 +143,8 @@ class Asking:
         """Recursions that still changed in their last step, and how many steps that was."""
         for predicate, (steps, sql) in self._program.recursions.items():
             try:
-                _, rows = self._ask(f"{predicate} grows", sql, moment, view, within)
+                tuned = self._program.tuned.get(f"{predicate} grows")
+                _, rows = self._ask(tuned, sql, moment, view, within)
             except FailureError:
                 continue
             if rows[0][0]:
@@ -168,13 +189,16 @@ class Asking:
 
     # -- inside --------------------------------------------------------------------------------
 
-    def _ask(self, name: str, sql: str, moment: Moment, view: View, within: Within) -> Answer:
-        answer = self._quick_answer(name, moment, view, within)
+    def _ask(
+        self, tuned: Tuned | None, sql: str, moment: Moment, view: View, within: Within
+    ) -> Answer:
+        answer = self._quick_answer(tuned, moment, view, within)
         return self.plainly(sql, moment, view, within) if answer is None else answer
 
-    def _quick_answers(self, name: str, moment: Moment, within: Within) -> Sequence[Answer]:
+    def _quick_answers(
+        self, tuned: Tuned | None, moment: Moment, within: Within, *, in_order: bool = True
+    ) -> Sequence[Answer]:
         """Answers for the first views of a moment, up to one for which there is no quick one."""
-        tuned = self._program.tuned.get(name)
         if self._tuned is None or tuned is None:
             return ()
         if self._duck is not None and tuned.duck is not None:
@@ -182,26 +206,32 @@ class Asking:
             if answers is not None:
                 return answers
         if tuned.together and moment.apart and len(moment.views) > 1:
-            answers = self._joint_answers(tuned, moment, within)
+            answers = self._joint_answers(tuned, moment, within, in_order=in_order)
             if answers is not None:
                 return answers
         answers = []
         for view in moment.views:
-            answer = self._quick_answer(name, moment, view, within)
+            answer = self._quick_answer(tuned, moment, view, within)
             if answer is None or (len(answer[1]) > within.rows and not within.cut):
                 break
             answers.append(answer)
         return answers
 
-    def _joint_answers(self, tuned: Tuned, moment: Moment, within: Within) -> list[Answer] | None:
-        """Answers for all views from one query, or None if there is more than one row for one.
+    def _joint_answers(
+        self, tuned: Tuned, moment: Moment, within: Within, *, in_order: bool
+    ) -> list[Answer] | None:
+        """Answers for all views from one query, or None.
 
-        For then only the query of one view tells in which order its rows are.
+        Where the order matters, that is so if there is more than one row for one of them: only the
+        query of one view tells in which order its rows are.
         """
         assert self._tuned is not None
+        most = len(moment.views) if in_order else _MOST_TOGETHER
         try:
-            columns, found = self._tuned.ask_together(tuned, moment, within)
-            return self._by_viewer(columns[:-1], found, tuned, moment, within)
+            columns, found = self._tuned.ask_together(tuned, moment, within, most + 1)
+            if len(found) > most:
+                return None
+            return self._by_viewer(columns[:-1], found, tuned, moment, within, in_order=in_order)
         except _NO_QUICK_ANSWER:
             return None
 
@@ -231,21 +261,30 @@ class Asking:
         tuned: Tuned,
         moment: Moment,
         within: Within,
+        *,
+        in_order: bool = True,
     ) -> list[Answer] | None:
         """Answers for all views from rows that end with the number of their viewer."""
-        rows = {row[-1]: row[:-1] for row in found}
-        if len(rows) < len(found) or not rows.keys() <= set(range(len(moment.views))):
+        numbers = [row[-1] for row in found]
+        viewers = set(numbers)
+        if in_order and len(viewers) < len(found):
             return None
-        answer = self._finished((columns, list(rows.values())), tuned, within)
+        if not viewers <= set(range(len(moment.views))):
+            return None
+        answer = self._finished((columns, [row[:-1] for row in found]), tuned, within)
         if answer is None:
             return None
-        answers: list[Answer] = [(answer[0], [])] * len(moment.views)
-        for number, row in zip(rows, answer[1], strict=True):
-            answers[number] = (answer[0], [row])
+        nothing: list[tuple[Value, ...]] = []
+        answers: list[Answer] = [(answer[0], nothing)] * len(moment.views)
+        for number, row in zip(numbers, answer[1], strict=True):
+            if answers[number][1] is nothing:
+                answers[number] = (answer[0], [])
+            answers[number][1].append(row)
         return answers
 
-    def _quick_answer(self, name: str, moment: Moment, view: View, within: Within) -> Answer | None:
-        tuned = self._program.tuned.get(name)
+    def _quick_answer(
+        self, tuned: Tuned | None, moment: Moment, view: View, within: Within
+    ) -> Answer | None:
         if self._tuned is None or tuned is None:
             return None
         try:

@@ -25,12 +25,14 @@ from logical_robots_tui.mind.records import record
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping
 
+    from _typeshed import DataclassInstance
+
     from logical_robots_tui.mind.program import Report
     from logical_robots_tui.mind.why.probing import Probing
 
 __all__ = ["compile_program", "compile_question", "stop_compiling", "take_apart"]
 
-T = TypeVar("T")
+T = TypeVar("T", bound="DataclassInstance")
 
 _log = logging.getLogger(__name__)
 
@@ -75,7 +77,11 @@ def compile_question(
     """As `Program.question`; what was compiled before is at hand."""
     limits = limits or Limits()
     _check_text(query, limits)
-    request = {"text": program.text, "query": query}
+    columns = {
+        table: sorted({n for t in program.tuned.values() for n in t.columns.get(table, ())})
+        for table in ("Memory", "Item")
+    }
+    request = {"text": program.text, "query": query, "columns": columns}
     return _compiler.answer(request, "question", Question, limits, stop)
 
 
@@ -150,13 +156,10 @@ class _Compiler:
                 self._kept.move_to_end(key)
             else:
                 _check(stop)
-                made: T | Program | None = None
-                if kind is Program:
-                    made = cache.find(request["text"])
+                made = cache.find(line, kind)
                 if made is None:
                     made = self._ask(line, name, kind, limits, deadline, stop, report)
-                    if isinstance(made, Program):
-                        cache.keep(made)
+                    cache.keep(line, made)
                 self._kept[key] = made
                 while len(self._kept) > _KEPT:
                     self._kept.popitem(last=False)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from functools import partial
 from time import perf_counter
 from typing import TYPE_CHECKING, Literal
 
@@ -26,12 +25,7 @@ if TYPE_CHECKING:
 
     from logical_robots_tui.mind.asking import Answer
     from logical_robots_tui.mind.program import Program, Question
-    from logical_robots_tui.mind.why.explanation import Explanation
-    from logical_robots_tui.mind.why.probing import Probing
-    from logical_robots_tui.mind.why.proving import Prover
-    from logical_robots_tui.mind.why.relations import Relations
-    from logical_robots_tui.mind.why.sourcing import Made, Path
-    from logical_robots_tui.mind.why.unfolding import Proof
+    from logical_robots_tui.mind.why.explainer import Explainer
 
 __all__ = ["Mind"]
 
@@ -75,6 +69,9 @@ class Mind:
         self.limits = limits or Limits()
         duck = DuckTables(self.limits) if engine == "duckdb" else None
         self._sizes = Sizes() if frozen else None
+        self._moment: Moment | None = None
+        # What `Robot` gave at that moment, as far as that is known.
+        self._thought: list[tuple[View, Answer]] = []
         self._asking = Asking(program, self.limits, plain=plain, duck=duck, frozen=frozen)
 
     def think(
@@ -95,12 +92,13 @@ class Mind:
             Stopped: `stop` was set before the thought was finished.
         """
         within = Within(self.limits.think_seconds, self.limits.think_rows, stop)
-        moment = Moment(rows, memories, self.memory, self.sensor)
+        moment = self._moment_of(rows, memories)
         names = moment.names
         answers: dict[str, list[Mapping[str, Value]]] = {name: [] for name in names}
         strangers: dict[str, list[Notice]] = {}
         failures: dict[str, Notice] = {}
         cut_off: dict[str, list[Notice]] = {}
+        self._thought = []
         for view, answer in self._asking.each("Robot", moment, within):
             if isinstance(answer, FailureError):
                 notice = self._blame(answer, moment, view, within)
@@ -111,6 +109,7 @@ class Mind:
                 cut_off |= dict.fromkeys(view.viewers, notices)
             columns, found = answer
             mine = frozenset(view.viewers)
+            self._thought.append((view, answer))
             for values in found:
                 row = dict(zip(columns, values, strict=True))
                 name = row.get("robot_name")
@@ -171,6 +170,7 @@ class Mind:
         memories: Memories,
         *,
         stop: threading.Event | None = None,
+        in_order: bool = True,
     ) -> Table:
         """What a question about the program gives at one moment.
 
@@ -179,156 +179,49 @@ class Mind:
             rows: As for `think`.
             memories: As for `think`.
             stop: Set it from another thread to give up.
+            in_order: Whether it matters in which order the rows are; without, it may be quicker.
 
         Raises:
             QueryError: It failed.
             Stopped: `stop` was set before the answer was there.
         """
-        moment = Moment(rows, memories, self.memory, self.sensor)
+        moment = self._moment_of(rows, memories)
         within = Within(self.limits.query_seconds, self.limits.rows, stop, cut=True)
         try:
             return self._collected(
-                (view, self._asking.plainly(question.sql, moment, view, within))
-                for view in moment.views
+                self._asking.question(question, moment, within, in_order=in_order)
             )
         except FailureError as failure:
-            raise QueryError(f"This failed: {failure}.") from None
+            what = question.text if question.text.isidentifier() else "This"
+            raise QueryError(f"{what} failed: {failure}.") from None
 
-    def why(
+    def explainer(
         self,
-        predicate: str,
-        robot: str,
-        rows: Sequence[SensorRow],
-        memories: Memories,
-        *,
-        given: Mapping[str, Value] | None = None,
-        within: str = "",
-        stop: threading.Event | None = None,
-    ) -> Explanation:
-        """Why a predicate has the rows that it has in a robot's reasoning, or none.
-
-        Args:
-            predicate: One of the program's own.
-            robot: Name of the robot.
-            rows: As for `think`.
-            memories: As for `think`.
-            given: Values of some of its columns, where only rows with these are meant; by default
-                the robot's name where there is a column ``robot_name``.
-            within: A predicate made with ``:=`` in whose copy of the rules it is asked, or "".
-            stop: Set it from another thread to give up.
-
-        Raises:
-            QueryError: There is no such robot, predicate or column, a function was asked without
-                its arguments, or it failed.
-            Stopped: `stop` was set before the answer was there.
-        """
-        prover = self._prover(robot, rows, memories, stop)
-        return prover.explain(predicate, self._about(predicate, robot, given, within, stop), within)
-
-    def proof(
-        self,
-        predicate: str,
-        robot: str,
-        rows: Sequence[SensorRow],
-        memories: Memories,
-        *,
-        given: Mapping[str, Value] | None = None,
-        within: str = "",
-        depth: int = 100,
-        nodes: int = 10_000,
-        stop: threading.Event | None = None,
-    ) -> Proof:
-        """The whole proof of a row, down to what was sensed and remembered.
-
-        Args:
-            predicate: As for `why`, and so are the next ones.
-            robot: Name of the robot.
-            rows: As for `think`.
-            memories: As for `think`.
-            given: Values of some of its columns; the first row with these is proved.
-            within: A predicate made with ``:=`` in whose copy of the rules it is asked, or "".
-            depth: How many predicates deep.
-            nodes: Where unfolding ends.
-            stop: Set it from another thread to give up.
-
-        Raises:
-            QueryError: As `why` does.
-            Stopped: `stop` was set before the answer was there.
-        """
-        from logical_robots_tui.mind.why.unfolding import unfold
-
-        prover = self._prover(robot, rows, memories, stop)
-        given = self._about(predicate, robot, given, within, stop)
-        return unfold(prover, predicate, given, within, depth=depth, nodes=nodes)
-
-    def source(
-        self,
-        robot: str,
-        path: Path,
-        rows: Sequence[SensorRow],
-        memories: Memories,
-        *,
-        stop: threading.Event | None = None,
-    ) -> Made:
-        """Where a part of the memory comes from that a robot has after one moment.
-
-        Args:
-            robot: Name of the robot.
-            path: The part: names of fields and places in lists; () for the whole memory.
-            rows: As for `think`.
-            memories: As for `think`.
-            stop: Set it from another thread to give up.
-
-        Raises:
-            QueryError: There is no such robot or part, or how it came about can't be told.
-            Stopped: `stop` was set before the answer was there.
-        """
-        from logical_robots_tui.mind.why.sourcing import source_of
-
-        prover = self._prover(robot, rows, memories, stop)
-        return source_of(prover, "Robot", {"robot_name": robot}, "memory", path)
-
-    def calls(
-        self,
-        predicate: str,
         robot: str,
         rows: Sequence[SensorRow],
         memories: Memories,
         *,
         stop: threading.Event | None = None,
-    ) -> Table:
-        """The calls of a function in a robot's reasoning: arguments and results, each once.
+    ) -> Explainer:
+        """Whom to ask why, about what one robot thinks at one moment, until this is asked again.
 
         Args:
-            predicate: A function of the program's own.
             robot: Name of the robot.
             rows: As for `think`.
             memories: As for `think`.
             stop: Set it from another thread to give up.
 
         Raises:
-            QueryError: There is no such robot or function, or a rule that calls it failed.
-            Stopped: `stop` was set before the answer was there.
+            QueryError: There is no such robot.
         """
-        from logical_robots_tui.mind.why.calling import calls_of
-        from logical_robots_tui.mind.why.proving import Prover
 
-        known = self.program.predicate(predicate)
-        if known is None or not known.is_function:
-            raise QueryError(f"{predicate} is not a function of this program.")
-        callers = {
-            name: [p for p, used in self.program.uses.items() if name in used and p != name]
-            for name in self.program.uses
-        }
-        relations = self._relations(robot, rows, memories, stop)
-        prover = Prover(relations, robot, partial(self._taken_apart, stop=stop))
-        most = self.limits.rows
-        try:
-            columns, found = calls_of(predicate, callers, prover, relations, most + 1)
-        except FailureError as failure:
-            raise QueryError(f"The calls of {predicate} can't be told: {failure}.") from None
-        shown = tuple("value" if column == "logica_value" else column for column in columns)
-        return Table(shown, tuple(found[:most]), truncated=len(found) > most)
+        moment = Moment(rows, memories, self.memory, self.sensor)
+        view = next((view for view in moment.views if robot in view.viewers), None)
+        if view is None:
+            raise QueryError(f"There is no robot {robot} at this tick.")
+        within = Within(self.limits.query_seconds, _EXPLAINED_ROWS, stop)
+        relations = Relations(self._asking.explore(moment, view, within))
+        return Explainer(self.program, relations, robot, self.limits, stop)
 
     def machinery(
         self,
@@ -371,61 +264,18 @@ class Mind:
 
     # -- inside --------------------------------------------------------------------------------
 
-    def _prover(
-        self,
-        robot: str,
-        rows: Sequence[SensorRow],
-        memories: Memories,
-        stop: threading.Event | None,
-    ) -> Prover:
-        """Whoever explains what one robot thinks at one moment.
+    def _moment_of(self, rows: Sequence[SensorRow], memories: Memories) -> Moment:
+        """What is reasoned over; the last one again where nobody changes it and it is the same."""
+        last = self._moment
+        if last is None or last.sensors is not rows or last.remembered is not memories:
+            last = Moment(rows, memories, self.memory, self.sensor)
+            self._moment = last if self._sizes is not None else None
+            self._thought = []
+        return last
 
-        Raises:
-            QueryError: There is no such robot.
-        """
-        from logical_robots_tui.mind.why.proving import Prover
-
-        relations = self._relations(robot, rows, memories, stop)
-        return Prover(relations, robot, partial(self._taken_apart, stop=stop))
-
-    def _relations(
-        self,
-        robot: str,
-        rows: Sequence[SensorRow],
-        memories: Memories,
-        stop: threading.Event | None,
-    ) -> Relations:
-        """The rows of predicates in the reasoning of one robot at one moment.
-
-        Raises:
-            QueryError: There is no such robot.
-        """
-        from logical_robots_tui.mind.why.relations import Relations
-
-        moment = Moment(rows, memories, self.memory, self.sensor)
-        view = next((view for view in moment.views if robot in view.viewers), None)
-        if view is None:
-            raise QueryError(f"There is no robot {robot} at this tick.")
-        within = Within(self.limits.query_seconds, _EXPLAINED_ROWS, stop)
-        return Relations(self._asking.explore(moment, view, within))
-
-    def _about(
-        self,
-        predicate: str,
-        robot: str,
-        given: Mapping[str, Value] | None,
-        within: str,
-        stop: threading.Event | None,
-    ) -> Mapping[str, Value]:
-        """The values that are asked for, with the robot's name where that goes without saying."""
-        probing = self._taken_apart(predicate, within, stop=stop)
-        given = {} if given is None else given
-        if "robot_name" in probing.columns and "robot_name" not in probing.given:
-            return {"robot_name": robot, **given}
-        return given
-
-    def _taken_apart(self, predicate: str, within: str, *, stop: threading.Event | None) -> Probing:
-        return self.program.take_apart(predicate, within, stop=stop, limits=self.limits)
+    def _has_thought(self, moment: Moment) -> bool:
+        """Whether the rows of `Robot` are known for each view of a moment."""
+        return len(self._thought) == len(moment.views)
 
     def _table(
         self,
@@ -434,7 +284,9 @@ class Mind:
         memories: Memories,
         stop: threading.Event | None,
     ) -> Table:
-        moment = Moment(rows, memories, self.memory, self.sensor)
+        moment = self._moment_of(rows, memories)
+        if predicate == "Robot" and moment is self._moment and self._has_thought(moment):
+            return self._collected(self._thought)
         within = Within(self.limits.query_seconds, self.limits.rows, stop, cut=True)
 
         def answers() -> Iterator[tuple[View, Answer]]:

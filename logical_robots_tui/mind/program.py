@@ -57,10 +57,15 @@ class Question:
     Attributes:
         text: As it was typed.
         sql: The query.
+        gives: What its rows are: those of a predicate or of conditions; the ``value`` of an
+            expression, one; or whether conditions without variables hold, "true" or "false".
+        tuned: The same query for quicker tables, if it could be rewritten.
     """
 
     text: str
     sql: str
+    gives: Literal["rows", "value", "truth"] = "rows"
+    tuned: Tuned | None = None
 
 
 @dataclass(frozen=True, slots=True)

@@ -133,7 +133,7 @@ LOOKING: tuple[Command, ...] = (
     Command(
         "pin",
         "Pin or unpin",
-        "Keep an eye on the value under the cursor, the predicate, or the chosen robot's memory.",
+        "Keep an eye on the value under the cursor, a predicate, a question, or a robot's memory.",
         _ROWS,
         ("at",),
     ),
@@ -191,7 +191,7 @@ LOOKING: tuple[Command, ...] = (
     Command(
         "stop_here",
         "Stop at this predicate",
-        "Let the robots stop when this predicate, or the column under the cursor, changes.",
+        "Let the robots stop when this predicate or column changes, or when the question holds.",
         _ROWS,
         ("asterisk",),
     ),

@@ -3,16 +3,25 @@
 from __future__ import annotations
 
 from functools import partial
+from typing import TYPE_CHECKING
 
 from logical_robots_tui.tui.plain import one_line
 from logical_robots_tui.tui.screen_actions import ScreenActions
+from logical_robots_tui.tui.timeline.search import Search
 from logical_robots_tui.tui.timeline.travel import TEN
+
+if TYPE_CHECKING:
+    from logical_robots_tui.tui.screen import MainScreen
 
 __all__ = ["PlayingActions"]
 
 
 class PlayingActions(ScreenActions):
     """One method for each command of time, programs, levels and learning."""
+
+    def __init__(self, screen: MainScreen) -> None:
+        super().__init__(screen)
+        self._search = Search(screen)
 
     def run(self) -> None:
         """Run or pause."""
@@ -64,6 +73,18 @@ class PlayingActions(ScreenActions):
         """Run until a tick."""
         self._screen.labyrinth.briefing.display = False
         self._screen.spawn(self._screen.travel.ask_how_far, "library", exclusive=True)
+
+    def seek(self) -> None:
+        """Ask for a question, and go to the next tick in which it holds."""
+        self._screen.spawn(self._search.ask, "seek", exclusive=True)
+
+    def seek_next(self) -> None:
+        """Go to the next tick in which the question holds."""
+        self._screen.spawn(partial(self._search.go, 1), "seek", exclusive=True)
+
+    def seek_previous(self) -> None:
+        """Go to the last tick before in which the question holds."""
+        self._screen.spawn(partial(self._search.go, -1), "seek", exclusive=True)
 
     def breakpoints(self) -> None:
         """Show the breakpoints."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import signal
 from typing import TYPE_CHECKING
 
 from tests.cli.running import in_terminal
@@ -60,3 +61,11 @@ def test_in_a_terminal_it_is_a_table(level: Path, ahead: Path) -> None:
         shown = terminal.text
     assert "IN THE MIND OF  robot_name  desire" in shown
     assert '"Pip"' in shown
+
+
+def test_a_long_way_to_the_tick_is_shown(level: Path, ahead: Path) -> None:
+    with in_terminal("query", level, ahead, "--tick", 10**6, "Robot") as terminal:
+        terminal.wait_for("of 1000000")
+        terminal.process.send_signal(signal.SIGINT)
+        assert terminal.finish() == 130
+        assert "Traceback" not in terminal.everything

@@ -12,6 +12,7 @@ from pathlib import Path
 
 import pytest
 
+from logical_robots_tui import caching
 from logical_robots_tui.mind import (
     Diagnostic,
     Mind,
@@ -45,15 +46,32 @@ def entry(folder: Path) -> Path:
     return path
 
 
+def request(text: str) -> bytes:
+    return json.dumps({"text": text}).encode()
+
+
+def keep(program: Program) -> None:
+    cache.keep(request(program.text), program)
+
+
+def find(text: str) -> Program | None:
+    return cache.find(request(text), Program)
+
+
+def written(made: object, text: str = PROGRAM.text) -> bytes:
+    """The body of an entry that was forged."""
+    return json.dumps([request(text).decode(), made]).encode()
+
+
 def signed(body: bytes) -> bytes:
     return cache._digest(body) + b"\n" + body
 
 
 def test_what_is_kept_is_found_again() -> None:
-    assert cache.find(PROGRAM.text) is None
-    cache.keep(PROGRAM)
-    assert cache.find(PROGRAM.text) == PROGRAM
-    assert cache.find(PROGRAM.text + " ") is None
+    assert find(PROGRAM.text) is None
+    keep(PROGRAM)
+    assert find(PROGRAM.text) == PROGRAM
+    assert find(PROGRAM.text + " ") is None
 
 
 def test_a_fresh_process_finds_it_without_compiling(folder: Path) -> None:
@@ -71,6 +89,26 @@ def test_a_fresh_process_finds_it_without_compiling(folder: Path) -> None:
     assert done.stdout.strip() == program.statements["Robot"].strip()
 
 
+def test_a_fresh_process_needs_no_compiler_for_what_was_asked_before() -> None:
+    script = (
+        "import sys; from logical_robots_tui.mind import Program, compilation;"
+        "p = Program.compile(sys.argv[1]); q = p.question('Robot(memory: 4713)');"
+        "t = p.take_apart('Robot'); print(q.sql, len(t.rules));"
+        "print(compilation._compiler._process, file=sys.stderr)"
+    )
+    first, second = (
+        subprocess.run(
+            [sys.executable, "-c", script, ROBOT + "m = 4712;"],
+            capture_output=True,
+            text=True,
+            check=True,
+        )
+        for _ in range(2)
+    )
+    assert first.stdout == second.stdout
+    assert (first.stderr == "None\n", second.stderr) == (False, "None\n")
+
+
 def test_only_what_compiles_is_kept(folder: Path) -> None:
     with pytest.raises(ProgramError):
         Program.compile(ROBOT + "m = Wings(4711);")
@@ -79,10 +117,10 @@ def test_only_what_compiles_is_kept(folder: Path) -> None:
 
 @pytest.mark.parametrize("length", [0, 1, 64, 65, 100, -1])
 def test_a_truncated_entry_is_none_and_goes(folder: Path, length: int) -> None:
-    cache.keep(PROGRAM)
+    keep(PROGRAM)
     path = entry(folder)
     path.write_bytes(path.read_bytes()[:length])
-    assert cache.find(PROGRAM.text) is None
+    assert find(PROGRAM.text) is None
     assert not path.exists()
 
 
@@ -94,24 +132,22 @@ def test_a_truncated_entry_is_none_and_goes(folder: Path, length: int) -> None:
         b"[]",
         b"\xff\xfe garbage",
         b"[" * 100_000,
-        b'{"text": "what was written"}',
-        json.dumps({"text": "another", "predicates": [], "statements": {}}).encode(),
-        json.dumps({"text": "what was written", "predicates": 1, "statements": {}}).encode(),
-        json.dumps({"text": "what was written", "predicates": [], "statements": {"R": 1}}).encode(),
-        json.dumps(
-            {"text": "what was written", "predicates": [], "statements": {}, "memory": "none"}
-        ).encode(),
-        json.dumps(
-            {"text": "what was written", "predicates": [], "statements": {}, "more": 1}
-        ).encode(),
+        b"[1, 2, 3]",
+        written({"text": "what was written"}),
+        written({"text": "what was written", "predicates": [], "statements": {}}, "another"),
+        written(None),
+        written({"text": "what was written", "predicates": 1, "statements": {}}),
+        written({"text": "what was written", "predicates": [], "statements": {"R": 1}}),
+        written({"text": "what was written", "predicates": [], "statements": {}, "memory": "none"}),
+        written({"text": "what was written", "predicates": [], "statements": {}, "more": 1}),
     ],
 )
 @pytest.mark.parametrize("sign", [True, False])
 def test_garbage_is_none_and_goes(folder: Path, body: bytes, sign: bool) -> None:
-    cache.keep(PROGRAM)
+    keep(PROGRAM)
     path = entry(folder)
     path.write_bytes(signed(body) if sign else body)
-    assert cache.find(PROGRAM.text) is None
+    assert find(PROGRAM.text) is None
     assert not path.exists()
 
 
@@ -119,7 +155,7 @@ def test_a_poisoned_entry_can_do_no_more_than_a_program(tmp_path: Path) -> None:
     poison = replace(
         PROGRAM, statements={"Robot": f"ATTACH '{tmp_path / 'touched'}' AS x"}, tuned={}
     )
-    cache.keep(poison)
+    keep(poison)
     mind = Mind(Program.compile(PROGRAM.text))
     (decision,) = mind.think([row("Ada")], {"Ada": "kept"})
     mind.close()
@@ -134,21 +170,21 @@ def test_the_oldest_go_when_there_are_too_many(
     monkeypatch.setattr(cache, "MAX_ENTRIES", 3)
     programs = [replace(PROGRAM, text=f"program {number}") for number in range(5)]
     for number, program in enumerate(programs[:3]):
-        cache.keep(program)
-        os.utime(folder / cache._name(program.text), (number, number))
-    assert cache.find(programs[0].text)  # used just now, so it is not the oldest any more
-    cache.keep(programs[3])
-    cache.keep(programs[4])
-    found = [cache.find(program.text) is not None for program in programs]
+        keep(program)
+        os.utime(folder / f"{cache._name(request(program.text))}.program", (number, number))
+    assert find(programs[0].text)  # used just now, so it is not the oldest any more
+    keep(programs[3])
+    keep(programs[4])
+    found = [find(program.text) is not None for program in programs]
     assert found == [True, False, False, True, True]
 
 
 def test_it_never_grows_beyond_its_size(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(cache, "MAX_BYTES", 5_000)
     for number in range(20):
-        cache.keep(replace(PROGRAM, text=str(number) * 1_000))
+        keep(replace(PROGRAM, text=str(number) * 1_000))
         assert sum(path.stat().st_size for path in folder.iterdir()) <= 5_000
-    assert cache.find(str(19) * 1_000)
+    assert find(str(19) * 1_000)
 
 
 def test_leftovers_of_killed_processes_go_too(
@@ -156,12 +192,12 @@ def test_leftovers_of_killed_processes_go_too(
 ) -> None:
     monkeypatch.setattr(cache, "MAX_ENTRIES", 1)
     folder.mkdir()
-    leftover = folder / f"x{cache._UNFINISHED}"
+    leftover = folder / f"x{caching._UNFINISHED}"
     leftover.write_bytes(b"half")
     os.utime(leftover, (1, 1))
-    cache.keep(PROGRAM)
+    keep(PROGRAM)
     assert not leftover.exists()
-    assert cache.find(PROGRAM.text)
+    assert find(PROGRAM.text)
 
 
 @pytest.mark.parametrize("hindrance", ["a file", "a file above", "no cache"])
@@ -184,15 +220,15 @@ def test_a_full_disk_is_no_hindrance(folder: Path, monkeypatch: pytest.MonkeyPat
         raise OSError(28, "No space left on device")
 
     monkeypatch.setattr(Path, "replace", full)
-    cache.keep(PROGRAM)
-    assert cache.find(PROGRAM.text) is None
+    keep(PROGRAM)
+    assert find(PROGRAM.text) is None
     assert list(folder.iterdir()) == []
 
 
 def test_another_compiler_finds_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
-    cache.keep(PROGRAM)
+    keep(PROGRAM)
     monkeypatch.setattr(cache, "_maker", lambda: b"of tomorrow")
-    assert cache.find(PROGRAM.text) is None
+    assert find(PROGRAM.text) is None
 
 
 def test_many_processes_share_it(folder: Path) -> None:
@@ -201,8 +237,8 @@ def test_many_processes_share_it(folder: Path) -> None:
         "cache.MAX_ENTRIES = 4\n"
         "for n in range(200):\n"
         "    text = str(n % 8) * 1000\n"
-        "    cache.keep(Program(text, (), {'Robot': text}))\n"
-        "    found = cache.find(text)\n"
+        "    cache.keep(text.encode(), Program(text, (), {'Robot': text}))\n"
+        "    found = cache.find(text.encode(), Program)\n"
         "    assert found is None or found.statements['Robot'] == text\n"
     )
     with ThreadPoolExecutor(6) as pool:
@@ -213,5 +249,5 @@ def test_many_processes_share_it(folder: Path) -> None:
             )
         )
     assert [(d.returncode, d.stderr) for d in done] == [(0, b"")] * 6
-    assert not list(folder.glob(f"*{cache._UNFINISHED}"))
+    assert not list(folder.glob(f"*{caching._UNFINISHED}"))
     assert 0 < len(list(folder.iterdir())) <= 4 + 6

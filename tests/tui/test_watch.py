@@ -196,7 +196,9 @@ async def test_a_decision_is_looked_into_and_its_parts_are_pinned(data_dir: Path
         await game.until(lambda: None not in view(game)._samples.of(pin, view(game).ticks))
 
 
-async def test_long_lists_are_folded_in_groups_and_answers_cant_be_pinned(data_dir: Path) -> None:
+async def test_long_lists_are_folded_and_of_an_answer_the_question_is_pinned(
+    data_dir: Path,
+) -> None:
     text = f"{PAPER}\nLong(l: Range(250));\n"
     async with opened(data_dir, text=text) as game:
         await game.ready()
@@ -228,11 +230,11 @@ async def test_long_lists_are_folded_in_groups_and_answers_cant_be_pinned(data_d
         await game.until(lambda: answer.shown.rows)
         answer.focus()
         await game.press("at")
-        await game.until(lambda: game.shows("Choose a predicate, or put the cursor"))
+        await game.until(lambda: view(game).pins[1:] == (Pin("Long(l:)"),))
         await game.press("enter")
         await _tree(game)
         await game.press("at")
-        assert len(view(game).pins) == 1
+        assert len(view(game).pins) == 2
         await game.press("escape")
         game.inspector.open("Nowhere")
         await game.until(lambda: game.shows("The program has no predicate Nowhere."))

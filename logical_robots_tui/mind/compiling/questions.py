@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import itertools
 from dataclasses import replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Literal, TypeAlias
 
 from logica.parser_py import parse
 
@@ -30,6 +30,8 @@ if TYPE_CHECKING:
 
 __all__ = ["compile_question"]
 
+Gives: TypeAlias = Literal["rows", "value", "truth"]
+
 
 def compile_question(text: str, query: str) -> Question:
     """Compile what is asked of a program.
@@ -50,6 +52,7 @@ def compile_question(text: str, query: str) -> Question:
         raise ProgramError((Diagnostic(1, 1, "nothing is asked", hint),))
     own = heads(read_rules(text)[1])
     before, after = "", ""
+    gives: Gives = "rows"
     if source.ends or any(
         len(parse.Split(parse.HeritageAwareString(source.text), sign)) > 1 for sign in (":-", ":=")
     ):
@@ -61,12 +64,13 @@ def compile_question(text: str, query: str) -> Question:
         if bare in INPUTS:
             query = f"{bare}({', '.join(f'{column}:' for column in INPUTS[bare])})"
             source = prepare(query)
-        before, after = _frame(asked, query, source, own)
+        before, after, gives = _frame(asked, query, source, own)
     begin = f"{text}\n;\n{before}\n"
     whole = f"{begin}{query}\n{after};"
     first = begin.count("\n") + 1
     try:
-        return Question(query or bare, _compiled(whole, asked, is_bare=not query))
+        sql = _compiled(whole, asked, is_bare=not query)
+        return Question(query or bare, sql, gives)
     except ProgramError as error:
         raise ProgramError(tuple(_placed(d, first, query) for d in error.diagnostics)) from None
 
@@ -132,8 +136,8 @@ def _defined(query: str, source: Prepared, own: Mapping[str, list[Rule]]) -> str
 
 def _frame(
     name: str, query: str, source: Prepared, own: Mapping[str, list[Rule]]
-) -> tuple[str, str]:
-    """What stands before and behind a query to make a rule of it.
+) -> tuple[str, str, Gives]:
+    """What stands before and behind a query to make a rule of it, and what that gives.
 
     Raises:
         ProgramError: It can't be read.
@@ -146,15 +150,15 @@ def _frame(
             parse.ParseExpression(parse.Strip(text))
         except complaints.COMPLAINTS:
             raise ProgramError((complaints.explain(error, query, source),)) from None
-        return f"{name}(value:", ")"
+        return f"{name}(value:", ")", "value"
     found = names(body)
     variables = [each for each in _in_text(body) if each in found]
     if not variables and _is_value(body, own):
-        return f"{name}(value:", ")"
+        return f"{name}(value:", ")", "value"
     if not variables:
         denied = f'; {name}(holds: "false") :- ~({query}\n)'
-        return f'{name}(holds: "true") :-', denied
-    return f"{name}({', '.join(f'{each}:' for each in variables)}) :-", ""
+        return f'{name}(holds: "true") :-', denied, "truth"
+    return f"{name}({', '.join(f'{each}:' for each in variables)}) :-", "", "rows"
 
 
 def _is_value(body: Rule, own: Mapping[str, list[Rule]]) -> bool:

@@ -33,11 +33,11 @@ from logical_robots_tui.mind.plain import printable
 from logical_robots_tui.mind.sqlite.database import Database
 from logical_robots_tui.mind.sqlite.filling import WHOLE_RAY
 from logical_robots_tui.mind.sqlite.layouts import COLUMNS_LAYOUT
-from logical_robots_tui.mind.tuning import tune_all
+from logical_robots_tui.mind.tuning import Known, tune, tune_all
 from logical_robots_tui.mind.why.taking_apart import take_apart
 
 if TYPE_CHECKING:
-    from logical_robots_tui.mind.program import Program, Question, Report
+    from logical_robots_tui.mind.program import Program, Question, Report, Tuned
     from logical_robots_tui.mind.why.probing import Probing
 
 __all__ = ["main"]
@@ -93,7 +93,7 @@ def _warm_up() -> None:
     for sample in _SAMPLES:
         _answer({"text": sample})
     _answer({"text": _SAMPLES[0], "predicate": "Robot", "within": "", "functions": []})
-    _answer({"text": _SAMPLES[0], "query": "1 + 1"})
+    _answer({"text": _SAMPLES[0], "query": "1 + 1", "columns": {}})
     gc.freeze()
 
 
@@ -130,7 +130,8 @@ def _answer(request: dict[str, Any], report: Report | None = None) -> dict[str, 
     text = request["text"]
     try:
         if "query" in request:
-            return {"question": asdict(_question(text, request["query"]))}
+            question = _question(text, request["query"])
+            return {"question": asdict(_tuned_question(question, request["columns"]))}
         if "predicate" in request:
             return {"probing": asdict(_probing(text, request))}
         program = compiler.compile_text(text, report)
@@ -216,18 +217,36 @@ def _tuned(program: Program) -> Program:
         **{f"{name} grows": sql for name, (_, sql) in program.recursions.items()},
         **{name: program.statements[name] for name in order},
     }
+    return replace(program, tuned=_prepared(tune_all(statements)))
+
+
+def _tuned_question(question: Question, columns: dict[str, Any]) -> Question:
+    """The question with a quicker query beside its own, where SQLite can prepare it.
+
+    Args:
+        question: What is asked.
+        columns: By name of a table the columns of it that the program's queries read: those of the
+            question are among them, so that one table serves all.
+    """
+    tuned = tune(question.sql, Known.closed(columns), for_all=True, by_name=True)
+    found = {} if tuned is None else _prepared({"": tuned})
+    return replace(question, tuned=found.get(""))
+
+
+def _prepared(every: dict[str, Tuned]) -> dict[str, Tuned]:
+    """Those of some tuned queries that SQLite can prepare in reasonable time."""
     database = Database(layout=COLUMNS_LAYOUT)
     database.offer(WHOLE_RAY, lambda _: None)
     kept = {}
     try:
-        for name, tuned in tune_all(statements).items():
+        for name, tuned in every.items():
             if _is_prepared_soon(database, tuned.sql, tuned.bounds):
                 jointly = (tuned.for_all(alike=alike) for alike in (False, True))
                 good = all(not sql or _is_prepared_soon(database, sql, n) for sql, n in jointly)
                 kept[name] = tuned if good else replace(tuned, together="", together_alike="")
     finally:
         database.close()
-    return replace(program, tuned=kept)
+    return kept
 
 
 def _is_prepared_soon(database: Database, sql: str, bounds: int = 0) -> bool:

@@ -124,6 +124,10 @@ class TunedTables:
         self._moment: Moment | None = None
         self._memories = b""  # what ``Memory`` holds, or nothing if nobody knows
         self._filled: dict[str, tuple[str, ...]] = {}
+        # By table, what was read of this moment, and of the one before: to fill a table once for
+        # all who read it.
+        self._read: dict[str, tuple[str, ...]] = {}
+        self._read_before: dict[str, tuple[str, ...]] = {}
         # By table: the same where its rows have the same numbers, or None.
         self._numbers: dict[str, tuple[object, ...] | None] = {}
 
@@ -138,8 +142,8 @@ class TunedTables:
         tuned = self.fitting(tuned, moment)
         return self._ask(tuned.sql, bounds, within.rows + 1, tuned, moment, within)
 
-    def ask_together(self, tuned: Tuned, moment: Moment, within: Within) -> Answer:
-        """Rows of a query for all views of a moment at once, at most one more than views.
+    def ask_together(self, tuned: Tuned, moment: Moment, within: Within, most: int) -> Answer:
+        """Rows of a query for all views of a moment at once, at most so many.
 
         Raises:
             Exception: As `ask` does.
@@ -148,7 +152,7 @@ class TunedTables:
         tuned = self.fitting(tuned, moment)
         sql, bounds = tuned.for_all(alike=moment.stride == 0)
         numbers = (0, last, 0, last, moment.stride)[:bounds]
-        return self._ask(sql, numbers, len(moment.views) + 1, tuned, moment, within)
+        return self._ask(sql, numbers, most, tuned, moment, within)
 
     @staticmethod
     def fitting(tuned: Tuned, moment: Moment) -> Tuned:
@@ -181,15 +185,21 @@ class TunedTables:
                 self._change_size()
             self._forget_all_but_names(moment)
             self._moment = moment
+            self._read_before, self._read = self._read, {}
         filled = self._filled
         try:
             for table, names in wanted.items():
                 there = filled.get(table)
+                read = self._read.get(table)
+                if read is not names:
+                    self._read[table] = names if read is None else _both(read, names)
                 if there is not None:
                     if there is names or set(names) <= set(there):
                         continue
-                    names = tuple(sorted({*names, *there}))
+                    names = _both(there, names)
                     del filled[table]
+                else:
+                    names = _both(names, self._read_before.get(table, names))
                 if table == "Item":
                     self._lists.fill(self._database, moment, names)
                 elif table == "Ray":
@@ -257,6 +267,13 @@ class TunedTables:
         self._filled.clear()
         if names == _NAMES and before is not None and before.names == moment.names:
             self._filled["Sensor"] = _NAMES
+
+
+def _both(some: tuple[str, ...], others: tuple[str, ...]) -> tuple[str, ...]:
+    """The names in either; the same object where that is all."""
+    if some is others or set(others) <= set(some):
+        return some
+    return others if set(some) <= set(others) else tuple(sorted({*some, *others}))
 
 
 def _is_crowd(moment: Moment) -> bool:

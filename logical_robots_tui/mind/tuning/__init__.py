@@ -14,10 +14,12 @@ from sqlglot.errors import SqlglotError
 
 from logical_robots_tui.mind.duck.translation import in_duckdb
 from logical_robots_tui.mind.program import INPUTS, Tuned
+from logical_robots_tui.mind.sqlite.remembered import ITEM_FIELDS, MEMORY_FIELDS
 from logical_robots_tui.mind.tuning import aggregates, columns, native, records, sharing, sql
 from logical_robots_tui.mind.tuning.indexes import (
     found_by_number,
     indexed_where_lists_are_joined,
+    memories_by_name,
 )
 from logical_robots_tui.mind.tuning.items import items_as_rows
 from logical_robots_tui.mind.tuning.memories import memory_fields_as_columns
@@ -55,6 +57,26 @@ class Known:
     fields: dict[str, str] = field(default_factory=dict)
     items: dict[str, str] = field(default_factory=dict)
 
+    @classmethod
+    def closed(cls, read: Mapping[str, Sequence[str]]) -> Known:
+        """What the columns are that are read already, with no room for more.
+
+        Args:
+            read: By name of a table its columns, as a tuned query names them.
+        """
+        fields, items = {}, {}
+        for name in read.get("Memory", ()):
+            column, _, known = name.partition("=")
+            if known:
+                fields[known] = column
+        for name in read.get("Item", ()):
+            column, _, known = name.partition("=")
+            items[known.rpartition(".")[2]] = column
+        # No field has a number for its name.
+        fields |= {str(at): c for at, c in enumerate(MEMORY_FIELDS) if c not in fields.values()}
+        items |= {str(at): c for at, c in enumerate(ITEM_FIELDS) if c not in items.values()}
+        return cls(fields, items)
+
 
 def tune_all(statements: Mapping[str, str]) -> dict[str, Tuned]:
     """Tune what can be tuned of several queries, the first ones first.
@@ -76,13 +98,21 @@ def tune_all(statements: Mapping[str, str]) -> dict[str, Tuned]:
     return tuned
 
 
-def tune(statement: str, known: Known | None = None, *, for_all: bool = False) -> Tuned | None:
+def tune(
+    statement: str,
+    known: Known | None = None,
+    *,
+    for_all: bool = False,
+    by_name: bool = False,
+) -> Tuned | None:
     """The same query for the tables of the columns layout, or None if it can't be rewritten.
 
     Args:
         statement: A query as it was generated.
         known: Columns for fields of memories, the same for all queries of a program.
         for_all: Whether to make, if possible, one for all viewers at once as well.
+        by_name: Whether many robots look up memories by name: quicker, but sums are made in another
+            order, so that a robot would drive another way by a last digit.
     """
     known = known or Known()
     try:
@@ -123,9 +153,11 @@ def tune(statement: str, known: Known | None = None, *, for_all: bool = False) -
                 looked_up(query)
                 found_by_number(query)
         read = still_read(read, [query for query in queries if query is not None])
-        crowd = _texts(queries)
-        joins_lists = [indexed_where_lists_are_joined(query) for query in queries if query]
-        few = _texts(queries) if any(joins_lists) else crowd
+        crowd = _texts([_for_crowd(query) for query in queries] if by_name else queries)
+        for query in queries:
+            if query is not None:
+                indexed_where_lists_are_joined(query)
+        few = _texts(queries)
         tuned = Tuned(few[0], bounds, read, result, few[1], few[2], duck)
         return tuned if few == crowd else replace(tuned, crowd=crowd)
     except (SqlglotError, ValueError, RecursionError):
@@ -144,6 +176,14 @@ def _finished(
     computed_once(tree)
     native.native_division(tree)
     return result, read
+
+
+def _for_crowd(query: exp.Query | None) -> exp.Query | None:
+    """A query as it is for many robots."""
+    if query is not None:
+        query = query.copy()
+        memories_by_name(query)
+    return query
 
 
 def _texts(queries: Sequence[exp.Query | None]) -> tuple[str, str, str]:

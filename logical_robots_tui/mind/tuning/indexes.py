@@ -19,7 +19,7 @@ from logical_robots_tui.mind.tuning.often import is_looked_up
 if TYPE_CHECKING:
     from collections.abc import Set as AbstractSet
 
-__all__ = ["found_by_number", "indexed_where_lists_are_joined"]
+__all__ = ["found_by_number", "indexed_where_lists_are_joined", "memories_by_name"]
 
 _NUMBERED = frozenset({"item", "ray", *(table.lower() for table in KINDS)})
 
@@ -38,14 +38,47 @@ def found_by_number(tree: exp.Query) -> None:
                 _without_index(equal)
 
 
-def indexed_where_lists_are_joined(tree: exp.Query) -> bool:
+def memories_by_name(tree: exp.Query) -> None:
+    """Have SQLite look up a robot's memory by a name that rays or sensors gave before.
+
+    There is one at most, and an index for many robots. SQLite would rather begin with all memories
+    that some condition leaves, and look among the rays of everybody for each.
+
+    Args:
+        tree: A tuned query; changed in place.
+    """
+    for select in list(sql.selects(tree)):
+        before: set[str] = set()
+        for name, source in sql.sources(select).items():
+            join = source.parent
+            if (
+                isinstance(join, exp.Join)
+                and not (join.side or join.kind or join.args.get("on") or join.args.get("using"))
+                and sql.table_name(source) == "memory"
+                and any(_names(each, name, before) for each in sql.conjuncts(select))
+            ):
+                join.set("kind", "CROSS")
+            before.add(name)
+
+
+def _names(condition: exp.Expr, memory: str, before: AbstractSet[str]) -> bool:
+    """Whether a condition says whose memory it is, by a column of what is read before."""
+    if not isinstance(condition, exp.EQ):
+        return False
+    for side, other in (
+        (condition.this, condition.expression),
+        (condition.expression, condition.this),
+    ):
+        if isinstance(side, exp.Column) and (side.table, side.name) == (memory, "robot_name"):
+            return isinstance(other, exp.Column) and other.table in before
+    return False
+
+
+def indexed_where_lists_are_joined(tree: exp.Query) -> None:
     """Keep SQLite from making indexes, but where rows of lists are joined or rows looked up.
 
     Args:
         tree: A tuned query; changed in place if there is such a join.
-
-    Returns:
-        Whether there is one.
     """
     queries = _queries_of_lists(tree)
     equals = [
@@ -58,11 +91,10 @@ def indexed_where_lists_are_joined(tree: exp.Query) -> bool:
         equal for equal in equals if not _joins_lists(equal, queries) and not _looks_up(equal)
     ]
     if len(others) == len(equals):
-        return False
+        return
     for equal in others:
         if not _finds_by_number(equal):
             _without_index(equal)
-    return True
 
 
 def _without_index(equal: exp.EQ) -> None:

@@ -111,6 +111,18 @@ class AskView(Vertical):
         """Suggest the names of these predicates, and everything else a query may be made of."""
         self.line.knows([*(predicate.name for predicate in predicates), *NAMES, *_COLUMNS])
 
+    @property
+    def asked(self) -> str:
+        """What is asked, or "" if nothing is, or nothing that could be."""
+        return "" if self._query == self._refused else self._query
+
+    def put(self, query: str) -> None:
+        """Ask a query, as if it had been typed."""
+        if query:
+            self._query = self.line.value = query
+            self.line.remember(query)
+            self.post_message(self.Asked())
+
     async def follow(self, frame: Frame) -> Table | None:
         """Answer the query at a tick; return the answer if there is one."""
         query = self._query

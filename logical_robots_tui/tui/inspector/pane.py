@@ -154,10 +154,11 @@ class InspectorPane(Pane):
         self._go_to_page(WHY)
         self.screen.set_focus(self.pages.reasons.view)
 
-    def ask(self) -> None:
-        """Go to the line for queries."""
+    def ask(self, query: str = "") -> None:
+        """Go to the line for queries, and ask one if it is given."""
         self._go_to_page(ASK)
         self.screen.set_focus(self.pages.asking.line)
+        self.pages.asking.put(query)
 
     def go_to_pins(self) -> None:
         """Go to what is pinned."""
@@ -319,9 +320,7 @@ class InspectorPane(Pane):
 
     def _is_by_another_program(self, tick: int) -> bool:
         history, program = self._session.history, self._session.program
-        if history is None or program is None:
-            return False
-        return history.is_by_another(program.text, tick)
+        return bool(history and program and history.is_by_another(program.text, tick))
 
     def _go_to_page(self, page: str) -> None:
         self._choice.go_to(page)
@@ -390,9 +389,9 @@ class InspectorPane(Pane):
     on_ask_view_asked = on_watch_view_changed = on_reasons_page_asked
 
     def on_watch_view_opened(self, event: WatchView.Opened) -> None:
-        """Go to the rows of a predicate that is pinned."""
+        """Go to the rows of a predicate that is pinned, or ask the question that is."""
         event.stop()
-        self.open(event.predicate)
+        (self.open if event.predicate.isidentifier() else self.ask)(event.predicate)
 
     def on_value_table_pointed(self, event: Message) -> None:
         """Tell the value under the cursor."""

@@ -6,10 +6,11 @@ import re
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from logical_robots_tui.game import Breakpoint, Superseded
+from logical_robots_tui.game import Breakpoint, Pin, Superseded
 from logical_robots_tui.tui.commands import with_keys
 from logical_robots_tui.tui.inspector.answers import NO_PROGRAM
 from logical_robots_tui.tui.inspector.arranging import as_csv, as_json
+from logical_robots_tui.tui.inspector.choice import ASK
 from logical_robots_tui.tui.inspector.pinning import branches_here, pin_here
 from logical_robots_tui.tui.plain import one_line
 from logical_robots_tui.writing import write_atomically
@@ -23,8 +24,8 @@ if TYPE_CHECKING:
 __all__ = ["RowCommands"]
 
 _NO_PIN = (
-    "Choose a predicate, or put the cursor on a value of it in a row that another column tells "
-    "from the rest; then pin it."
+    "Choose a predicate, ask a question, or put the cursor on a value of it in a row that another "
+    "column tells from the rest; then pin it."
 )
 
 
@@ -99,11 +100,14 @@ class RowCommands:
             self._screen.tell(f"Saved as {path}.csv and .json.")
 
     def stop_here(self) -> None:
-        """Stop when the predicate that is inspected changes, or a column of it."""
+        """Stop when the predicate that is inspected changes, or when the question asked holds."""
         inspector = self._screen.inspector
+        if inspector.inspected == ASK and inspector.pages.asking.asked:
+            self._screen.add_breakpoint(Breakpoint("rows", inspector.pages.asking.asked))
+            return
         known = {p.name for p in self._screen.session.predicates if p.has_rows}
         if inspector.inspected not in known:
-            self._screen.tell("Choose a predicate in the inspector, then stop at it.")
+            self._screen.tell("Choose a predicate or ask a question, then stop at it.")
             return
         has_focus = inspector.table.has_focus
         column = inspector.table.column if has_focus else ""
@@ -116,7 +120,9 @@ class RowCommands:
         if inspector.pins.has_focus:
             inspector.pins.action_remove()
             return
-        pin = pin_here(inspector.inspected, inspector.shown_table, inspector.robot)
+        query = inspector.pages.asking.asked if inspector.inspected == ASK else ""
+        pin = Pin(query) if query else None
+        pin = pin or pin_here(inspector.inspected, inspector.shown_table, inspector.robot)
         if pin is None:
             self._screen.tell(_NO_PIN)
         elif inspector.pins.toggle(pin):

@@ -16,6 +16,7 @@ from logical_robots_tui.game import EVENTS, Breakpoint, Event, mistake_in, subje
 from logical_robots_tui.tui.dialogs.dialog import Dialog
 from logical_robots_tui.tui.listing import Listing
 from logical_robots_tui.tui.plain import one_line
+from logical_robots_tui.tui.timeline.question import QuestionCheck
 
 if TYPE_CHECKING:
     from textual.app import ComposeResult
@@ -26,9 +27,9 @@ if TYPE_CHECKING:
 __all__ = ["BreakpointForm"]
 
 _SUBJECTS: dict[Event, str] = {
-    "rows": "predicate",
-    "no rows": "predicate",
-    "change": "predicate",
+    "rows": "predicate or question",
+    "no rows": "predicate or question",
+    "change": "predicate or question",
     "enters": "area, or nothing for any",
     "leaves": "area, or nothing for any",
     "loses sight": "of what, or nothing for anything",
@@ -70,6 +71,7 @@ class BreakpointForm(Dialog[Breakpoint]):
         self._level = level
         self._program = program
         self._robots = tuple(robot.name for robot in level.robots)
+        self._check = QuestionCheck(self, program)
 
     def compose(self) -> ComposeResult:
         """What happens, and up to three names."""
@@ -136,7 +138,7 @@ class BreakpointForm(Dialog[Breakpoint]):
     @on(Input.Changed)
     def _list_names(self) -> None:
         """Show the names that begin as what was typed."""
-        self.query_one("#complaint").display = False
+        self._check.forget()
         names = subjects(self._event, self._level, self._program)
         for field, among in (("subject", names), ("robot", self._robots)):
             typed = self._value(field).casefold()
@@ -151,9 +153,9 @@ class BreakpointForm(Dialog[Breakpoint]):
             self._event, self._value("subject"), self._value("robot"), self._value("column")
         )
         mistake = mistake_in(made, self._level, self._program)
-        if not mistake:
+        if mistake:
+            self._check.say(mistake)
+        elif made.is_named:
             self.dismiss(made)
-            return
-        complaint = self.query_one("#complaint", Static)
-        complaint.update(Content(one_line(mistake)))
-        complaint.display = True
+        else:
+            self._check.begin(made.subject, lambda: self.dismiss(made))

@@ -32,9 +32,8 @@ def why(
 ) -> Explanation:
     """Why a predicate of a program has its rows."""
     with closing(Mind(Program.compile(text), **visibility)) as mind:
-        return mind.why(
-            predicate, robot, rows or [row("Ada")], memories or {}, given=given, within=within
-        )
+        explainer = mind.explainer(robot, rows or [row("Ada")], memories or {})
+        return explainer.why(predicate, given, within)
 
 
 def proof(
@@ -49,9 +48,8 @@ def proof(
 ) -> Proof:
     """The whole proof of a row of a predicate."""
     with closing(Mind(Program.compile(text))) as mind:
-        return mind.proof(
-            predicate, robot, rows or [row("Ada")], memories or {}, given=given, depth=depth
-        )
+        explainer = mind.explainer(robot, rows or [row("Ada")], memories or {})
+        return explainer.proof(predicate, given, depth=depth)
 
 
 def find(node: Node, text: str) -> Node:

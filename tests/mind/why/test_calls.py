@@ -13,7 +13,7 @@ from tests.mind.why.asking import REST
 
 def calls(text: str, function: str) -> list[tuple[object, ...]]:
     with closing(Mind(Program.compile(text))) as mind:
-        return sorted(mind.calls(function, "Ada", [row("Ada")], {}).rows, key=repr)
+        return sorted(mind.explainer("Ada", [row("Ada")], {}).calls(function).rows, key=repr)
 
 
 def test_each_call_is_told_once_with_its_result() -> None:

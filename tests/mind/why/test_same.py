@@ -43,7 +43,7 @@ def test_rules_give_the_rows_of_their_predicate(name: str) -> None:
             table = mind.query(predicate.name, rows, memories)  # type: ignore[arg-type] # Values
             column = table.columns.index("robot_name") if "robot_name" in table.columns else None
             for robot in robots:
-                proof = mind.proof(predicate.name, robot, rows, memories)  # type: ignore[arg-type]
+                proof = mind.explainer(robot, rows, memories).proof(predicate.name)  # type: ignore[arg-type]
                 found = proof.explanation
                 mine = [
                     row

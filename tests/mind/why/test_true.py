@@ -42,7 +42,7 @@ def _check(name: str, mind: Mind, checker: Checker) -> int:
         if given_row in seen:
             continue
         seen.append(given_row)
-        proof = mind.proof(name, "Ada", ROWS, {}, given=given_row, nodes=3_000)
+        proof = mind.explainer("Ada", ROWS, {}).proof(name, given_row, nodes=3_000)
         explanation = proof.explanation
         assert explanation.rows > 0, (name, given_row)
         assert explanation.row is not None
@@ -57,7 +57,7 @@ def _check(name: str, mind: Mind, checker: Checker) -> int:
     for values in table.rows[:2]:
         other = dict(zip(table.columns, values, strict=True))
         other["x"] = 77
-        assert mind.why(name, "Ada", ROWS, {}, given=other).rows == 0
+        assert mind.explainer("Ada", ROWS, {}).why(name, other).rows == 0
     return max(1, len(seen)) + min(2, len(table.rows))
 
 

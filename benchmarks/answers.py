@@ -1,0 +1,59 @@
+"""How long the command line takes to answer about a run, as whole processes."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+import tempfile
+from functools import partial
+from typing import TYPE_CHECKING
+
+from benchmarks.measure import Effort, Measurement, median_of, seconds_for
+from logical_robots_tui import load_level
+from logical_robots_tui.caching import FOLDER_VARIABLE
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+__all__ = ["answers"]
+
+LEVELS = {"06-breadcrumbs": 6, "10-distributed-mapping": 6, "12-swarm": 1}
+"""Which levels, and how many of their ticks for each that is to be measured."""
+
+
+def answers(effort: Effort) -> Iterator[Measurement]:
+    """Milliseconds of a question about a late tick: the first one about a run, and later ones."""
+    for name, ticks in LEVELS.items():
+        level = load_level(name)
+        last = ticks * effort.ticks
+        robot = ["--robot", level.robots[0].name]
+        run = [name, level.solution]
+        at = ["--tick", str(last)]
+        with tempfile.TemporaryDirectory() as folder:
+            ask = partial(_milliseconds, folder)
+            first = partial(ask, "query", *run, *at, "Robot")
+            yield median_of("first answer", f"{name}, tick {last}", "ms", 1, first)
+            again = {
+                "query, same tick": ["query", *run, *at, "Robot"],
+                "query, half way": ["query", *run, "--tick", str(last // 2), "Robot"],
+                "why": ["why", *run, *at, *robot],
+                "when": ["when", *run, "--ticks", str(last), "Memory(memory:), memory == 1"],
+            }
+            for what, command in again.items():
+                ask(*command)
+                once = partial(ask, *command)
+                subject = f"{name}, {what}"
+                yield median_of(
+                    "next answer", subject, "ms", effort.repeats, once, required="<= 500"
+                )
+
+
+def _milliseconds(folder: str, *command: str) -> float:
+    """One process from start to end."""
+    arguments = [sys.executable, "-m", "logical_robots_tui", *command]
+    environment = {**os.environ, FOLDER_VARIABLE: folder}
+    run = partial(
+        subprocess.run, arguments, env=environment, stdout=subprocess.DEVNULL, check=False
+    )
+    return 1000 * seconds_for(run)

@@ -1,0 +1,80 @@
+"""What a breakpoint costs: a run with one against the same run without, in time of a processor."""
+
+from __future__ import annotations
+
+import asyncio
+from functools import partial
+from time import process_time
+from typing import TYPE_CHECKING
+
+from benchmarks.measure import Effort, Measurement, median_of
+from benchmarks.subjects import robots_of
+from logical_robots_tui import Program, load_level
+from logical_robots_tui.game import Breakpoint, Breakpoints, Game, load_program
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from logical_robots_tui import Level
+
+__all__ = ["breakpoints"]
+
+WATCHED = {
+    "12-swarm": (
+        "Robot",
+        "Settled",
+        "Settled(robot_name:, distance:), distance < 10",
+        "Sensor(robot_name:, sensor:), sensor.forward_distance < 1",
+    ),
+    "06-breadcrumbs": (
+        "Robot",
+        "Fresh",
+        "Sensor(robot_name:, sensor:), ray in sensor.radar, ray.distance < 3",
+    ),
+}
+TICKS = {"12-swarm": 0.1, "06-breadcrumbs": 1}
+"""How many ticks for each that is to be measured."""
+
+
+def breakpoints(effort: Effort) -> Iterator[Measurement]:
+    """How many times as long a run takes with a breakpoint on a predicate or a question."""
+    for name, subjects in WATCHED.items():
+        level = load_level(name)
+        program = Program.compile(load_program(level.solution).text)
+        ticks = max(10, int(TICKS[name] * effort.ticks))
+        for subject in subjects:
+            once = partial(_ratio, level, program, subject, ticks)
+            yield median_of(
+                "run with a breakpoint",
+                f"{name}, {robots_of(level)}: {subject[:40]}",
+                "x without",
+                effort.repeats,
+                once,
+                required="<= 1.3" if name == "12-swarm" else "",
+            )
+
+
+def _ratio(level: Level, program: Program, subject: str, ticks: int) -> float:
+    """With against without, both in turn: the machine may be slower or quicker a moment later."""
+    return _seconds(level, program, ticks, subject) / _seconds(level, program, ticks, "")
+
+
+def _seconds(level: Level, program: Program, ticks: int, subject: str) -> float:
+    async def run() -> float:
+        wanted = [Breakpoint("rows", subject)] if subject else []
+        game = Game(level, program, breakpoints=Breakpoints(wanted))
+        await _run_to(game, 3)  # compiling and the first statements don't count
+        began = process_time()
+        await _run_to(game, 3 + ticks)
+        took = process_time() - began
+        assert not any(map(game.trouble_with, wanted))
+        await game.close()
+        return took
+
+    return asyncio.run(run())
+
+
+async def _run_to(game: Game, tick: int) -> None:
+    """Run to a tick, and on where the breakpoint is hit."""
+    while game.frame.tick < tick:
+        await game.run_until(tick=tick)

@@ -1,0 +1,151 @@
+"""``logical-robots when``: in which ticks of a run a question holds."""
+
+from __future__ import annotations
+
+import asyncio
+import json
+from typing import TYPE_CHECKING, Any
+
+from logical_robots_tui.cli.command import (
+    add_json,
+    add_level_and_program,
+    new_command,
+    number_from,
+    opened,
+    prefers_json,
+)
+from logical_robots_tui.cli.moment import check_name
+from logical_robots_tui.cli.text import columns, harmless
+
+if TYPE_CHECKING:
+    import argparse
+
+    from logical_robots_tui.cli.command import Commands
+    from logical_robots_tui.game import Holding
+    from logical_robots_tui.mind import Program, Question
+    from logical_robots_tui.world import Level
+
+__all__ = ["declare"]
+
+FOUND, NEVER = 0, 1
+DEFAULT_TICKS = 5000
+
+EPILOG = """\
+examples:
+  logical-robots when 06-breadcrumbs breadcrumbs Robot                  a predicate has rows
+  logical-robots when 06-breadcrumbs breadcrumbs 'Fresh(robot_name: "Crow")'
+  logical-robots when 06-breadcrumbs breadcrumbs --robot Crow \\
+    'Sensor(sensor:), sensor.forward_distance < 20'                     conditions
+  logical-robots when 04-everybody-home everybody-home '2 + 2 == 4'     an expression is true
+
+A question is what query takes. It holds in a tick in which it has rows; an expression, in which it
+is neither null, false nor 0. The run ends with victory, or after N ticks.
+
+exit status: 0 it holds in some tick, 1 in none, 2 bad level, program or question
+"""
+
+
+def declare(commands: Commands) -> None:
+    """Add the command to the list."""
+    command = new_command(
+        commands,
+        "when",
+        start=start,
+        wants_json=prefers_json,
+        summary="say in which ticks of a run something holds",
+        description="Ask a question in Logica at every tick of a run, and tell in which it holds.",
+        epilog=EPILOG,
+    )
+    add_level_and_program(command)
+    command.add_argument(
+        "question", metavar="QUESTION", help="a call, an expression, conditions, or whole rules"
+    )
+    command.add_argument(
+        "--ticks",
+        type=number_from(1),
+        default=DEFAULT_TICKS,
+        metavar="N",
+        help="end after this many ticks (default: %(default)s)",
+    )
+    command.add_argument("--robot", metavar="R", help="only what holds in this robot's mind")
+    add_json(command)
+
+
+def start(options: argparse.Namespace) -> int:
+    """Go through the run and tell the ticks."""
+    from logical_robots_tui.cli.failure import ProgramFileError
+    from logical_robots_tui.mind import ProgramError, QueryError
+
+    level, program = opened(options)
+    if options.robot is not None:
+        check_name("robot", options.robot, (robot.name for robot in level.robots))
+    try:
+        question = program.question(options.question)
+    except ProgramError as error:
+        raise ProgramFileError("question", error) from error
+    found = asyncio.run(_search(level, program, question, options))
+    if found.failed_in == found.ticks:
+        raise QueryError(f"In every tick: {found.reason}")
+    if prefers_json(options):
+        print(json.dumps(_data(options.question, found), ensure_ascii=False))
+    else:
+        print(*_lines(options.question, found), sep="\n")
+    return FOUND if found.stretches else NEVER
+
+
+async def _search(
+    level: Level, program: Program, question: Question, options: argparse.Namespace
+) -> Holding:
+    """Ask at every tick up to victory or the last one."""
+    from logical_robots_tui.cli.patience import Patience
+    from logical_robots_tui.game import Run, when_it_holds
+
+    run = Run(level, program, engine=options.engine)
+    with Patience(level.title, options.ticks) as show:
+        try:
+            return await when_it_holds(run, question, options.ticks, options.robot or "", show)
+        finally:
+            await run.close()
+
+
+def _lines(question: str, found: Holding) -> list[str]:
+    """What was found, for a person."""
+    ticks = f"{found.ticks} {'tick' if found.ticks == 1 else 'ticks'}"
+    end = f"{ticks}, up to victory" if found.won_at is not None else ticks
+    lines = []
+    if stretches := found.stretches:
+        first, last = stretches[0][0], stretches[-1][1]
+        lines += [
+            f"{harmless(question)}",
+            f"holds in {found.holds_in} of {end}: first in tick {first}, last in tick {last}.",
+            "",
+            *columns([("FROM", "TO", "TICKS"), *(_row(*each) for each in stretches)]),
+        ]
+    else:
+        lines.append(f"{harmless(question)} never holds in {end}.")
+    if found.failed:
+        (first, last), *more = found.failed
+        where = f"tick {first}" if first == last else f"ticks {first} to {last}"
+        others = f" and in {found.failed_in - (last - first + 1)} more" if more else ""
+        lines += ["", f"It failed in {where}{others}: {harmless(found.reason)}"]
+    return lines
+
+
+def _row(first: int, last: int) -> tuple[str, str, str]:
+    return str(first), str(last), str(last - first + 1)
+
+
+def _data(question: str, found: Holding) -> dict[str, Any]:
+    """What was found, for scripts."""
+    stretches = found.stretches
+    return {
+        "question": question,
+        "ticks": found.ticks,
+        "won_at": found.won_at,
+        "first": stretches[0][0] if stretches else None,
+        "last": stretches[-1][1] if stretches else None,
+        "holds_in": found.holds_in,
+        "stretches": stretches,
+        "failed_in": found.failed,
+        "failure": found.reason or None,
+    }

@@ -1,0 +1,180 @@
+"""When a question holds: what its answer at a tick counts for, and the ticks of a run.
+
+What was asked of a whole run is kept in the cache folder, beside what the run left behind.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from dataclasses import asdict, dataclass, replace
+from typing import TYPE_CHECKING
+
+from logical_robots_tui.caching import CacheFolder, cache_place
+from logical_robots_tui.mind import QueryError
+from logical_robots_tui.mind.records import record
+
+if TYPE_CHECKING:
+    import threading
+    from collections.abc import Callable
+
+    from logical_robots_tui.game.frame import Frame
+    from logical_robots_tui.game.run import Run
+    from logical_robots_tui.mind import Mind, Question, Table
+
+__all__ = ["Holding", "rows_that_count", "when_it_holds"]
+
+MAX_ENTRIES = 500
+MAX_BYTES = 10_000_000
+SUFFIX = ".when"
+
+_LARGEST = 1_000_000  # bytes of one answer
+
+
+def rows_that_count(question: Question, table: Table, robot: str = "") -> Table:
+    """The rows of an answer for which a question holds.
+
+    Of an expression these are the values that are neither null, false nor 0; of conditions without
+    variables the minds in which they are true; of all else every row.
+
+    Args:
+        question: What was asked.
+        table: What it gave at a tick.
+        robot: In whose mind; "" is any. Where all reason alike, it is any, too.
+    """
+    viewers = table.viewers or ("",) * len(table.rows)
+    kept = [
+        (row, viewer)
+        for row, viewer in zip(table.rows, viewers, strict=True)
+        if (not robot or viewer in ("", robot)) and _counts(question, row[0] if row else None)
+    ]
+    return replace(
+        table,
+        rows=tuple(row for row, _ in kept),
+        viewers=tuple(viewer for _, viewer in kept) if table.viewers else (),
+    )
+
+
+def _counts(question: Question, value: object) -> bool:
+    if question.gives == "truth":
+        return value == "true"
+    return question.gives == "rows" or value not in (None, False)  # 0 is equal to False
+
+
+@dataclass(frozen=True, slots=True)
+class Holding:
+    """In which ticks of a run a question holds.
+
+    Attributes:
+        ticks: The last tick that was asked; the first one is 1.
+        won_at: The tick of victory, if the run ended with it.
+        stretches: First and last tick of each stretch in which it holds, ascending.
+        failed: The same of those in which it failed.
+        reason: Why it failed first, or "".
+    """
+
+    ticks: int
+    won_at: int | None
+    stretches: tuple[tuple[int, int], ...]
+    failed: tuple[tuple[int, int], ...] = ()
+    reason: str = ""
+
+    @property
+    def holds_in(self) -> int:
+        """In how many ticks it holds."""
+        return sum(last - first + 1 for first, last in self.stretches)
+
+    @property
+    def failed_in(self) -> int:
+        """In how many ticks it failed."""
+        return sum(last - first + 1 for first, last in self.failed)
+
+
+async def when_it_holds(
+    run: Run,
+    question: Question,
+    ticks: int,
+    robot: str = "",
+    told: Callable[[int], object] = lambda _tick: None,
+) -> Holding:
+    """Ask a question at every tick of a run up to victory, or find what was asked before.
+
+    Args:
+        run: Whose ticks.
+        question: Compiled for the program of the run.
+        ticks: The last tick to ask at, if the run is not won before.
+        robot: In whose mind; "" is any.
+        told: Called with each tick.
+    """
+    about = (run.key, question.text, question.sql, robot, ticks)
+    name = hashlib.sha256(json.dumps(about).encode()).hexdigest()
+    if (known := _find(name)) is not None:
+        return known
+
+    def ask(frame: Frame, mind: Mind, stop: threading.Event) -> tuple[Frame, bool | str]:
+        try:
+            table = mind.ask(
+                question, frame.sensors, frame.memories_before, stop=stop, in_order=False
+            )
+        except QueryError as error:
+            return frame, str(error)
+        return frame, bool(rows_that_count(question, table, robot).rows)
+
+    holds: list[tuple[int, int]] = []
+    failed: list[tuple[int, int]] = []
+    reason, last, won_at = "", 0, None
+    async for frame, answer in run.each(1, ticks, ask, to_victory=True):
+        last, won_at = frame.tick, frame.after.won_at
+        if isinstance(answer, str):
+            _add(failed, last)
+            reason = reason or answer
+        elif answer:
+            _add(holds, last)
+        told(last)
+    found = Holding(last, won_at, tuple(holds), tuple(failed), reason)
+    if run.lasts and not failed:  # it might have failed for want of time only
+        _keep(name, found)
+    return found
+
+
+def _add(stretches: list[tuple[int, int]], tick: int) -> None:
+    """Add a tick to the last stretch, or begin another one."""
+    if stretches and stretches[-1][1] == tick - 1:
+        stretches[-1] = (stretches[-1][0], tick)
+    else:
+        stretches.append((tick, tick))
+
+
+def _folder() -> CacheFolder | None:
+    place = cache_place("runs", named="runs")
+    return None if place is None else CacheFolder(place, SUFFIX, MAX_ENTRIES, MAX_BYTES)
+
+
+def _find(name: str) -> Holding | None:
+    folder = _folder()
+    content = None if folder is None else folder.read(name, _LARGEST)
+    if folder is None or content is None:
+        return None
+    digest, _, body = content.partition(b"\n")
+    try:
+        if digest != _digest(name, body):
+            raise ValueError("another answer, or not all of it")
+        found = record(Holding, json.loads(body))
+        ends = [end for stretch in found.stretches for end in stretch]
+        if ends != sorted(ends) or not all(0 < end <= found.ticks for end in ends):
+            raise ValueError("no stretches of these ticks")
+    except (ValueError, TypeError, RecursionError):
+        folder.drop(name)
+        return None
+    return found
+
+
+def _keep(name: str, found: Holding) -> None:
+    body = json.dumps(asdict(found)).encode()
+    folder = _folder()
+    if folder is not None and len(body) < _LARGEST:
+        folder.keep(name, [_digest(name, body), b"\n", body])
+
+
+def _digest(name: str, body: bytes) -> bytes:
+    return hashlib.sha256(name.encode() + body).hexdigest().encode()

@@ -1,0 +1,254 @@
+"""A run: any tick of a level under a program, computed once and kept for the next process."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import platform
+import sqlite3
+from dataclasses import asdict
+from functools import cache, partial
+from pathlib import Path
+from time import perf_counter
+from typing import TYPE_CHECKING, TypeVar
+
+from logical_robots_tui.caching import digest_of_code
+from logical_robots_tui.game.advancing import Known, advance, known_frame
+from logical_robots_tui.game.odometer import driven
+from logical_robots_tui.game.packing import Moment
+from logical_robots_tui.game.recording import DamagedError, Recording
+from logical_robots_tui.game.start import start_frame
+from logical_robots_tui.game.thinker import Thinker
+from logical_robots_tui.game.watching import Watch
+from logical_robots_tui.game.worlds import Worlds
+from logical_robots_tui.mind import Limits
+
+if TYPE_CHECKING:
+    import threading
+    from collections.abc import AsyncGenerator, Callable
+
+    from logical_robots_tui.game.frame import Frame
+    from logical_robots_tui.mind import Engine, Mind, Program
+    from logical_robots_tui.world import Level
+
+__all__ = ["Run", "run_key"]
+
+T = TypeVar("T")
+
+_CODE = Path(__file__).parents[1]
+_NOTHING = Watch(())
+_SECONDS = 0.05  # of work in the thread at once
+
+
+class Run:
+    """The ticks of a level under a program from its start; a victory on the way does not end it.
+
+    Ticks that this process or an earlier one has computed are not computed again: the robots only
+    sense again what they sensed then. What was computed is kept on disk by `close`.
+
+    Args:
+        level: Where it happens.
+        program: What the robots think.
+        engine: What they think with, as `Mind` has it.
+        limits: Bounds on thinking.
+
+    Attributes:
+        key: Stands for everything on which the ticks depend.
+    """
+
+    def __init__(
+        self,
+        level: Level,
+        program: Program,
+        *,
+        engine: Engine = "sqlite",
+        limits: Limits | None = None,
+    ) -> None:
+        self.level = level
+        self.program = program
+        self.limits = limits or Limits()
+        self._thinker = Thinker("run", engine)
+        self._worlds = Worlds(level)
+        self._latest: Frame = start_frame(level)
+        start = Moment(self._latest.after, self._latest.memories, (), 0.0, 0.0)
+        self.key = run_key(level, program, engine, self.limits)
+        self._recording = Recording(self.key, level, start)
+
+    @property
+    def last(self) -> int:
+        """The latest tick that was computed."""
+        return self._recording.last
+
+    @property
+    def lasts(self) -> bool:
+        """Whether all ticks that were computed would be the same again: none took too long."""
+        return self._recording.lasts
+
+    async def frame(self, tick: int, told: Callable[[int], object] = lambda _tick: None) -> Frame:
+        """The frame of a tick.
+
+        Args:
+            tick: Which one; 0 is the start.
+            told: Called meanwhile with the tick up to which was computed.
+        """
+        await self._reach(tick, told)
+        (frame,) = [each async for each in self.each(tick, tick, lambda each, _mind, _stop: each)]
+        return frame
+
+    async def moments(self, first: int, last: int) -> list[Moment]:
+        """What some ticks left behind: the world, memories and decisions; nobody senses again.
+
+        Args:
+            first: The first tick, from 0.
+            last: The last one.
+        """
+        while True:
+            await self._reach(last, lambda _tick: None)
+            try:
+                return await self._thinker.do(
+                    lambda _stop: [self._recording.moment(tick) for tick in range(first, last + 1)]
+                )
+            except DamagedError:
+                self._forget()
+
+    async def each(
+        self,
+        first: int,
+        last: int,
+        work: Callable[[Frame, Mind, threading.Event], T],
+        *,
+        to_victory: bool = False,
+    ) -> AsyncGenerator[T]:
+        """What a piece of work gives for each of some ticks, in their order.
+
+        Args:
+            first: The first tick, from 0.
+            last: The last one.
+            work: Done in a thread, with the frame, a mind to ask, and the event that ends it.
+            to_victory: Whether the tick of victory is the last one, if there is one before.
+
+        Raises:
+            Stopped: Another piece of work was begun.
+        """
+        tick, over = first, False
+        while tick <= last and not over:
+            some = partial(self._some, tick, last, work, to_victory)
+            found, over = await self._thinker.do(some)
+            for done in found:
+                yield done
+            tick += len(found)
+
+    async def _reach(self, tick: int, told: Callable[[int], object]) -> None:
+        """Compute the ticks up to one, as far as they are not known."""
+        while self._recording.last < tick:
+            until = perf_counter() + _SECONDS
+            await self._thinker.do(partial(self._reached, tick, until=until))
+            told(self._recording.last)
+
+    async def close(self) -> None:
+        """Keep what was computed, and free the mind."""
+        try:
+            await self._thinker.do(lambda _stop: self._recording.save())
+        finally:
+            await self._thinker.close()
+
+    # -- inside, in the thread -----------------------------------------------------------------
+
+    def _some(
+        self,
+        tick: int,
+        last: int,
+        work: Callable[[Frame, Mind, threading.Event], T],
+        to_victory: bool,
+        stop: threading.Event,
+    ) -> tuple[list[T], bool]:
+        """What the work gives for the next ticks there is time for, and whether that is all."""
+        until = perf_counter() + _SECONDS
+        done: list[T] = []
+        mind, over = None, False
+        while not over and tick + len(done) <= last and (not done or perf_counter() < until):
+            frame = self._reached(tick + len(done), stop, until=until)
+            if frame is None:
+                break
+            mind = mind or self._thinker.mind(self.program, self.level, self.limits)
+            done.append(work(frame, mind, stop))
+            over = to_victory and frame.after.won_at is not None
+        return done, over
+
+    def _reached(self, tick: int, stop: threading.Event, *, until: float) -> Frame | None:
+        """The frame of a tick, or None if the way there takes longer than until then."""
+        try:
+            while self._recording.last < tick:
+                self._go_on(stop)
+                if perf_counter() > until:
+                    break
+            return self._known(tick) if tick <= self._recording.last else None
+        except DamagedError:
+            self._forget()
+            return None
+
+    def _forget(self) -> None:
+        """Begin anew: what was read is not what this run left behind."""
+        self._recording.forget()
+        self._latest = start_frame(self.level)
+
+    def _known(self, tick: int) -> Frame:
+        if self._latest.tick == tick:
+            return self._latest
+        recording = self._recording
+        before, moment = recording.moment(max(tick - 1, 0)), recording.moment(tick)
+        known = Known(self.level, moment)
+        return known_frame(self._worlds, before.after, before.memories, known)
+
+    def _go_on(self, stop: threading.Event) -> None:
+        """Compute the next tick."""
+        past = self._known(self._recording.last)
+        mind = self._thinker.mind(self.program, self.level, self.limits)
+        (step,) = advance(
+            self._worlds, self.level, mind, past, (), _NOTHING, stop, seconds=0, most=1
+        )
+        frame = self._latest = step.frame
+        before = self._recording.moment(past.tick).driven
+        moment = Moment(
+            frame.after,
+            frame.memories,
+            frame.decisions,
+            frame.think_milliseconds,
+            before + driven(frame.before, frame.after),
+        )
+        # A thought that was cut off for its time may be finished on another day.
+        is_slow = frame.think_milliseconds >= 1000 * self.limits.think_seconds
+        self._recording.add(moment, lasts=not is_slow)
+
+
+def run_key(level: Level, program: Program, engine: Engine, limits: Limits) -> str:
+    """What stands for a run: everything on which its ticks depend, down to the code.
+
+    Args:
+        level: Where it happens.
+        program: What the robots think.
+        engine: What they think with.
+        limits: Bounds on thinking.
+    """
+    told = {
+        "size": (level.width, level.height),
+        "walls": hashlib.sha256(level.walls.tobytes()).hexdigest(),
+        "robots": [asdict(robot) for robot in level.robots],
+        "beacons": [asdict(beacon) for beacon in level.beacons],
+        "areas": [asdict(area) for area in level.areas],
+        "visibility": asdict(level.visibility),
+        "program": program.text,
+        "engine": engine,
+        "limits": asdict(limits),
+    }
+    digest = hashlib.sha256(_simulation())
+    digest.update(json.dumps(told).encode())
+    return digest.hexdigest()
+
+
+@cache
+def _simulation() -> bytes:
+    """What stands for everything that computes a run, as it is now."""
+    folders = [_CODE / part for part in ("world", "mind", "game")]
+    code = digest_of_code(folders, ("logica", "numpy", "sqlglot", "duckdb"))
+    return code + f"{sqlite3.sqlite_version} {platform.python_version()}".encode()

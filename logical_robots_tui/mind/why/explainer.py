@@ -1,0 +1,145 @@
+"""What one robot thinks at one moment, explained: rows, proofs, calls, and where values are from."""
+
+from __future__ import annotations
+
+from functools import partial
+from typing import TYPE_CHECKING
+
+from logical_robots_tui.mind.diagnostics import QueryError
+from logical_robots_tui.mind.failures import FailureError
+from logical_robots_tui.mind.table import Table
+from logical_robots_tui.mind.why.calling import calls_of
+from logical_robots_tui.mind.why.deriving import shown
+from logical_robots_tui.mind.why.proving import Prover
+from logical_robots_tui.mind.why.sourcing import source_of
+from logical_robots_tui.mind.why.unfolding import unfold
+
+if TYPE_CHECKING:
+    import threading
+    from collections.abc import Mapping
+
+    from logical_robots_tui.mind.limits import Limits
+    from logical_robots_tui.mind.program import Program
+    from logical_robots_tui.mind.why.explanation import Explanation
+    from logical_robots_tui.mind.why.relations import Relations
+    from logical_robots_tui.mind.why.sourcing import Made, Path
+    from logical_robots_tui.mind.why.unfolding import Proof
+    from logical_robots_tui.values import Value
+
+__all__ = ["Explainer"]
+
+
+class Explainer:
+    """Explains what one robot thinks at one moment.
+
+    Every question may raise `Stopped`.
+
+    Args:
+        program: What it thinks.
+        relations: The rows of predicates then.
+        robot: Name of the robot.
+        limits: Bounds on compiling and on results.
+        stop: Set it from another thread to give up.
+    """
+
+    def __init__(
+        self,
+        program: Program,
+        relations: Relations,
+        robot: str,
+        limits: Limits,
+        stop: threading.Event | None,
+    ) -> None:
+        self._program, self._relations, self._robot = program, relations, robot
+        self._limits = limits
+        self._take_apart = partial(program.take_apart, stop=stop, limits=limits)
+        self._prover = Prover(relations, robot, self._take_apart)
+
+    def why(
+        self,
+        predicate: str = "Robot",
+        given: Mapping[str, Value] | None = None,
+        within: str = "",
+    ) -> Explanation:
+        """Why a predicate has the rows that it has, or none.
+
+        Args:
+            predicate: One of the program's own.
+            given: Values of some of its columns, where only rows with these are meant; by default
+                the robot's name where there is a column ``robot_name``.
+            within: A predicate made with ``:=`` in whose copy of the rules it is asked, or "".
+
+        Raises:
+            QueryError: There is no such predicate or column, a function was asked without its
+                arguments, or it failed.
+        """
+        return self._prover.explain(predicate, self._about(predicate, given, within), within)
+
+    def proof(
+        self,
+        predicate: str = "Robot",
+        given: Mapping[str, Value] | None = None,
+        within: str = "",
+        *,
+        depth: int = 100,
+        nodes: int = 10_000,
+    ) -> Proof:
+        """The whole proof of a row, down to what was sensed and remembered.
+
+        Args:
+            predicate: As for `why`.
+            given: Values of some of its columns; the first row with these is proved.
+            within: As for `why`.
+            depth: How many predicates deep.
+            nodes: Where unfolding ends.
+
+        Raises:
+            QueryError: As `why` does.
+        """
+        given = self._about(predicate, given, within)
+        return unfold(self._prover, predicate, given, within, depth=depth, nodes=nodes)
+
+    def calls(self, function: str) -> Table:
+        """The calls of a function: arguments and results, each once.
+
+        Args:
+            function: A function of the program's own.
+
+        Raises:
+            QueryError: There is no such function, or a rule that calls it failed.
+        """
+        known = self._program.predicate(function)
+        if known is None or not known.is_function:
+            raise QueryError(f"{function} is not a function of this program.")
+        uses = self._program.uses
+        callers = {
+            name: [p for p, used in uses.items() if name in used and p != name] for name in uses
+        }
+        most = self._limits.rows
+        try:
+            columns, found = calls_of(function, callers, self._prover, self._relations, most + 1)
+        except FailureError as failure:
+            raise QueryError(f"The calls of {function} can't be told: {failure}.") from None
+        return Table(tuple(map(shown, columns)), tuple(found[:most]), truncated=len(found) > most)
+
+    def source(self, path: Path) -> Made:
+        """Where a part of the memory comes from that the robot has afterwards.
+
+        Args:
+            path: The part: names of fields and places in lists; () for the whole memory.
+
+        Raises:
+            QueryError: There is no such part, or how it came about can't be told.
+        """
+        row = {"robot_name": self._robot}
+        return source_of(self._prover, "Robot", row, "memory", path)
+
+    def _about(
+        self, predicate: str, given: Mapping[str, Value] | None, within: str
+    ) -> Mapping[str, Value]:
+        """The values that are asked for, with the robot's name where that goes without saying."""
+        probing = self._take_apart(predicate, within)
+        given = {} if given is None else given
+        if "robot_name" in probing.columns and "robot_name" not in probing.given:
+            return {"robot_name": self._robot, **given}
+        return given

@@ -1,0 +1,114 @@
+"""Searching the known ticks for those in which a question holds."""
+
+from __future__ import annotations
+
+from time import monotonic
+from typing import TYPE_CHECKING, Literal
+
+from logical_robots_tui.game import Superseded, seek
+from logical_robots_tui.mind import ProgramError
+from logical_robots_tui.tui.commands import with_keys
+from logical_robots_tui.tui.plain import one_line
+
+if TYPE_CHECKING:
+    from logical_robots_tui.game import Game, Sought
+    from logical_robots_tui.tui.screen import MainScreen
+
+__all__ = ["Search"]
+
+_PATIENCE = 0.5  # seconds without a word
+_NO_PROGRAM = "There is no program yet."
+
+
+class Search:
+    """Goes to the next tick in which a question holds, or to the last one before.
+
+    Args:
+        screen: Whose session.
+    """
+
+    def __init__(self, screen: MainScreen) -> None:
+        self._screen = screen
+        self._question = ""
+
+    async def ask(self) -> None:
+        """Ask for a question, and go to the next tick in which it holds."""
+        from logical_robots_tui.tui.timeline.question import QuestionPrompt
+
+        program = self._screen.session.program
+        if program is None:
+            self._screen.tell(_NO_PROGRAM)
+            return
+        prompt = QuestionPrompt("Go to the next tick in which…", self._question, program)
+        found = await self._screen.app.push_screen_wait(prompt)
+        if found is not None:
+            self._question = found
+            await self.go(1)
+
+    async def go(self, way: Literal[-1, 1]) -> None:
+        """Go to the nearest tick on one side in which the question holds.
+
+        Args:
+            way: 1 for later ticks, -1 for earlier ones.
+        """
+        session = self._screen.session
+        if not self._question:
+            await self.ask()
+            return
+        session.pause()
+        game = session.game
+        if game is None:
+            self._screen.tell(_NO_PROGRAM)
+            return
+        about, patience = self._about(game), _Patience(self._screen)
+
+        def told(tick: int) -> None:
+            if about != self._about(session.game):
+                raise Superseded  # the player went on to something else
+            patience.told(tick)
+
+        try:
+            sought = await seek(game, self._question, way, told)
+        except Superseded:
+            return
+        except ProgramError as error:
+            message = error.diagnostics[0].message
+            self._screen.warn(f"{self._question} can't be asked: {message}.")
+            return
+        if about != self._about(session.game):
+            return
+        if sought.tick is not None:
+            self._screen.travel.go_to(sought.tick)
+        else:
+            self._say_there_is_none(sought, way)
+
+    def _say_there_is_none(self, sought: Sought, way: Literal[-1, 1]) -> None:
+        side = "after" if way > 0 else "before"
+        tick = self._screen.session.frame.tick
+        question = one_line(self._question)
+        here = "It holds here. " if sought.holds_here else ""
+        words = f"{here}No {'other ' * bool(here)}tick {side} {tick} is known in which it holds"
+        trouble = f" It failed in some: {one_line(sought.trouble)}" if sought.trouble else ""
+        more = with_keys(" {seek} asks for another question.")
+        self._screen.tell(f"{words}: {question}.{trouble or more}")
+
+    def _about(self, game: Game | None) -> object:
+        """What a search belongs to: with any other, its result says nothing."""
+        if game is None:
+            return None
+        return game, game.program, game.history.turns, game.frame.tick, self._question
+
+
+class _Patience:
+    """Says once, of a search that takes its time, that it goes on."""
+
+    def __init__(self, screen: MainScreen) -> None:
+        self._screen = screen
+        self._began = monotonic()
+        self._has_told = False
+
+    def told(self, tick: int) -> None:
+        """Take note of how far it has come."""
+        if not self._has_told and monotonic() > self._began + _PATIENCE:
+            self._has_told = True
+            self._screen.tell(f"Searching, at tick {tick}… To go to any tick ends it.")

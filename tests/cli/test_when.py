@@ -1,0 +1,159 @@
+"""``logical-robots when``: in which ticks of a run something holds."""
+
+from __future__ import annotations
+
+import signal
+from typing import TYPE_CHECKING
+
+import pytest
+
+from logical_robots_tui.mind import Mind
+from tests.cli.running import in_terminal
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from tests.cli.running import Command
+
+CLOCK = "Sensor(sensor:), clock == sensor.clock, "
+
+
+@pytest.fixture
+def counter(tmp_path: Path) -> Path:
+    """A program that counts in its memory, and tells every third number."""
+    path = tmp_path / "counter.l"
+    path.write_text(
+        'Third(robot_name:, n:) :- Memory(robot_name:, memory: n), n != "", Mod(n, 3) == 0;\n'
+        'Held() = Max{m :- Memory(memory: m), m != ""};\n'
+        "Robot(robot_name:, desire: {left_engine: 0.5, right_engine: 0.5}, memory:) :-\n"
+        "  Sensor(robot_name:, sensor:), memory == sensor.clock;\n"
+    )
+    return path
+
+
+def test_the_stretches_are_the_ticks_in_which_there_are_rows(
+    command: Command, level: Path, counter: Path
+) -> None:
+    question = f"{CLOCK}clock in [3, 4, 5, 9, 11, 12]"
+    told = command("when", level, counter, question)
+    assert told.status == 0
+    data = told.data
+    assert (data["first"], data["last"], data["holds_in"]) == (3, 12, 6)
+    assert data["stretches"] == [[3, 5], [9, 9], [11, 12]]
+    assert data["failed_in"] == []
+
+
+def test_it_holds_where_query_has_rows(command: Command, level: Path, counter: Path) -> None:
+    data = command("when", level, counter, "Third", "--ticks", 12).data
+    rows = [
+        bool(command("query", level, counter, "Third", "--tick", t).data["rows"]) for t in range(13)
+    ]
+    assert [any(a <= t <= b for a, b in data["stretches"]) for t in range(13)] == rows
+    assert any(rows)
+
+
+def test_the_run_ends_with_victory_or_after_the_ticks(
+    command: Command, level: Path, ahead: Path, still: Path
+) -> None:
+    won = command("when", level, ahead, "Robot").data
+    assert won["won_at"] == won["ticks"] == won["last"]
+    data = command("when", level, still, "Robot", "--ticks", 40).data
+    assert (data["ticks"], data["won_at"], data["stretches"]) == (40, None, [[1, 40]])
+
+
+def test_what_never_holds_is_status_1(command: Command, level: Path, still: Path) -> None:
+    told = command("when", level, still, "Memory(memory: 7)", "--ticks", 9)
+    assert told.status == 1
+    assert told.data["first"] is None
+    assert told.data["stretches"] == []
+
+
+@pytest.mark.parametrize(
+    ("question", "stretches"),
+    [
+        ("Held() > 5", [[7, 12]]),
+        ("Held() - 5", [[2, 5], [7, 12]]),
+        ("1 == 2", []),
+        ("~Third(n: 3)", [[1, 3], [5, 12]]),
+        ("if Held() > 10 then 1 else null", [[12, 12]]),
+    ],
+)
+def test_an_expression_holds_where_it_is_true(
+    command: Command, level: Path, counter: Path, question: str, stretches: list[list[int]]
+) -> None:
+    assert command("when", level, counter, question, "--ticks", 12).data["stretches"] == stretches
+
+
+def test_a_robot_s_mind_can_be_chosen(command: Command, tmp_path: Path) -> None:
+    level = tmp_path / "two.toml"
+    level.write_text(
+        'title = "Two"\ncell = 10\nwalls = """\n#######\n#.....#\n#.....#\n#######\n"""\n'
+        '[[robots]]\nname = "Ada"\nx = 15\ny = 15\n[[robots]]\nname = "Bo"\nx = 35\ny = 25\n'
+    )
+    program = tmp_path / "late.l"
+    program.write_text(
+        'Late(n) :- Memory(robot_name:, memory: n), n != "",\n'
+        '  n >= (if robot_name == "Bo" then 6 else 3);\n'
+        "Robot(robot_name:, desire: {left_engine: 0, right_engine: 0}, memory:) :-\n"
+        "  Sensor(robot_name:, sensor:), memory == sensor.clock;\n"
+    )
+    run = ["when", level, program, "Late", "--ticks", 9]
+    assert command(*run).data["first"] == 4
+    assert command(*run, "--robot", "Bo").data["first"] == 7
+    told = command(*run, "--robot", "Eve")
+    assert told.status == 2
+    assert "there is no robot Eve. There are Ada, Bo." in told.err.replace("\n", " ")
+
+
+def test_a_wrong_question_is_told_with_its_place_before_the_run(
+    command: Command, level: Path, ahead: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(Mind, "think", None)
+    told = command("when", level, ahead, "Sensor(robot_nam:)")
+    assert told.status == 2
+    assert "question:1:8: Sensor has no column robot_nam" in told.err
+
+
+def test_the_ticks_in_which_it_fails_are_told(command: Command, level: Path, counter: Path) -> None:
+    question = f'{CLOCK}x in ["a"], (if clock in [2, 3] then x.field else 1) == 1'
+    told = command("when", level, counter, question, "--ticks", 5)
+    assert told.status == 0
+    assert told.data["stretches"] == [[1, 1], [4, 5]]
+    assert told.data["failed_in"] == [[2, 3]]
+    assert "neither a record nor a list" in told.data["failure"]
+
+
+def test_what_fails_in_every_tick_is_status_2(command: Command, level: Path, ahead: Path) -> None:
+    told = command("when", level, ahead, 'x in ["a"], x.field == 2')
+    assert told.status == 2
+    assert "In every tick: This failed" in told.err
+
+
+def test_the_second_time_nothing_is_thought_again(
+    command: Command, level: Path, counter: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    first = command("when", level, counter, "Third").data
+    monkeypatch.setattr(Mind, "think", None)
+    assert command("when", level, counter, "Third").data == first
+
+
+def test_in_a_terminal_it_is_told_in_words(level: Path, counter: Path) -> None:
+    question = f"{CLOCK}clock in [3, 4, 5, 9]"
+    with in_terminal("when", level, counter, question, "--ticks", 20) as terminal:
+        assert terminal.finish() == 0
+        shown = terminal.text
+    assert "holds in 4 of 20 ticks: first in tick 3, last in tick 9." in shown
+    assert "FROM  TO  TICKS" in shown
+    with in_terminal("when", level, counter, "1 == 2", "--ticks", 20) as terminal:
+        assert terminal.finish() == 1
+        assert "1 == 2 never holds in 20 ticks." in terminal.text
+
+
+def test_a_long_search_shows_how_far_it_has_come_and_can_be_interrupted(
+    level: Path, still: Path
+) -> None:
+    with in_terminal("when", level, still, "Robot", "--ticks", 10**6) as terminal:
+        terminal.wait_for("of 1000000")
+        terminal.process.send_signal(signal.SIGINT)
+        assert terminal.finish() == 130
+        assert "Traceback" not in terminal.everything

@@ -1,0 +1,416 @@
+"""Runs: any tick, computed once, found again by the next process, and never trusted unseen."""
+
+from __future__ import annotations
+
+import asyncio
+import hashlib
+import json
+import os
+import subprocess
+import sys
+import zlib
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any
+
+import pytest
+
+from logical_robots_tui.game import Game, Run, load_program, recording, run_key
+from logical_robots_tui.game import run as running
+from logical_robots_tui.game.recording import packed
+from logical_robots_tui.mind import Limits, Mind, Program
+from logical_robots_tui.paths import is_there
+from logical_robots_tui.world import World, load_level
+from tests.game.playing import BACKWARDS, COUNTER, hall
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+    from pathlib import Path
+
+    from logical_robots_tui.game import Frame
+    from logical_robots_tui.game.packing import Moment
+    from logical_robots_tui.world import Level
+
+TICKS = 75  # two pieces and some
+
+
+@pytest.fixture(autouse=True)
+def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    monkeypatch.setenv("LOGICAL_ROBOTS_CACHE_DIR", str(tmp_path / "cache"))
+    return tmp_path / "cache" / "runs"
+
+
+@pytest.fixture
+def level(tmp_path: Path) -> Level:
+    return hall(tmp_path)
+
+
+def entry(folder: Path) -> Path:
+    (path,) = folder.iterdir()
+    return path
+
+
+async def frames(level: Level, ticks: int = TICKS, text: str = COUNTER) -> list[Frame]:
+    """The frames of a run that is opened and closed."""
+    run = Run(level, Program.compile(text))
+    try:
+        return [frame async for frame in run.each(0, ticks, lambda frame, _mind, _stop: frame)]
+    finally:
+        await run.close()
+
+
+async def known(level: Level, text: str = COUNTER) -> int:
+    """How many ticks are known to a run that is just opened."""
+    run = Run(level, Program.compile(text))
+    try:
+        return run.last
+    finally:
+        await run.close()
+
+
+async def played(level: Level, ticks: int, text: str = COUNTER) -> list[Frame]:
+    """The frames of a game."""
+    game = Game(level, Program.compile(text))
+    found = [game.frame]
+    game.listen(found.append)
+    while game.frame.tick < ticks:
+        await game.run_until(tick=ticks)
+    await game.close()
+    return found
+
+
+def never(*_arguments: object, **_options: object) -> None:
+    raise AssertionError("it thought again")
+
+
+@pytest.mark.parametrize(
+    ("name", "ticks"), [("06-breadcrumbs", 40), ("10-distributed-mapping", 35), ("12-swarm", 3)]
+)
+async def test_a_run_is_what_a_game_plays_and_stays_so_on_disk(
+    monkeypatch: pytest.MonkeyPatch, name: str, ticks: int
+) -> None:
+    level = load_level(name)
+    text = load_program(level.solution).text
+    expected = await played(level, ticks, text)
+    assert await frames(level, ticks, text) == expected
+    monkeypatch.setattr(Mind, "think", never)
+    assert await frames(level, ticks, text) == expected
+
+
+async def test_a_run_goes_on_where_an_earlier_one_ended(level: Level) -> None:
+    await frames(level, 20)
+    assert await known(level) == 20
+    assert await frames(level, TICKS) == await played(level, TICKS)
+    assert await known(level) == TICKS
+
+
+async def test_a_tick_is_reached_in_any_order(level: Level) -> None:
+    expected = await played(level, TICKS)
+    run = Run(level, Program.compile(COUNTER))
+    for tick in (70, 3, 0, 33, 32, 31, TICKS):
+        assert await run.frame(tick) == expected[tick]
+    await run.close()
+
+
+async def test_what_ticks_left_behind_is_told_without_sensing_again(
+    level: Level, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    expected = await frames(level)
+    monkeypatch.setattr(World, "sense", never)
+    run = Run(level, Program.compile(COUNTER))
+    found = await run.moments(5, TICKS)
+    await run.close()
+    assert [m.after for m in found] == [f.after for f in expected[5:]]
+    assert [m.memories for m in found] == [f.memories for f in expected[5:]]
+    assert [m.decisions for m in found] == [f.decisions for f in expected[5:]]
+    assert found[-1].driven > found[0].driven > 0
+
+
+async def test_what_ticks_left_behind_is_computed_if_it_is_not_known(
+    level: Level, folder: Path
+) -> None:
+    run = Run(level, Program.compile(COUNTER))
+    expected = await run.moments(0, TICKS)
+    assert [m.after.tick for m in expected] == list(range(TICKS + 1))
+    await run.close()
+    key, pieces, moments = content_of(entry(folder))
+    pieces[1][0][5][0][5][0] = "12"
+    written = [zlib.compress(json.dumps(piece).encode()) for piece in pieces]
+    entry(folder).write_bytes(forged(key, written, moments))
+    again = Run(level, Program.compile(COUNTER))
+    found = await again.moments(0, TICKS)
+    await again.close()
+    assert [(m.after, m.memories) for m in found] == [(m.after, m.memories) for m in expected]
+
+
+async def test_it_is_told_how_far_a_run_has_come(level: Level) -> None:
+    told: list[int] = []
+    run = Run(level, Program.compile(COUNTER))
+    await run.frame(300, told.append)
+    assert told[-1] == 300
+    assert told == sorted(told)
+    told.clear()
+    await run.frame(200, told.append)
+    assert not told
+    await run.close()
+
+
+async def test_every_value_that_a_robot_may_remember_comes_back(level: Level) -> None:
+    text = COUNTER.replace(
+        "memory: n)",
+        'memory: {n:, big: 9007199254740993, list: [1, 2.5], text: "ä\\u0001☃", none: [], '
+        "inner: {a: {b: 1.0}}})",
+    ).replace('memory == "" then 1 else memory + 1', 'memory == "" then 1 else memory.n + 1')
+    expected = await played(level, 40, text)
+    assert expected[-1].memories["Ada"] != expected[-2].memories["Ada"]
+    for _ in range(2):
+        found = await frames(level, 40, text)
+        assert found == expected
+        assert repr([f.memories for f in found]) == repr([f.memories for f in expected])
+
+
+async def test_all_that_a_run_depends_on_is_in_its_key(
+    level: Level, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    program = Program.compile(COUNTER)
+    ada, *others = level.robots
+    keys = [
+        run_key(level, program, "sqlite", Limits()),
+        run_key(level, program, "duckdb", Limits()),
+        run_key(level, program, "sqlite", Limits(think_rows=9)),
+        run_key(level, Program.compile(BACKWARDS), "sqlite", Limits()),
+        run_key(replace(level, walls=~level.walls), program, "sqlite", Limits()),
+        run_key(replace(level, areas=()), program, "sqlite", Limits()),
+        run_key(
+            replace(level, robots=(replace(ada, x=41.0), *others)), program, "sqlite", Limits()
+        ),
+    ]
+    monkeypatch.setattr(running, "_simulation", lambda: b"as it will be")
+    keys.append(run_key(level, program, "sqlite", Limits()))
+    assert len(set(keys)) == len(keys)
+    assert run_key(replace(level, title="New"), program, "sqlite", Limits()) == keys[-1]
+
+
+async def test_a_recording_by_other_code_is_not_looked_at(
+    level: Level, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    await frames(level)
+    monkeypatch.setattr(running, "_simulation", lambda: b"as it will be")
+    assert await known(level) == 0
+
+
+@pytest.mark.parametrize("part", [0.0, 0.01, 0.3, 0.6, 0.9, 0.9999])
+@pytest.mark.parametrize("damage", ["changed", "cut", "longer"])
+async def test_a_damaged_recording_is_dropped(
+    level: Level, folder: Path, part: float, damage: str
+) -> None:
+    expected = await frames(level)
+    path = entry(folder)
+    content = path.read_bytes()
+    at = int(part * len(content))
+    if damage == "changed":
+        content = content[:at] + bytes([content[at] ^ 1]) + content[at + 1 :]
+    path.write_bytes(content[:at] if damage == "cut" else content + b"more" * (damage == "longer"))
+    assert await frames(level) == expected
+    assert await known(level) == TICKS
+    assert (
+        path.read_bytes()[:64]
+        == hashlib.sha256(path.read_bytes().split(b"\n")[1]).hexdigest().encode()
+    )
+
+
+def forged(key: str, pieces: list[bytes], moments: int) -> bytes:
+    """A file that is as it should be, but for what its pieces hold."""
+    told = [[len(piece), hashlib.sha256(piece).hexdigest()] for piece in pieces]
+    line = json.dumps({"key": key, "moments": moments, "pieces": told}).encode()
+    return hashlib.sha256(line).hexdigest().encode() + b"\n" + line + b"\n" + b"".join(pieces)
+
+
+def content_of(path: Path) -> tuple[str, list[Any], int]:
+    """The key, the pieces as data, and the number of moments of a recording."""
+    _, line, rest = path.read_bytes().split(b"\n", 2)
+    index = json.loads(line)
+    pieces = []
+    for length, _ in index["pieces"]:
+        pieces.append(json.loads(zlib.decompress(rest[:length])))
+        rest = rest[length:]
+    return index["key"], pieces, index["moments"]
+
+
+def change(at: list[int], value: object) -> Callable[[list[Any]], object]:
+    """Puts a value somewhere into the data of a piece."""
+
+    def put(data: list[Any]) -> None:
+        *way, last = at
+        for step in way:
+            data = data[step]
+        data[last] = value
+
+    return put
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        change([0, 0], 99),
+        change([0, 0], "tick"),
+        change([0, 1, 0], "Eve"),
+        change([0, 1], ["Ada"]),
+        change([0, 2], []),
+        change([0, 3, 5], None),
+        change([0, 3, 5, 0], "won"),
+        change([0, 4, 5, 0], [True, ["Eve"]]),
+        change([0, 4, 5, 0], [1, []]),
+        change([0, 4, 5, 0], [True, [[]]]),
+        change([0, 1, 0], []),
+        change([0, 5, 0, 5, 0], "12"),
+        change([0, 5, 0, 5, 0], float("nan")),
+        change([0, 5, 0, 5, 6], 1),
+        change([0, 5, 0, 5], [1]),
+        change([0, 6, 0, 5, 1], ["fast", 1]),
+        change([0, 6, 0, 5, 1], [1]),
+        change([0, 6, 0, 5, 2], [["no kind", "x"]]),
+        change([0, 6, 0, 5, 2], 7),
+        change([0, 6], {}),
+        change([0], None),
+    ],
+)
+async def test_a_false_recording_is_dropped(
+    level: Level, folder: Path, change: Callable[[list[Any]], object]
+) -> None:
+    expected = await frames(level)
+    path = entry(folder)
+    key, pieces, moments = content_of(path)
+    change(pieces[1])
+    written = [zlib.compress(json.dumps(piece).encode()) for piece in pieces]
+    path.write_bytes(forged(key, written, moments))
+    assert await frames(level) == expected
+
+
+@pytest.mark.parametrize(
+    "piece",
+    [
+        b"not packed",
+        zlib.compress(b"[" * 100_000),
+        zlib.compress(b"null"),
+        zlib.compress(b"[" + b"[]," * 20_000_000 + b"[]]", 1),
+    ],
+    ids=["not packed", "deep", "null", "huge"],
+)
+async def test_what_is_no_piece_is_dropped(level: Level, folder: Path, piece: bytes) -> None:
+    expected = await frames(level)
+    path = entry(folder)
+    key, pieces, moments = content_of(path)
+    for at in (0, -1):
+        written = [zlib.compress(json.dumps(each).encode()) for each in pieces]
+        written[at] = piece
+        path.write_bytes(forged(key, written, moments))
+        assert await frames(level) == expected
+
+
+@pytest.mark.parametrize("index", ["{}", "null", "[]", '{"key": 1, "moments": "x", "pieces": 7}'])
+async def test_what_is_no_index_is_dropped(level: Level, folder: Path, index: str) -> None:
+    expected = await frames(level)
+    line = index.encode()
+    entry(folder).write_bytes(hashlib.sha256(line).hexdigest().encode() + b"\n" + line + b"\n")
+    assert await frames(level) == expected
+    assert await known(level) == TICKS
+
+
+async def test_of_a_run_that_is_too_long_the_first_ticks_are_kept(
+    level: Level, folder: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(recording, "MAX_BYTES", 9_000)
+    expected = await frames(level, 500)
+    assert entry(folder).stat().st_size <= 9_000
+    assert 32 <= await known(level) < 500
+    assert await frames(level, 500) == expected
+
+
+async def test_a_recording_that_is_too_large_is_dropped(
+    level: Level, folder: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    await frames(level)
+    name = entry(folder).name
+    monkeypatch.setattr(recording, "MAX_BYTES", entry(folder).stat().st_size - 1)
+    assert await known(level) == 0
+    assert not is_there(folder / name)
+
+
+async def test_the_oldest_recordings_go_first(
+    level: Level, folder: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    await frames(level, 40)
+    first = entry(folder)
+    os.utime(first, (1, 1))
+    monkeypatch.setattr(recording, "MAX_FOLDER_BYTES", int(1.5 * first.stat().st_size))
+    await frames(level, 40, BACKWARDS)
+    assert not is_there(first)
+    assert await known(level, BACKWARDS) == 40
+
+
+async def test_a_shorter_run_never_replaces_a_longer_one(level: Level) -> None:
+    short, long = (Run(level, Program.compile(COUNTER)) for _ in range(2))
+    await short.frame(10)
+    await long.frame(TICKS)
+    await long.close()
+    await short.close()
+    assert await known(level) == TICKS
+
+
+async def test_a_thought_that_took_too_long_is_not_kept(level: Level) -> None:
+    endless = "N(x) :- x in Range(3000);\nBig(s? += a * b) distinct :- N(a), N(b), N(c);\n"
+    text = endless + COUNTER.replace(
+        "left_engine: 1,", "left_engine: (if n == 41 then Sum{s :- Big(s:)} else 1),"
+    )
+    run = Run(level, Program.compile(text), limits=Limits(think_seconds=0.2))
+    frame = await run.frame(44)
+    await run.close()
+    assert frame.tick == 44
+    again = Run(level, Program.compile(text), limits=Limits(think_seconds=0.2))
+    assert again.last == 40
+    await again.close()
+
+
+async def test_where_nothing_can_be_kept_a_run_just_runs(
+    level: Level, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    expected = await played(level, 40)
+    (tmp_path / "file").touch()
+    for place in (str(tmp_path / "file"), "/proc/nowhere", ""):
+        monkeypatch.setenv("LOGICAL_ROBOTS_CACHE_DIR", place)
+        assert await frames(level, 40) == expected
+
+
+def test_many_processes_share_a_run(tmp_path: Path, folder: Path, level: Level) -> None:
+    script = (
+        "import asyncio, sys\n"
+        "from tests.game.test_run import frames\n"
+        "from logical_robots_tui.world import load_level\n"
+        "level = load_level(sys.argv[1])\n"
+        "for ticks in (5, 40, 20, 90):\n"
+        "    found = asyncio.run(frames(level, ticks))\n"
+        "    print(hash(repr([(f.tick, f.after, f.memories) for f in found])))\n"
+    )
+    command = [sys.executable, "-c", script, level.source]
+    environment = {**os.environ, "PYTHONHASHSEED": "0"}
+    processes = [
+        subprocess.Popen(command, stdout=subprocess.PIPE, env=environment) for _ in range(4)
+    ]
+    told = {process.communicate()[0] for process in processes}
+    assert [process.returncode for process in processes] == [0] * 4
+    assert len(told) == 1
+    assert entry(folder)
+    assert asyncio.run(known(level)) == 90
+
+
+def test_a_piece_is_text(level: Level) -> None:
+    moments = [*asyncio.run(moments_of(level))]
+    assert json.loads(zlib.decompress(packed(moments)))[0][1] == ["Ada", "Bo"]
+
+
+async def moments_of(level: Level) -> list[Moment]:
+    run = Run(level, Program.compile(COUNTER))
+    await run.frame(3)
+    found = [run._recording.moment(tick) for tick in range(4)]
+    await run.close()
+    return found

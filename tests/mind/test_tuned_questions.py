@@ -1,0 +1,132 @@
+"""Questions that are asked of all robots together mean what they mean as they were generated."""
+
+from __future__ import annotations
+
+from contextlib import closing
+from typing import TYPE_CHECKING, Any
+
+import pytest
+
+from logical_robots_tui.game import Run, load_program
+from logical_robots_tui.mind import Mind, Program, Table
+from logical_robots_tui.mind.sqlite.tables import TunedTables
+from logical_robots_tui.world import load_level
+from tests.mind.rows import ROBOT, nearly_same, row
+
+if TYPE_CHECKING:
+    from logical_robots_tui.mind import Question
+
+MORE = (
+    "Sensor(robot_name:, sensor:), ray in sensor.radar, ray.distance < 12",
+    "Sensor(robot_name:, sensor:), near == Min{ray.distance :- ray in sensor.radar}, near < 30",
+    "Memory(robot_name:, memory:), memory.never == 1",
+    "Count{r.label :- Sensor(sensor:), r in sensor.radar} > 2",
+    "~Robot(desire:), 1 < 2",
+)
+SEES = {3: (40, "robot", "Bo"), 9: (12, "wall", "wall"), 11: (50, "beacon", "B")}
+
+
+def in_any_order(table: Table) -> list[Any]:
+    viewers = table.viewers or ("",) * len(table.rows)
+    return sorted(([v, *r] for v, r in zip(viewers, table.rows, strict=True)), key=repr_of)
+
+
+def repr_of(values: list[Any]) -> str:
+    return repr([round(v, 6) if isinstance(v, float) else v for v in values])
+
+
+@pytest.mark.parametrize(
+    ("name", "tick"), [("06-breadcrumbs", 200), ("10-distributed-mapping", 120), ("12-swarm", 20)]
+)
+async def test_every_predicate_of_our_programs_can_be_asked_so(name: str, tick: int) -> None:
+    level = load_level(name)
+    program = Program.compile(load_program(level.solution).text)
+    run = Run(level, program)
+    frame = await run.frame(tick)
+    await run.close()
+    visible = level.visibility
+    questions = [p.name for p in program.predicates if p.has_rows and p.kind == "program"]
+    together = 0
+    rows = 0
+    with (
+        closing(Mind(program, visible.memory, visible.sensor, frozen=True)) as quick,
+        closing(Mind(program, visible.memory, visible.sensor, plain=True)) as plain,
+    ):
+        quick.think(frame.sensors, frame.memories_before)
+        for text in (*questions, *MORE):
+            question = program.question(text)
+            moment = frame.sensors, frame.memories_before
+            expected = plain.ask(question, *moment)
+            in_order = quick.ask(question, *moment)
+            assert in_order.columns == expected.columns
+            assert nearly_same(in_order.rows, expected.rows)
+            assert in_order.viewers == expected.viewers
+            found = quick.ask(question, *moment, in_order=False)
+            assert found.columns == expected.columns
+            assert nearly_same(in_any_order(found), in_any_order(expected))
+            together += bool(question.tuned and question.tuned.together)
+            rows += len(expected.rows)
+    assert together > len(questions) / 2
+    assert rows > 20
+
+
+def test_questions_read_the_columns_that_the_program_reads_and_no_others() -> None:
+    text = (
+        "Phase(robot_name:, p: memory.phase) :- Memory(robot_name:, memory:);\n"
+        f"{ROBOT}m = Sum{{p :- Phase(robot_name:, p:)}};"
+    )
+    program = Program.compile(text)
+    known = program.question("Memory(memory:), memory.phase == 3")
+    new = program.question("Memory(memory:), memory.other == 4")
+    both = program.question("Memory(memory:), memory.other == 4, memory.phase == 3")
+    assert fields(known) == {"field_0=phase"}
+    assert fields(new) == set()
+    memories = {"Ada": {"phase": 3, "other": 5}, "Bo": {"phase": 3, "other": 4}}
+    rows = [row("Ada"), row("Bo")]
+    with closing(Mind(program, frozen=True)) as mind:
+        for _ in range(2):
+            mind.think(rows, memories)
+            assert mind.ask(known, rows, memories, in_order=False).viewers == ("Ada", "Bo")
+            assert mind.ask(new, rows, memories, in_order=False).viewers == ("Bo",)
+            assert mind.ask(both, rows, memories, in_order=False).viewers == ("Bo",)
+
+
+def fields(question: Question) -> set[str]:
+    assert question.tuned is not None
+    return {name for name in question.tuned.columns.get("Memory", ()) if "=" in name}
+
+
+def test_a_table_is_filled_once_for_all_who_read_it(monkeypatch: pytest.MonkeyPatch) -> None:
+    program = Program.compile(
+        f"Ahead(robot_name:, d: sensor.forward_distance) :- Sensor(robot_name:, sensor:);\n"
+        f"{ROBOT}m = Sum{{d :- Ahead(robot_name:, d:)}};"
+    )
+    question = program.question("Sensor(robot_name:, sensor:), sensor.clock > 1")
+    filled: list[str] = []
+    fill = TunedTables._fill_table
+
+    def counted(tables: TunedTables, table: str, *rest: Any) -> None:
+        filled.append(table)
+        fill(tables, table, *rest)
+
+    monkeypatch.setattr(TunedTables, "_fill_table", counted)
+    with closing(Mind(program, frozen=True)) as mind:
+        counts = []
+        for _ in range(4):
+            rows, memories = (row("Ada", sees=SEES), row("Bo")), {"Ada": 1}
+            mind.think(rows, memories)
+            mind.ask(question, rows, memories, in_order=False)
+            mind.query("Robot", rows, memories)
+            counts.append(filled.count("Sensor"))
+            filled.clear()
+    assert counts == [2, 1, 1, 1]
+
+
+def test_more_rows_than_are_shown_are_cut_off_either_way() -> None:
+    program = Program.compile(f"Many(x) :- x in Range(2000);\n{ROBOT}m = 1;")
+    question = program.question("Many(x), Sensor(robot_name:)")
+    rows = [row("Ada"), row("Bo")]
+    with closing(Mind(program)) as mind:
+        for in_order in (True, False):
+            table = mind.ask(question, rows, {}, in_order=in_order)
+            assert (len(table.rows), table.truncated) == (mind.limits.rows, True)
