@@ -214,6 +214,8 @@ class Mind:
         Raises:
             QueryError: There is no such robot.
         """
+        from logical_robots_tui.mind.why.explainer import Explainer
+        from logical_robots_tui.mind.why.relations import Relations
 
         moment = Moment(rows, memories, self.memory, self.sensor)
         view = next((view for view in moment.views if robot in view.viewers), None)

@@ -13,9 +13,9 @@ if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping, Sequence
 
     from logical_robots_tui.mind.sqlite.database import Scalar
+    from logical_robots_tui.mind.why.derivations import Derivations
     from logical_robots_tui.mind.why.probing import Body, Call, Clause, Probing, Term
-    from logical_robots_tui.mind.why.proving import Prover
-    from logical_robots_tui.mind.why.relations import Relations, Way
+    from logical_robots_tui.mind.why.relations import Way
     from logical_robots_tui.values import Value
 
 __all__ = ["calls_of"]
@@ -27,8 +27,7 @@ _DEEPEST = 20  # functions that call functions
 def calls_of(
     name: str,
     callers: Mapping[str, Sequence[str]],
-    prover: Prover,
-    relations: Relations,
+    derivations: Derivations,
     most: int,
 ) -> tuple[tuple[str, ...], list[tuple[Value, ...]]]:
     """The different calls of a function: columns, and a row for each call and result.
@@ -36,21 +35,20 @@ def calls_of(
     Args:
         name: The function.
         callers: By name of a predicate those of the program that mention it.
-        prover: Who takes predicates apart and finds their rows.
-        relations: The rows of predicates at the moment.
+        derivations: Finds rows.
         most: Most calls.
 
     Raises:
         QueryError: A predicate can't be taken apart.
         FailureError: It takes too long.
     """
-    search = _Search(callers, prover, relations, most)
+    search = _Search(callers, derivations, most)
     found = search.arguments(name, 0)
-    probing = prover.taken_apart(name)
+    probing = derivations.take_apart(name, "")
     rows: list[tuple[Value, ...]] = []
     for given in found:
         arguments = {column: given.get(column) for column in probing.given}
-        rows += [tuple(row.values()) for row in prover.rows(probing, arguments)]
+        rows += [tuple(row.values()) for row in derivations.rows(probing, arguments)]
         if len(rows) >= most:
             break
     return probing.columns, rows[:most]
@@ -62,11 +60,10 @@ class _Search:
     def __init__(
         self,
         callers: Mapping[str, Sequence[str]],
-        prover: Prover,
-        relations: Relations,
+        derivations: Derivations,
         most: int,
     ) -> None:
-        self._callers, self._prover, self._relations = callers, prover, relations
+        self._callers, self._derivations = callers, derivations
         self._most = most
         self._known: dict[str, list[Mapping[str, Value]]] = {}
 
@@ -75,16 +72,16 @@ class _Search:
         if name in self._known or depth > _DEEPEST:
             return self._known.get(name, [])
         self._known[name] = []
-        needed = self._prover.taken_apart(name).given
+        needed = self._derivations.take_apart(name, "").given
         found: dict[str, Mapping[str, Value]] = {}
         for caller in self._callers.get(name, ()):
-            probing = self._prover.taken_apart(caller)
+            probing = self._derivations.take_apart(caller, "")
             contexts: Iterable[Mapping[str, Value]] = ({},)
             if probing.given:
                 contexts = self.arguments(caller, depth + 1)
             for context in contexts:
                 given = [to_sql(context.get(column)) for column in probing.given]
-                self._prover.prepare(probing)
+                self._derivations.prepare(probing)
                 for call, way in self._calls(probing, given, name):
                     values = {c: value_of(way, p) for c, p in call.arguments.items() if p in way}
                     values = {c: v for c, v in values.items() if c in needed}
@@ -110,7 +107,7 @@ class _Search:
             if sql is None or not (calls or bodies):
                 continue
             try:
-                ways = self._relations.ways(sql, given, most=_MOST_WAYS)
+                ways = self._derivations.relations.ways(sql, given, most=_MOST_WAYS)
             except FailureError as failure:
                 if failure.slow:
                     raise

@@ -12,9 +12,16 @@ from operator import itemgetter
 from typing import TYPE_CHECKING, Any, Literal
 
 from logical_robots_tui.mind.compiling.quicker import deep_copy
-from logical_robots_tui.mind.compiling.rules import VALUE, value_of
+from logical_robots_tui.mind.compiling.rules import VALUE
 from logical_robots_tui.mind.program import INPUTS
 from logical_robots_tui.mind.why import trees
+from logical_robots_tui.mind.why.bodies import (
+    TooManyError,
+    alternatives,
+    is_denial,
+    plain_text,
+    values_in,
+)
 from logical_robots_tui.mind.why.probing import GIVEN, Body, Call, Clause, Collected, Step, Term
 from logical_robots_tui.mind.why.scopes import Scope, column_name, combines, flat, in_order, names
 from logical_robots_tui.mind.why.spans import span_of
@@ -27,49 +34,21 @@ from logical_robots_tui.mind.why.terms import (
 )
 
 if TYPE_CHECKING:
-    from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+    from collections.abc import Iterator, Mapping, Sequence
 
     from logical_robots_tui.mind.compiling.rules import Rule
     from logical_robots_tui.mind.text import Prepared
+    from logical_robots_tui.mind.why.bodies import Names
     from logical_robots_tui.mind.why.probing import Span
 
-__all__ = ["PROBE", "Builder", "Names", "head_of"]
+__all__ = ["PROBE", "Builder"]
 
 PROBE = "WhyProbe"
 """What the names of the queries begin with."""
 
 _AUXILIARY = "why_"
 _DEEPEST = 4  # bodies within bodies
-_MOST_CLAUSES = 32
 _MOST_COLUMNS = 90  # SQLite takes 100
-
-
-class Names:
-    """What is known of the predicates that rules may call.
-
-    Args:
-        functions: By name of one that has rows only for given arguments the columns to give.
-        tables: By name of any other the table with its rows.
-        origins: By name of a copy what it is a copy of, and in which predicate.
-    """
-
-    def __init__(
-        self,
-        functions: Mapping[str, Collection[str]],
-        tables: Mapping[str, str],
-        origins: Mapping[str, tuple[str, str]],
-    ) -> None:
-        self.functions = functions
-        self.tables = tables
-        self.origins = origins
-
-    def is_own(self, name: str) -> bool:
-        """Whether the program has rules for a predicate."""
-        return name in self.functions or name in self.tables
-
-    def call(self, name: str, arguments: Mapping[str, str]) -> Call:
-        """A call of a predicate."""
-        return Call(*self.origins.get(name, (name, "")), arguments)
 
 
 class Builder:
@@ -118,8 +97,8 @@ class Builder:
     def _choices(self, body: Sequence[Rule]) -> Iterator[tuple[list[Rule], tuple[Span, ...]]]:
         """The body with each choice of its alternatives; as it is, if there are too many."""
         try:
-            found = _alternatives(body)
-        except _TooManyError:
+            found = alternatives(body)
+        except TooManyError:
             found = [(list(body), [])]
         for parts, taken in found:
             yield parts, tuple(map(self.span, taken))
@@ -248,7 +227,7 @@ class _ClauseBuilder:
         span = self._builder.span(part)
         if kind in ("call", "function"):
             call, reads = self._call(part["predicate"]), self._reads(part["predicate"])
-            value = next(_value_in(part["predicate"], VALUE), None)
+            value = next(values_in(part["predicate"], VALUE), None)
             if kind == "function" and value is not None:
                 span = self._builder.span(self._calls[str(value["variable"]["var_name"])])
         elif kind == "denial":
@@ -268,10 +247,10 @@ class _ClauseBuilder:
         name = str(part.get("predicate", {}).get("predicate_name", ""))
         if name == "=":
             return "value"
-        if name == "IsNull" and any(map(_is_denial, combines(part))):
+        if name == "IsNull" and any(map(is_denial, combines(part))):
             return "denial"
         if name in INPUTS or self._names.is_own(name):
-            value = next(_value_in(part["predicate"], VALUE), {})
+            value = next(values_in(part["predicate"], VALUE), {})
             return "function" if self._is_call(value) else "call"
         return "condition"
 
@@ -312,7 +291,7 @@ class _ClauseBuilder:
         """What is read of a sensor or a memory, anywhere in the clause."""
         found: dict[str, Rule] = {}
         for column in INPUTS.get(str(call["predicate_name"]), ()):
-            for value in _value_in(call, column):
+            for value in values_in(call, column):
                 root = str(value.get("variable", {}).get("var_name", ""))
                 mine = [each for each in chains(self._all) if chain_root(each) == root]
                 found |= {self._builder.span(each).text: each for each in mine}
@@ -334,7 +313,7 @@ class _ClauseBuilder:
                 for part in self._body
                 if any(
                     value.get("variable", {}).get("var_name") == name
-                    for value in _value_in(part.get("predicate", {}), VALUE)
+                    for value in values_in(part.get("predicate", {}), VALUE)
                 )
             )
             span = self._builder.span(self._calls[name])
@@ -346,7 +325,7 @@ class _ClauseBuilder:
             return Term("aggregate", span, self._column(tree), body=body)
         found = parts_of(tree, kind)
         if kind == "value":
-            found = [*{_plain(part): part for part in found}.values()]
+            found = [*{plain_text(part): part for part in found}.values()]
         parts = tuple(map(self._term, found))
         return Term(kind, span, self._column(tree), parts, names_of(tree, kind))
 
@@ -359,7 +338,7 @@ class _ClauseBuilder:
         outer = {f"g{i}": trees.variable(name) for i, name in enumerate(sorted(mentioned))}
         head = combine["head"]["record"]["field_value"]
         aggregations = {column_name(f["field"]): f["value"].get("aggregation") for f in head}
-        collected = {c: a for c, a in aggregations.items() if a and not _is_denial(combine)}
+        collected = {c: a for c, a in aggregations.items() if a and not is_denial(combine)}
         clauses = self._builder.clauses(body, {}, collected, outer, self._depth + 1)
         given = {name: self._column(variable) for name, variable in outer.items()}
         return Body(self._builder.span(combine["full_text"]), given, clauses)
@@ -376,7 +355,7 @@ class _ClauseBuilder:
 
     def _column(self, tree: Rule) -> str:
         """The column with the value of an expression, or "" where there are too many."""
-        key = _plain(tree)
+        key = plain_text(tree)
         if key not in self._columns and len(self._columns) >= _MOST_COLUMNS:
             return ""
         place, _ = self._columns.setdefault(key, (f"c{len(self._columns)}", tree))
@@ -395,71 +374,3 @@ class _ClauseBuilder:
         name = f"{PROBE}{len(probes)}"
         probes[name] = trees.rule(name, columns, body, name)
         return name
-
-
-def head_of(rule: Rule) -> tuple[dict[str, Rule], dict[str, Rule]]:
-    """The expressions of the columns of a head, and the aggregations of the others."""
-    fields = rule["head"]["record"]["field_value"]
-    plain = {column_name(f["field"]): value_of(f) for f in fields if f["field"] != "*"}
-    others = {column_name(f["field"]): f["value"].get("aggregation") for f in fields}
-    return (
-        {column: value for column, value in plain.items() if value is not None},
-        {column: value for column, value in others.items() if value is not None},
-    )
-
-
-def _alternatives(body: Iterable[Rule]) -> list[tuple[list[Rule], list[Rule]]]:
-    """Each choice of alternatives: the parts of the body then, and what was chosen.
-
-    Raises:
-        _TooManyError: There are more than can be told.
-    """
-    found: list[tuple[list[Rule], list[Rule]]] = [([], [])]
-    for part in body:
-        options: list[tuple[list[Rule], list[Rule]]] = [([part], [])]
-        if "disjunction" in part:
-            options = [
-                (parts, [branch, *taken])
-                for branch in part["disjunction"]["disjunct"]
-                for parts, taken in _alternatives(flat(branch))
-            ]
-        if len(found) * len(options) > _MOST_CLAUSES:
-            raise _TooManyError
-        found = [
-            ([*parts, *more], [*taken, *chosen])
-            for parts, taken in found
-            for more, chosen in options
-        ]
-    return found
-
-
-class _TooManyError(Exception):
-    """A body has more choices of alternatives than can be told one by one."""
-
-
-def _value_in(call: Rule, column: str) -> Iterator[Rule]:
-    """The expression that a call has for a column, if it has one."""
-    for argument in call.get("record", {}).get("field_value", ()):
-        if column_name(argument["field"]) == column and "expression" in argument["value"]:
-            yield argument["value"]["expression"]
-
-
-def _is_denial(combine: Rule) -> bool:
-    """Whether this is how the package writes that something has no rows."""
-    (column,) = combine["head"]["record"]["field_value"]
-    argument = column["value"].get("aggregation", {}).get("argument", {})
-    literal = argument.get("literal", {}).get("the_number", {}).get("number")
-    return literal == "1" and not hasattr(literal, "heritage")
-
-
-def _plain(tree: Any) -> str:
-    """A text that is the same for the same expressions, wherever they stand."""
-    if isinstance(tree, dict):
-        inner = (f"{k}:{_plain(v)}" for k, v in tree.items() if k not in _HERITAGE)
-        return f"{{{','.join(inner)}}}"
-    if isinstance(tree, list):
-        return f"[{','.join(map(_plain, tree))}]"
-    return repr(str(tree))
-
-
-_HERITAGE = ("expression_heritage", "full_text")

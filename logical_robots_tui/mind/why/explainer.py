@@ -1,4 +1,4 @@
-"""What one robot thinks at one moment, explained: rows, proofs, calls, and where values are from."""
+"""What one robot thinks at one moment, explained: rows, proofs, calls, sources of values."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ from logical_robots_tui.mind.diagnostics import QueryError
 from logical_robots_tui.mind.failures import FailureError
 from logical_robots_tui.mind.table import Table
 from logical_robots_tui.mind.why.calling import calls_of
+from logical_robots_tui.mind.why.derivations import Derivations
 from logical_robots_tui.mind.why.deriving import shown
 from logical_robots_tui.mind.why.proving import Prover
 from logical_robots_tui.mind.why.sourcing import source_of
@@ -50,10 +51,11 @@ class Explainer:
         limits: Limits,
         stop: threading.Event | None,
     ) -> None:
-        self._program, self._relations, self._robot = program, relations, robot
+        self._program, self._robot = program, robot
         self._limits = limits
         self._take_apart = partial(program.take_apart, stop=stop, limits=limits)
-        self._prover = Prover(relations, robot, self._take_apart)
+        self._derivations = Derivations(relations, robot, self._take_apart)
+        self._prover = Prover(self._derivations)
 
     def why(
         self,
@@ -117,7 +119,7 @@ class Explainer:
         }
         most = self._limits.rows
         try:
-            columns, found = calls_of(function, callers, self._prover, self._relations, most + 1)
+            columns, found = calls_of(function, callers, self._derivations, most + 1)
         except FailureError as failure:
             raise QueryError(f"The calls of {function} can't be told: {failure}.") from None
         return Table(tuple(map(shown, columns)), tuple(found[:most]), truncated=len(found) > most)
@@ -132,7 +134,7 @@ class Explainer:
             QueryError: There is no such part, or how it came about can't be told.
         """
         row = {"robot_name": self._robot}
-        return source_of(self._prover, "Robot", row, "memory", path)
+        return source_of(self._derivations, "Robot", row, "memory", path)
 
     def _about(
         self, predicate: str, given: Mapping[str, Value] | None, within: str

@@ -6,79 +6,43 @@ is read off that one derivation.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, TypeAlias
+from dataclasses import replace
+from typing import TYPE_CHECKING
 
 from logical_robots_tui.mind.diagnostics import QueryError
 from logical_robots_tui.mind.failures import FailureError
-from logical_robots_tui.mind.program import VALUE
 from logical_robots_tui.mind.sqlite.stored import to_sql
-from logical_robots_tui.mind.why.deriving import MOST_ELEMENTS, Telling, counted, shown, value_of
+from logical_robots_tui.mind.why.derivations import MOST_ROWS, checked, is_aggregated
+from logical_robots_tui.mind.why.deriving import MOST_ELEMENTS, Telling, counted, shown
 from logical_robots_tui.mind.why.explanation import Explanation, Node, RuleFound
 from logical_robots_tui.mind.why.refuting import Refuting
-from logical_robots_tui.mind.why.relations import ALIKE, same
-from logical_robots_tui.mind.why.staging import Stages
+from logical_robots_tui.mind.why.relations import same
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator, Mapping, Sequence
+    from collections.abc import Iterator, Sequence
 
     from logical_robots_tui.mind.sqlite.database import Scalar
+    from logical_robots_tui.mind.why.derivations import Derivations, Row
     from logical_robots_tui.mind.why.probing import (
-        Body,
         Clause,
         Collected,
         Probing,
         RuleParts,
-        Span,
     )
-    from logical_robots_tui.mind.why.relations import Relations, Way
-    from logical_robots_tui.values import Value
+    from logical_robots_tui.mind.why.relations import Way
 
-__all__ = ["MOST_ROWS", "Derived", "Prover"]
-
-MOST_ROWS = 1_000
-"""Where counting rows ends."""
-
-Row: TypeAlias = "Mapping[str, Value]"
-
-
-@dataclass(frozen=True, slots=True)
-class Derived:
-    """A row and its derivations.
-
-    Attributes:
-        probing: The predicate.
-        row: The row.
-        ways: For each derivation its rule, its clause, and its row of the clause's query. There is
-            one, or where the head aggregates all that contribute.
-    """
-
-    probing: Probing
-    row: Row
-    ways: tuple[tuple[Span, Clause, Way], ...]
+__all__ = ["Prover"]
 
 
 class Prover:
     """Explains rows of predicates for one robot at one moment.
 
     Args:
-        relations: The rows of predicates then.
-        robot: In whose reasoning.
-        take_apart: Gives a predicate, by its name and the made predicate in whose copy it stands,
-            taken apart.
-
-    Attributes:
-        robot: In whose reasoning.
+        derivations: Finds them.
     """
 
-    def __init__(
-        self,
-        relations: Relations,
-        robot: str,
-        take_apart: Callable[[str, str], Probing],
-    ) -> None:
-        self._relations, self.robot, self._take_apart = relations, robot, take_apart
-        self._stages: dict[tuple[str, ...], Stages] = {}
+    def __init__(self, derivations: Derivations) -> None:
+        self._derivations = derivations
 
     def explain(self, predicate: str, given: Row, within: str = "") -> Explanation:
         """Why a predicate has the rows with given values, or none.
@@ -92,14 +56,14 @@ class Prover:
             QueryError: It has no such column, lacks an argument, or its rows can't be computed.
             Stopped: The work was stopped.
         """
-        probing = self._take_apart(predicate, within)
-        given = _checked(given, probing)
+        probing = self._derivations.take_apart(predicate, within)
+        given = checked(given, probing)
         try:
-            rows = self.rows(probing, given)
-            self.prepare(probing)
+            rows = self._derivations.rows(probing, given)
+            self._derivations.prepare(probing)
         except FailureError as failure:
             raise QueryError(f"{predicate} failed: {failure}.") from None
-        row = self._stage(probing).first(probing, rows) if rows else None
+        row = self._derivations.stage(probing).first(probing, rows) if rows else None
         rules = tuple(self._rule(rule, probing, given, rows, row) for rule in probing.rules)
         if row is not None and all(found.row is None for found in rules):
             if _is_over_nothing(probing, row):
@@ -108,7 +72,7 @@ class Prover:
                 rules = (*rules, _unexplained(rules[0], probing))
         return Explanation(
             predicate,
-            self.robot,
+            self._derivations.robot,
             probing.made_from,
             within,
             given,
@@ -116,76 +80,6 @@ class Prover:
             row,
             rules,
         )
-
-    def taken_apart(self, predicate: str) -> Probing:
-        """A predicate, taken apart.
-
-        Raises:
-            QueryError: It can't be.
-        """
-        return self._take_apart(predicate, "")
-
-    def rows(self, probing: Probing, given: Row) -> Sequence[Row]:
-        """The rows of a predicate with given values.
-
-        Raises:
-            FailureError: They can't be computed.
-        """
-        if probing.given:
-            self.prepare(probing)
-            sql = probing.queries.get(probing.rows)
-            if sql is None:
-                raise FailureError("it can't be asked for its rows")
-            arguments = [to_sql(given[column]) for column in probing.given]
-            ways = self._relations.ways(sql, arguments, most=MOST_ROWS + 1)
-            found: Sequence[Row] = [
-                {c: value_of(way, f"c{i}") for i, c in enumerate(probing.columns)} for way in ways
-            ]
-        else:
-            name = probing.name
-            found = self._relations.rows(name, probing.sources.get(name, ""))
-        return [row for row in found if all(same(row[c], v) for c, v in given.items())]
-
-    def derivations(self, predicate: str, within: str, given: Row) -> Derived:
-        """The first row with given values, and a derivation of it; of aggregates, all of them.
-
-        Raises:
-            QueryError: There is none, or how it came about can't be told.
-            FailureError: A query failed.
-        """
-        probing = self._take_apart(predicate, within)
-        given = _checked(given, probing)
-        self.prepare(probing)
-        rows = self.rows(probing, given)
-        if not rows:
-            raise QueryError(f"{predicate} has no such row.")
-        row = self._stage(probing).first(probing, rows)
-        arguments = [to_sql(given[column]) for column in probing.given]
-        self.prepare(probing, row)
-        ways: list[tuple[Span, Clause, Way]] = []
-        for rule in probing.rules:
-            most = MOST_ELEMENTS if _is_aggregated(rule) else 1
-            found = self._ways(rule, probing, row, arguments, most)
-            ways += [(rule.span, clause, way) for clause, way in found]
-            if ways and not _is_aggregated(rule):
-                break
-        if not ways:
-            raise QueryError(f"How {predicate} has this row can't be told.")
-        return Derived(probing, row, tuple(ways))
-
-    def elements(self, probing: Probing, body: Body, way: Way) -> list[tuple[Clause, Way]]:
-        """Derivations of what an aggregate goes over, in one derivation.
-
-        Raises:
-            FailureError: A query failed.
-        """
-        self.prepare(probing)
-        given = [way.get(place) for place in body.given.values()]
-        return [
-            (clause, inner)
-            for clause in body.clauses
-            for inner in self._relations.ways(self._sql(clause, probing), given, most=MOST_ELEMENTS)
-        ]
 
     # -- rules -----------------------------------------------------------------------------------
 
@@ -198,15 +92,15 @@ class Prover:
         row: Row | None,
     ) -> RuleFound:
         arguments = [to_sql(given[column]) for column in probing.given]
-        refuting = Refuting(self._relations, probing.queries)
-        telling = Telling(self._relations, probing.queries, refuting.bodies)
+        refuting = Refuting(self._derivations.relations, probing.queries)
+        telling = Telling(self._derivations.relations, probing.queries, refuting.bodies)
         refuting.telling = telling
         try:
             number = self._number(rule, probing, given, arguments, rows)
             if row is not None:
-                self.prepare(probing, row)
+                self._derivations.prepare(probing, row)
                 nodes = self._derived(rule, probing, row, arguments, telling)
-                self.prepare(probing)
+                self._derivations.prepare(probing)
                 if nodes is not None:
                     said = _gives(number, len(rows))
                     return RuleFound(
@@ -217,7 +111,7 @@ class Prover:
                 return RuleFound(rule.span, number, None, None, _heading(rule, said, True))
             wanted = {c: v for c, v in given.items() if c not in probing.given}
             others, stopped, children = refuting.rule(rule, arguments, wanted)
-            if row is None and stopped is None and _is_aggregated(rule):
+            if row is None and stopped is None and is_aggregated(rule):
                 unlike = self._unlike(rule, probing, given)
                 children, stopped = (*children, *unlike), next(iter(unlike), None)
             said = "is about something else" if others else "gives no row"
@@ -232,7 +126,7 @@ class Prover:
     def _unlike(self, rule: RuleParts, probing: Probing, given: Row) -> tuple[Node, ...]:
         """What came out of the aggregates, where that is not what was asked for."""
         keys = _keys(rule, given)
-        rows = self.rows(probing, keys)
+        rows = self._derivations.rows(probing, keys)
         return tuple(
             Node("column", column, "came out", False, (row[column],))
             for row in rows[:1]
@@ -251,21 +145,20 @@ class Prover:
         """How many of the rows come from a rule."""
         if not rows:
             return 0
-        if probing.recursive or _is_aggregated(rule):
-            return sum(
-                any(True for _ in self._ways(rule, probing, row, arguments)) for row in rows[:100]
-            )
+        if probing.recursive or is_aggregated(rule):
+            ways = self._derivations.ways
+            return sum(any(True for _ in ways(rule, probing, r, arguments)) for r in rows[:100])
         found: set[str] = set()
         number = 0
         for clause in rule.clauses:
-            sql = self._sql(clause, probing)
+            sql = self._derivations.sql(clause, probing)
             places = [(place, given[c]) for c, place in clause.head.items() if c in given]
             if probing.distinct:
                 what = f"DISTINCT {', '.join(clause.head.values()) or 'one'}"
-                ways = self._relations.ways(sql, arguments, places, what, MOST_ROWS)
-                found |= {repr(tuple(way.values())) for way in ways}
+                rest = self._derivations.relations.ways(sql, arguments, places, what, MOST_ROWS)
+                found |= {repr(tuple(way.values())) for way in rest}
             else:
-                number += self._relations.count(sql, arguments, places, MOST_ROWS)
+                number += self._derivations.relations.count(sql, arguments, places, MOST_ROWS)
         return min(number + len(found), MOST_ROWS)
 
     def _derived(
@@ -277,11 +170,11 @@ class Prover:
         telling: Telling,
     ) -> tuple[Node, ...] | None:
         """The nodes of a derivation of a row by a rule, or None if there is none."""
-        if not _is_aggregated(rule):
-            for clause, way in self._ways(rule, probing, row, arguments):
+        if not is_aggregated(rule):
+            for clause, way in self._derivations.ways(rule, probing, row, arguments):
                 return (*telling.row(clause, way, row), *telling.derivation(clause, way))
             return None
-        ways = list(self._ways(rule, probing, row, arguments, MOST_ELEMENTS + 1))
+        ways = list(self._derivations.ways(rule, probing, row, arguments, MOST_ELEMENTS + 1))
         if not ways:
             return None
         return tuple(self._aggregated(probing, ways, row, telling))
@@ -306,79 +199,6 @@ class Prover:
             if len(probing.rules) > 1:
                 said += " of this rule"
             yield Node("aggregate", shown(column), said, values=(row[column],), children=children)
-
-    def _ways(
-        self,
-        rule: RuleParts,
-        probing: Probing,
-        row: Row,
-        arguments: Sequence[Scalar],
-        most: int = 1,
-    ) -> Iterator[tuple[Clause, Way]]:
-        """Derivations of a row by a rule; of one with aggregates, what contributes to it."""
-        for clause in rule.clauses:
-            alike = [(place, row[c]) for c, place in clause.head.items() if c in row]
-            sql = self._sql(clause, probing)
-            found = self._relations.ways(sql, arguments, alike, most=most)
-            if not found and any(isinstance(value, dict | list) for _, value in alike):
-                found = self._relations.ways(sql, arguments, alike, most=most, compared=ALIKE)
-            for way in found:
-                yield clause, way
-
-    @staticmethod
-    def _sql(clause: Clause, probing: Probing) -> str:
-        sql = probing.queries.get(clause.query)
-        if sql is None:
-            raise FailureError("it is put together from too many parts")
-        return sql
-
-    # -- tables ----------------------------------------------------------------------------------
-
-    def prepare(self, probing: Probing, row: Row | None = None) -> None:
-        """Fill the tables that the queries of a predicate read.
-
-        Args:
-            probing: The predicate.
-            row: A row of a recursion, so that only what was there before counts.
-        """
-        for name, table in probing.tables.items():
-            rows: Sequence[Row] = self._relations.rows(name, probing.sources.get(name, ""))
-            if name in probing.recursive and row is not None:
-                rows = self._stage(probing).before(name, probing, row, rows)
-            self._relations.fill(table, name, rows)
-
-    def _stage(self, probing: Probing) -> Stages:
-        key = tuple(probing.recursive)
-        if key not in self._stages:
-            members = {}
-            if probing.founded:
-                members = {
-                    name: self._take_apart(*called) for name, called in probing.recursive.items()
-                }
-            self._stages[key] = Stages(self._relations, members)
-        return self._stages[key]
-
-
-def _checked(given: Row, probing: Probing) -> Row:
-    """The given values, by columns that there are.
-
-    Raises:
-        QueryError: One is not there, or an argument is missing.
-    """
-    if VALUE in probing.columns and "value" in given and "value" not in probing.columns:
-        given = {(VALUE if c == "value" else c): v for c, v in given.items()}
-    columns = ", ".join(map(shown, probing.columns))
-    for column in given:
-        if column not in probing.columns:
-            raise QueryError(f"{probing.predicate} has no column {column}; it has {columns}.")
-    if missing := [name for name in probing.given if name not in given]:
-        names = ", ".join(missing)
-        raise QueryError(f"{probing.predicate} is a function of {names}: give a value for it.")
-    return given
-
-
-def _is_aggregated(rule: RuleParts) -> bool:
-    return any(clause.collected for clause in rule.clauses)
 
 
 def _keys(rule: RuleParts, row: Row) -> Row:

@@ -20,6 +20,7 @@ from logical_robots_tui.mind.why.relations import alike
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
+    from logical_robots_tui.mind.why.derivations import Derivations
     from logical_robots_tui.mind.why.probing import (
         Body,
         Call,
@@ -30,7 +31,6 @@ if TYPE_CHECKING:
         Step,
         Term,
     )
-    from logical_robots_tui.mind.why.proving import Prover
     from logical_robots_tui.mind.why.relations import Way
     from logical_robots_tui.values import Value
 
@@ -98,12 +98,12 @@ class _Found:
 
 
 def source_of(
-    prover: Prover, predicate: str, row: Mapping[str, Value], column: str, path: Path
+    derivations: Derivations, predicate: str, row: Mapping[str, Value], column: str, path: Path
 ) -> Made:
     """Where a part of a value in a row comes from.
 
     Args:
-        prover: Who finds derivations.
+        derivations: Finds derivations.
         predicate: A predicate of the program.
         row: Values of its columns that tell which row.
         column: The column.
@@ -112,7 +112,7 @@ def source_of(
     Raises:
         QueryError: There is no such row or part, or how it came about can't be told.
     """
-    sourcing = _Sourcing(prover)
+    sourcing = _Sourcing(derivations)
     try:
         whole, found = sourcing.in_row(predicate, "", row, column, path, None)
     except FailureError as failure:
@@ -142,8 +142,8 @@ def part_of(value: Value, path: Path) -> Value:
 class _Sourcing:
     """Follows one value."""
 
-    def __init__(self, prover: Prover) -> None:
-        self._prover = prover
+    def __init__(self, derivations: Derivations) -> None:
+        self._derivations = derivations
         self._depth = 0
 
     def in_row(
@@ -164,7 +164,7 @@ class _Sourcing:
         self._depth += 1
         if self._depth > _DEEPEST:
             raise QueryError("This goes through too many predicates to be followed.")
-        derived = self._prover.derivations(predicate, within, given)
+        derived = self._derivations.first(predicate, within, given)
         value = derived.row[column]
         clause = derived.ways[0][1]
         collected = next((c for c in clause.collected if c.column == column), None)
@@ -255,7 +255,7 @@ class _Sourcing:
         """Where a part of a column of a row comes from that was called."""
         given = {c: value_of(frame.way, p) for c, p in call.arguments.items() if p in frame.way}
         if call.predicate in ("Sensor", "Memory"):
-            robot = str(given.get("robot_name", self._prover.robot))
+            robot = str(given.get("robot_name", self._derivations.robot))
             if column == "robot_name":
                 return _Found(None, frame.rule, ())
             what: Literal["sensor", "memory"] = "sensor" if call.predicate == "Sensor" else "memory"
@@ -268,7 +268,7 @@ class _Sourcing:
         return found
 
     def _collected(self, frame: _Frame, term: Term, body: Body, path: Path) -> _Found:
-        ways = self._prover.elements(frame.probing, body, frame.way)
+        ways = self._derivations.elements(frame.probing, body, frame.way)
         found = [(clause, clause.collected[0], way) for clause, way in ways if clause.collected]
         frames = [_inner(frame, body, clause, way) for clause, _, way in found]
         value = value_of(frame.way, term.column)

@@ -15,7 +15,8 @@ from logical_robots_tui.mind.compiling.quicker import deep_copy
 from logical_robots_tui.mind.compiling.rules import VALUE, called, head_name
 from logical_robots_tui.mind.program import INPUTS
 from logical_robots_tui.mind.why import trees
-from logical_robots_tui.mind.why.clauses import Builder, Names, head_of
+from logical_robots_tui.mind.why.bodies import Names, head_of
+from logical_robots_tui.mind.why.clauses import Builder
 from logical_robots_tui.mind.why.functors import expand, rename
 from logical_robots_tui.mind.why.probing import (
     DECIDED_BY_ONE,

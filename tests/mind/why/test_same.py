@@ -8,7 +8,7 @@ import pytest
 
 from logical_robots_tui.game import list_programs, load_program
 from logical_robots_tui.mind import Mind, Program
-from logical_robots_tui.mind.why.proving import MOST_ROWS
+from logical_robots_tui.mind.why.derivations import MOST_ROWS
 from logical_robots_tui.world import World, list_levels, load_level
 from tests.mind.rows import nearly_same
 

@@ -1,0 +1,207 @@
+"""The rows of predicates, and derivations of a row, for one robot at one moment."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, TypeAlias
+
+from logical_robots_tui.mind.diagnostics import QueryError
+from logical_robots_tui.mind.failures import FailureError
+from logical_robots_tui.mind.program import VALUE
+from logical_robots_tui.mind.sqlite.stored import to_sql
+from logical_robots_tui.mind.why.deriving import MOST_ELEMENTS, shown, value_of
+from logical_robots_tui.mind.why.relations import ALIKE, same
+from logical_robots_tui.mind.why.staging import Stages
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator, Mapping, Sequence
+
+    from logical_robots_tui.mind.sqlite.database import Scalar
+    from logical_robots_tui.mind.why.probing import Body, Clause, Probing, RuleParts, Span
+    from logical_robots_tui.mind.why.relations import Relations, Way
+    from logical_robots_tui.values import Value
+
+__all__ = ["MOST_ROWS", "Derivations", "Derived", "Row", "checked", "is_aggregated"]
+
+MOST_ROWS = 1_000
+"""Where counting rows ends."""
+
+Row: TypeAlias = "Mapping[str, Value]"
+
+
+@dataclass(frozen=True, slots=True)
+class Derived:
+    """A row and its derivations.
+
+    Attributes:
+        probing: The predicate.
+        row: The row.
+        ways: For each derivation its rule, its clause, and its row of the clause's query. There is
+            one, or where the head aggregates all that contribute.
+    """
+
+    probing: Probing
+    row: Row
+    ways: tuple[tuple[Span, Clause, Way], ...]
+
+
+class Derivations:
+    """Finds rows of predicates and derivations of them.
+
+    Args:
+        relations: The rows of predicates at the moment in question.
+        robot: In whose reasoning.
+        take_apart: Gives a predicate, by its name and the made predicate in whose copy it stands,
+            taken apart.
+
+    Attributes:
+        relations: The same.
+        robot: The same.
+        take_apart: The same.
+    """
+
+    def __init__(
+        self, relations: Relations, robot: str, take_apart: Callable[[str, str], Probing]
+    ) -> None:
+        self.relations, self.robot, self.take_apart = relations, robot, take_apart
+        self._stages: dict[tuple[str, ...], Stages] = {}
+
+    def rows(self, probing: Probing, given: Row) -> Sequence[Row]:
+        """The rows of a predicate with given values.
+
+        Raises:
+            FailureError: They can't be computed.
+        """
+        if probing.given:
+            self.prepare(probing)
+            sql = probing.queries.get(probing.rows)
+            if sql is None:
+                raise FailureError("it can't be asked for its rows")
+            arguments = [to_sql(given[column]) for column in probing.given]
+            ways = self.relations.ways(sql, arguments, most=MOST_ROWS + 1)
+            found: Sequence[Row] = [
+                {c: value_of(way, f"c{i}") for i, c in enumerate(probing.columns)} for way in ways
+            ]
+        else:
+            name = probing.name
+            found = self.relations.rows(name, probing.sources.get(name, ""))
+        return [row for row in found if all(same(row[c], v) for c, v in given.items())]
+
+    def first(self, predicate: str, within: str, given: Row) -> Derived:
+        """The first row with given values, and a derivation of it; of aggregates, all of them.
+
+        Raises:
+            QueryError: There is none, or how it came about can't be told.
+            FailureError: A query failed.
+        """
+        probing = self.take_apart(predicate, within)
+        given = checked(given, probing)
+        self.prepare(probing)
+        rows = self.rows(probing, given)
+        if not rows:
+            raise QueryError(f"{predicate} has no such row.")
+        row = self.stage(probing).first(probing, rows)
+        arguments = [to_sql(given[column]) for column in probing.given]
+        self.prepare(probing, row)
+        ways: list[tuple[Span, Clause, Way]] = []
+        for rule in probing.rules:
+            most = MOST_ELEMENTS if is_aggregated(rule) else 1
+            found = self.ways(rule, probing, row, arguments, most)
+            ways += [(rule.span, clause, way) for clause, way in found]
+            if ways and not is_aggregated(rule):
+                break
+        if not ways:
+            raise QueryError(f"How {predicate} has this row can't be told.")
+        return Derived(probing, row, tuple(ways))
+
+    def elements(self, probing: Probing, body: Body, way: Way) -> list[tuple[Clause, Way]]:
+        """Derivations of what an aggregate goes over, in one derivation.
+
+        Raises:
+            FailureError: A query failed.
+        """
+        self.prepare(probing)
+        given = [way.get(place) for place in body.given.values()]
+        return [
+            (clause, inner)
+            for clause in body.clauses
+            for inner in self.relations.ways(self.sql(clause, probing), given, most=MOST_ELEMENTS)
+        ]
+
+    def ways(
+        self,
+        rule: RuleParts,
+        probing: Probing,
+        row: Row,
+        arguments: Sequence[Scalar],
+        most: int = 1,
+    ) -> Iterator[tuple[Clause, Way]]:
+        """Derivations of a row by a rule; of one with aggregates, what contributes to it."""
+        for clause in rule.clauses:
+            alike = [(place, row[c]) for c, place in clause.head.items() if c in row]
+            sql = self.sql(clause, probing)
+            found = self.relations.ways(sql, arguments, alike, most=most)
+            if not found and any(isinstance(value, dict | list) for _, value in alike):
+                found = self.relations.ways(sql, arguments, alike, most=most, compared=ALIKE)
+            for way in found:
+                yield clause, way
+
+    @staticmethod
+    def sql(clause: Clause, probing: Probing) -> str:
+        """The query for the derivations of a clause.
+
+        Raises:
+            FailureError: There is none.
+        """
+        sql = probing.queries.get(clause.query)
+        if sql is None:
+            raise FailureError("it is put together from too many parts")
+        return sql
+
+    def prepare(self, probing: Probing, row: Row | None = None) -> None:
+        """Fill the tables that the queries of a predicate read.
+
+        Args:
+            probing: The predicate.
+            row: A row of a recursion, so that only what was there before counts.
+        """
+        for name, table in probing.tables.items():
+            rows: Sequence[Row] = self.relations.rows(name, probing.sources.get(name, ""))
+            if name in probing.recursive and row is not None:
+                rows = self.stage(probing).before(name, probing, row, rows)
+            self.relations.fill(table, name, rows)
+
+    def stage(self, probing: Probing) -> Stages:
+        """Which rows of a recursion were there before which."""
+        key = tuple(probing.recursive)
+        if key not in self._stages:
+            members = {}
+            if probing.founded:
+                members = {
+                    name: self.take_apart(*called) for name, called in probing.recursive.items()
+                }
+            self._stages[key] = Stages(self.relations, members)
+        return self._stages[key]
+
+
+def checked(given: Row, probing: Probing) -> Row:
+    """The given values, by columns that there are.
+
+    Raises:
+        QueryError: One is not there, or an argument is missing.
+    """
+    if VALUE in probing.columns and "value" in given and "value" not in probing.columns:
+        given = {(VALUE if c == "value" else c): v for c, v in given.items()}
+    columns = ", ".join(map(shown, probing.columns))
+    for column in given:
+        if column not in probing.columns:
+            raise QueryError(f"{probing.predicate} has no column {column}; it has {columns}.")
+    if missing := [name for name in probing.given if name not in given]:
+        names = ", ".join(missing)
+        raise QueryError(f"{probing.predicate} is a function of {names}: give a value for it.")
+    return given
+
+
+def is_aggregated(rule: RuleParts) -> bool:
+    """Whether the head of a rule aggregates."""
+    return any(clause.collected for clause in rule.clauses)
