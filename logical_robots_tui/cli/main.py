@@ -30,6 +30,7 @@ _HOMES = {
     "query": "query",
     "when": "when",
     "why": "why",
+    "origin": "origin",
     "check": "check",
     "help": "help",
     "levels": "listing",
@@ -58,6 +59,8 @@ examples:
                                        say in which ticks something holds
   logical-robots why LEVEL PROGRAM --tick N --robot R
                                        say why a robot did what it did
+  logical-robots origin LEVEL PROGRAM --tick N --robot R --value memory.part
+                                       say where a value comes from
   logical-robots check PROGRAM         say what is wrong with a program
   logical-robots help FUNCTION         explain a function of the language
   logical-robots level new FILE        make a level

@@ -17,6 +17,7 @@ from logical_robots_tui.game.history import History, NoSuchTickError
 from logical_robots_tui.game.holding import Holding, rows_that_count, when_it_holds
 from logical_robots_tui.game.inquiry import Inquiry
 from logical_robots_tui.game.marks import MARK_KINDS, Mark, MarkKind
+from logical_robots_tui.game.origin import Link, Origin, origin_in_game, origin_in_run, read_path
 from logical_robots_tui.game.pace import FLAT_OUT, SPEEDS, Pace
 from logical_robots_tui.game.parting import Difference, Parting
 from logical_robots_tui.game.pins import MIND, ROBOT_COLUMNS, Path, Pin, Reading, pin_of_cell, read
@@ -47,9 +48,11 @@ __all__ = [
     "Hit",
     "Holding",
     "Inquiry",
+    "Link",
     "Mark",
     "MarkKind",
     "NoSuchTickError",
+    "Origin",
     "Pace",
     "Parting",
     "Path",
@@ -69,9 +72,12 @@ __all__ = [
     "load_program",
     "mistake_in",
     "mistake_in_question",
+    "origin_in_game",
+    "origin_in_run",
     "pin_of_cell",
     "place_of",
     "read",
+    "read_path",
     "reference_for",
     "rows_that_count",
     "run_key",

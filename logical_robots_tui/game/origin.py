@@ -8,27 +8,45 @@ from __future__ import annotations
 
 import re
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import TYPE_CHECKING, TypeAlias
 
+from logical_robots_tui.game.advancing import known_frame
+from logical_robots_tui.game.history import NoSuchTickError
+from logical_robots_tui.game.thinker import Thinker
+from logical_robots_tui.game.worlds import Worlds
 from logical_robots_tui.mind import QueryError
 from logical_robots_tui.mind.why.relations import alike
 from logical_robots_tui.mind.why.sourcing import part_of
 
 if TYPE_CHECKING:
     import threading
-    from collections.abc import Callable, Mapping, Sequence
+    from collections.abc import Awaitable, Callable, Mapping, Sequence
 
+    from logical_robots_tui.game.frame import Frame
+    from logical_robots_tui.game.game import Game
+    from logical_robots_tui.game.run import Run
     from logical_robots_tui.mind import Mind
     from logical_robots_tui.mind.why.probing import Span
     from logical_robots_tui.mind.why.sourcing import Made, Path, Read
-    from logical_robots_tui.values import SensorRow, Value
+    from logical_robots_tui.values import Value
 
-__all__ = ["Link", "Origin", "origin_of", "read_path", "written_path"]
+__all__ = [
+    "Link",
+    "Origin",
+    "origin_in_game",
+    "origin_in_run",
+    "origin_of",
+    "read_path",
+    "written_path",
+]
 
 MOST_LINKS = 24
 _MOST_READS = 4  # of one link that are followed
 
-Moment: TypeAlias = "tuple[Sequence[SensorRow], Mapping[str, Value]]"
+Source: TypeAlias = "Callable[[int, str, Path], Awaitable[tuple[Made, Mapping[str, Value]]]]"
+"""Gives for a tick, a robot and a part of its memory how that came about, and the memories of all
+robots before that tick."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -71,30 +89,92 @@ class Origin:
     complete: bool
 
 
-def origin_of(
-    mind: Mind,
+async def origin_in_run(
+    run: Run,
     robot: str,
     path: Path,
     tick: int,
-    moment: Callable[[int], Moment],
-    *,
-    most: int = MOST_LINKS,
-    stop: threading.Event | None = None,
+    told: Callable[[int], object] = lambda _tick: None,
+) -> Origin:
+    """Where a part of the memory comes from that a robot has after a tick of a run.
+
+    Args:
+        run: The run.
+        robot: Name of the robot.
+        path: The part: names of fields and places in lists.
+        tick: The tick, from 1.
+        told: Called meanwhile with the number of ticks that were looked at.
+
+    Raises:
+        QueryError: There is no such robot or part, or how it came about can't be told.
+    """
+    looked = 0
+
+    async def source(at: int, whose: str, part: Path) -> tuple[Made, Mapping[str, Value]]:
+        nonlocal looked
+        looked += 1
+        told(looked)
+        work = partial(_source, whose, part)
+        (found,) = [each async for each in run.each(at, at, work)]
+        return found
+
+    return await origin_of(source, robot, path, tick)
+
+
+async def origin_in_game(game: Game, robot: str, path: Path) -> Origin:
+    """Where a part of the memory comes from that a robot has after the present tick of a game.
+
+    Each tick is asked with the program that decided in it. Cancelling the call ends the work.
+
+    Args:
+        game: The game.
+        robot: Name of the robot.
+        path: The part: names of fields and places in lists.
+
+    Raises:
+        QueryError: There is no such robot or part, or how it came about can't be told.
+    """
+    history = game.history
+    thinker = Thinker("origin")
+    worlds: list[Worlds] = []
+
+    async def source(at: int, whose: str, part: Path) -> tuple[Made, Mapping[str, Value]]:
+        try:
+            before, _ = history.around(at)
+            known = history.known(at)
+        except NoSuchTickError:
+            raise QueryError(f"Tick {at} is not in the timeline any more.") from None
+        program = history.program_at(at) or game.program
+
+        def work(stop: threading.Event) -> tuple[Made, Mapping[str, Value]]:
+            if not worlds:
+                worlds.append(Worlds(known.level))
+            frame = known_frame(worlds[0], before.after, before.memories, known)
+            mind = thinker.mind(program, known.level, game.limits)
+            return _source(whose, part, frame, mind, stop)
+
+        return await thinker.do(work)
+
+    try:
+        return await origin_of(source, robot, path, game.frame.tick)
+    finally:
+        await thinker.close()
+
+
+async def origin_of(
+    source: Source, robot: str, path: Path, tick: int, *, most: int = MOST_LINKS
 ) -> Origin:
     """Where a part of the memory comes from that a robot has after a tick.
 
     Args:
-        mind: A mind with the program.
+        source: Gives how a part of a memory came about in a tick.
         robot: Name of the robot.
         path: The part: names of fields and places in lists.
         tick: The tick, from 1.
-        moment: Gives sensor rows and memories of a tick, from 1 to this one.
         most: Most links.
-        stop: Set it from another thread to give up.
 
     Raises:
         QueryError: There is no such robot or part, or how it came about can't be told.
-        Stopped: `stop` was set before the answer was there.
     """
     links: list[Link] = []
     numbers: dict[tuple[int, str, Path], int] = {}
@@ -106,7 +186,7 @@ def origin_of(
             complete = False
             break
         try:
-            link = _link(mind, whose, part, at, moment, stop)
+            link = await _link(source, whose, part, at)
         except QueryError:
             if parent is None:
                 raise
@@ -144,19 +224,18 @@ def written_path(path: Path, what: str = "memory") -> str:
     return what + "".join(f"[{p}]" if isinstance(p, int) else f".{p}" for p in path)
 
 
-def _link(
-    mind: Mind,
-    robot: str,
-    path: Path,
-    tick: int,
-    moment: Callable[[int], Moment],
-    stop: threading.Event | None,
-) -> Link:
+def _source(
+    robot: str, path: Path, frame: Frame, mind: Mind, stop: threading.Event
+) -> tuple[Made, Mapping[str, Value]]:
+    explainer = mind.explainer(robot, frame.sensors, frame.memories_before, stop=stop)
+    return explainer.source(path), frame.memories_before
+
+
+async def _link(source: Source, robot: str, path: Path, tick: int) -> Link:
     """The tick in which a value was made, or that it was there from the start."""
     until = tick
     while True:
-        rows, memories = moment(tick)
-        made = mind.explainer(robot, rows, memories, stop=stop).source(path)
+        made, memories = await source(tick, robot, path)
         kept = _kept(made, memories)
         if kept is None:
             return Link(robot, path, made.value, tick, until, made.span, made.rule, made.reads)

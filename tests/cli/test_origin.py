@@ -1,0 +1,59 @@
+"""``logical-robots origin``: in which tick and by which rule a value was made."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import pytest
+
+from tests.cli.running import in_terminal
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from tests.cli.running import Command
+
+
+@pytest.fixture
+def keeper(tmp_path: Path) -> Path:
+    """A program that notes the clock once, and keeps it."""
+    path = tmp_path / "keeper.l"
+    path.write_text(
+        "Robot(robot_name:, desire: {left_engine: 0, right_engine: 0}, memory: {at:}) :-\n"
+        "  Sensor(robot_name:, sensor:), Memory(robot_name:, memory:),\n"
+        "  at = (if sensor.clock == 3 then sensor.clock else memory.at);\n"
+    )
+    return path
+
+
+def test_the_tick_the_line_and_what_was_read_are_told(
+    command: Command, level: Path, keeper: Path
+) -> None:
+    told = command("origin", level, keeper, "--tick", 8, "--robot", "Pip", "--value", "memory.at")
+    assert told.status == 0
+    (link,) = told.data["links"]
+    assert (link["value"], link["tick"], link["until"], link["rule_line"]) == (3, 3, 8, 1)
+    assert [(read["part"], read["value"]) for read in link["reads"]] == [("sensor.clock", 3)]
+
+
+def test_in_a_terminal_it_is_told_in_words(level: Path, keeper: Path) -> None:
+    with in_terminal(
+        "origin", level, keeper, "--tick", 8, "--robot", "Pip", "--value", "memory.at"
+    ) as terminal:
+        assert terminal.finish() == 0
+        shown = terminal.text
+    assert "1. Pip's memory.at = 3" in shown
+    assert "set in tick 3 by the rule in line 1, kept until tick 8" in shown
+    assert "from Pip's sensor.clock = 3" in shown
+
+
+@pytest.mark.parametrize(
+    ("value", "message"),
+    [("at", "'at' is no part of a memory"), ("memory.of", "this value has no part of")],
+)
+def test_a_part_that_is_not_there_is_named(
+    command: Command, level: Path, keeper: Path, value: str, message: str
+) -> None:
+    told = command("origin", level, keeper, "--tick", 8, "--robot", "Pip", "--value", value)
+    assert told.status == 2
+    assert message in told.err
