@@ -23,6 +23,7 @@ from benchmarks.inspector import inspector
 from benchmarks.machine import machine
 from benchmarks.measure import Effort, Measurement
 from benchmarks.mind import compiling, thinking
+from benchmarks.proofs import proofs
 from benchmarks.ssh import processor, ssh
 from benchmarks.swarm import swarms
 from benchmarks.whole_game import whole_game
@@ -45,6 +46,7 @@ BENCHMARKS = {
     "history": history,
     "inspector": inspector,
     "answers": answers,
+    "proofs": proofs,
     "screen": with_screen,
     "traffic": traffic,
     "ssh": ssh,

@@ -223,7 +223,7 @@ class Mind:
             raise QueryError(f"There is no robot {robot} at this tick.")
         within = Within(self.limits.query_seconds, _EXPLAINED_ROWS, stop)
         relations = Relations(self._asking.explore(moment, view, within))
-        return Explainer(self.program, relations, robot, self.limits, stop)
+        return Explainer(self.program, relations, robot, self.limits, within)
 
     def machinery(
         self,

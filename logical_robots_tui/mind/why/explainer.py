@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from functools import partial
+from time import monotonic
 from typing import TYPE_CHECKING
 
 from logical_robots_tui.mind.diagnostics import QueryError
@@ -16,12 +16,13 @@ from logical_robots_tui.mind.why.sourcing import source_of
 from logical_robots_tui.mind.why.unfolding import unfold
 
 if TYPE_CHECKING:
-    import threading
     from collections.abc import Mapping
 
     from logical_robots_tui.mind.limits import Limits
     from logical_robots_tui.mind.program import Program
+    from logical_robots_tui.mind.sqlite.moment import Within
     from logical_robots_tui.mind.why.explanation import Explanation
+    from logical_robots_tui.mind.why.probing import Probing
     from logical_robots_tui.mind.why.relations import Relations
     from logical_robots_tui.mind.why.sourcing import Made, Path
     from logical_robots_tui.mind.why.unfolding import Proof
@@ -40,7 +41,7 @@ class Explainer:
         relations: The rows of predicates then.
         robot: Name of the robot.
         limits: Bounds on compiling and on results.
-        stop: Set it from another thread to give up.
+        within: The time that a question may take, but for taking predicates apart.
     """
 
     def __init__(
@@ -49,11 +50,10 @@ class Explainer:
         relations: Relations,
         robot: str,
         limits: Limits,
-        stop: threading.Event | None,
+        within: Within,
     ) -> None:
         self._program, self._robot = program, robot
-        self._limits = limits
-        self._take_apart = partial(program.take_apart, stop=stop, limits=limits)
+        self._limits, self._within = limits, within
         self._derivations = Derivations(relations, robot, self._take_apart)
         self._prover = Prover(self._derivations)
 
@@ -113,6 +113,7 @@ class Explainer:
         known = self._program.predicate(function)
         if known is None or not known.is_function:
             raise QueryError(f"{function} is not a function of this program.")
+        self._begin()
         uses = self._program.uses
         callers = {
             name: [p for p, used in uses.items() if name in used and p != name] for name in uses
@@ -133,13 +134,28 @@ class Explainer:
         Raises:
             QueryError: There is no such part, or how it came about can't be told.
         """
+        self._begin()
         row = {"robot_name": self._robot}
         return source_of(self._derivations, "Robot", row, "memory", path)
+
+    def _begin(self) -> None:
+        """Let the time for a question begin."""
+        self._within.deadline = monotonic() + self._within.seconds
+
+    def _take_apart(self, predicate: str, within: str) -> Probing:
+        """A predicate, taken apart; the time that takes does not count."""
+        began = monotonic()
+        try:
+            stop = self._within.stop
+            return self._program.take_apart(predicate, within, stop=stop, limits=self._limits)
+        finally:
+            self._within.deadline += monotonic() - began
 
     def _about(
         self, predicate: str, given: Mapping[str, Value] | None, within: str
     ) -> Mapping[str, Value]:
         """The values that are asked for, with the robot's name where that goes without saying."""
+        self._begin()
         probing = self._take_apart(predicate, within)
         given = {} if given is None else given
         if "robot_name" in probing.columns and "robot_name" not in probing.given:

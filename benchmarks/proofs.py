@@ -1,0 +1,74 @@
+"""Proofs of decisions: milliseconds for the whole tree, and how many thoughts that is."""
+
+from __future__ import annotations
+
+import statistics
+from contextlib import closing
+from functools import partial
+from typing import TYPE_CHECKING, Any
+
+from benchmarks.measure import Effort, Measurement, seconds_for
+from logical_robots_tui import Mind, Program, World, load_level
+from logical_robots_tui.game import load_program
+from logical_robots_tui.world import list_levels
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+__all__ = ["proofs"]
+
+MOST_TICKS = 400
+LOOKS = 10  # at each run
+ROBOTS = 3  # at each look
+THINKS = 5
+
+
+def proofs(effort: Effort) -> Iterator[Measurement]:
+    """The proof of the decisions of every shipped program on its level, 95 of 100 within."""
+    all_times, all_ratios = [], []
+    for name in list_levels():
+        times, ratios = _measured(name, min(effort.ticks, MOST_TICKS))
+        all_times += times
+        all_ratios += ratios
+        yield Measurement("proof, p95", name, _p95(times), "ms", min(times), max(times))
+    yield Measurement(
+        *("proof, p95", "all levels", _p95(all_times), "ms", min(all_times), max(all_times)),
+        required="<= 150",
+    )
+    yield Measurement(
+        *("proof / think", "all levels, p95", _p95(all_ratios), "x"),
+        *(min(all_ratios), max(all_ratios)),
+    )
+
+
+def _measured(name: str, ticks: int) -> tuple[list[float], list[float]]:
+    """Milliseconds of proofs, and how many thoughts of all robots each is."""
+    level = load_level(name)
+    program = Program.compile(load_program(level.solution).text)
+    visibility = level.visibility
+    world = World(level)
+    memories: dict[str, Any] = {}
+    times: list[float] = []
+    ratios: list[float] = []
+    with closing(Mind(program, visibility.memory, visibility.sensor)) as mind:
+        for tick in range(1, ticks + 1):
+            rows = world.sense()
+            decisions = mind.think(rows, memories)
+            if tick % max(1, ticks // LOOKS) == 0:
+                once = partial(mind.think, rows, memories)
+                think = statistics.median(seconds_for(once) for _ in range(THINKS))
+                for robot in [each.name for each in level.robots[:ROBOTS]]:
+                    explainer = mind.explainer(robot, rows, memories)
+                    if not times:
+                        explainer.proof()  # takes the predicates apart, once for each program
+                        explainer = mind.explainer(robot, rows, memories)
+                    seconds = seconds_for(explainer.proof)
+                    times.append(1000 * seconds)
+                    ratios.append(seconds / think)
+            memories = {d.robot_name: d.memory for d in decisions}
+            world.act({d.robot_name: d.desire for d in decisions if d.desire is not None})
+    return times, ratios
+
+
+def _p95(values: list[float]) -> float:
+    return statistics.quantiles(values, n=20)[-1]
