@@ -342,6 +342,8 @@ class Explored:
         Raises:
             FailureError: It failed, or has too many.
         """
+        if not sql and not self._asking.sql_of(predicate):
+            raise FailureError(f"{predicate} can't be computed")
         if not sql:
             return self._asking.rows(predicate, self._moment, self._view, self._within)
         return self._asking.plainly(sql, self._moment, self._view, self._within)

@@ -21,6 +21,9 @@ if TYPE_CHECKING:
 
 __all__ = ["Checker", "false_claims"]
 
+_BOUND = re.compile(r"(\w+)\s*==?\s")
+_EQUATION = re.compile(r"[^=<>!]==?[^=]")
+
 
 class Checker:
     """Asks a program whether what is claimed holds.
@@ -82,10 +85,10 @@ def _claims(node: Node) -> Iterator[str | None]:
                 yield from _claims(child)
             continue
         if len(child.values) == 1 and not child.is_truth:
-            text = child.text
-            if child.span is not None and child.holds and "==" in text:
-                text = text.split("==")[0].strip()
-            if child.span is None or "==" not in text:
+            text, is_step = child.text, child.span is not None and child.holds
+            if is_step and (bound := _BOUND.match(text)):
+                text = bound.group(1)
+            if child.span is None or not _EQUATION.search(text):
                 yield _equal(text, child.values[0])
         elif child.holds is not None and child.kind == "value" and not child.values:
             yield f"({child.text})" if child.holds else None

@@ -19,7 +19,7 @@ G(a) = (if a > 2 then F(a) else if a == 1 then 0 else a * 2);
 H(a, b) = Coalesce(b, a);
 Big(a) :- a > 1;
 Split(a, b) :- b == a - 1;
-Two(a) = a; Two(a) = a + 10 :- a > 1;
+Two(a) = b :- A(x: a, y: b);
 """
 
 _RECURSIONS = (

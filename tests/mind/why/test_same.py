@@ -3,14 +3,19 @@
 from __future__ import annotations
 
 from contextlib import closing
+from typing import TYPE_CHECKING, Any
 
 import pytest
 
 from logical_robots_tui.game import list_programs, load_program
-from logical_robots_tui.mind import Mind, Program
+from logical_robots_tui.mind import Limits, Mind, Program
 from logical_robots_tui.mind.why.derivations import MOST_ROWS
 from logical_robots_tui.world import World, list_levels, load_level
 from tests.mind.rows import nearly_same
+from tests.mind.why.checking import Checker, false_claims
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Sequence
 
 TICKS = 40
 CROWD = 10
@@ -22,28 +27,39 @@ def level_for(program: str) -> str:
     return next((level for level in list_levels() if level[3:] == name), "06-breadcrumbs")
 
 
-@pytest.mark.parametrize("name", list_programs())
-def test_rules_give_the_rows_of_their_predicate(name: str) -> None:
+def moments(name: str, ticks: Sequence[int]) -> Iterator[tuple[Mind, Any, Any]]:
+    """A mind with a program, and sensor rows and memories at some ticks of its level."""
     level = load_level(level_for(name))
-    program = Program.compile(load_program(name).text)
     world = World(level)
-    memories: dict[str, object] = {}
+    memories: dict[str, Any] = {}
     sees = level.visibility
-    with closing(Mind(program, memory=sees.memory, sensor=sees.sensor)) as mind:
-        ticks = TICKS if len(level.robots) < CROWD else 2
-        for _ in range(ticks):
-            decisions = mind.think(world.sense(), memories)  # type: ignore[arg-type] # Values
+    program = Program.compile(load_program(name).text)
+    limits = Limits(query_seconds=60)
+    with closing(Mind(program, memory=sees.memory, sensor=sees.sensor, limits=limits)) as mind:
+        for tick in range(1, max(ticks) + 1):
+            rows = world.sense()
+            if tick in ticks:
+                yield mind, rows, memories
+            decisions = mind.think(rows, memories)
             memories = {d.robot_name: d.memory for d in decisions}
             world.act({d.robot_name: d.desire for d in decisions if d.desire is not None})
-        rows = world.sense()
-        robots = [robot.name for robot in level.robots][:2]
-        for predicate in program.predicates:
+
+
+def last_tick(name: str) -> int:
+    return TICKS if len(load_level(level_for(name)).robots) < CROWD else 2
+
+
+@pytest.mark.parametrize("name", list_programs())
+def test_each_row_of_a_predicate_has_a_proof_and_no_other_has(name: str) -> None:
+    for mind, rows, memories in moments(name, [last_tick(name)]):
+        robots = [row["robot_name"] for row in rows][:2]
+        for predicate in mind.program.predicates:
             if predicate.kind != "program" or not predicate.has_rows:
                 continue
-            table = mind.query(predicate.name, rows, memories)  # type: ignore[arg-type] # Values
+            table = mind.query(predicate.name, rows, memories)
             column = table.columns.index("robot_name") if "robot_name" in table.columns else None
             for robot in robots:
-                proof = mind.explainer(robot, rows, memories).proof(predicate.name)  # type: ignore[arg-type]
+                proof = mind.explainer(robot, rows, memories).proof(predicate.name)
                 found = proof.explanation
                 mine = [
                     row
@@ -53,13 +69,39 @@ def test_rules_give_the_rows_of_their_predicate(name: str) -> None:
                 ]
                 assert found.rows == min(len(mine), MOST_ROWS), (predicate.name, robot)
                 if mine:
-                    assert any(rule.row is not None for rule in found.rules), (
-                        predicate.name,
-                        robot,
-                    )
+                    giving = [rule for rule in found.rules if rule.row is not None]
+                    assert giving, (predicate.name, robot)
                     assert all(node.holds for node in proof.nodes)
                 if predicate.name == "Robot":
                     (row,) = mine
                     decided = dict(zip(table.columns, row, strict=True))
                     assert found.row is not None
                     assert nearly_same(dict(found.row), decided)
+
+
+def check_proofs(name: str, ticks: Sequence[int], most: int) -> None:
+    """Put what proofs of decisions say into their rules."""
+    checked = 0
+    for mind, rows, memories in moments(name, ticks):
+        checker = Checker(mind.program, mind, rows, memories)
+        for robot in [row["robot_name"] for row in rows][:2]:
+            proof = mind.explainer(robot, rows, memories).proof(nodes=2_000)
+            rules = [
+                n for root in proof.nodes for _, n in root.walk() if n.kind == "rule" and n.holds
+            ]
+            for node in {rule.text: rule for rule in rules}.values():
+                if checked < most:
+                    assert not list(false_claims(node, checker)), (name, robot)
+                    checked += 1
+
+
+@pytest.mark.parametrize("name", list_programs())
+def test_what_proofs_say_holds_in_the_rules(name: str) -> None:
+    check_proofs(name, [last_tick(name)], 3)
+
+
+@pytest.mark.proof
+@pytest.mark.parametrize("name", list_programs())
+def test_what_proofs_say_holds_in_the_rules_at_many_ticks(name: str) -> None:
+    last = 10 * last_tick(name)
+    check_proofs(name, range(5, last, 25), 1_000)
