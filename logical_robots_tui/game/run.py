@@ -69,7 +69,7 @@ class Run:
         self.limits = limits or Limits()
         self._thinker = Thinker("run", engine)
         self._worlds = Worlds(level)
-        self._latest: Frame = start_frame(level)
+        self._latest: Frame = start_frame(level, self._worlds.of(level))
         start = Moment(self._latest.after, self._latest.memories, (), 0.0, 0.0)
         self.key = run_key(level, program, engine, self.limits)
         self._recording = Recording(self.key, level, start)

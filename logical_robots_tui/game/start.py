@@ -16,9 +16,14 @@ if TYPE_CHECKING:
 __all__ = ["fresh_frame", "start_frame"]
 
 
-def start_frame(level: Level) -> Frame:
-    """Frame 0 of a level: nobody has thought yet, and there need be no program to show it."""
-    world = World(level)
+def start_frame(level: Level, world: World | None = None) -> Frame:
+    """Frame 0 of a level: nobody has thought yet, and there need be no program to show it.
+
+    Args:
+        level: Where the robots stand.
+        world: A new world of it, if there is one.
+    """
+    world = world or World(level)
     return fresh_frame(world, world.save(), {robot.name: "" for robot in level.robots})
 
 

@@ -104,7 +104,8 @@ class InspectorPane(Pane):
         """Have the pages ready before they are wanted; keys are answered meanwhile."""
         await asyncio.sleep(_AT_LEISURE)
         await asyncio.to_thread(import_module, "logical_robots_tui.tui.inspector.pages")
-        _ = self.pages
+        if self._views.is_attached:  # the player may have left meanwhile
+            _ = self.pages
 
     @property
     def table(self) -> ValueTable:
