@@ -39,6 +39,7 @@ class Checker:
         self.program, self.mind = program, mind
         self.rows, self.memories = rows, memories
         self.asked = self.unknown = 0
+        self._known: dict[tuple[str, str], bool | None] = {}
 
     def holds(self, conditions: Sequence[str], made: str) -> bool | None:
         """Whether there is a way in which all of some conditions hold; None if none can say.
@@ -47,8 +48,13 @@ class Checker:
             conditions: The conditions.
             made: What is filled in with ``:=`` where the rule that they are from is a copy, or "".
         """
-        self.asked += 1
         rule = f"Holds(one: 1) :- {', '.join(conditions)}"
+        if (rule, made) not in self._known:
+            self._known[rule, made] = self._ask(rule, made)
+        return self._known[rule, made]
+
+    def _ask(self, rule: str, made: str) -> bool | None:
+        self.asked += 1
         for asked in (rule, f"{rule};\nMade := Holds({made})") if made else (rule,):
             try:
                 question = self.program.question(asked)
@@ -64,13 +70,15 @@ def false_claims(node: Node, checker: Checker, made: str = "") -> Iterator[str]:
     """What is false about a rule that is said to give a row."""
     rule = node.text
     head, _, body = rule.partition(":-")
+    if not body:
+        return  # a fact, which was compared with the row
     claims = [*_claims(node)]
-    fixed = [body.strip()] if body else []
+    fixed = [body.strip()]
     fixed += [claim for claim in claims if claim is not None]
     for column, expression in _columns(head):
         values = [n.values[0] for n in node.children if _names(n, column) and n.values]
         fixed += [claim for value in values[:1] if (claim := _equal(expression, value))]
-    if fixed and checker.holds(fixed, made) is False:
+    if checker.holds(fixed, made) is False:
         yield f"{rule} does not hold with {fixed}"
     for _, inner in node.walk():
         if inner.kind == "aggregate":
