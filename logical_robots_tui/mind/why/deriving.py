@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from logical_robots_tui.mind.why.relations import Relations, Way
     from logical_robots_tui.values import Value
 
-__all__ = ["MOST_ELEMENTS", "Telling", "counted", "decided", "shown", "value_of"]
+__all__ = ["MOST_ELEMENTS", "Telling", "counted", "decided", "denied", "shown", "value_of"]
 
 MOST_ELEMENTS = 1_000
 _SHOWN_ELEMENTS = 100
@@ -107,7 +107,7 @@ class Telling:
             inside: tuple[Node, ...] = ()
             if step.denied is not None:
                 inside = self._refute(step.denied.clauses, self.given(step.denied, way))
-            said = "there is no such thing"
+            text, said = denied(text, holds=True)
             yield Node("denial", text, said, True, span=span, children=inside)
 
     def given(self, body: Body, way: Way) -> list[Scalar]:
@@ -151,9 +151,13 @@ class Telling:
             yield from self._branch(term, way)
         elif term.kind == "coalesce":
             for part in term.parts:
-                yield from self.term(part, way)
-                if value_of(way, part.column) is not None:
+                value = value_of(way, part.column)
+                if value is not None:
+                    said = "is the first that is not null"
+                    span, inner = part.span, tuple(self.reason(part, way))
+                    yield Node("value", span.text, said, None, (value,), span=span, children=inner)
                     break
+                yield from self.term(part, way)
         elif term.kind == "aggregate" and term.body is not None:
             yield from self._aggregate(term.body, value_of(way, term.column), way)
         elif term.kind == "call":
@@ -260,7 +264,9 @@ class Telling:
     def _element(self, collected: Collected, way: Way, said: str) -> Node:
         value = value_of(way, collected.value)
         by = f" -> {_short(value_of(way, collected.by))}" if collected.by else ""
-        node = Node("contributor", f"{collected.operator}{by}", said, True, (value,))
+        span = collected.term.span if collected.term is not None else None
+        text = span.text if span is not None else collected.operator
+        node = Node("contributor", f"{text}{by}", said, True, (value,), span=span)
         return _ray(node)
 
 
@@ -282,6 +288,21 @@ def decided(
 def value_of(way: Way, place: str) -> Value:
     """A value of a derivation."""
     return from_sql(way.get(place))
+
+
+def denied(text: str, *, holds: bool) -> tuple[str, str]:
+    """How a denial is written, and what is said of it.
+
+    Args:
+        text: As it stands in the program. The compiler makes ``a => b`` the denial of a
+            counterexample: of ``a`` without ``b``.
+        holds: Whether there is nothing of what is denied.
+    """
+    if text.startswith("~"):
+        return text, "there is no such thing" if holds else "there is such a thing"
+    if "=>" in text:
+        return text, "there is no counterexample" if holds else "there is a counterexample"
+    return f"not: {text}", ""
 
 
 def shown(column: str) -> str:

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 from logical_robots_tui.mind.failures import FailureError
 from logical_robots_tui.mind.program import VALUE
 from logical_robots_tui.mind.sqlite.stored import from_sql, to_sql
-from logical_robots_tui.mind.why.deriving import counted, value_of
+from logical_robots_tui.mind.why.deriving import counted, denied, value_of
 from logical_robots_tui.mind.why.explanation import Node
 from logical_robots_tui.mind.why.relations import same
 
@@ -140,7 +140,8 @@ class Refuting:
         is_one = ways == 1
         if way is not None and step.denied is not None:
             children = self.bodies(step.denied.clauses, self.telling.given(step.denied, way))
-            said = "there is such a thing" if not elsewhere else said
+            text, found = denied(text, holds=False)
+            said = said if elsewhere else found
         elif way is not None and step.call is not None and step.call.predicate not in _INPUTS:
             asked = self.telling.ask(step.call, way | self._known(clause, alike))
         terms = [term for term in step.terms if term.kind != "literal"]

@@ -22,6 +22,7 @@ if TYPE_CHECKING:
 __all__ = ["Checker", "false_claims"]
 
 _BOUND = re.compile(r"(\w+)\s*==?\s")
+_OPERATOR = re.compile(r"(\w+|\+)(?:\{| over )")
 _EQUATION = re.compile(r"[^=<>!]==?[^=]")
 
 
@@ -81,7 +82,7 @@ def false_claims(node: Node, checker: Checker, made: str = "") -> Iterator[str]:
     if checker.holds(fixed, made) is False:
         yield f"{rule} does not hold with {fixed}"
     for _, inner in node.walk():
-        if inner.kind == "aggregate":
+        if len(inner.values) == 1 and any(c.text.startswith("goes over") for c in inner.children):
             yield from _wrong_aggregate(inner)
 
 
@@ -138,7 +139,8 @@ def _wrong_aggregate(node: Node) -> Iterator[str]:
         return
     direct = [n for n in note.children if n.kind == "contributor"]
     elements = [n.values[0] for n in direct]
-    operator = direct[0].text.split(" -> ")[0]
+    found = _OPERATOR.search(node.said or node.text)
+    operator = found.group(1) if found else ""
     numbers = [e for e in elements if isinstance(e, int | float)]
     expected: Any = value
     if operator in ("+", "Sum"):
