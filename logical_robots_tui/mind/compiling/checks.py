@@ -30,6 +30,7 @@ from logical_robots_tui.mind.compiling.signatures import (
     signatures,
     wrong_calls,
 )
+from logical_robots_tui.mind.compiling.spelling import TYPES
 from logical_robots_tui.mind.compiling.typos import typos
 from logical_robots_tui.mind.program import INPUTS
 from logical_robots_tui.mind.text import diagnostic_for
@@ -179,7 +180,9 @@ def _types(rules: list[Rule]) -> Iterator[str]:
     """Names that stand for types: in `TryCast` and after `~`."""
     for call, _ in calls(rules):
         if call["predicate_name"] in ("TryCast", "~"):
-            yield from called(call["record"]["field_value"][1:])
+            for name in called(call["record"]["field_value"][1:]):
+                if call["predicate_name"] == "~" or name.upper() in TYPES:
+                    yield name
 
 
 _INSTEAD = {

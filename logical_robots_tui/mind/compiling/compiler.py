@@ -30,6 +30,7 @@ from logical_robots_tui.mind.compiling.spelling import spell_out
 from logical_robots_tui.mind.diagnostics import Diagnostic, ProgramError
 from logical_robots_tui.mind.program import INPUTS, Predicate, Program
 from logical_robots_tui.mind.text import Prepared, diagnostic_for, prepare
+from logical_robots_tui.mind.typed import as_on_duckdb
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -145,6 +146,14 @@ class RobotProgram(universe.LogicaProgram):  # type: ignore[misc]  # the package
             if name in statements
         }
         return {name: check for name, check in checks.items() if check[1]}
+
+    def FormattedPredicateSql(self, name: str) -> str:
+        """The SQL of a predicate, in which types are those of DuckDB.
+
+        Raises:
+            Exception: As the package raises them, for what can't be compiled.
+        """
+        return as_on_duckdb(super().FormattedPredicateSql(name))
 
     def UnfoldRecursion(self, rules: list[Rule]) -> list[Rule]:
         """Unroll every recursion in place, where the package would repeat statements."""

@@ -14,7 +14,7 @@ from sqlglot.errors import SqlglotError
 
 from logical_robots_tui.mind.duck.translation import in_duckdb
 from logical_robots_tui.mind.program import INPUTS, Tuned
-from logical_robots_tui.mind.tuning import aggregates, columns, native, records, sharing, sql
+from logical_robots_tui.mind.tuning import aggregates, columns, json, native, records, sharing, sql
 from logical_robots_tui.mind.tuning.indexes import (
     found_by_number,
     indexed_where_lists_are_joined,
@@ -143,6 +143,7 @@ def _finished(
     sharing.shared(tree)
     computed_once(tree)
     native.native_division(tree)
+    json.native_numbers(tree)
     return result, read
 
 

@@ -92,9 +92,15 @@ def parse(sql: str) -> exp.Query:
     return tree
 
 
-def written(tree: exp.Expr) -> str:
-    """The text of a tree."""
-    return _DIALECT.generate(tree, copy=False)
+def written(tree: exp.Expr, *, pretty: bool = False) -> str:
+    """The text of a tree.
+
+    Args:
+        tree: The tree.
+        pretty: Whether it is to be read by people, functions in the letters that they came in.
+    """
+    functions = False if pretty else "upper"
+    return _DIALECT.generate(tree, copy=False, pretty=pretty, normalize_functions=functions)
 
 
 def selects(tree: exp.Expr) -> Iterator[exp.Select]:
