@@ -7,7 +7,7 @@ import math
 from typing import Any, TypeAlias
 
 from logical_robots_tui.mind.sqlite.bounds import MAX_ITEMS, check_long
-from logical_robots_tui.mind.sqlite.stored import to_json
+from logical_robots_tui.mind.sqlite.stored import to_input, to_json
 
 __all__ = [
     "ENDLESS",
@@ -16,6 +16,7 @@ __all__ = [
     "element",
     "list_in",
     "real_as_json",
+    "records_as_json",
     "value_as_json",
 ]
 
@@ -75,3 +76,15 @@ def value_as_json(value: Any) -> str:
     if isinstance(value, str) and element(value) is not value:
         return value
     return to_json(value)
+
+
+def records_as_json(records: list[Any]) -> str:
+    """A list of records as JSON text.
+
+    Raises:
+        ValueError: There is a number without end in it.
+    """
+    for record in records:
+        if math.inf in record.values() or -math.inf in record.values():
+            raise ValueError("a number without end")
+    return to_input(records)

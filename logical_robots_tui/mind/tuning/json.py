@@ -7,9 +7,10 @@ from __future__ import annotations
 
 from sqlglot import exp
 
-from logical_robots_tui.mind.tuning import sql
+from logical_robots_tui.mind.sqlite.stored import to_json
+from logical_robots_tui.mind.tuning import notes, sql
 
-__all__ = ["native_numbers", "taken_out", "truth", "truth_in"]
+__all__ = ["native_numbers", "records_at_once", "taken_out", "truth", "truth_in"]
 
 _WRITTEN = frozenset({"real_as_json", "value_as_json"})
 
@@ -43,6 +44,24 @@ def truth(value: exp.Expr) -> exp.Expr:
         for number, word in ((1, "true"), (0, "false"))
     ]
     return exp.Anonymous(this="JSON", expressions=[exp.Case(this=value, ifs=ifs)])
+
+
+def records_at_once(tree: exp.Expr) -> None:
+    """Let records that become a list be written together, and not number by number."""
+    for call in list(tree.find_all(exp.Anonymous)):
+        if sql.call_name(call) != "json_group_array" or len(call.expressions) != 1:
+            continue
+        (record,) = call.expressions
+        names, values = record.expressions[::2], record.expressions[1::2]
+        if sql.call_name(record) != "json_object" or any(map(truth_in, values)):
+            continue
+        if not all(isinstance(name, exp.Literal) for name in names):
+            continue
+        spelled = exp.Literal.string(to_json([name.name for name in names]))
+        made = exp.Anonymous(this="json_records", expressions=[spelled, *map(taken_out, values)])
+        if notes.is_noticed(call, is_result=True):
+            made = exp.Anonymous(this="JSON", expressions=[made])
+        call.replace(made)
 
 
 def native_numbers(tree: exp.Expr) -> None:

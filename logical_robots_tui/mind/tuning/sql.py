@@ -45,7 +45,8 @@ AGGREGATES = frozenset(
         *("avg", "count", "group_concat", "json_group_array", "json_group_object", "max", "median"),
         *("min", "percentile", "string_agg", "sum", "total"),
         *("list_of_distinct", "concat_lists", "arg_min", "arg_max", "arg_min_k", "arg_max_k"),
-        "array_by",
+        *("arg_min_of_nested", "arg_max_of_nested", "arg_min_k_of_nested", "arg_max_k_of_nested"),
+        *("any_value", "array_by", "greatest_nested", "json_records", "least_nested"),
     }
 )
 """Functions that are, or may be, aggregates."""
