@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, cast
 from logica.compiler import dialects, functors, universe
 
 from logical_robots_tui.mind.compiling import complaints, quicker, reserved
-from logical_robots_tui.mind.compiling.checks import MAIN, check
+from logical_robots_tui.mind.compiling.checks import IGNORED, MAIN, check
 from logical_robots_tui.mind.compiling.dialect import RobotDialect
 from logical_robots_tui.mind.compiling.parameters import lacking
 from logical_robots_tui.mind.compiling.parsing import parse_statements, rewritten
@@ -27,6 +27,7 @@ from logical_robots_tui.mind.compiling.rules import (
     subject,
 )
 from logical_robots_tui.mind.compiling.spelling import spell_out
+from logical_robots_tui.mind.compiling.whole_rows import written_out
 from logical_robots_tui.mind.diagnostics import Diagnostic, ProgramError
 from logical_robots_tui.mind.program import INPUTS, Predicate, Program
 from logical_robots_tui.mind.text import Prepared, diagnostic_for, prepare
@@ -113,6 +114,7 @@ def compiled_rules(rules: list[Rule], text: str, source: Prepared) -> RobotProgr
     """
     try:
         written = rewritten(rules)
+        written_out(written)
         spell_out(written, text, source)
         return RobotProgram(_with_prelude(written), user_flags={"logica_default_engine": "sqlite"})
     except complaints.COMPLAINTS as error:
@@ -239,13 +241,14 @@ def _ground_in_query(rule: Rule) -> Rule:
 def _take_visibility(
     rules: list[Rule], text: str
 ) -> tuple[list[Rule], dict[str, Any], list[Diagnostic]]:
-    """Separate ``@Visible`` from the rules, which the package does not know."""
+    """Separate ``@Visible``, which the package does not know, and what is ignored."""
     visibility: dict[str, Any] = {}
     rest = []
     problems = []
     for rule in rules:
         if head_name(rule) != "@Visible":
-            rest.append(rule)
+            if head_name(rule) not in IGNORED:
+                rest.append(rule)
             continue
         of, wanted = subject(rule), _second_text(rule)
         if wanted in _VISIBILITY.get(of, ()):

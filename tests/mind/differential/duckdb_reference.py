@@ -16,7 +16,8 @@ from logica.compiler import dialects, expr_translate, universe
 from logica.parser_py import parse
 from logica.type_inference.research import reference_algebra, types_of_builtins
 
-from logical_robots_tui.mind.text import prepare
+from logical_robots_tui.mind.compiling.rules import nodes
+from logical_robots_tui.mind.text import INNER_QUOTE, prepare
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -94,7 +95,11 @@ def _types_in_order(sql: str) -> str:
 
 
 def _parsed(text: str) -> list[Any]:
-    return list(_parse(prepare(text).text)["rule"])
+    rules = list(_parse(prepare(text).text)["rule"])
+    for node in nodes(rules):
+        if isinstance(written := node.get("the_string"), str):
+            node["the_string"] = written.replace(INNER_QUOTE, '"')
+    return rules
 
 
 _parse = parse.ParseFile
