@@ -13,7 +13,17 @@ if TYPE_CHECKING:
     from logical_robots_tui.mind.limits import Limits
     from logical_robots_tui.mind.why.probing import Probing
 
-__all__ = ["INPUTS", "TRUTH_MARK", "Duck", "Predicate", "Program", "Question", "Report", "Tuned"]
+__all__ = [
+    "INPUTS",
+    "STEPS",
+    "TRUTH_MARK",
+    "Duck",
+    "Predicate",
+    "Program",
+    "Question",
+    "Report",
+    "Tuned",
+]
 
 Report: TypeAlias = "Callable[[int, int], None]"
 """Told how many predicates of how many are compiled."""
@@ -23,6 +33,9 @@ INPUTS: Mapping[str, tuple[str, ...]] = {
     "Memory": ("robot_name", "memory"),
 }
 """The predicates that the game supplies, with their columns."""
+
+STEPS = "t_0_steps_of_"
+"""What the name of a named query begins with that has the steps of a recursion."""
 
 TRUTH_MARK = "?"
 """What the name of a field ends with, in the result of a tuned query, that is a truth."""

@@ -13,6 +13,7 @@ from logica.compiler import dialects, functors, universe
 from logical_robots_tui.mind.compiling import complaints, quicker, reserved
 from logical_robots_tui.mind.compiling.checks import IGNORED, MAIN, check
 from logical_robots_tui.mind.compiling.dialect import RobotDialect
+from logical_robots_tui.mind.compiling.fixpoint import Fixpoint, fixpoints, grows, with_fixpoints
 from logical_robots_tui.mind.compiling.parameters import lacking
 from logical_robots_tui.mind.compiling.parsing import parse_statements, rewritten
 from logical_robots_tui.mind.compiling.recursion import growth_check
@@ -138,6 +139,8 @@ class RobotProgram(universe.LogicaProgram):  # type: ignore[misc]  # the package
 
     def __init__(self, rules: list[Rule], **options: Any) -> None:
         self.steps: dict[str, int] = {}
+        self.fixpoints: list[Fixpoint] = []
+        self._step_queries: dict[Fixpoint, str] = {}
         super().__init__(rules, **options)
 
     def growth_checks(self, statements: Mapping[str, str]) -> dict[str, tuple[int, str]]:
@@ -147,6 +150,9 @@ class RobotProgram(universe.LogicaProgram):  # type: ignore[misc]  # the package
             for name, steps in self.steps.items()
             if name in statements
         }
+        for fixpoint in self.fixpoints:
+            if fixpoint.name in statements:
+                checks[fixpoint.name] = (fixpoint.depth, grows(fixpoint, self._steps()))
         return {name: check for name, check in checks.items() if check[1]}
 
     def FormattedPredicateSql(self, name: str) -> str:
@@ -155,7 +161,19 @@ class RobotProgram(universe.LogicaProgram):  # type: ignore[misc]  # the package
         Raises:
             Exception: As the package raises them, for what can't be compiled.
         """
-        return as_on_duckdb(super().FormattedPredicateSql(name))
+        known = next((f for f in self.fixpoints if f.name == name), None)
+        if known is None:
+            return as_on_duckdb(with_fixpoints(super().FormattedPredicateSql(name), self._steps()))
+        return as_on_duckdb(with_fixpoints(f"SELECT * FROM {name}", self._steps()))  # noqa: S608 - a name
+
+    def _steps(self) -> dict[Fixpoint, str]:
+        """The query for a step of each recursion that is computed by iterating."""
+        if not self._step_queries:
+            self._step_queries = {
+                fixpoint: super(RobotProgram, self).FormattedPredicateSql(fixpoint.step)
+                for fixpoint in self.fixpoints
+            }
+        return self._step_queries
 
     def UnfoldRecursion(self, rules: list[Rule]) -> list[Rule]:
         """Unroll every recursion in place, where the package would repeat statements."""
@@ -165,6 +183,11 @@ class RobotProgram(universe.LogicaProgram):  # type: ignore[misc]  # the package
             options.pop("stop", None)
             if options.get("1") == -1:
                 options["1"] = _RECURSION_DEPTH
+        rules, self.fixpoints = fixpoints(
+            rules, lambda name: depths.get(name, {}).get("1", _RECURSION_DEPTH)
+        )
+        for fixpoint in self.fixpoints:
+            depths.pop(fixpoint.name, None)
         unfolding = functors.Functors(rules)
         recursive, _ = unfolding.RecursiveAnalysis(depths, False, _RECURSION_DEPTH)
         for name in recursive:

@@ -13,7 +13,7 @@ from sqlglot import exp
 from sqlglot.errors import SqlglotError
 
 from logical_robots_tui.mind.duck.translation import in_duckdb
-from logical_robots_tui.mind.program import INPUTS, Tuned
+from logical_robots_tui.mind.program import INPUTS, STEPS, Tuned
 from logical_robots_tui.mind.tuning import aggregates, columns, json, native, records, sharing, sql
 from logical_robots_tui.mind.tuning.indexes import (
     found_by_number,
@@ -85,6 +85,8 @@ def tune(statement: str, known: Known | None = None, *, for_all: bool = False) -
         for_all: Whether to make, if possible, one for all viewers at once as well.
     """
     known = known or Known()
+    if STEPS in statement:
+        return None  # rows that pass from step to step as a list can't be told apart by viewers
     try:
         tree = sql.parse(statement)
         if not _can_be_moved(tree):

@@ -149,8 +149,8 @@ Group(robot_name:, object:, total? {aggregate}= value, n? += 1) distinct :-
   P(robot_name:, object:, value:);
 Other := Group(P: {given});
 Best(radar) = {choose}{{
-  {{label: x.label, place: {{value: {ray}, near: x.distance < 50}}}} -> x.distance * 100 + x.angle :-
-  x in radar
+  {{label: x.label, place: {{value: {ray}, near: x.distance < 50}}}} -> x.distance * 100 + x.angle
+  :- x in radar
 }};
 Kept() = TryCast(memory, {example}) :- Memory(memory:);
 Robot(robot_name:, desire:, memory: kept) :-

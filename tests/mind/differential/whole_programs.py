@@ -32,7 +32,7 @@ Robot(robot_name:, desire:, memory:) :- Drive(robot_name:, desire:), Keep(robot_
 def _parts() -> dict[str, str]:
     sections = _HERE.joinpath("parts.txt").read_text("utf-8").split("## ")[1:]
     titles_and_rules = (section.split("\n", 1) for section in sections)
-    return dict(titles_and_rules)  # type: ignore[arg-type]  # two each
+    return dict(titles_and_rules)
 
 
 _PARTS = _parts()
