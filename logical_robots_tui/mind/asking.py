@@ -7,12 +7,12 @@ from contextlib import contextmanager
 from dataclasses import replace
 from functools import cache
 from itertools import accumulate
-from math import inf
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 from logical_robots_tui.mind.failures import FailureError, in_plain_words
 from logical_robots_tui.mind.machinery import plan_lines
 from logical_robots_tui.mind.plain import printable
+from logical_robots_tui.mind.program import TRUTH_MARK
 from logical_robots_tui.mind.sqlite.database import TooMuchError, TooSlowError
 from logical_robots_tui.mind.sqlite.lasting import Lasting
 from logical_robots_tui.mind.sqlite.layouts import COLUMNS_LAYOUT, LISTS_LAYOUT
@@ -297,14 +297,15 @@ class Asking:
         columns, rows = raw
         if not tuned.result:
             return columns, self._read_all(rows, within)
-        names, places = _places(tuned.result)
+        names, places, truths = _places(tuned.result)
         found = []
         for row in rows:
             if bytes in map(type, row):
                 return None  # no record holds such a value
-            if inf in row or -inf in row:
-                row = _without_infinity(row, tuned)
-            found.append(_put_together(self._read(row, within), places))
+            values = self._read(row, within)
+            for place in truths:
+                values[place] = None if values[place] is None else bool(values[place])
+            found.append(_put_together(values, places))
         return names, found
 
     def _read_all(self, rows: Sequence[tuple[Any, ...]], within: Within) -> list[tuple[Value, ...]]:
@@ -410,21 +411,13 @@ _Place: TypeAlias = "tuple[tuple[str, ...], int, int]"
 @cache
 def _places(
     result: tuple[tuple[str, tuple[str, ...]], ...],
-) -> tuple[tuple[str, ...], Sequence[_Place]]:
-    """The columns of a result, and where they stand in a row that was given field by field."""
+) -> tuple[tuple[str, ...], Sequence[_Place], Sequence[int]]:
+    """The columns of a result, their places in a row given field by field, places of truths."""
     ends = [*accumulate(len(fields) or 1 for _, fields in result)]
-    return tuple(name for name, _ in result), [
-        (fields, last - (len(fields) or 1), last)
+    places = [
+        (tuple(f.removesuffix(TRUTH_MARK) for f in fields), last - (len(fields) or 1), last)
         for (_, fields), last in zip(result, ends, strict=True)
     ]
-
-
-def _without_infinity(values: tuple[Any, ...], tuned: Tuned) -> tuple[Any, ...]:
-    """Row as it would be if its records had been JSON: a number that JSON can't hold is null."""
-    in_record = [bool(fields) for _, fields in tuned.result for _ in fields or ("",)]
-    return tuple(
-        [
-            None if inside and value in (inf, -inf) else value
-            for inside, value in zip(in_record, values, strict=False)
-        ]
-    )
+    given = [field for _, fields in result for field in fields or ("",)]
+    truths = [place for place, field in enumerate(given) if field.endswith(TRUTH_MARK)]
+    return tuple(name for name, _ in result), places, truths

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from typing import TYPE_CHECKING
 
 from logical_robots_tui.mind.decision import Decision, Notice
@@ -100,9 +101,17 @@ def _desire(value: Value, notices: list[Notice]) -> Desire | None:
     return Desire(**engines)
 
 
+_SPELLED = re.compile(r"\s*[-+]?(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?\s*", re.ASCII)
+
+
 def _power(value: Value) -> float | None:
-    """An engine's power as a finite number, or None where it is none."""
-    if not isinstance(value, (int, float)):
+    """An engine's power as a finite number, or None where it is none.
+
+    A text that spells a number counts as that, as it does for the platform's JavaScript.
+    """
+    if not isinstance(value, (int, float)) and not (
+        isinstance(value, str) and _SPELLED.fullmatch(value)
+    ):
         return None
     try:
         power = float(value)
@@ -112,5 +121,7 @@ def _power(value: Value) -> float | None:
 
 
 def _short(value: Value) -> str:
+    if isinstance(value, float) and math.isinf(value):
+        return "infinite"
     text = "null" if value is None else to_json(value)
     return text if len(text) <= 40 else text[:39] + "…"

@@ -13,7 +13,18 @@ if TYPE_CHECKING:
     from logical_robots_tui.mind.limits import Limits
     from logical_robots_tui.mind.why.probing import Probing
 
-__all__ = ["INPUTS", "VALUE", "Duck", "Predicate", "Program", "Question", "Report", "Tuned"]
+__all__ = [
+    "INPUTS",
+    "STEPS",
+    "TRUTH_MARK",
+    "VALUE",
+    "Duck",
+    "Predicate",
+    "Program",
+    "Question",
+    "Report",
+    "Tuned",
+]
 
 Report: TypeAlias = "Callable[[int, int], None]"
 """Told how many predicates of how many are compiled."""
@@ -23,6 +34,12 @@ INPUTS: Mapping[str, tuple[str, ...]] = {
     "Memory": ("robot_name", "memory"),
 }
 """The predicates that the game supplies, with their columns."""
+
+STEPS = "t_0_steps_of_"
+"""What the name of a named query begins with that has the steps of a recursion."""
+
+TRUTH_MARK = "?"
+"""What the name of a field ends with, in the result of a tuned query, that is a truth."""
 
 
 VALUE = "logica_value"
@@ -100,7 +117,8 @@ class Tuned:
         bounds: How many of these parameters it has.
         columns: By name of a table the columns of it that are read, beside ``id``.
         result: Names of the columns of the answer, each with the fields of its record where the
-            query gives these as columns of their own; () if it gives the answer as it is.
+            query gives these as columns of their own, those of truths with `TRUTH_MARK`; () if it
+            gives the answer as it is.
         together: The query for all viewers at once, where each sees its own sensor only, or "".
             It has one more column, the viewer's number, and as last parameter how much further
             the visible rows of ``Memory`` begin from one viewer to the next.

@@ -136,7 +136,7 @@ Length(text) -- the number of characters -- Length("abc") => 3
 Like(text, pattern) -- whether a text fits; % is anything, _ one character -- \
 Like("robot", "r%t") => true
 Ln(x) -- the natural logarithm -- Ln(1) => 0
-Log(x) -- the logarithm of base 10 -- Log(100) => 2
+Log(x) -- the natural logarithm, as Ln(x); base 10 is Log10 -- Log(1) => 0
 Log10(x) -- the logarithm of base 10 -- Log10(100) => 2
 Lower(text) -- in small letters -- Lower("ABC") => "abc"
 Ltrim(text) -- without space at its start -- Ltrim("  a") => "a"
@@ -171,7 +171,7 @@ ToString(x) -- as a text -- ToString(12) => "12"
 Trim(text) -- without space at both ends -- Trim("  a ") => "a"
 Trunc(x) -- without its fraction -- Trunc(2.7) => 2
 TruthToString(a) -- whether a condition holds, as a text -- TruthToString(1 < 2) => "true"
-TryCast(x, type) -- the value if it can have that type, else null -- TryCast("12", Num) => 12
+TryCast(x, example) -- as one of the type of an example, or null -- TryCast("12", 0) => 12
 Unique(list) -- the different elements, ascending -- Unique([2, 1, 2]) => [1, 2]
 Upper(text) -- in capital letters -- Upper("abc") => "ABC"
 WindowMax(x, [group], [order], n) -- the largest of this and n rows before -- \

@@ -15,12 +15,16 @@ from logical_robots_tui.mind.diagnostics import Diagnostic
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-__all__ = ["Prepared", "diagnostic_at", "diagnostic_for", "prepare", "statements"]
+__all__ = ["INNER_QUOTE", "Prepared", "diagnostic_at", "diagnostic_for", "prepare", "statements"]
 
 _DEEPEST = 60  # brackets in brackets; SQLite's parser gives up at about 100
 _CLOSES = {")": "(", "}": "{", "]": "["}
 _SPACE_BEFORE_BRACE = re.compile(r"(?<![\w`])([A-Z]\w*)(\s+)\{")
 _IMPORT = re.compile(r"(?:^|;)\s*(import)\s")
+_SINGLE_QUOTED = re.compile(r"'[^'\n]*'")
+
+INNER_QUOTE = "\ue022"
+"""What stands, for the parser, for a double quote in a text in single quotes."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -28,7 +32,8 @@ class Prepared:
     """A program's text made ready for the parser.
 
     Attributes:
-        text: The same text, of the same length, without comments and with ``Name {`` as ``Name{ ``.
+        text: The same text, of the same length, without comments, with ``Name {`` as ``Name{ ``,
+            and with texts in double quotes.
         skeleton: The same again with what stands in quotes blanked, to search for names in.
         problems: Mistakes seen on the way that the parser would explain worse.
         broken: Offsets of those mistakes; the statements around them need not be parsed.
@@ -52,14 +57,15 @@ def prepare(source: str) -> Prepared:
         end, kind = _token(source, at)
         token = source[at:end]
         blank = "".join("\n" if c == "\n" else " " for c in token)
-        kept.append(blank if kind == "comment" else token)
+        kept.append(blank if kind == "comment" else _in_double_quotes(token))
         if kind == "comment" and token.startswith("/*") and not _is_closed(token, "/*", "*/"):
             brackets.complain(at, 2, "this comment is never closed", "Add */ at its end.")
         if kind == "string":
             brackets.string(at, token)
         elif kind == "other":
             brackets.see(at, token)
-        skeleton.append(blank if kind == "comment" or token[0] == '"' else token)
+        is_text = kind == "string" and token[0] != "`"
+        skeleton.append(blank if kind == "comment" or is_text else token)
         at = end
     brackets.end_statement()
     bare = "".join(skeleton)
@@ -202,12 +208,21 @@ def _token(source: str, at: int) -> tuple[int, str]:
     if source.startswith('"""', at):
         end = source.find('"""', at + 3)
         return (len(source) if end < 0 else end + 3), "string"
+    if source[at] == "'" and (found := _SINGLE_QUOTED.match(source, at)):
+        return found.end(), "string"
     if source[at] in '"`':
         end = at + 1
         while end < len(source) and source[end] not in (source[at], "\n"):
             end += 1
         return min(end + 1, len(source)), "string"
     return at + 1, "other"
+
+
+def _in_double_quotes(token: str) -> str:
+    """A text in double quotes, where the parser knows no others; as long as it was."""
+    if token[0] != "'" or len(token) < len("''"):
+        return token
+    return '"' + token[1:-1].replace('"', INNER_QUOTE) + '"'
 
 
 def _join_braces(text: str, bare: str) -> str:

@@ -30,6 +30,7 @@ from logical_robots_tui.mind.compiling.signatures import (
     signatures,
     wrong_calls,
 )
+from logical_robots_tui.mind.compiling.spelling import TYPES
 from logical_robots_tui.mind.compiling.typos import typos
 from logical_robots_tui.mind.program import INPUTS
 from logical_robots_tui.mind.text import diagnostic_for
@@ -41,12 +42,25 @@ if TYPE_CHECKING:
     from logical_robots_tui.mind.compiling.rules import Rule
     from logical_robots_tui.mind.diagnostics import Diagnostic
 
-__all__ = ["MAIN", "check"]
+__all__ = ["IGNORED", "MAIN", "check"]
 
 _CHOSEN_BY_THE_GAME = ("@Engine", "@AttachDatabase", "@Dataset")
 _ANNOTATIONS = frozenset(
-    {"@Ground", "@Limit", "@Make", "@NoInject", "@NoWith", "@OrderBy", "@Recursive", "@With"}
+    {
+        "@DefineFlag",
+        "@Ground",
+        "@Limit",
+        "@Make",
+        "@NoInject",
+        "@NoWith",
+        "@OrderBy",
+        "@Recursive",
+        "@With",
+    }
 )
+IGNORED = frozenset({"@CompileAsTvf"})
+"""Annotations that mean nothing here, and change nothing where they mean something."""
+
 _OUTSIDE = frozenset(
     [
         "Clingo",
@@ -87,13 +101,16 @@ def check(parsed: Parsed, text: str) -> list[Diagnostic]:
     return sorted(unique.values(), key=lambda p: (p.line, p.column, p.severity))
 
 
+_FLAG = "FlagValue"  # gives what @DefineFlag says
+
+
 def _annotations(rules: list[Rule], text: str) -> Iterator[Diagnostic]:
     ours = _ANNOTATIONS - {"@Make"} | {"@Visible"}
     for rule in rules:
         name = head_name(rule)
         if name in _CHOSEN_BY_THE_GAME:
             yield diagnostic_for(text, name, f"{name} is chosen by the game", "Remove this line.")
-        elif name.startswith("@") and name not in _ANNOTATIONS and name != "@Visible":
+        elif name.startswith("@") and name not in {*_ANNOTATIONS, *IGNORED, "@Visible"}:
             close = closest(name[1:], {o[1:] for o in ours})
             if name in universe.Annotations.ANNOTATING_PREDICATES:
                 message, hint = f"{name} is for other engines", "Remove this line."
@@ -161,7 +178,7 @@ def _names(rules: list[Rule], text: str, doubtful: frozenset[str]) -> Iterator[D
             message = f"{name} is not there for robots"
             yield diagnostic_for(text, name, message, "Robots can only think.")
         elif builtins.is_built_in(name):
-            if name.isidentifier() and not builtins.runs(name):
+            if name.isidentifier() and not builtins.runs(name) and name != _FLAG:
                 hint = _instead(name, known)
                 yield diagnostic_for(text, name, f"{name} is not available here", hint)
         elif re.fullmatch(r"[A-Za-z][\w.]*", name) and name != "nil":
@@ -179,7 +196,9 @@ def _types(rules: list[Rule]) -> Iterator[str]:
     """Names that stand for types: in `TryCast` and after `~`."""
     for call, _ in calls(rules):
         if call["predicate_name"] in ("TryCast", "~"):
-            yield from called(call["record"]["field_value"][1:])
+            for name in called(call["record"]["field_value"][1:]):
+                if call["predicate_name"] == "~" or name.upper() in TYPES:
+                    yield name
 
 
 _INSTEAD = {

@@ -11,8 +11,9 @@ from typing import TYPE_CHECKING, Any, cast
 from logica.compiler import dialects, functors, universe
 
 from logical_robots_tui.mind.compiling import complaints, quicker, reserved
-from logical_robots_tui.mind.compiling.checks import MAIN, check
+from logical_robots_tui.mind.compiling.checks import IGNORED, MAIN, check
 from logical_robots_tui.mind.compiling.dialect import RobotDialect
+from logical_robots_tui.mind.compiling.fixpoint import Fixpoint, fixpoints, grows, with_fixpoints
 from logical_robots_tui.mind.compiling.parameters import lacking
 from logical_robots_tui.mind.compiling.parsing import parse_statements, rewritten
 from logical_robots_tui.mind.compiling.recursion import growth_check
@@ -27,9 +28,11 @@ from logical_robots_tui.mind.compiling.rules import (
     subject,
 )
 from logical_robots_tui.mind.compiling.spelling import spell_out
+from logical_robots_tui.mind.compiling.whole_rows import written_out
 from logical_robots_tui.mind.diagnostics import Diagnostic, ProgramError
 from logical_robots_tui.mind.program import INPUTS, Predicate, Program
 from logical_robots_tui.mind.text import Prepared, diagnostic_for, prepare
+from logical_robots_tui.mind.typed import as_on_duckdb
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -112,6 +115,7 @@ def compiled_rules(rules: list[Rule], text: str, source: Prepared) -> RobotProgr
     """
     try:
         written = rewritten(rules)
+        written_out(written)
         spell_out(written, text, source)
         return RobotProgram(_with_prelude(written), user_flags={"logica_default_engine": "sqlite"})
     except complaints.COMPLAINTS as error:
@@ -135,6 +139,8 @@ class RobotProgram(universe.LogicaProgram):  # type: ignore[misc]  # the package
 
     def __init__(self, rules: list[Rule], **options: Any) -> None:
         self.steps: dict[str, int] = {}
+        self.fixpoints: list[Fixpoint] = []
+        self._step_queries: dict[Fixpoint, str] = {}
         super().__init__(rules, **options)
 
     def growth_checks(self, statements: Mapping[str, str]) -> dict[str, tuple[int, str]]:
@@ -144,7 +150,30 @@ class RobotProgram(universe.LogicaProgram):  # type: ignore[misc]  # the package
             for name, steps in self.steps.items()
             if name in statements
         }
+        for fixpoint in self.fixpoints:
+            if fixpoint.name in statements:
+                checks[fixpoint.name] = (fixpoint.depth, grows(fixpoint, self._steps()))
         return {name: check for name, check in checks.items() if check[1]}
+
+    def FormattedPredicateSql(self, name: str) -> str:
+        """The SQL of a predicate, in which types are those of DuckDB.
+
+        Raises:
+            Exception: As the package raises them, for what can't be compiled.
+        """
+        known = next((f for f in self.fixpoints if f.name == name), None)
+        if known is None:
+            return as_on_duckdb(with_fixpoints(super().FormattedPredicateSql(name), self._steps()))
+        return as_on_duckdb(with_fixpoints(f"SELECT * FROM {name}", self._steps()))  # noqa: S608 - a name
+
+    def _steps(self) -> dict[Fixpoint, str]:
+        """The query for a step of each recursion that is computed by iterating."""
+        if not self._step_queries:
+            self._step_queries = {
+                fixpoint: super(RobotProgram, self).FormattedPredicateSql(fixpoint.step)
+                for fixpoint in self.fixpoints
+            }
+        return self._step_queries
 
     def UnfoldRecursion(self, rules: list[Rule]) -> list[Rule]:
         """Unroll every recursion in place, where the package would repeat statements."""
@@ -154,6 +183,11 @@ class RobotProgram(universe.LogicaProgram):  # type: ignore[misc]  # the package
             options.pop("stop", None)
             if options.get("1") == -1:
                 options["1"] = _RECURSION_DEPTH
+        rules, self.fixpoints = fixpoints(
+            rules, lambda name: depths.get(name, {}).get("1", _RECURSION_DEPTH)
+        )
+        for fixpoint in self.fixpoints:
+            depths.pop(fixpoint.name, None)
         unfolding = functors.Functors(rules)
         recursive, _ = unfolding.RecursiveAnalysis(depths, False, _RECURSION_DEPTH)
         for name in recursive:
@@ -230,13 +264,14 @@ def _ground_in_query(rule: Rule) -> Rule:
 def _take_visibility(
     rules: list[Rule], text: str
 ) -> tuple[list[Rule], dict[str, Any], list[Diagnostic]]:
-    """Separate ``@Visible`` from the rules, which the package does not know."""
+    """Separate ``@Visible``, which the package does not know, and what is ignored."""
     visibility: dict[str, Any] = {}
     rest = []
     problems = []
     for rule in rules:
         if head_name(rule) != "@Visible":
-            rest.append(rule)
+            if head_name(rule) not in IGNORED:
+                rest.append(rule)
             continue
         of, wanted = subject(rule), _second_text(rule)
         if wanted in _VISIBILITY.get(of, ()):

@@ -198,6 +198,7 @@ _PLAIN = (
     (r"^Either all rules of a", "some rules of this predicate are distinct and some are not"),
     (r"^Parameters .* are undefined", "a text can't hold ${...}"),
     (r"^Cast must have", "Cast needs a value and the name of a type in quotes"),
+    (r"^Unspecified flag: (\S+)", r"there is no flag \1"),
     (r"^Annotation (\S+) must be applied to an existing predicate.*predicate (\S+)$",
      r"\1 speaks of \2, which is not defined"),
     (r"Bad annotation|annotation", "this annotation can't be understood"),
@@ -236,6 +237,7 @@ _HINTS = (
     (r"'~' stands before", "Write ~P(x) or ~(a == b)."),
     (r"comes last", "Move it to the end."),
     (r"annotation can't", "For example: @Recursive(P, 50); @OrderBy(P, \"col0\"); @Limit(P, 3);"),
+    (r"there is no flag", 'Say what it is: @DefineFlag("name", "value");'),
     (r"which is not defined", "Define it, or remove the annotation."),
 )  # fmt: skip
 

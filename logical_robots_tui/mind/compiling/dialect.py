@@ -32,7 +32,11 @@ class RobotDialect(dialects.SqLiteDialect):  # type: ignore[misc]  # the package
                 "Concat": "concat_two_lists({0}, {1})",
                 "Split": "split_text(%s)",
                 "If": "IIF(%s)",
-                "AnyValue": "MIN(%s)",
+                # MIN, but also of records, of which it need not be the least.
+                "1": "any_value(%s)",
+                "AnyValue": "any_value(%s)",
+                "Format": "formatted(%s)",
+                "Log": "LN(%s)",
                 "Element": "json_extract({0}, '$[' || CAST({1} AS INTEGER) || ']')",
                 "ToInt64": "CAST(round(%s) AS INTEGER)",
                 "ToFloat64": "CAST(%s AS REAL)",

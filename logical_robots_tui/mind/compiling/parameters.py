@@ -11,12 +11,12 @@ if TYPE_CHECKING:
 
     from logical_robots_tui.mind.compiling.rules import Rule
 
-__all__ = ["lacking", "parameters"]
+__all__ = ["filled_in", "lacking", "parameters"]
 
 
 def parameters(rules: list[Rule]) -> frozenset[str]:
     """Names of the predicates that are filled in somewhere and defined nowhere."""
-    filled = {name for rule in rules for name in _filled_in(rule)}
+    filled = {name for rule in rules for name in filled_in(rule)}
     return frozenset(filled.difference(heads(rules)))
 
 
@@ -31,7 +31,7 @@ def lacking(rules: list[Rule]) -> dict[str, str]:
         elif name in own and name not in seen:
             seen.add(name)
             for rule in own[name]:
-                inside = filled.union(_filled_in(rule))
+                inside = filled.union(filled_in(rule))
                 for other in map(str, called(rule)):
                     yield from first_open(other, inside, seen)
 
@@ -39,7 +39,7 @@ def lacking(rules: list[Rule]) -> dict[str, str]:
     return {name: other for name, other in found.items() if other}
 
 
-def _filled_in(rule: Rule) -> list[str]:
+def filled_in(rule: Rule) -> list[str]:
     """Names that a rule with ``:=`` fills in."""
     if head_name(rule) != "@Make":
         return []

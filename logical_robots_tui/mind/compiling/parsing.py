@@ -13,7 +13,8 @@ from typing import TYPE_CHECKING, Any
 from logica.parser_py import parse
 
 from logical_robots_tui.mind.compiling import complaints
-from logical_robots_tui.mind.text import statements
+from logical_robots_tui.mind.compiling.rules import nodes
+from logical_robots_tui.mind.text import INNER_QUOTE, statements
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -53,7 +54,7 @@ def parse_statements(text: str, source: Prepared) -> Parsed:
         skip = any(start <= place < end for place in source.broken)
         if not skip:
             try:
-                rules += _parse_statement(source.text, start, end)
+                rules += _with_quotes(_parse_statement(source.text, start, end))
                 continue
             except complaints.COMPLAINTS as error:
                 problems.append(complaints.explain(error, text, source, (start, end)))
@@ -70,6 +71,20 @@ def rewritten(rules: list[Rule]) -> list[Rule]:
     ):
         rules = rewriting.Rewrite(rules)
     return rules
+
+
+def _with_quotes(rules: Iterator[Rule]) -> list[Rule]:
+    """The rules, with the double quotes that stand in texts in single quotes."""
+    found = list(rules)
+    for node in nodes(found):
+        text = (
+            node["the_string"].get("the_string")
+            if isinstance(node.get("the_string"), dict)
+            else None
+        )
+        if isinstance(text, str) and INNER_QUOTE in text:
+            node["the_string"]["the_string"] = text.replace(INNER_QUOTE, '"')
+    return found
 
 
 def _parse_statement(text: str, start: int, end: int) -> Iterator[Rule]:

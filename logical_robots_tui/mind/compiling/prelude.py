@@ -21,7 +21,7 @@ Array(pair) = SqlExpr("array_by({a}, {v})", {a: pair.arg, v: pair.value});
 
 NaturalHash(x) = SqlExpr("natural_hash({x})", {x:});
 Fingerprint(x) = SqlExpr("natural_hash({x})", {x:});
-TryCast(value, type) = SqlExpr("try_cast({v}, {t})", {v: value, t: type});
+TryCast(value, example) = SqlExpr("try_cast_like({v}, {e})", {v: value, e: example});
 TruthToString(truth) = SqlExpr("truth_to_text({t})", {t: truth});
 RecordAsJson(record) = SqlExpr("record_as_json({r})", {r: record});
 AssembleRecord(pairs) = SqlExpr("assemble_record({p})", {p: pairs});

@@ -8,8 +8,10 @@ from typing import TYPE_CHECKING, Any
 
 from logical_robots_tui.mind.close import closest
 from logical_robots_tui.mind.compiling import builtins
+from logical_robots_tui.mind.compiling.robot_rule import MAIN
 from logical_robots_tui.mind.compiling.rules import (
     VALUE,
+    called,
     calls,
     fields,
     head_name,
@@ -17,6 +19,7 @@ from logical_robots_tui.mind.compiling.rules import (
     nodes,
     prelude_rules,
     subject,
+    value_of,
 )
 from logical_robots_tui.mind.program import INPUTS
 from logical_robots_tui.mind.text import diagnostic_for
@@ -38,13 +41,13 @@ class Signature:
         count: How many go by position.
         named: Names of the others.
         has_value: Whether it is a function, which has a value.
-        required: How many of those by position can't be left out.
+        required: Which of those by position its value can't be computed without.
     """
 
     count: int
     named: frozenset[str]
     has_value: bool
-    required: int = 0
+    required: frozenset[int] = frozenset()
 
     def __str__(self) -> str:
         positional = [f"argument {i + 1}" for i in range(self.count)]
@@ -83,6 +86,7 @@ def wrong_calls(
 ) -> Iterator[Diagnostic]:
     """Calls with arguments that the predicate does not have."""
     own = heads(rules)
+    used = _used(own)
     for rule in rules:
         if head_name(rule).startswith("@"):
             continue
@@ -90,8 +94,24 @@ def wrong_calls(
             name = call["predicate_name"]
             if name in known and not (for_value and builtins.is_built_in(name)):
                 yield from _wrong_call(call, known[name], for_value, text)
+                if for_value and known[name].has_value and head_name(rule) in used:
+                    yield from _left_out(call, known[name], text)
             elif for_value and name not in own and _is_named_built_in(name):
                 yield from _wrong_built_in(call, text)
+
+
+def _used(own: Mapping[str, list[Rule]]) -> set[str]:
+    """Names of the predicates that `Robot` leans on, or of all if there is none."""
+    if MAIN not in own:
+        return {*own}
+    used = set[str]()
+    waiting = [MAIN]
+    while waiting:
+        name = waiting.pop()
+        if name in own and name not in used:
+            used.add(name)
+            waiting += map(str, called(own[name]))
+    return used
 
 
 def given_twice(rules: list[Rule], text: str) -> Iterator[Diagnostic]:
@@ -119,8 +139,21 @@ def _signature(rule: Rule) -> Signature | None:
         return None
     positional = sum(isinstance(c, int) for c in columns)
     named = frozenset(str(c) for c in columns if isinstance(c, str))
-    bare = "body" not in rule and VALUE in named
-    return Signature(positional, named - {VALUE}, VALUE in named, positional if bare else 0)
+    required = frozenset[int]() if "body" in rule else _in_value(rule)
+    return Signature(positional, named - {VALUE}, VALUE in named, required)
+
+
+def _in_value(rule: Rule) -> frozenset[int]:
+    """Places of the arguments that the value of a function without conditions mentions."""
+    record = rule["head"]["record"]["field_value"]
+    values = [fv for fv in record if fv["field"] == VALUE]
+    mentioned = {node["variable"]["var_name"] for node in nodes(values) if "variable" in node}
+    return frozenset(
+        fv["field"]
+        for fv in record
+        if isinstance(fv["field"], int)
+        and (value_of(fv) or {}).get("variable", {}).get("var_name") in mentioned
+    )
 
 
 def _difference(first: Rule, other: Rule) -> tuple[str, str] | None:
@@ -173,9 +206,24 @@ def _wrong_call(
         hint = f"Write {name}(...) as a condition, or give it a value: {name}(...) = ...;"
         message = f"{name} is no function; it has no value"
         yield diagnostic_for(text, name, message, hint if len(hint) <= 120 else "")
-    elif for_value and len(given) < signature.required and "*" not in given:
-        message = f"{name} takes {_arguments(signature.count)}, here {_are(positional)}"
+
+
+def _left_out(call: Rule, signature: Signature, text: str) -> Iterator[Diagnostic]:
+    """What to say of a function that is called with fewer arguments than it has.
+
+    That asks for its values whatever the others are, unless a value can't be computed without.
+    """
+    name = call["predicate_name"]
+    given: list[Any] = fields(call["record"])
+    places = range(0 if "*" in given else signature.count)
+    missing = {place for place in places if not {place, f"col{place}"} & {*given}}
+    here = sum(isinstance(field, int) for field in given)
+    message = f"{name} takes {_arguments(signature.count)}, here {_are(here)}"
+    if missing & signature.required:
         yield diagnostic_for(text, name, message, "Add what is missing.")
+    elif missing:
+        hint = "What is left out may be anything. If that is meant, all is well."
+        yield diagnostic_for(text, name, message, hint, "warning")
 
 
 def _too_many(name: str, given: int, signature: Signature) -> str:

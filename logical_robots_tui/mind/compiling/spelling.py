@@ -14,9 +14,9 @@ if TYPE_CHECKING:
     from logical_robots_tui.mind.compiling.rules import Rule
     from logical_robots_tui.mind.text import Prepared
 
-__all__ = ["spell_out"]
+__all__ = ["TYPES", "spell_out"]
 
-_TYPES = {
+TYPES = {
     "BIGINT": "Int",
     "BOOL": "Bool",
     "BOOLEAN": "Bool",
@@ -33,13 +33,14 @@ _TYPES = {
     "TEXT": "Str",
     "VARCHAR": "Str",
 }
+"""What a type may be called in capitals, and what it is called here."""
 
 
 def spell_out(rules: list[Rule], text: str, source: Prepared) -> None:
     """Replace, in place, the type in `TryCast` by its text, and name `ToString` of a truth.
 
     Raises:
-        ProgramError: The second argument of `TryCast` is not a type.
+        ProgramError: A `TryCast` has not two arguments.
     """
     for call in _calls(rules):
         values = call["record"]["field_value"]
@@ -49,14 +50,47 @@ def spell_out(rules: list[Rule], text: str, source: Prepared) -> None:
         elif call["predicate_name"] == "TryCast":
             if len(values) != 2:
                 raise ProgramError((_no_type(text, source),))
-            try:
-                wanted = to_json(_type(values[1]["value"]["expression"]))
-            except KeyError:
-                raise ProgramError((_no_type(text, source),)) from None
-            values[1]["value"]["expression"] = {
-                "literal": {"the_string": {"the_string": wanted}},
-                "expression_heritage": wanted,
-            }
+            _name_type(call, values[1]["value"])
+
+
+def _name_type(call: dict[str, Any], second: dict[str, Any]) -> None:
+    """Let a `TryCast` to a type be one to its text; in an example, a type is a value of it."""
+    try:
+        wanted = to_json(_type(second["expression"]))
+    except KeyError:
+        second["expression"] = _with_samples(second["expression"])
+        return
+    first = call["record"]["field_value"][0]["value"]
+    arguments = (("v", first), ("t", {"expression": _literal(wanted)}))
+    record = [{"field": name, "value": value} for name, value in arguments]
+    call["predicate_name"] = "SqlExpr"
+    call["record"]["field_value"] = [
+        {"field": 0, "value": {"expression": _literal("try_cast({v}, {t})")}},
+        {"field": 1, "value": {"expression": {"record": {"field_value": record}}}},
+    ]
+
+
+def _literal(text: str) -> dict[str, Any]:
+    return {"literal": {"the_string": {"the_string": text}}, "expression_heritage": text}
+
+
+_SAMPLES = {
+    "Num": {"the_number": {"number": "0"}},
+    "Int": {"the_number": {"number": "0"}},
+    "Str": {"the_string": {"the_string": ""}},
+    "Bool": {"the_bool": {"the_bool": "true"}},
+}
+
+
+def _with_samples(tree: Any) -> Any:
+    if isinstance(tree, list):
+        return [_with_samples(branch) for branch in tree]
+    if not isinstance(tree, dict):
+        return tree
+    name = str(tree.get("literal", {}).get("the_predicate", {}).get("predicate_name", ""))
+    if sample := _SAMPLES.get(TYPES.get(name.upper(), "")):
+        return {**tree, "literal": sample}
+    return {key: _with_samples(branch) for key, branch in tree.items()}
 
 
 def _calls(tree: Any) -> list[dict[str, Any]]:
@@ -77,16 +111,22 @@ def _is_truth(expression: dict[str, Any]) -> bool:
 
 
 def _type(expression: dict[str, Any]) -> Any:
-    """The type that an expression spells: ``{a: Num}``, ``[Str]``, ``Bool``, ``"BIGINT"``."""
+    """The type that an expression spells: ``{a: Num}``, ``[Str]``, ``Bool``, ``"BIGINT"``.
+
+    Raises:
+        KeyError: It is something else: an example of what is wanted.
+    """
     if "record" in expression:
         fields = expression["record"]["field_value"]
+        if any("expression" not in field["value"] for field in fields):
+            raise KeyError("expression")
         return {f["field"]: _type(f["value"]["expression"]) for f in fields}
     literal = expression["literal"]
     if "the_list" in literal:
-        (element,) = literal["the_list"]["element"] or [{}]
-        return [_type(element)]
+        elements = literal["the_list"]["element"]
+        return [_type(elements[0] if len(elements) == 1 else {})]
     if "the_predicate" in literal:
-        return _TYPES[str(literal["the_predicate"]["predicate_name"]).upper()]
+        return TYPES[str(literal["the_predicate"]["predicate_name"]).upper()]
     return _sql_type(str(literal["the_string"]["the_string"]))
 
 
@@ -98,7 +138,7 @@ def _sql_type(spelled: str) -> Any:
     if found := re.fullmatch(r"(?is)struct\s*\((.*)\)", spelled):
         fields = (part.strip().split(None, 1) for part in _parts(found.group(1)))
         return {field[0].strip('"'): _sql_type(field[1]) for field in fields if len(field) == 2}
-    return _TYPES[spelled.upper()]
+    return TYPES[spelled.upper()]
 
 
 def _parts(text: str) -> list[str]:
@@ -118,6 +158,6 @@ def _no_type(text: str, source: Prepared) -> Any:
         "TryCast",
         text,
         source,
-        "TryCast needs a value and a type",
-        "Such as TryCast(memory, {count: Num, seen: [Str]}).",
+        "TryCast needs a value and an example of what it is to be",
+        'Such as TryCast(memory, {count: 0, seen: [""]}), or types: {count: Num, seen: [Str]}.',
     )

@@ -147,7 +147,10 @@ def _answer(request: dict[str, Any], report: Report | None = None) -> dict[str, 
     except Exception:  # the package may raise anything; the next program is to find us alive
         refusal = _refusal("the compiler gave up on this program", "Try a simpler one.")
         return {**refusal, "trace": traceback.format_exc()}
-    return _refusal("the program needs too much memory to compile", "Shorten it.")
+    return _refusal(
+        "the program needs too much memory to compile",
+        "Shorten it, or let a recursion take fewer steps: @Recursive(P, 8);",
+    )
 
 
 def _question(text: str, query: str) -> Question:

@@ -1,6 +1,7 @@
 """Values as text and as a wanted type, with the meaning that DuckDB gives to its casts.
 
-A type is JSON: ``"Num"``, ``"Int"``, ``"Str"``, ``"Bool"``, ``{"field": type}`` or ``[type]``.
+A type is JSON: ``"Num"``, ``"Int"``, ``"Str"``, ``"Bool"``, ``"Any"``, ``{"field": type}`` or
+``[type]``.
 """
 
 from __future__ import annotations
@@ -14,7 +15,7 @@ from logical_robots_tui.mind.sqlite.stored import to_json
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-__all__ = ["to_text", "try_cast"]
+__all__ = ["to_text", "try_cast", "try_cast_like"]
 
 _LARGEST = 2**63  # no whole number of SQLite's reaches it
 
@@ -32,6 +33,23 @@ def try_cast(value: Any, type_json: str) -> Any:
     """
     cast = _cast(value, json.loads(type_json))
     return to_json(cast) if isinstance(cast, dict | list) else cast
+
+
+def try_cast_like(value: Any, example: Any) -> Any:
+    """A value as one of the type that an example has, as far as that can be seen."""
+    cast = _cast(value, _type_of(_parsed(example) or example))
+    return to_json(cast) if isinstance(cast, dict | list) else cast
+
+
+def _type_of(example: Any) -> Any:
+    """The type of an example; null and the elements of an empty list are anything."""
+    if isinstance(example, dict):
+        return {name: _type_of(value) for name, value in example.items()}
+    if isinstance(example, list):
+        return [_type_of(example[0] if example else None)]
+    if isinstance(example, bool):
+        return "Bool"
+    return "Any" if example is None else "Str" if isinstance(example, str) else "Num"
 
 
 def _cast(value: Any, wanted: Any) -> Any:
@@ -84,6 +102,7 @@ def _truth(value: Any) -> bool | None:
 
 
 _CASTS: dict[str, Callable[[Any], Any]] = {
+    "Any": lambda value: value,
     "Num": _number,
     "Int": _whole,
     "Str": to_text,

@@ -9,74 +9,31 @@ import hashlib
 import json
 import math
 import sqlite3
-from typing import TYPE_CHECKING, Any, TypeAlias
+from typing import TYPE_CHECKING, Any
 
-from logical_robots_tui.mind.sqlite.bounds import (
-    MAX_ITEMS,
-    MAX_RANGE,
-    Room,
-    check_items,
-    check_long,
-    check_text,
-    guarded,
-)
-from logical_robots_tui.mind.sqlite.casting import to_text, try_cast
+from logical_robots_tui.mind.sqlite import texts
+from logical_robots_tui.mind.sqlite.aggregates import AGGREGATES
+from logical_robots_tui.mind.sqlite.bounds import MAX_RANGE, check_items, check_text, guarded
+from logical_robots_tui.mind.sqlite.casting import to_text, try_cast, try_cast_like
+from logical_robots_tui.mind.sqlite.order import compared, in_json, in_order, order_of_scalar
 from logical_robots_tui.mind.sqlite.replaced import REPLACED
 from logical_robots_tui.mind.sqlite.stored import to_json
+from logical_robots_tui.mind.sqlite.values import (
+    Scalar,
+    element,
+    list_in,
+    real_as_json,
+    value_as_json,
+)
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable
+    from collections.abc import Callable
 
     from logical_robots_tui.mind.sqlite.watch import Work
 
 __all__ = ["NAMES", "install"]
 
-Scalar: TypeAlias = "int | float | str | None"
-
 _MOST_COMPARED = 16  # arguments of Least and Greatest
-
-
-def _bounded(text: str) -> str:
-    if len(text) > MAX_ITEMS:
-        check_long(text)
-    return text
-
-
-def _list(text: Scalar) -> list[Any]:
-    value = json.loads(_bounded(text)) if isinstance(text, str) else None
-    if not isinstance(value, list):
-        raise TypeError(f"not a list: {text!r}"[:200])
-    return value
-
-
-def _element(value: Scalar) -> Any:
-    """A value to put in a list: what is JSON text goes in as the list or record that it is."""
-    if isinstance(value, str) and value[:1] in ("{", "["):
-        try:
-            return json.loads(_bounded(value))
-        except ValueError:
-            return value
-    return value
-
-
-def _order(value: Any) -> tuple[int, Any]:
-    """Sort key over values of all types: null, numbers, texts, then the rest."""
-    if value is None:
-        return (0, 0)
-    if isinstance(value, int | float):
-        return (1, value)
-    if isinstance(value, str):
-        return (2, value)
-    return (3, to_json(value))
-
-
-def _sorted(values: Iterable[Any]) -> list[Any]:
-    """Values in ascending order; of one type, which is usual, without the detour of a key."""
-    values = list(values)
-    types = {type(value) for value in values}
-    if types <= {int, float} or types == {str}:
-        return sorted(values)
-    return sorted(values, key=_order)
 
 
 def _present(values: tuple[Scalar, ...]) -> list[Scalar]:
@@ -102,21 +59,21 @@ def _modulo(left: float, right: float) -> float | None:
 
 def _concatenate(left: Scalar, right: Scalar) -> str:
     """`++`: two lists make a list, everything else a text."""
-    if _is_list(left) and _is_list(right):
+    if _islist_in(left) and _islist_in(right):
         return _concat(left, right)
     return _text(left) + _text(right)
 
 
-def _is_list(value: Scalar) -> bool:
-    return isinstance(value, str) and value[:1] == "[" and isinstance(_element(value), list)
+def _islist_in(value: Scalar) -> bool:
+    return isinstance(value, str) and value[:1] == "[" and isinstance(element(value), list)
 
 
 def _unique(items: Scalar) -> str:
-    return to_json(_sorted({to_json(i): i for i in _list(items)}.values()))
+    return to_json(in_order({to_json(i): i for i in list_in(items)}.values()))
 
 
 def _join(items: Scalar, separator: str) -> str:
-    texts = [_text(i) for i in _list(items) if i is not None]
+    texts = [_text(i) for i in list_in(items) if i is not None]
     check_text(len(separator) * len(texts))
     return separator.join(texts)
 
@@ -133,11 +90,11 @@ def _split(text: str, separator: str) -> str:
 
 
 def _sort(items: Scalar) -> str:
-    return to_json(_sorted(_list(items)))
+    return to_json(in_order(list_in(items)))
 
 
 def _concat(left: Scalar, right: Scalar) -> str:
-    return to_json(_list(left) + _list(right))
+    return to_json(list_in(left) + list_in(right))
 
 
 def _range(count: float) -> str:
@@ -151,11 +108,16 @@ def _hash(value: Scalar) -> int:
 
 
 def _record_as_json(record: Scalar) -> str:
-    return to_json(_element(record))
+    return to_json(element(record))
 
 
 def _assemble(pairs: Scalar) -> str:
-    return to_json({str(p["arg"]): p["value"] for p in _list(pairs)})
+    return to_json({str(p["arg"]): p["value"] for p in list_in(pairs)})
+
+
+def _has(items: Scalar, wanted: Scalar) -> int:
+    value = element(wanted)
+    return int(any(not in_json(item, value) for item in list_in(items)))
 
 
 def _disassemble(record: Scalar) -> str:
@@ -189,26 +151,36 @@ _FUNCTIONS: dict[str, tuple[int, Callable[..., Any]]] = {
     "record_as_json": (1, _record_as_json),
     "assemble_record": (1, _assemble),
     "disassemble_record": (1, _disassemble),
+    "compare_values": (2, compared),
     "concatenate": (2, _concatenate),
+    "decimal_to_text": (2, texts.decimal_to_text),
     "divide": (2, _divide),
     "ends_with": (2, lambda text, end: int(text.endswith(end))),
     "modulo": (2, _modulo),
     "reverse": (1, lambda text: text[::-1]),
-    "lower_text": (1, str.lower),
+    "list_has": (2, _has),
+    "lower_text": (1, texts.lower),
+    "real_as_json": (1, real_as_json),
+    "round_to": (2, texts.round_to),
     "starts_with": (2, lambda text, start: int(text.startswith(start))),
     "to_text": (1, to_text),
     "truth_to_text": (1, lambda truth: "true" if truth else "false"),
     "try_cast": (2, try_cast),
+    "try_cast_like": (2, try_cast_like),
     "unicode_of": (1, lambda text: ord(text[0]) if text else 0),
     "unique_list": (1, _unique),
-    "upper_text": (1, str.upper),
+    "upper_text": (1, texts.upper),
+    "value_as_json": (1, value_as_json),
 }
 
 _NULL_MEANS_ABSENT: dict[str, tuple[int, Callable[..., Any]]] = {
-    "greatest": (-1, lambda *values: max(_present(values), key=_order, default=None)),
-    "least": (-1, lambda *values: min(_present(values), key=_order, default=None)),
+    "greatest": (-1, lambda *values: max(_present(values), key=order_of_scalar, default=None)),
+    "least": (-1, lambda *values: min(_present(values), key=order_of_scalar, default=None)),
 }
 """Functions that pass over null instead of giving it back."""
+
+_OF_ANY_NUMBER: dict[str, Callable[..., Any]] = {"formatted": texts.formatted}
+"""Functions of one argument and more."""
 
 _MATHS: dict[str, tuple[int, Callable[..., Any]]] = {
     "acos": (1, _unary(math.acos)),
@@ -236,130 +208,9 @@ _MATHS: dict[str, tuple[int, Callable[..., Any]]] = {
 """What SQLite has only where it was built with mathematical functions."""
 
 
-class _Collect:
-    """An aggregate that makes a list of values; of nothing it makes null, as DuckDB does."""
-
-    def __init__(self) -> None:
-        self.items: list[Any] = []
-        self.room = Room()
-
-    def step(self, value: Scalar) -> None:
-        self.room.take(value)
-        self.items.append(_element(value))
-
-    def finalize(self) -> str | None:
-        return to_json(self.items) if self.items else None
-
-
-class _Distinct:
-    """`Set`: each value once, in ascending order, without null."""
-
-    def __init__(self) -> None:
-        self.unique: dict[str, Any] = {}
-        self.room = Room()
-
-    def step(self, value: Scalar) -> None:
-        item = _element(value)
-        key = to_json(item)
-        if item is not None and key not in self.unique:
-            self.room.take(key)
-            self.unique[key] = item
-
-    def finalize(self) -> str | None:
-        return to_json(_sorted(self.unique.values())) if self.unique else None
-
-
-class _ConcatLists(_Collect):
-    """`++=`: one list of the elements of all lists."""
-
-    def step(self, value: Scalar) -> None:
-        if value is not None:
-            items = _list(value)
-            self.room.take(value, len(items))
-            self.items.extend(items)
-
-
-class _Pairs:
-    """An aggregate over pairs; of equal values the first seen comes first, null never."""
-
-    descending = False
-
-    def __init__(self) -> None:
-        self.pairs: list[tuple[Any, Scalar]] = []
-        self.count: float | None = None
-        self.room = Room()
-
-    def step(self, argument: Scalar, value: Scalar, count: float | None = None) -> None:
-        self.count = count
-        if value is not None:
-            self.room.take(value)
-            self.room.take(argument, 0)
-            self.pairs.append((_order(value), argument))
-
-    def ordered(self) -> list[Scalar]:
-        self.pairs.sort(key=lambda pair: pair[0], reverse=self.descending)
-        return [argument for _, argument in self.pairs]
-
-
-class _ArgMin:
-    """The argument of the best value; of equal ones the first seen, null never."""
-
-    descending = False
-
-    def __init__(self) -> None:
-        self.best: tuple[int, Any] | None = None
-        self.argument: Scalar = None
-
-    def step(self, argument: Scalar, value: Scalar) -> None:
-        if value is None:
-            return
-        order = _order(value)
-        if self.best is None or (order > self.best if self.descending else order < self.best):
-            self.best = order
-            self.argument = argument
-
-    def finalize(self) -> Scalar:
-        return self.argument
-
-
-class _ArgMax(_ArgMin):
-    descending = True
-
-
-class _ArgMinK(_Pairs):
-    def finalize(self) -> str | None:
-        count = None if self.count is None else max(0, int(self.count))
-        return to_json([_element(a) for a in self.ordered()[:count]]) if self.pairs else None
-
-
-class _ArgMaxK(_ArgMinK):
-    descending = True
-
-
-class _Array(_Pairs):
-    """`Array{position -> value}`: the values in the order of their positions."""
-
-    def step(self, argument: Scalar, value: Scalar, count: float | None = None) -> None:
-        self.room.take(argument)
-        self.room.take(value, 0)
-        self.pairs.append((_order(argument), value))
-
-    def finalize(self) -> str | None:
-        return to_json([_element(a) for a in self.ordered()]) if self.pairs else None
-
-
-_AGGREGATES: dict[str, tuple[int, type[Any]]] = {
-    "list_of_distinct": (1, _Distinct),
-    "concat_lists": (1, _ConcatLists),
-    "arg_min": (2, _ArgMin),
-    "arg_max": (2, _ArgMax),
-    "arg_min_k": (3, _ArgMinK),
-    "arg_max_k": (3, _ArgMaxK),
-    "array_by": (2, _Array),
-}
-
-
-NAMES = frozenset({*_FUNCTIONS, *_NULL_MEANS_ABSENT, *_MATHS, *_AGGREGATES, *REPLACED})
+NAMES = frozenset(
+    {*_FUNCTIONS, *_NULL_MEANS_ABSENT, *_OF_ANY_NUMBER, *_MATHS, *AGGREGATES, *REPLACED}
+)
 """Names of all functions of this module, in lower case as SQLite's authorizer tells them."""
 
 
@@ -390,5 +241,7 @@ def install(connection: sqlite3.Connection, work: Work | None = None) -> None:
     for name, (_, function) in _NULL_MEANS_ABSENT.items():
         for arity in range(1, _MOST_COMPARED + 1):
             create(name, arity, function, null_safe=False)
-    for name, (arity, aggregate) in _AGGREGATES.items():
+    for name, function in _OF_ANY_NUMBER.items():
+        create(name, -1, function, null_safe=True)
+    for name, (arity, aggregate) in AGGREGATES.items():
         connection.create_aggregate(name, arity, aggregate)

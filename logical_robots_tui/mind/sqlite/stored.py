@@ -121,7 +121,7 @@ def _parsed(text: str) -> Any:
 def _unescaped(value: Any, deepest: int) -> Value:
     """JSON in which no record or list hides in a text: SQLite forgets that a text is JSON.
 
-    Numbers that JSON can't hold become null; half characters, and NUL, with which a text in JSON
+    What is not a number becomes null; half characters, and NUL, with which a text in JSON
     ends for SQLite, a replacement character.
     """
     if isinstance(value, dict):
@@ -136,7 +136,7 @@ def _unescaped(value: Any, deepest: int) -> Value:
         if value[:1] in ("{", "["):
             return _from_json(value, deepest)
         return _whole(value)
-    if isinstance(value, float) and not math.isfinite(value):
+    if isinstance(value, float) and math.isnan(value):
         return None
     return value  # type: ignore[no-any-return]  # the rest of JSON is a Value
 

@@ -13,9 +13,9 @@ from sqlglot import exp
 from sqlglot.errors import SqlglotError
 
 from logical_robots_tui.mind.duck.translation import in_duckdb
-from logical_robots_tui.mind.program import INPUTS, Tuned
+from logical_robots_tui.mind.program import INPUTS, STEPS, Tuned
 from logical_robots_tui.mind.sqlite.remembered import ITEM_FIELDS, MEMORY_FIELDS
-from logical_robots_tui.mind.tuning import aggregates, columns, native, records, sharing, sql
+from logical_robots_tui.mind.tuning import aggregates, columns, json, native, records, sharing, sql
 from logical_robots_tui.mind.tuning.indexes import (
     found_by_number,
     indexed_where_lists_are_joined,
@@ -115,6 +115,8 @@ def tune(
             order, so that a robot would drive another way by a last digit.
     """
     known = known or Known()
+    if STEPS in statement:
+        return None  # rows that pass from step to step as a list can't be told apart by viewers
     try:
         tree = sql.parse(statement)
         if not _can_be_moved(tree):
@@ -175,6 +177,8 @@ def _finished(
     sharing.shared(tree)
     computed_once(tree)
     native.native_division(tree)
+    json.records_at_once(tree)
+    json.native_numbers(tree)
     return result, read
 
 

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 
 from sqlglot import exp
 
-from logical_robots_tui.mind.tuning import sql
+from logical_robots_tui.mind.tuning import json, sql
 from logical_robots_tui.mind.tuning.memories import guarded_field
 
 if TYPE_CHECKING:
@@ -61,7 +61,9 @@ def _parts(arm: exp.Select, name: str) -> tuple[exp.Expr, exp.Expr] | None:
         return None
     first, argument, second, value = made.expressions
     written_out = [part.this for part in (first, second) if isinstance(part, exp.Literal)]
-    return (argument, value) if written_out == ["arg", "value"] else None
+    if written_out != ["arg", "value"] or json.truth_in(argument) or json.truth_in(value):
+        return None
+    return json.taken_out(argument), json.taken_out(value)
 
 
 def _calls(tree: exp.Expr, query: str, name: str) -> list[exp.Anonymous]:

@@ -2,9 +2,15 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 from sqlglot import exp
 
-from logical_robots_tui.mind.tuning import sql
+from logical_robots_tui.mind.program import TRUTH_MARK
+from logical_robots_tui.mind.tuning import json, sql
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
 
 __all__ = ["records_as_columns"]
 
@@ -20,7 +26,8 @@ def records_as_columns(tree: exp.Query) -> tuple[tuple[str, tuple[str, ...]], ..
 
     Returns:
         Names of the columns that the query had, each with the names of the fields that stand in
-        its place, or with () if it is as it was; () if no column is changed.
+        its place, those of truths marked, or with () if it is as it was; () if no column is
+        changed.
     """
     if not isinstance(tree, exp.Select):
         return ()
@@ -32,12 +39,19 @@ def records_as_columns(tree: exp.Query) -> tuple[tuple[str, tuple[str, ...]], ..
             result.append((item.alias, ()))
             columns.append(item)
         else:
-            result.append((item.alias, tuple(fields)))
-            columns += [exp.alias_(v, f"{item.alias}_{i}") for i, v in enumerate(fields.values())]
+            result.append((item.alias, tuple(map(_marked, fields, fields.values()))))
+            columns += [
+                exp.alias_(json.taken_out(value), f"{item.alias}_{number}")
+                for number, value in enumerate(fields.values())
+            ]
     if not all(name for name, _ in result) or not any(fields for _, fields in result):
         return ()
     tree.set("expressions", columns)
     return tuple(result)
+
+
+def _marked(name: str, value: exp.Expr) -> str:
+    return f"{name}{TRUTH_MARK}" if json.truth_in(value) is not None else name
 
 
 def _fields(value: exp.Expr) -> dict[str, exp.Expr] | None:
@@ -66,13 +80,26 @@ def _chosen_fields(case: exp.Case) -> dict[str, exp.Expr] | None:
     if first is None or any(r is None or list(r) != list(first) for r in records):
         return None
     *chosen, otherwise = [record for record in records if record is not None]
-    return {
-        field: exp.Case(
-            ifs=[
-                exp.If(this=branch.this.copy(), true=record[field])
-                for branch, record in zip(branches, chosen, strict=True)
-            ],
-            default=otherwise[field],
-        )
+    chosen_of = {
+        field: _choice(branches, [record[field] for record in chosen], otherwise[field])
         for field in first
     }
+    fields = {field: case for field, case in chosen_of.items() if case is not None}
+    return fields if len(fields) == len(first) else None
+
+
+def _choice(
+    branches: Sequence[exp.If], values: Sequence[exp.Expr], otherwise: exp.Expr
+) -> exp.Expr | None:
+    """A choice between what stands in JSON, or None if some but not all of it are truths."""
+    given = [*values, otherwise]
+    truths = [truth for truth in map(json.truth_in, given) if truth is not None]
+    if truths and len(truths) < len(given):
+        return None
+    *arms, default = map(json.taken_out, given)
+    ifs = [
+        exp.If(this=branch.this.copy(), true=arm)
+        for branch, arm in zip(branches, arms, strict=True)
+    ]
+    case = exp.Case(ifs=ifs, default=default)
+    return json.truth(case) if truths else case

@@ -36,6 +36,8 @@ _WORTH_SHARING = 60  # nodes that need not be computed again
 _TIMES = 15  # that a subquery computes what stands in it, as a guess
 _LIGHT = 10  # nodes; less than that may as well be computed for every row
 
+_IN_JSON = frozenset({"json"})
+
 
 def shared(tree: exp.Query) -> None:
     """Let every select outside of subqueries compute once what it would compute again."""
@@ -290,6 +292,8 @@ def _is_value(node: exp.Expr) -> bool:
         return False
     if isinstance(node, exp.Subquery):
         return not isinstance(node.parent, exp.From | exp.Join | exp.In | exp.Exists)
+    if {sql.call_name(node), sql.call_name(node.parent)} & _IN_JSON:
+        return False  # what a value is in JSON is said where it is put there
     return isinstance(
         node, exp.Case | exp.Anonymous | exp.Binary | exp.Paren | exp.Not | exp.Neg
     ) and not (isinstance(node.parent, exp.Table) or sql.call_name(node) in sql.AGGREGATES)

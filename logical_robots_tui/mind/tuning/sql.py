@@ -45,7 +45,8 @@ AGGREGATES = frozenset(
         *("avg", "count", "group_concat", "json_group_array", "json_group_object", "max", "median"),
         *("min", "percentile", "string_agg", "sum", "total"),
         *("list_of_distinct", "concat_lists", "arg_min", "arg_max", "arg_min_k", "arg_max_k"),
-        "array_by",
+        *("arg_min_of_nested", "arg_max_of_nested", "arg_min_k_of_nested", "arg_max_k_of_nested"),
+        *("any_value", "array_by", "greatest_nested", "json_records", "least_nested"),
     }
 )
 """Functions that are, or may be, aggregates."""
@@ -92,9 +93,15 @@ def parse(sql: str) -> exp.Query:
     return tree
 
 
-def written(tree: exp.Expr) -> str:
-    """The text of a tree."""
-    return _DIALECT.generate(tree, copy=False)
+def written(tree: exp.Expr, *, pretty: bool = False) -> str:
+    """The text of a tree.
+
+    Args:
+        tree: The tree.
+        pretty: Whether it is to be read by people, functions in the letters that they came in.
+    """
+    functions = False if pretty else "upper"
+    return _DIALECT.generate(tree, copy=False, pretty=pretty, normalize_functions=functions)
 
 
 def selects(tree: exp.Expr) -> Iterator[exp.Select]:

@@ -12,10 +12,12 @@ from typing import TYPE_CHECKING, Any
 
 import duckdb
 from logica.common import concertina_lib
-from logica.compiler import universe
+from logica.compiler import dialects, expr_translate, universe
 from logica.parser_py import parse
+from logica.type_inference.research import reference_algebra, types_of_builtins
 
-from logical_robots_tui.mind.text import prepare
+from logical_robots_tui.mind.compiling.rules import nodes
+from logical_robots_tui.mind.text import INNER_QUOTE, prepare
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -93,7 +95,11 @@ def _types_in_order(sql: str) -> str:
 
 
 def _parsed(text: str) -> list[Any]:
-    return list(_parse(prepare(text).text)["rule"])
+    rules = list(_parse(prepare(text).text)["rule"])
+    for node in nodes(rules):
+        if isinstance(written := node.get("the_string"), str):
+            node["the_string"] = written.replace(INNER_QUOTE, '"')
+    return rules
 
 
 _parse = parse.ParseFile
@@ -113,6 +119,54 @@ class _Parser:
 
 
 universe.parse = _Parser
+
+
+_QL = expr_translate.QL
+_to_sql, _types = _QL.ConvertToSql, types_of_builtins.TypesOfBultins
+
+
+def _types_with_try_cast() -> dict[str, Any]:
+    """The package's types of functions, and `TryCast`, which gives what its second argument is."""
+    wanted = reference_algebra.TypeReference("Any")
+    given = reference_algebra.TypeReference("Any")
+    return {**_types(), "TryCast": {0: given, 1: wanted, "logica_value": wanted}}
+
+
+def _sql_with_try_cast(self: Any, expression: Any) -> Any:
+    call = expression.get("call", {})
+    if call.get("predicate_name") != "TryCast":
+        return _to_sql(self, expression)
+    value, example = (fv["value"]["expression"] for fv in call["record"]["field_value"])
+    return f"TRY_CAST({self.ConvertToSql(value)} AS {_in_duckdb(example['type']['the_type'])})"
+
+
+def _in_duckdb(inferred: Any) -> str:
+    """A type of the package's inference in DuckDB's words.
+
+    Raises:
+        KeyError: It is not fully known.
+    """
+    if isinstance(inferred, dict):
+        fields = ", ".join(f'"{name}" {_in_duckdb(of)}' for name, of in sorted(inferred.items()))
+        return f"STRUCT({fields})"
+    if isinstance(inferred, list):
+        return f"{_in_duckdb(inferred[0])}[]"
+    return {"Num": "DOUBLE", "Str": "VARCHAR", "Bool": "BOOLEAN"}[inferred]
+
+
+class _Head(dialects.DuckDB):  # type: ignore[misc]  # the package has no types
+    """DuckDB's dialect in the development head, in which `Log` is the natural logarithm."""
+
+    def BuiltInFunctions(self) -> dict[str, Any]:  # noqa: N802 - the package's name
+        return {**super().BuiltInFunctions(), "Log": "LN(%s)"}
+
+
+# The release that is installed here has no TryCast; the development head, which the platform uses,
+# takes the type from the inference.
+dialects.DIALECTS["duckdb"] = _Head
+_QL.BUILT_IN_FUNCTIONS = {**_QL.BUILT_IN_FUNCTIONS, "TryCast": "TRY_CAST(%s)"}
+_QL.ConvertToSql = _sql_with_try_cast
+types_of_builtins.TypesOfBultins = _types_with_try_cast
 
 
 def _plain(value: Any) -> Any:

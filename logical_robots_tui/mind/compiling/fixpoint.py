@@ -1,0 +1,238 @@
+"""Recursion by iterating to a fixed point, for what can't be unrolled.
+
+A step of a recursion that mentions its predicate several times, unrolled, is put into itself so
+many times for every step. So the step is compiled once, over the rows of the step before; these
+pass from row to row of one recursive query as a list::
+
+    WITH RECURSIVE
+    t_0_steps_of_T AS (
+      SELECT 0 AS step, '[]' AS found, NULL AS before
+      UNION ALL
+      SELECT step + 1, (SELECT json_group_array(json_array(col0, col1)) FROM (...)), found
+      FROM t_0_steps_of_T WHERE step < 32 AND found IS NOT before),
+    t_0_T AS (SELECT json_extract(value, '$[0]') AS col0, ... FROM json_each(...))
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+from sqlglot import exp
+
+from logical_robots_tui.mind.compiling.quicker import deep_copy
+from logical_robots_tui.mind.compiling.rules import called, head_name, nodes, subject
+from logical_robots_tui.mind.program import STEPS
+from logical_robots_tui.mind.tuning import sql
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator, Mapping
+
+    from logical_robots_tui.mind.compiling.rules import Rule
+
+__all__ = ["Fixpoint", "fixpoints", "grows", "with_fixpoints"]
+
+_ABOUT_THE_WHOLE = frozenset({"@Limit", "@OrderBy"})
+
+
+@dataclass(frozen=True, slots=True)
+class Fixpoint:
+    """A predicate that is computed by iterating.
+
+    Attributes:
+        name: Its name.
+        depth: How many steps follow on the first one, at most.
+    """
+
+    name: str
+    depth: int
+
+    @property
+    def before(self) -> str:
+        """The predicate that has the rows of the step before."""
+        return f"{self.name}_LastStep"
+
+    @property
+    def step(self) -> str:
+        """The predicate that computes the rows of a step."""
+        return f"{self.name}_NextStep"
+
+
+def fixpoints(
+    rules: list[Rule], depth_of: Callable[[str], int]
+) -> tuple[list[Rule], list[Fixpoint]]:
+    """Take recursions that can't be unrolled out of some rules.
+
+    Args:
+        rules: All rules, rewritten for the package.
+        depth_of: The most steps of a recursive predicate.
+
+    Returns:
+        The rules, with one that computes a step in place of each recursion; and the recursions.
+    """
+    own: dict[str, list[Rule]] = {}
+    for rule in rules:
+        if not head_name(rule).startswith("@"):
+            own.setdefault(str(head_name(rule)), []).append(rule)
+    uses = {name: {str(c) for c in called(mine) if c in own} for name, mine in own.items()}
+    made = {str(name) for rule in rules if head_name(rule) == "@Make" for name in _names_in(rule)}
+    ordered = {subject(rule) for rule in rules if head_name(rule) in _ABOUT_THE_WHOLE}
+    found: list[Fixpoint] = []
+    for name in own:
+        circle = _circle(name, uses)
+        if (
+            name in circle
+            and not name.endswith("_MultBodyAggAux")
+            and not circle & (made | ordered)
+            and not any(circle & _circle(fixpoint.name, uses) for fixpoint in found)
+            and not any(other in _circle(other, uses, without=name) for other in circle - {name})
+            and _mentions(name, name, own, circle) > 1
+        ):
+            fixpoint = Fixpoint(name, depth_of(name))
+            rules = [*_without(name, rules), *_step(fixpoint, circle, own)]
+            found.append(fixpoint)
+    return rules, found
+
+
+def _circle(name: str, uses: Mapping[str, set[str]], without: str = "") -> set[str]:
+    """The predicates that lean on a predicate and that it leans on; itself, if it is recursive."""
+    below = _below(name, uses, without)
+    return {other for other in below if name in _below(other, uses, without)}
+
+
+def _below(name: str, uses: Mapping[str, set[str]], without: str) -> set[str]:
+    seen: set[str] = set()
+    waiting = [*uses[name]]
+    while waiting:
+        other = waiting.pop()
+        if other not in seen and other != without:
+            seen.add(other)
+            waiting += uses[other]
+    return seen
+
+
+def _mentions(start: str, of: str, own: Mapping[str, list[Rule]], circle: set[str]) -> int:
+    """How many times a step mentions its predicate when everything is put into it."""
+    total = 0
+    for other in map(str, called(own[start])):
+        if other == of:
+            total += 1
+        elif other in circle:
+            total += _mentions(other, of, own, circle)
+    return total
+
+
+def _names_in(rule: Rule) -> Iterator[str]:
+    yield from called(rule)
+    for node in nodes(rule["head"]):
+        if isinstance(node.get("field"), str):
+            yield node["field"]
+
+
+def _without(name: str, rules: list[Rule]) -> list[Rule]:
+    return [
+        rule
+        for rule in rules
+        if head_name(rule) != name
+        and not (head_name(rule).startswith("@") and subject(rule) == name)
+    ]
+
+
+def _step(fixpoint: Fixpoint, circle: set[str], own: Mapping[str, list[Rule]]) -> Iterator[Rule]:
+    """Copies of the rules of a circle, which compute a step out of the step before."""
+    names = {name: f"{name}_For_{fixpoint.step}" for name in circle}
+    for name in circle | {fixpoint.name}:
+        for rule in own[name]:
+            copied = deep_copy(rule)
+            for node in nodes(copied):
+                if (old := node.get("predicate_name")) in names:
+                    node["predicate_name"] = (
+                        fixpoint.before if old == fixpoint.name else names[str(old)]
+                    )
+            head = fixpoint.step if name == fixpoint.name else names[name]
+            copied["head"]["predicate_name"] = head
+            yield copied
+
+
+def with_fixpoints(statement: str, steps: Mapping[Fixpoint, str]) -> str:
+    """A statement in which predicates that are computed by iterating are named queries.
+
+    Args:
+        statement: A query as it was generated.
+        steps: Queries for a step, as generated, each after those that it leans on.
+    """
+    if not any(fixpoint.name in statement for fixpoint in steps):
+        return statement
+    tree = sql.parse(statement)
+    mentioned = {table.name for table in tree.find_all(exp.Table)}
+    if not any(fixpoint.name in mentioned for fixpoint in steps):
+        return statement
+    return f"{sql.written(_with_steps(tree, steps), pretty=True)};"
+
+
+def grows(fixpoint: Fixpoint, steps: Mapping[Fixpoint, str]) -> str:
+    """A query for 1 if the last step of a recursion still changed something, else 0."""
+    last = f"step > {fixpoint.depth} AND found IS NOT before"
+    query = f"SELECT EXISTS (SELECT 1 FROM {STEPS}{fixpoint.name} WHERE {last})"  # noqa: S608 - our own SQL
+    return sql.written(_with_steps(sql.parse(query), steps), pretty=True)
+
+
+def _with_steps(tree: exp.Query, steps: Mapping[Fixpoint, str]) -> exp.Query:
+    queries: list[exp.Expr] = []
+    for fixpoint, statement in steps.items():
+        queries += _queries(fixpoint, sql.parse(statement))
+    named = tree.args.get("with_")
+    queries += named.expressions if named else []
+    tree.set("with_", exp.With(expressions=queries, recursive=True))
+    for fixpoint in steps:
+        _read_instead(tree, fixpoint.name, f"t_0_{fixpoint.name}")
+    return tree
+
+
+def _read_instead(tree: exp.Query, name: str, other: str) -> None:
+    """Let a query read another table, under the name that the one had in it."""
+    for table in list(tree.find_all(exp.Table)):
+        if table.name == name:
+            table.replace(exp.alias_(exp.to_table(other), table.alias_or_name, table=True))
+
+
+def _queries(fixpoint: Fixpoint, step: exp.Query) -> list[exp.Expr]:
+    """The named queries for the steps of a recursion, and for the rows of the last one."""
+    columns = _columns(step)
+    name, before = f"{STEPS}{fixpoint.name}", f"t_0_before_{fixpoint.name}"
+    _read_instead(step, fixpoint.before, before)
+    rows = exp.CTE(
+        this=sql.parse(_rows(columns, f"{name}.found")),
+        alias=exp.TableAlias(this=exp.to_identifier(before)),
+        materialized=True,  # or it is taken apart again for each row that is joined
+    )
+    named = step.args.get("with_")
+    step.set("with_", exp.With(expressions=[rows, *(named.expressions if named else [])]))
+    made = ", ".join(f"made.{column}" for column in columns)
+    order = ", ".join(map(str, range(1, len(columns) + 1)))
+    last = f"(SELECT found FROM {name} ORDER BY step DESC LIMIT 1)"  # noqa: S608 - our own SQL
+    text = f"""
+    WITH {name} AS (
+      SELECT 0 AS step, '[]' AS found, NULL AS before
+      UNION ALL
+      SELECT {name}.step + 1 AS step,
+        (SELECT json_group_array(json_array({made}))
+         FROM (SELECT * FROM ({sql.written(step)}) AS step ORDER BY {order}) AS made) AS found,
+        {name}.found AS before
+      FROM {name} WHERE ({name}.step <= {fixpoint.depth}) AND ({name}.found IS NOT {name}.before)),
+    t_0_{fixpoint.name} AS ({_rows(columns, last)})
+    SELECT 1"""  # noqa: S608 - the compiler's own SQL
+    return list(sql.parse(text).args["with_"].expressions)
+
+
+def _rows(columns: list[str], listed: str) -> str:
+    """A query for rows that stand in a list of lists."""
+    values = (f"json_extract(listed.value, '$[{n}]') AS {c}" for n, c in enumerate(columns))
+    return f"SELECT {', '.join(values)} FROM json_each({listed}) AS listed"  # noqa: S608 - our own SQL
+
+
+def _columns(query: Any) -> list[str]:
+    """The names of the columns of a query, as they are written in SQL."""
+    while isinstance(query, exp.Subquery | exp.SetOperation) or query.is_star:
+        query = query.args["from_"].this if isinstance(query, exp.Select) else query.this
+    return [sql.written(item.args["alias"]) for item in query.expressions]

@@ -1,0 +1,28 @@
+"""What DuckDB knows of a query by its types, said in the query itself.
+
+Both ways to evaluate a program start from what comes out of here.
+"""
+
+from __future__ import annotations
+
+from sqlglot.errors import SqlglotError
+
+from logical_robots_tui.mind.tuning import sql
+from logical_robots_tui.mind.typed.reading import Reader
+
+__all__ = ["as_on_duckdb"]
+
+
+def as_on_duckdb(statement: str) -> str:
+    """The query, in which SQLite computes what DuckDB would because of the types of values.
+
+    Args:
+        statement: A query as it was generated.
+    """
+    try:
+        tree = sql.parse(statement)
+        before = tree.copy()
+        Reader().query(tree)
+    except (SqlglotError, ValueError, RecursionError):
+        return statement
+    return statement if tree == before else f"{sql.written(tree, pretty=True)};"

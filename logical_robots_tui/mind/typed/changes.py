@@ -1,0 +1,255 @@
+"""How an expression is written so that SQLite computes what DuckDB would."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from sqlglot import exp
+
+from logical_robots_tui.mind.tuning import json, sql
+from logical_robots_tui.mind.typed.conform import call, cast, conform
+from logical_robots_tui.mind.typed.kinds import (
+    Decimal,
+    Kind,
+    ListOf,
+    Plain,
+    RecordOf,
+    common,
+    is_known,
+    is_nested,
+    is_number,
+    spelled,
+)
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+__all__ = [
+    "as_decimal",
+    "called",
+    "compared",
+    "contained",
+    "extracted",
+    "made_json",
+]
+
+_MAKERS = frozenset({"json", "json_array", "json_extract", "json_group_array", "json_object"})
+"""Functions whose result SQLite takes for JSON, and not for a text, where it is put into JSON."""
+
+_PASSING_ON = frozenset({"coalesce", "ifnull", "iif", "if", "nullif"})
+
+_EXACT_DIGITS = 15  # that SQLite writes of a number in JSON
+
+
+def compared(node: exp.Expr, left: Kind, right: Kind) -> None:
+    """Let records and lists be compared field by field and element by element."""
+    if not (is_nested(left) or is_nested(right)):
+        return
+    order = call("compare_values", node.this.copy(), node.expression.copy())
+    node.set("this", order)
+    node.set("expression", exp.Literal.number(0))
+
+
+def contained(node: exp.In, listed: exp.Expr) -> None:
+    """Let a record or a list be looked for in a list by its fields or elements."""
+    node.replace(call("list_has", listed.copy(), node.this.copy()))
+
+
+def extracted(made: exp.Anonymous, kinds: Sequence[Kind]) -> Kind:
+    """The type of what stands at a path in JSON text; before the first element there is nothing."""
+    whole, path = kinds[0], made.expressions[1]
+    if isinstance(path, exp.Literal):
+        name = path.name.removeprefix("$.").strip('"')
+        return whole.field(name) if isinstance(whole, RecordOf) else Plain.ANY
+    place = next(path.find_all(exp.Alias), None)
+    if place is not None and not isinstance(place.this.unnest(), exp.Literal):
+        index = place.parent
+        assert index is not None
+        nowhere = exp.Literal.number(-1)
+        at = call("NULLIF", call("greatest", index.copy(), nowhere), nowhere.copy())
+        _replace(index, at)
+    return whole.element if isinstance(whole, ListOf) else Plain.ANY
+
+
+def as_decimal(node: exp.Expr, kind: Decimal) -> None:
+    """Let a sum or product of decimal numbers have no digits that decimals would not have."""
+    for name in ("this", "expression"):
+        side = node.args[name].unnest()
+        if sql.call_name(side) == "round":
+            side.replace(side.expressions[0])
+    _replace(node, call("ROUND", node.copy(), exp.Literal.number(kind.scale)))
+
+
+def made_json(made: exp.Anonymous, kinds: Sequence[Kind]) -> Kind:
+    """The type of a record or a list that is put together of values, which are written as JSON."""
+    name = sql.call_name(made)
+    values = list(made.expressions)
+    if name in ("json_object", "json_group_object"):
+        names = [each.name.strip('"') for each in values[::2]]
+        if name == "json_object":
+            for written, plain in zip(values[::2], names, strict=True):
+                _replace(written, exp.Literal.string(plain))
+        for value, kind in zip(values[1::2], kinds[1::2], strict=True):
+            _as_json(value, kind)
+        if name == "json_group_object":
+            return Plain.ANY
+        return RecordOf(tuple(zip(names, kinds[1::2], strict=True)))
+    element = common(kinds)
+    for value, kind in zip(values, kinds, strict=True):
+        conform(value, kind, element)
+    for value in list(made.expressions):
+        _as_json(value, element)
+    return ListOf(element)
+
+
+def _as_json(value: exp.Expr, kind: Kind) -> None:
+    """Let a value in JSON be what it is: a truth, a number with all digits, a record or a list."""
+    if kind is Plain.TRUTH:
+        _replace(value, _truth(value))
+    elif kind is Plain.REAL and not _is_short(value):
+        _replace(value, call("JSON", call("real_as_json", value.copy())))
+    elif is_nested(kind) and not _is_json(value):
+        _replace(value, call("JSON", value.copy()))
+    elif kind is Plain.ANY:
+        _replace(value, call("JSON", call("value_as_json", value.copy())))
+
+
+def _truth(value: exp.Expr) -> exp.Expr:
+    if isinstance(value.unnest(), exp.Boolean):
+        return call("JSON", exp.Literal.string("true" if value.unnest().this else "false"))
+    return json.truth(value.copy())
+
+
+def _is_short(value: exp.Expr) -> bool:
+    value = value.unnest()
+    if isinstance(value, exp.Neg):
+        return _is_short(value.this)
+    return isinstance(value, exp.Literal) and len(value.name) <= _EXACT_DIGITS
+
+
+def _is_json(value: exp.Expr) -> bool:
+    """Whether SQLite will know that a value is JSON, or null."""
+    value = value.unnest()
+    if isinstance(value, exp.Case):
+        default = value.args.get("default")
+        arms = [branch.args["true"] for branch in value.args["ifs"]]
+        return all(map(_is_json, [*arms, *([] if default is None else [default])]))
+    name = sql.call_name(value)
+    if name in _PASSING_ON:
+        values = value.expressions[1:] if name in ("iif", "if") else value.expressions
+        return all(map(_is_json, values[:1] if name == "nullif" else values))
+    return name in _MAKERS or isinstance(value, exp.Null)
+
+
+def called(made: exp.Anonymous, name: str, kinds: Sequence[Kind], found: Kind) -> Kind:
+    """The type of what a function gives, after the call was written as DuckDB means it.
+
+    Args:
+        made: The call.
+        name: The name of the function in lower case.
+        kinds: The types of the arguments.
+        found: The type of the result.
+    """
+    change = _CHANGES.get(name)
+    return found if change is None else change(made, kinds, found)
+
+
+def _any_value(made: exp.Anonymous, _: Sequence[Kind], found: Kind) -> Kind:
+    made.set("this", "MIN")
+    return found
+
+
+def _extreme(made: exp.Anonymous, kinds: Sequence[Kind], found: Kind) -> Kind:
+    if len(kinds) == 1 and is_nested(kinds[0]):
+        made.set("this", "least_nested" if made.name.lower() == "min" else "greatest_nested")
+    return found
+
+
+def _best(made: exp.Anonymous, kinds: Sequence[Kind], found: Kind) -> Kind:
+    if len(kinds) > 1 and is_nested(kinds[1]):
+        made.set("this", f"{made.name.lower()}_of_nested")
+    return found
+
+
+def _choice(made: exp.Anonymous, kinds: Sequence[Kind], found: Kind) -> Kind:
+    values = list(zip(made.expressions, kinds, strict=True))
+    for value, kind in values[1:] if made.name.lower() in ("iif", "if") else values:
+        if kind != found:
+            conform(value, kind, found)
+    return found
+
+
+def _text(made: exp.Anonymous, kinds: Sequence[Kind], found: Kind) -> Kind:
+    (kind,) = kinds
+    if kind is Plain.TRUTH:
+        made.set("this", "truth_to_text")
+    elif isinstance(kind, Decimal):
+        made.set("this", "decimal_to_text")
+        made.append("expressions", exp.Literal.number(kind.scale))
+    return found
+
+
+def _rounded(made: exp.Anonymous, kinds: Sequence[Kind], found: Kind) -> Kind:
+    digits = made.expressions[1].unnest() if len(kinds) > 1 else exp.Literal.number(0)
+    if not isinstance(digits, exp.Literal):
+        made.set("this", "round_to")
+        if not isinstance(digits, exp.Neg):
+            return Plain.REAL if isinstance(kinds[0], Decimal) else found
+    elif isinstance(kinds[0], Decimal) and digits.name != "0":
+        return Decimal(min(kinds[0].scale, int(digits.name)))
+    if found is Plain.WHOLE:
+        _replace(made, cast(made, "INTEGER"))
+    return found
+
+
+def _total(made: exp.Anonymous, _: Sequence[Kind], found: Kind) -> Kind:
+    if isinstance(found, Decimal):
+        _replace(made, call("ROUND", made.copy(), exp.Literal.number(found.scale)))
+    return found
+
+
+def _cast_as_example(made: exp.Anonymous, kinds: Sequence[Kind], _: Kind) -> Kind:
+    """Name the type of the example; where it is not all known, the value itself is asked for it."""
+    wanted = _as_cast(kinds[1])
+    if is_known(wanted):
+        made.set("this", "try_cast")
+        made.set("expressions", [made.expressions[0], exp.Literal.string(spelled(wanted))])
+    return wanted
+
+
+def _as_cast(kind: Kind) -> Kind:
+    """The type of what is cast to that of an example: numbers are real, fields in order."""
+    if isinstance(kind, ListOf):
+        return ListOf(_as_cast(kind.element))
+    if isinstance(kind, RecordOf):
+        return RecordOf(tuple(sorted((name, _as_cast(of)) for name, of in kind.fields)))
+    return Plain.REAL if is_number(kind) else kind
+
+
+_CHANGES = {
+    "any_value": _any_value,
+    "arg_max": _best,
+    "arg_max_k": _best,
+    "arg_min": _best,
+    "arg_min_k": _best,
+    "ceil": _rounded,
+    "ceiling": _rounded,
+    "coalesce": _choice,
+    "floor": _rounded,
+    "greatest": _choice,
+    "if": _choice,
+    "ifnull": _choice,
+    "iif": _choice,
+    "least": _choice,
+    "max": _extreme,
+    "min": _extreme,
+    "round": _rounded,
+    "sum": _total,
+    "to_text": _text,
+    "try_cast_like": _cast_as_example,
+}
+
+
+def _replace(node: exp.Expr, made: exp.Expr) -> None:
+    """Put an expression in the place of another that it may hold a copy of."""
+    node.replace(made)

@@ -1,0 +1,154 @@
+"""Static types of values, as DuckDB knows them before a query runs.
+
+SQLite asks for the type of a value when it computes with it. DuckDB decides beforehand, and some of
+what a program means depends on that: how a whole real number is printed, how records are compared.
+"""
+
+from __future__ import annotations
+
+import json
+from dataclasses import dataclass
+from enum import Enum
+from functools import reduce
+from typing import TYPE_CHECKING, Any, TypeAlias
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+
+__all__ = [
+    "Decimal",
+    "Kind",
+    "ListOf",
+    "Plain",
+    "RecordOf",
+    "common",
+    "is_known",
+    "is_nested",
+    "is_number",
+    "spelled",
+    "unspelled",
+]
+
+
+class Plain(Enum):
+    """Types without parts."""
+
+    ANY = "Any"
+    NULL = "Null"
+    TRUTH = "Bool"
+    WHOLE = "Whole"
+    REAL = "Num"
+    TEXT = "Str"
+
+
+@dataclass(frozen=True, slots=True)
+class Decimal:
+    """An exact number with a fixed count of digits after the point, as literals are.
+
+    Attributes:
+        scale: How many digits.
+    """
+
+    scale: int
+
+
+@dataclass(frozen=True, slots=True)
+class ListOf:
+    """A list.
+
+    Attributes:
+        element: The type of its elements.
+    """
+
+    element: Kind
+
+
+@dataclass(frozen=True, slots=True)
+class RecordOf:
+    """A record.
+
+    Attributes:
+        fields: Names and types in their order.
+    """
+
+    fields: tuple[tuple[str, Kind], ...]
+
+    def field(self, name: str) -> Kind:
+        """The type of a field; of one that is not there, anything."""
+        return dict(self.fields).get(name, Plain.ANY)
+
+
+Kind: TypeAlias = "Plain | Decimal | ListOf | RecordOf"
+
+_RANKS = {Plain.WHOLE: 0, Plain.REAL: 2}
+
+
+def is_nested(kind: Kind) -> bool:
+    """Whether a value is certainly a record or a list."""
+    return isinstance(kind, ListOf | RecordOf)
+
+
+def is_number(kind: Kind) -> bool:
+    """Whether a value is certainly a number, or null."""
+    return isinstance(kind, Decimal) or kind in _RANKS
+
+
+def is_known(kind: Kind) -> bool:
+    """Whether all of a type is known; where there is nothing but null, anything may stand."""
+    if isinstance(kind, ListOf):
+        return is_known(kind.element)
+    if isinstance(kind, RecordOf):
+        return all(is_known(of) for _, of in kind.fields)
+    return kind is not Plain.ANY
+
+
+def common(kinds: Iterable[Kind]) -> Kind:
+    """The type of a value that is one of several, as of a CASE."""
+    none: Kind = Plain.NULL
+    return reduce(_either, kinds, none)
+
+
+def _either(one: Kind, other: Kind) -> Kind:
+    if one == other or other is Plain.NULL:
+        return one
+    if one is Plain.NULL:
+        return other
+    if is_number(one) and is_number(other):
+        if Plain.REAL in (one, other):
+            return Plain.REAL
+        return Decimal(max(k.scale for k in (one, other) if isinstance(k, Decimal)))
+    if isinstance(one, ListOf) and isinstance(other, ListOf):
+        return ListOf(_either(one.element, other.element))
+    if isinstance(one, RecordOf) and isinstance(other, RecordOf):
+        more = dict(other.fields)
+        fields = [(name, _either(of, more.pop(name, Plain.NULL))) for name, of in one.fields]
+        return RecordOf((*fields, *more.items()))
+    return Plain.ANY
+
+
+def spelled(kind: Kind) -> str:
+    """A type as `try_cast` reads it, all numbers real."""
+    return json.dumps(_spelling(kind), ensure_ascii=False, separators=(",", ":"))
+
+
+def _spelling(kind: Kind) -> Any:
+    if isinstance(kind, ListOf):
+        return [_spelling(kind.element)]
+    if isinstance(kind, RecordOf):
+        return {name: _spelling(of) for name, of in kind.fields}
+    if is_number(kind):
+        return Plain.REAL.value
+    return Plain.ANY.value if kind is Plain.NULL else kind.value  # type: ignore[union-attr]  # what has parts, went before
+
+
+def unspelled(text: str) -> Kind:
+    """The type of what `try_cast` gives, from how that was spelled for it."""
+    return _kind(json.loads(text))
+
+
+def _kind(spelling: Any) -> Kind:
+    if isinstance(spelling, dict):
+        return RecordOf(tuple((name, _kind(of)) for name, of in spelling.items()))
+    if isinstance(spelling, list):
+        return ListOf(_kind(spelling[0]))
+    return Plain.WHOLE if spelling == "Int" else Plain(spelling)

@@ -1,0 +1,238 @@
+"""Going through a query: the type of each expression, and each one written as DuckDB means it."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, TypeAlias
+
+from sqlglot import exp
+
+from logical_robots_tui.mind.tuning import sql
+from logical_robots_tui.mind.typed import changes
+from logical_robots_tui.mind.typed.conform import conform
+from logical_robots_tui.mind.typed.kinds import (
+    Decimal,
+    Kind,
+    ListOf,
+    Plain,
+    common,
+    is_nested,
+    unspelled,
+)
+from logical_robots_tui.mind.typed.results import SENSOR, given_by, sum_of
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+__all__ = ["Reader"]
+
+Columns: TypeAlias = "dict[str, Kind]"
+
+_INPUTS: Mapping[str, Columns] = {
+    "sensor": {"robot_name": Plain.TEXT, "sensor": SENSOR},
+    "memory": {"robot_name": Plain.TEXT, "memory": Plain.ANY},
+}
+
+_COMPARING = (exp.EQ, exp.NEQ, exp.LT, exp.LTE, exp.GT, exp.GTE)
+_TRUTHS = (exp.And, exp.Or, exp.Not, exp.Is, exp.Exists, exp.Between, exp.Like)
+_MOST_DIGITS = 15  # of a decimal number that a real one holds exactly enough
+
+
+class Reader:
+    """One query.
+
+    Every method that gives the type of an expression has rewritten it in its place.
+    """
+
+    def __init__(self) -> None:
+        self._named: dict[str, Columns] = {}
+        self._scopes: list[dict[str, Columns]] = []
+
+    def query(self, tree: exp.Expr) -> Columns:
+        """Types by name of the columns of a query, which is changed in place."""
+        if isinstance(tree, exp.Subquery):
+            return self.query(tree.this)
+        named = tree.args.get("with_")
+        for query in named.expressions if named else ():
+            self._named[query.alias] = self.query(query.this)
+        if isinstance(tree, exp.Select):
+            return self._select(tree)
+        if isinstance(tree, exp.SetOperation):
+            return self._union(tree)
+        raise ValueError("not a query")
+
+    def _union(self, tree: exp.SetOperation) -> Columns:
+        arms = []
+        waiting: list[exp.Expr] = [tree]
+        while waiting:
+            node = waiting.pop()
+            if isinstance(node, exp.SetOperation):
+                waiting += [node.expression, node.this]
+            else:
+                arms.append((node, list(self.query(node).items())))
+        columns: Columns = {}
+        for place, (name, _) in enumerate(arms[0][1]):
+            kinds = [found[place][1] for _, found in arms]
+            columns[name] = common(kinds)
+            for (arm, _), kind in zip(arms, kinds, strict=True):
+                if kind != columns[name] and isinstance(arm, exp.Select) and not arm.is_star:
+                    item = arm.expressions[place]
+                    conform(item.unalias(), kind, columns[name])
+        return columns
+
+    def _select(self, select: exp.Select) -> Columns:
+        here: dict[str, Columns] = {}
+        self._scopes.append(here)
+        for alias, table in sql.sources(select).items():
+            here[alias] = self._source(table)
+        columns: Columns = {}
+        for item in select.expressions:
+            if isinstance(item, exp.Star):
+                for given in here.values():
+                    columns |= given
+            else:
+                columns[item.alias_or_name] = self.kind(
+                    item.this if isinstance(item, exp.Alias) else item
+                )
+        for part in ("where", "having"):
+            if (clause := select.args.get(part)) is not None:
+                self.kind(clause.this)
+        if (group := select.args.get("group")) is not None:
+            for item in list(group.expressions):
+                self.kind(item)
+        self._scopes.pop()
+        return columns
+
+    def _source(self, table: exp.Expr) -> Columns:
+        if isinstance(table, exp.Subquery):
+            return self.query(table.this)
+        if sql.call_name(table.this) == "json_each":
+            (listed, *_) = table.this.expressions
+            found = self.kind(listed)
+            return {"value": found.element if isinstance(found, ListOf) else Plain.ANY}
+        if table.name in self._named:
+            return self._named[table.name]
+        return dict(_INPUTS.get(table.name.lower(), {}))
+
+    # -- expressions ---------------------------------------------------------------------------
+
+    def kind(self, node: exp.Expr) -> Kind:
+        """The type of an expression."""
+        if isinstance(node, exp.Paren | exp.Alias):
+            return self.kind(node.this)
+        if isinstance(node, exp.Column):
+            return self._column(node)
+        if isinstance(node, exp.Literal):
+            return _literal(node)
+        if isinstance(node, exp.Null):
+            return Plain.NULL
+        if isinstance(node, exp.Boolean):
+            return Plain.TRUTH
+        if isinstance(node, exp.Anonymous):
+            return self._call(node)
+        if isinstance(node, exp.Case):
+            return self._case(node)
+        if isinstance(node, exp.Subquery):
+            return common(self.query(node.this).values())
+        if isinstance(node, exp.Add | exp.Sub | exp.Mul):
+            return self._arithmetic(node)
+        if isinstance(node, exp.Neg):
+            return sum_of([self.kind(node.this)])
+        if isinstance(node, _COMPARING):
+            left, right = self.kind(node.this), self.kind(node.expression)
+            changes.compared(node, left, right)
+            return Plain.TRUTH
+        if isinstance(node, exp.In):
+            return self._in(node)
+        return self._other(node)
+
+    def _other(self, node: exp.Expr) -> Kind:
+        if isinstance(node, exp.Window):
+            return self.kind(node.this)
+        kinds = [
+            common(self.query(child).values())
+            if isinstance(child, exp.Select | exp.SetOperation)
+            else self.kind(child)
+            for child in list(node.iter_expressions())
+        ]
+        if isinstance(node, _TRUTHS):
+            return Plain.TRUTH
+        if isinstance(node, exp.DPipe):
+            return Plain.TEXT
+        return kinds[0] if isinstance(node, exp.Distinct) and kinds else Plain.ANY
+
+    def _column(self, column: exp.Column) -> Kind:
+        for scope in reversed(self._scopes):
+            if column.table in scope:
+                return scope[column.table].get(column.name, Plain.ANY)
+            if not column.table:
+                for columns in scope.values():
+                    if column.name in columns:
+                        return columns[column.name]
+        return Plain.ANY
+
+    def _case(self, case: exp.Case) -> Kind:
+        kinds = []
+        if case.this is not None:
+            self.kind(case.this)
+        for branch in case.args["ifs"]:
+            self.kind(branch.this)
+            kinds.append(self.kind(branch.args["true"]))
+        default = case.args.get("default")
+        kinds.append(Plain.NULL if default is None else self.kind(default))
+        chosen = common(kinds)
+        values = [branch.args["true"] for branch in case.args["ifs"]]
+        for value, kind in zip([*values, case.args.get("default")], kinds, strict=True):
+            if kind != chosen and value is not None:
+                conform(value, kind, chosen)
+        return chosen
+
+    def _arithmetic(self, node: exp.Binary) -> Kind:
+        left, right = self.kind(node.this), self.kind(node.expression)
+        found = sum_of((left, right))
+        if not isinstance(found, Decimal):
+            return found
+        if isinstance(node, exp.Mul):
+            found = Decimal(sum(k.scale for k in (left, right) if isinstance(k, Decimal)))
+        if found.scale > _MOST_DIGITS:
+            return Plain.REAL
+        changes.as_decimal(node, found)
+        return found
+
+    def _in(self, node: exp.In) -> Kind:
+        looked_for = self.kind(node.this)
+        if (query := node.args.get("query")) is not None:
+            listed = sql.sources(query.this)
+            self.query(query.this)
+            calls = [t.this for t in listed.values() if sql.call_name(t.this) == "json_each"]
+            if is_nested(looked_for) and calls:
+                changes.contained(node, calls[0].expressions[0])
+        for item in list(node.expressions):
+            self.kind(item)
+        return Plain.TRUTH
+
+    def _call(self, call: exp.Anonymous) -> Kind:
+        name = sql.call_name(call)
+        if name == "cast":
+            (cast,) = call.expressions
+            self.kind(cast.this)
+            return {"REAL": Plain.REAL, "INTEGER": Plain.WHOLE}.get(cast.alias, Plain.ANY)
+        kinds = [self.kind(argument) for argument in call.expressions]
+        arguments = call.expressions  # after they were rewritten
+        if name in ("json_object", "json_array", "json_group_array", "json_group_object"):
+            return changes.made_json(call, kinds)
+        if name == "json_extract":
+            return changes.extracted(call, kinds)
+        if name == "try_cast":
+            return unspelled(arguments[1].name)
+        found = given_by(name, kinds)
+        return changes.called(call, name, kinds, found)
+
+
+def _literal(node: exp.Literal) -> Kind:
+    if node.is_string:
+        return Plain.TEXT
+    if node.this.isdigit():
+        return Plain.WHOLE
+    if "e" in node.this.lower():
+        return Plain.REAL
+    return Decimal(len(node.this.partition(".")[2]))

@@ -1,0 +1,157 @@
+"""The types of what functions give, as far as they are known from those of their arguments."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from logical_robots_tui.mind.typed.kinds import (
+    Decimal,
+    Kind,
+    ListOf,
+    Plain,
+    RecordOf,
+    common,
+    is_number,
+)
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Sequence
+
+__all__ = ["RAY", "SENSOR", "given_by", "sum_of"]
+
+_FIELDS = {
+    "angle": Plain.REAL,
+    "battery_capacity": Plain.REAL,
+    "battery_level": Plain.REAL,
+    "can_charge": Plain.TRUTH,
+    "clock": Plain.WHOLE,
+    "distance": Plain.WHOLE,
+    "forward_distance": Plain.WHOLE,
+    "forward_label": Plain.TEXT,
+    "forward_object": Plain.TEXT,
+    "has_battery": Plain.TRUTH,
+    "label": Plain.TEXT,
+    "object": Plain.TEXT,
+}
+
+
+def _record(*names: str, **others: Kind) -> RecordOf:
+    fields = {**{name: _FIELDS[name] for name in names}, **others}
+    return RecordOf(tuple(fields.items()))
+
+
+RAY = _record("angle", "distance", "object", "label")
+
+SENSOR = _record(
+    *("forward_distance", "forward_object", "forward_label"),
+    radar=ListOf(RAY),
+    self=_record("can_charge", "has_battery", "battery_level", "battery_capacity"),
+    clock=Plain.WHOLE,
+)
+"""A sensor as the world fills it."""
+
+_GIVE: dict[Kind, tuple[str, ...]] = {
+    Plain.TEXT: (
+        *("char", "format", "formatted", "group_concat", "join_list", "lower_text", "ltrim"),
+        *("replace", "reverse", "rtrim", "string_agg", "substr", "substring", "to_text", "trim"),
+        *("truth_to_text", "typeof", "upper_text", "lower", "upper", "decimal_to_text", "printf"),
+    ),
+    Plain.WHOLE: (
+        *("count", "cume_dist", "dense_rank", "instr", "json_array_length", "length"),
+        *("natural_hash", "ntile", "rank", "row_number", "sign", "unicode", "unicode_of"),
+    ),
+    Plain.REAL: (
+        *("acos", "acosh", "asin", "asinh", "atan", "atan2", "atanh", "avg", "cos", "cosh"),
+        *("degrees", "divide", "exp", "ln", "log", "log10", "log2", "median", "percentile", "pi"),
+        *("pow", "power", "radians", "sin", "sinh", "sqrt", "tan", "tanh", "total"),
+    ),
+    Plain.TRUTH: ("ends_with", "json_valid", "like", "list_has", "starts_with"),
+}
+
+_GIVES = {name: kind for kind, names in _GIVE.items() for name in names}
+
+_FIRST = frozenset(
+    {
+        *("abs", "any_value", "arg_max", "arg_max_of_nested", "arg_min", "arg_min_of_nested"),
+        *("first_value", "greatest_nested", "lag", "last_value", "lead", "least_nested"),
+        *("likelihood", "likely", "nth_value", "nullif", "sort_list", "unique_list", "unlikely"),
+    }
+)
+
+_ONE_OF_THEM = frozenset({"coalesce", "concat_two_lists", "greatest", "ifnull", "least"})
+
+_ROUNDING = frozenset({"ceil", "ceiling", "floor", "trunc"})
+
+
+def given_by(name: str, kinds: Sequence[Kind]) -> Kind:
+    """The type of what a function gives.
+
+    Args:
+        name: Its name in lower case.
+        kinds: Types of its arguments.
+    """
+    if name in _GIVES:
+        return _GIVES[name]
+    if name in _ONE_OF_THEM:
+        return common(kinds)
+    if not kinds:
+        return Plain.ANY
+    if name in _FIRST:
+        return kinds[0]
+    made = _MADE.get(name)
+    return made(kinds) if made is not None else Plain.ANY
+
+
+def sum_of(kinds: Sequence[Kind]) -> Kind:
+    """The type of a sum or difference, and of `%`."""
+    return common(kinds) if all(map(is_number, kinds)) else Plain.ANY
+
+
+def _rounded(kinds: Sequence[Kind]) -> Kind:
+    return Plain.WHOLE if isinstance(kinds[0], Decimal) else sum_of(kinds[:1])
+
+
+def _chosen(kinds: Sequence[Kind]) -> Kind:
+    return common(kinds[1:])
+
+
+def _extreme(kinds: Sequence[Kind]) -> Kind:
+    return common(kinds)
+
+
+def _collected(kinds: Sequence[Kind]) -> Kind:
+    return ListOf(kinds[0])
+
+
+def _collected_values(kinds: Sequence[Kind]) -> Kind:
+    return ListOf(kinds[1]) if len(kinds) > 1 else Plain.ANY
+
+
+def _concatenated(kinds: Sequence[Kind]) -> Kind:
+    if all(isinstance(kind, ListOf) for kind in kinds):
+        return common(kinds)
+    return Plain.TEXT if Plain.TEXT in kinds else Plain.ANY
+
+
+_MADE: dict[str, Callable[[Sequence[Kind]], Kind]] = {
+    **dict.fromkeys(_ROUNDING, _rounded),
+    "arg_max_k": _collected,
+    "arg_max_k_of_nested": _collected,
+    "arg_min_k": _collected,
+    "arg_min_k_of_nested": _collected,
+    "array_by": _collected_values,
+    "concat_lists": lambda kinds: kinds[0],
+    "concatenate": _concatenated,
+    "if": _chosen,
+    "iif": _chosen,
+    "json_group_array": _collected,
+    "list_of_distinct": _collected,
+    "max": _extreme,
+    "min": _extreme,
+    "modulo": sum_of,
+    "number_range": lambda _: ListOf(Plain.WHOLE),
+    "round": _rounded,
+    "round_to": _rounded,
+    "split_text": lambda _: ListOf(Plain.TEXT),
+    "sum": lambda kinds: sum_of(kinds[:1]),
+}

@@ -1,0 +1,41 @@
+"""Whole programs decide and remember the same on both engines, moment after moment."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import pytest
+
+from tests.mind.differential.whole_programs import MOMENTS, PROGRAMS, differences
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+_TITLES = list(PROGRAMS)
+_KEEPS = len({title.split(", ")[1] for title in _TITLES})
+SOME = [
+    title for number, title in enumerate(_TITLES) if number % _KEEPS == number // _KEEPS % _KEEPS
+]
+"""Every way to drive, and every way to keep a memory."""
+
+
+def test_there_are_enough_of_them() -> None:
+    assert len(PROGRAMS) >= 150
+    assert len(MOMENTS) >= 5
+    assert len({moment["level"] for moment in MOMENTS}) >= 3
+    for text in PROGRAMS.values():
+        assert 9 <= text.count("\n") <= 60
+    assert {part for title in SOME for part in title.split(", ")} == {
+        part for title in PROGRAMS for part in title.split(", ")
+    }
+
+
+@pytest.mark.parametrize("title", SOME)
+def test_a_program_means_the_same_as_on_duckdb(title: str, tmp_path: Path) -> None:
+    assert not differences(PROGRAMS[title], tmp_path)
+
+
+@pytest.mark.proof
+@pytest.mark.parametrize("title", [title for title in _TITLES if title not in SOME])
+def test_every_program_means_the_same_as_on_duckdb(title: str, tmp_path: Path) -> None:
+    assert not differences(PROGRAMS[title], tmp_path)

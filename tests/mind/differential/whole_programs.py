@@ -1,0 +1,93 @@
+"""Whole robot programs: every way to drive with every way to keep a memory, of ``parts.txt``.
+
+They run one after the other over recorded moments of three levels, where all robots reason
+together as on the platform: what a program keeps at one moment of a level it finds at the next.
+"""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from logical_robots_tui.mind import Limits, Mind, Program
+from tests.mind.differential.comparing import same
+from tests.mind.differential.duckdb_reference import answer
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+__all__ = ["MOMENTS", "PROGRAMS", "differences"]
+
+_HERE = Path(__file__).parent
+
+MOMENTS: list[dict[str, Any]] = json.loads(_HERE.joinpath("moments.json").read_text("utf-8"))
+"""Sensor rows of three robots at some ticks of three levels."""
+
+ROBOT = """
+Robot(robot_name:, desire:, memory:) :- Drive(robot_name:, desire:), Keep(robot_name:, memory:);
+"""
+
+
+def _parts() -> dict[str, str]:
+    sections = _HERE.joinpath("parts.txt").read_text("utf-8").split("## ")[1:]
+    titles_and_rules = (section.split("\n", 1) for section in sections)
+    return dict(titles_and_rules)
+
+
+_PARTS = _parts()
+
+PROGRAMS = {
+    f"{drive}, {keep}": f"{_PARTS[drive]}{_PARTS[keep]}{ROBOT}"
+    for drive in _PARTS
+    for keep in _PARTS
+    if drive.startswith("drive") and keep.startswith("keep")
+}
+"""Programs by title."""
+
+
+def differences(text: str, folder: Path) -> list[str]:
+    """What robots decide or remember otherwise than DuckDB says, at all moments."""
+    program = Program.compile(text)
+    limits = Limits(think_seconds=10)
+    minds = [Mind(program, "all", "all", limits, plain=plain) for plain in (False, True)]
+    found: list[str] = []
+    level, memories = "", dict[str, Any]()
+    for moment in MOMENTS:
+        rows = moment["rows"]
+        if moment["level"] != level:
+            level, memories = moment["level"], {row["robot_name"]: "" for row in rows}
+        theirs = _by_robot(answer(_ASKED.format(text), "Answer", rows, memories, folder))
+        quick, plain = (mind.think(rows, memories) for mind in minds)
+        for mine, other in zip(quick, plain, strict=True):
+            where = f"{level}, tick {moment['tick']}, {mine.robot_name}"
+            if not same(_told(mine), _told(other)):
+                found.append(f"{where}: quick {_told(mine)}, plain {_told(other)}")
+            wanted = theirs.get(mine.robot_name, (None, memories[mine.robot_name]))
+            if not same(_told(mine), (_engines(wanted[0]), wanted[1])):
+                found.append(f"{where}: here {_told(mine)}, on DuckDB {wanted}")
+        memories = {d.robot_name: d.memory for d in quick}
+    for mind in minds:
+        mind.close()
+    return found
+
+
+_ASKED = """{}
+Answer(robot_name:, desire:, memory:) :- Robot(robot_name:, desire:, memory:);
+"""
+
+
+def _by_robot(rows: list[tuple[Any, ...]]) -> Mapping[str, tuple[Any, Any]]:
+    return {name: (desire, memory) for name, desire, memory in rows}
+
+
+def _told(decision: Any) -> tuple[tuple[float, float], Any]:
+    desire = decision.desire
+    engines = (0.0, 0.0) if desire is None else (desire.left_engine, desire.right_engine)
+    return engines, decision.memory
+
+
+def _engines(desire: Any) -> tuple[float, float]:
+    """Powers of the engines as the platform's JavaScript takes them: nothing is 0."""
+    left, right = (float((desire or {}).get(f"{side}_engine") or 0) for side in ("left", "right"))
+    return left, right
