@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+from contextlib import suppress
 from time import perf_counter
 from typing import TYPE_CHECKING, Literal
 
@@ -187,6 +188,40 @@ class Mind:
             )
         except FailureError as failure:
             raise QueryError(f"This failed: {failure}.") from None
+
+    def each(
+        self,
+        predicates: Sequence[str],
+        rows: Sequence[SensorRow],
+        memories: Memories,
+        *,
+        viewers: Collection[str] | None = None,
+        stop: threading.Event | None = None,
+    ) -> Iterator[tuple[str, list[dict[str, Value]]]]:
+        """Rows of several predicates in each robot's reasoning at a moment, but of those that fail.
+
+        Args:
+            predicates: Their names.
+            rows: As for `think`.
+            memories: As for `think`.
+            viewers: Names of the robots in whose reasoning to ask, by default all.
+            stop: Set it from another thread to give up.
+
+        Yields:
+            Names of predicates with their rows, once for each view.
+
+        Raises:
+            Stopped: `stop` was set meanwhile.
+        """
+        moment = Moment(rows, memories, self.memory, self.sensor)
+        for view in moment.views:
+            if viewers is not None and not any(name in viewers for name in view.viewers):
+                continue
+            for name in predicates:
+                within = Within(self.limits.query_seconds, self.limits.rows, stop, cut=True)
+                with suppress(FailureError):
+                    columns, found = self._asking.rows(name, moment, view, within)
+                    yield name, [dict(zip(columns, row, strict=True)) for row in found]
 
     def why(
         self,

@@ -27,6 +27,7 @@ from logical_robots_tui.garbage import collect_seldom
 from logical_robots_tui.mind.compiling import compiler
 from logical_robots_tui.mind.compiling.questions import compile_question
 from logical_robots_tui.mind.compiling.robot_rule import MAIN
+from logical_robots_tui.mind.diagnosis.checkup import check_up
 from logical_robots_tui.mind.diagnostics import Diagnostic, ProgramError
 from logical_robots_tui.mind.failures import in_plain_words
 from logical_robots_tui.mind.plain import printable
@@ -37,6 +38,7 @@ from logical_robots_tui.mind.tuning import tune_all
 from logical_robots_tui.mind.why.taking_apart import take_apart
 
 if TYPE_CHECKING:
+    from logical_robots_tui.mind.diagnosis.sites import Checkup
     from logical_robots_tui.mind.program import Program, Question, Report
     from logical_robots_tui.mind.why.probing import Probing
 
@@ -94,6 +96,7 @@ def _warm_up() -> None:
         _answer({"text": sample})
     _answer({"text": _SAMPLES[0], "predicate": "Robot", "within": "", "functions": []})
     _answer({"text": _SAMPLES[0], "query": "1 + 1"})
+    _answer({"text": _SAMPLES[0], "checkup": []})
     gc.freeze()
 
 
@@ -126,13 +129,15 @@ def _read(lines: IO[str], requests: queue.Queue[str]) -> None:
 
 
 def _answer(request: dict[str, Any], report: Report | None = None) -> dict[str, object]:
-    """The answer to a request: a program, a question about one, or a predicate taken apart."""
+    """The answer to a request: a program, a question about one, a predicate or all of it taken apart."""
     text = request["text"]
     try:
         if "query" in request:
             return {"question": asdict(_question(text, request["query"]))}
         if "predicate" in request:
             return {"probing": asdict(_probing(text, request))}
+        if "checkup" in request:
+            return {"checkup": asdict(_checkup(text, frozenset(request["checkup"])))}
         program = compiler.compile_text(text, report)
         _try_out(program)
         return {"program": asdict(_tuned(program))}
@@ -175,6 +180,18 @@ def _probing(text: str, request: dict[str, Any]) -> Probing:
         return take_apart(text, predicate, within, functions, is_quick)
     finally:
         database.close()
+
+
+def _checkup(text: str, functions: frozenset[str]) -> Checkup:
+    """A program made ready to be watched, as far as SQLite can prepare it in reasonable time."""
+    plain, tuned = Database(), Database(layout=COLUMNS_LAYOUT)
+    tuned.offer(WHOLE_RAY, lambda _: None)
+    try:
+        is_quick = [partial(_is_prepared_soon, database) for database in (plain, tuned)]
+        return check_up(text, functions, *is_quick)
+    finally:
+        plain.close()
+        tuned.close()
 
 
 def _try_out(program: Program) -> None:
