@@ -1,0 +1,114 @@
+"""The mutants, and how a run of one is diagnosed."""
+
+from __future__ import annotations
+
+import asyncio
+import tomllib
+from dataclasses import dataclass
+from functools import cache
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from logical_robots_tui.game import Game, load_program
+from logical_robots_tui.game.diagnosing import diagnose
+from logical_robots_tui.mind import Mind, Program
+from logical_robots_tui.world import World, load_level
+
+if TYPE_CHECKING:
+    from logical_robots_tui.game.diagnosing import Diagnosis
+    from logical_robots_tui.mind.diagnosis.finding import Finding
+    from logical_robots_tui.values import Value
+
+__all__ = ["FIRST", "MUTANTS", "TICKS", "Mutant", "diagnosis_of", "first_difference", "rank"]
+
+TICKS = 3000
+FIRST = 5
+"""So many findings are read before one gives up."""
+
+
+@dataclass(frozen=True)
+class Mutant:
+    """A reference program with a bug.
+
+    Attributes:
+        kind: What sort of bug.
+        level: Where it is to be found.
+        program: The reference program.
+        line: Where the bug is.
+        old: What stood there.
+        new: What stands there now.
+    """
+
+    kind: str
+    level: str
+    program: str
+    line: int
+    old: str
+    new: str
+
+    @property
+    def text(self) -> str:
+        """The program with the bug."""
+        lines = load_program(self.program).text.split("\n")
+        assert lines[self.line - 1].count(self.old) == 1, self
+        lines[self.line - 1] = lines[self.line - 1].replace(self.old, self.new)
+        return "\n".join(lines)
+
+
+MUTANTS = [
+    Mutant(**each)
+    for each in tomllib.loads(Path(__file__).with_name("mutants.toml").read_text())["mutant"]
+]
+
+
+@cache
+def diagnosis_of(level: str, text: str, ticks: int = TICKS) -> Diagnosis:
+    """What `diagnose` says of a program in a level."""
+
+    async def work() -> Diagnosis:
+        game = Game(load_level(level), Program.compile(text))
+        try:
+            await game.run_until(tick=ticks)
+            return await diagnose(game)
+        finally:
+            await game.close()
+
+    return asyncio.run(work())
+
+
+def rank(findings: tuple[Finding, ...], line: int) -> tuple[int, bool] | None:
+    """The place among the findings, from 1, of the first that names a line.
+
+    Returns:
+        The place, and whether that line is the finding's own; None if no finding names it.
+    """
+    for number, finding in enumerate(findings, 1):
+        spans = [span for span in (finding.span, *finding.others) if span is not None]
+        if any(span.line == line for span in spans):
+            own = finding.span is not None and finding.span.line == line
+            return number, own
+    return None
+
+
+def first_difference(mutant: Mutant, ticks: int = TICKS) -> int | None:
+    """The first tick in which a mutant decides otherwise than the reference program, or None."""
+    level = load_level(mutant.level)
+    visibility = level.visibility
+    reference, other = (
+        Mind(Program.compile(text), memory=visibility.memory, sensor=visibility.sensor)
+        for text in (load_program(mutant.program).text, mutant.text)
+    )
+    world = World(level)
+    memories: dict[str, Value] = {robot.name: "" for robot in level.robots}
+    try:
+        while world.tick < ticks and world.won_at is None:
+            rows = world.sense()
+            decisions = reference.think(rows, memories)
+            if decisions != other.think(rows, memories):
+                return world.tick
+            world.act({d.robot_name: d.desire for d in decisions if d.desire is not None})
+            memories = {d.robot_name: d.memory for d in decisions}
+    finally:
+        reference.close()
+        other.close()
+    return None
