@@ -29,6 +29,7 @@ _HOMES = {
     "trace": "trace",
     "query": "query",
     "why": "why",
+    "diagnose": "diagnose",
     "check": "check",
     "help": "help",
     "levels": "listing",
@@ -55,6 +56,8 @@ examples:
   logical-robots trace LEVEL PROGRAM   tell every tick as JSON
   logical-robots why LEVEL PROGRAM --tick N --robot R
                                        say why a robot did what it did
+  logical-robots diagnose LEVEL PROGRAM
+                                       look through a run for mistakes
   logical-robots check PROGRAM         say what is wrong with a program
   logical-robots help FUNCTION         explain a function of the language
   logical-robots level new FILE        make a level

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from logical_robots_tui.mind.diagnosis.finding import Finding
     from logical_robots_tui.mind.diagnosis.sites import Checkup
 
-__all__ = ["Diagnosis", "diagnose"]
+__all__ = ["Diagnosis", "diagnose", "extent"]
 
 _FEWEST = 20  # ticks that are looked at
 _QUESTIONS = 20_000  # that all robots are asked at most when some ticks are looked at
@@ -71,6 +71,19 @@ async def diagnose(
         QueryError: The program is too entangled.
     """
     return await _Diagnosing(game, report, limits or Limits()).diagnose()
+
+
+def extent(found: Diagnosis) -> str:
+    """What was looked at, one or two sentences."""
+    if found.last < found.first:
+        return "There are no ticks to look at yet."
+    end = "won" if found.won_at is not None else "not won"
+    said = f"Ticks {found.first} to {found.last}, {end}."
+    if found.second_step > 1:
+        said += f" Looked at every {found.second_step}. tick: what is rarer may be missed."
+    if found.left_out:
+        said += f" {found.left_out} conditions could not be watched."
+    return said
 
 
 class _Diagnosing:

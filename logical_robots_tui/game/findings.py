@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
+from itertools import zip_longest
 from typing import TYPE_CHECKING
 
 from logical_robots_tui.mind.close import closest
@@ -23,7 +24,8 @@ __all__ = ["findings_of"]
 _SEEN = ("wall", "beacon", "robot", "nothing")
 """What a ray may end at."""
 
-_MOST_PLACES = 3
+_MOST_PLACES = 6
+_MOST_LEAVES = 3
 
 
 def findings_of(
@@ -83,9 +85,11 @@ def _of_several(tally: Tally, robot: str, tick: int, first: str) -> Finding:
     gave = [checkup.rules[number].span for number in sorted(given)]
     if len(given) > 1:
         hint = "Several rules hold at once; they have to exclude each other."
+        bodies = [body for n in sorted(given) if (body := checkup.rules[n].body) is not None]
         lines = " and ".join(str(span.line) for span in gave)
         message = f"{first} They come from the rules in lines {lines}."
-        return Finding("several rows", "warning", gave[-1], tick, message, hint, (*gave[:-1],), robot)
+        others = (*bodies, *gave[:-1])
+        return Finding("several rows", "warning", gave[-1], tick, message, hint, others, robot)
     places = [place for number in given for place in _multiplied(tally, number, set())]
     span, *others = [*places, *gave, None]
     hint = "Something in it holds in several ways; a predicate may have one row too many."
@@ -126,12 +130,12 @@ def _of_null(tally: Tally, robot: str, tick: int, first: str) -> Finding:
         for number, site in enumerate(tally.checkup.sites)
         if site.kind == "value" and tally.sites[number].true is not None
     ]
-    span, *others = [*nulls, *leaves, None]
+    span, *others = [*nulls, *(span for leaf in leaves for span in leaf), None]
     quoted = f" `{shortened(span.text)}` was null." if nulls and span else ""
     hint = "Say with Coalesce or `if` what to do when there is no value."
     return Finding(
         "bad engine", "warning", span, tick, f"{first}{quoted}", hint,
-        tuple(each for each in others if each is not None), robot,
+        tuple(each for each in others if each is not None)[:_MOST_PLACES], robot,
     )
 
 
@@ -163,7 +167,8 @@ def _of_memory(
             close = closest(name, {*writes, *happened.fields})
             hint = f"Is {close} meant?" if close else "It is null all the time."
             message = f"memory.{name} is read, and no memory ever had a field {name}."
-            others = (writes[close].span,) if close in writes else ()
+            made = (rule.memory for rule in checkup.rules if rule.memory is not None)
+            others = (writes[close].span,) if close in writes else tuple(made)
             yield Finding(
                 "memory never written", "warning", field.span, happened.first, message, hint, others
             )
@@ -209,22 +214,32 @@ def _of_texts(checkup: Checkup, happened: Happenings, level: Level) -> Iterator[
 def _of_movement(
     happened: Happenings, closer: Mapping[tuple[str, int], Tally]
 ) -> Iterator[Finding]:
-    for stretch in happened.stretches:
+    told: set[tuple[str, Span | None]] = set()
+    for stretch in sorted(happened.stretches, key=lambda each: _ORDER.index(each.kind)):
         if happened.won_at is not None and stretch.kind != "blocked":
             continue
         leaves = _leaves(closer[stretch.robot, stretch.first])
-        span, *others = [*leaves, None]
+        by_distance = [span for each in zip_longest(*leaves) for span in each if span]
+        spans = list({span.line: span for span in by_distance}.values())
+        span = leaves[0][0] if leaves else None
+        if (stretch.kind, span) in told:
+            continue
+        told.add((stretch.kind, span))
+        others = tuple(each for each in spans if span is None or each.line != span.line)
+        is_doubtful = happened.won_at is None and stretch.kind != "unfinished"
         yield Finding(
-            stretch.kind, "warning" if happened.won_at is None else "note", span, stretch.first,
-            _moved(stretch, span), _HINTS[stretch.kind],
-            tuple(each for each in others[:_MOST_PLACES] if each is not None), stretch.robot,
+            stretch.kind, "warning" if is_doubtful else "note", span, stretch.first,
+            _moved(stretch, span), _HINTS[stretch.kind], others[:_MOST_PLACES], stretch.robot,
         )
 
+
+_ORDER = ("circle", "blocked", "still", "unfinished")
 
 _HINTS = {
     "blocked": "It pushes against a wall; does it turn soon enough, and to the right side?",
     "still": "Nothing makes it go on; which condition should?",
     "circle": "It does the same again and again; what should end that?",
+    "unfinished": "Is that what it should do then, and with the right values?",
 }
 
 
@@ -233,18 +248,23 @@ def _moved(stretch: Stretch, span: Span | None) -> str:
     how = {
         "blocked": f"was blocked {ticks}",
         "still": f"stood still {ticks}",
+        "unfinished": f"is not where it should be, and drove on {ticks}",
         "circle": f"goes round in a circle of {stretch.period} ticks {ticks}",
     }[stretch.kind]
     doing = f", mostly with `{shortened(span.text)}`" if span is not None else ""
     return f"{stretch.robot} {how}{doing}."
 
 
-def _leaves(tally: Tally) -> list[Span]:
-    """Where a robot's desire came from, the most frequent and the outermost first."""
+def _leaves(tally: Tally) -> list[list[Span]]:
+    """Where a robot's desire came from, the most frequent and the outermost first.
+
+    Returns:
+        For each place where it was chosen that, and where the values in it came from.
+    """
     found = [
-        (tally.sites[number].looks, number)
+        (tally.checkup.rules[site.rule].is_function, -tally.sites[number].looks, number)
         for number, site in enumerate(tally.checkup.sites)
         if site.kind == "leaf" and tally.sites[number].reached is not None
     ]
-    found.sort(key=lambda each: (-each[0], each[1]))
-    return [tally.checkup.sites[number].span for _, number in found]
+    sites = [tally.checkup.sites[number] for *_, number in sorted(found)[:_MOST_LEAVES]]
+    return [[site.span, *site.places] for site in sites]

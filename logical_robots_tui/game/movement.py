@@ -36,7 +36,7 @@ class Stretch:
         period: Ticks of a round, or 0.
     """
 
-    kind: Literal["blocked", "still", "circle"]
+    kind: Literal["blocked", "still", "circle", "unfinished"]
     robot: str
     first: int
     last: int
@@ -64,6 +64,8 @@ def stretches(path: Sequence[RobotState], first: int) -> Iterator[Stretch]:
     if found is not None:
         begin, period = found
         yield Stretch("circle", name, first + begin, first + len(path) - 1, period)
+    elif len(path) > LONG:
+        yield Stretch("unfinished", name, first + len(path) - LONG, first + len(path) - 1)
 
 
 def _longest(holds: Sequence[bool]) -> tuple[int, int]:

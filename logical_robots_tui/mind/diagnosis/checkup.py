@@ -9,6 +9,7 @@ from logical_robots_tui.mind.compiling import complaints
 from logical_robots_tui.mind.compiling.compiler import compiled_rules, read_rules
 from logical_robots_tui.mind.compiling.robot_rule import MAIN
 from logical_robots_tui.mind.compiling.rules import VALUE, called, head_name, heads, value_of
+from logical_robots_tui.mind.diagnosis.expressions import text_of
 from logical_robots_tui.mind.diagnosis.memory import texts_of, written_fields
 from logical_robots_tui.mind.diagnosis.sites import Checkup, RuleSite
 from logical_robots_tui.mind.diagnosis.tracing import Tracer
@@ -20,7 +21,7 @@ from logical_robots_tui.mind.why.spans import span_of
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
 
-    from logical_robots_tui.mind.diagnosis.sites import Probe
+    from logical_robots_tui.mind.diagnosis.sites import Probe, Span
     from logical_robots_tui.mind.compiling.rules import Rule
     from logical_robots_tui.mind.text import Prepared
 
@@ -50,8 +51,7 @@ def check_up(
     }
     functions |= {name for name, mine in plain.items() if _is_constant(mine)}
     rules = [(name, rule) for name, mine in plain.items() for rule in mine]
-    numbers = {id(rule): number for number, (_, rule) in enumerate(rules)}
-    tracer = Tracer(text, source, plain, functions, numbers)
+    tracer = Tracer(text, source, plain, functions, [rule for _, rule in rules])
     needed = _reach(MAIN, own) | {MAIN}
     made = {name: step for name, mine in own.items() if (step := _made(name, mine[0]))}
     bases = {base for base, _ in made.values()}
@@ -130,7 +130,15 @@ def _site(
         ),
         None,
     )
-    return RuleSite(name, span, is_function, is_needed, "body" not in rule, span.text, memory)
+    body = span_of(rule["body"], text, source) if "body" in rule else None
+    return RuleSite(name, span, is_function, is_needed, "body" not in rule, _key(rule, span), memory, body)
+
+
+def _key(rule: Rule, span: Span) -> str:
+    """What a fact is found by: the text in its first column, or else all that it says."""
+    first = value_of(rule["head"]["record"]["field_value"][0]) if "body" not in rule else None
+    found = text_of(first or {})
+    return span.text if found is None else found
 
 
 def _is_constant(rules: list[Rule]) -> bool:

@@ -5,16 +5,15 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
+from logical_robots_tui.mind.diagnosis.sites import TESTS
+
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
     from logical_robots_tui.mind.diagnosis.sites import Checkup, Column, Probe, Site
     from logical_robots_tui.values import Value
 
-__all__ = ["TESTS", "Count", "RuleCount", "Tally", "is_always_true", "is_true"]
-
-TESTS = ("condition", "denial", "branch", "operand")
-"""Sites of these kinds are conditions."""
+__all__ = ["Count", "RuleCount", "Tally", "is_always_true", "is_true"]
 
 _MOST_VALUES = 60  # that are kept of what was compared at a place
 

@@ -25,6 +25,7 @@ FindingKind = Literal[
     "circle",
     "blocked",
     "still",
+    "unfinished",
 ]
 
 Severity = Literal["warning", "note"]

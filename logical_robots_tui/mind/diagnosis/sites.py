@@ -8,7 +8,10 @@ from typing import Literal
 from logical_robots_tui.mind.program import Program
 from logical_robots_tui.mind.why.probing import Span
 
-__all__ = ["Checkup", "Column", "Field", "Probe", "RuleSite", "Site", "Span"]
+__all__ = ["TESTS", "Checkup", "Column", "Field", "Probe", "RuleSite", "Site", "Span"]
+
+TESTS = ("condition", "denial", "branch", "operand")
+"""Sites of these kinds are conditions."""
 
 SiteKind = Literal["part", "condition", "branch", "operand", "text", "denial", "leaf", "value"]
 
@@ -30,6 +33,7 @@ class Site:
         operator: The comparison, or "".
         predicate: What a call calls, or "".
         within: The predicate made with ``:=`` in whose rules it is watched, or "".
+        places: Where the values in it come from, the nearest places first.
     """
 
     kind: SiteKind
@@ -40,6 +44,7 @@ class Site:
     operator: str = ""
     predicate: str = ""
     within: str = ""
+    places: tuple[Span, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -54,6 +59,7 @@ class RuleSite:
         is_fact: Whether it has no body.
         key: What it says, the same for two that say the same.
         memory: Where it says what a robot remembers, or None.
+        body: Where its body stands, or None.
     """
 
     predicate: str
@@ -63,6 +69,7 @@ class RuleSite:
     is_fact: bool
     key: str
     memory: Span | None = None
+    body: Span | None = None
 
 
 @dataclass(frozen=True, slots=True)

@@ -5,8 +5,9 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from logical_robots_tui.mind.close import closest, distance
-from logical_robots_tui.mind.diagnosis.counting import TESTS, is_always_true
+from logical_robots_tui.mind.diagnosis.counting import is_always_true
 from logical_robots_tui.mind.diagnosis.finding import Finding
+from logical_robots_tui.mind.diagnosis.sites import TESTS
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
@@ -111,7 +112,7 @@ class _Teller:
         return Finding(
             "no rows", self._severity, site.span, count.reached or self._tally.ticks[0],
             f"The rule of {rule.predicate} in line {rule.span.line} never gave a row: {reason}",
-            "If it should have, look at what this compares or asks for.", (rule.span,),
+            "If it should have, look at what this compares or asks for.", (rule.span, *site.places),
         )
 
     # -- sites ---------------------------------------------------------------------------------
@@ -164,7 +165,7 @@ class _Teller:
         self, kind: str, severity: Severity, site: Site, count: Count, message: str, hint: str
     ) -> Finding:
         tick = count.reached if count.reached is not None else self._tally.ticks[0]
-        return Finding(kind, severity, site.span, tick, message, hint)  # type: ignore[arg-type]
+        return Finding(kind, severity, site.span, tick, message, hint, site.places)  # type: ignore[arg-type]
 
 
 def _quoted(site: Site) -> str:

@@ -25,7 +25,8 @@ from logical_robots_tui.mind.diagnosis.expressions import (
     parameters,
     text_of,
 )
-from logical_robots_tui.mind.diagnosis.sites import Column, Field, Probe, Site, Span
+from logical_robots_tui.mind.diagnosis.sites import TESTS, Column, Field, Probe, Site, Span
+from logical_robots_tui.mind.diagnosis.sources import Sources
 from logical_robots_tui.mind.program import INPUTS
 from logical_robots_tui.mind.why import sides, trees
 from logical_robots_tui.mind.why.scopes import Scope, flat, in_order, names
@@ -45,6 +46,8 @@ PROBE = "DiagnosisProbe"
 _MOST_COLUMNS = 90  # of a probe; SQLite allows 100
 _DEEPEST = 8  # functions in functions
 _NOT_VALUES = frozenset({"TryCast"})  # the second argument is a type
+
+_EXPLAINED = (*TESTS, "leaf")
 
 _LEAVES = ("desire", VALUE)
 """Columns of which is watched where an ``if`` takes their values from."""
@@ -124,7 +127,7 @@ class Tracer:
         source: The same, prepared.
         own: The rules of the program's own predicates.
         functions: Names of those that have rows only for given arguments.
-        numbers: The number of each rule, by its identity.
+        rules: All of these rules; their places here are their numbers.
 
     Attributes:
         sites: What is watched.
@@ -141,7 +144,7 @@ class Tracer:
         source: Prepared,
         own: Mapping[str, list[Rule]],
         functions: frozenset[str],
-        numbers: Mapping[int, int],
+        rules: Sequence[Rule],
     ) -> None:
         self.sites: list[Site] = []
         self.probes: dict[str, tuple[Rule, Probe]] = {}
@@ -150,7 +153,9 @@ class Tracer:
         self.left_out = 0
         self.within = ""
         self._text, self._source = text, source
-        self._own, self._functions, self._numbers = own, functions, numbers
+        self._own, self._functions, self._rules = own, functions, rules
+        self._numbers = {id(rule): number for number, rule in enumerate(rules)}
+        self._sources = Sources(text, source, own)
         self._known_sites: dict[tuple[Any, ...], int] = {}
         self._memories: set[str] = set()
         self._leaves: set[str] = set()
@@ -307,7 +312,7 @@ class Tracer:
             return
         call = tree.get("call", {})
         name = str(call.get("predicate_name", ""))
-        if is_leaf:
+        if is_leaf and "literal" not in tree:
             self._nulls(tree, at)
             self._add(at, self._site("leaf", tree, at.rule), (), "always")
         if name in CONDITIONS:
@@ -532,7 +537,8 @@ class Tracer:
         key = (kind, span.start, span.stop, self.within)
         if key not in self._known_sites:
             self._known_sites[key] = len(self.sites)
-            self.sites.append(Site(kind, span, rule, within=self.within, **told))
+            places = self._sources.of(tree, self._rules[rule]) if kind in _EXPLAINED else ()
+            self.sites.append(Site(kind, span, rule, within=self.within, places=places, **told))
         return self._known_sites[key]
 
     def _add(
