@@ -137,7 +137,12 @@ class _Diagnosing:
             await self._watch(tally_of_it, wanted, close, (robot,))
         found = findings_of(tally, happened, closer, self._game.level)
         return Diagnosis(
-            tuple(found), happened.first, happened.last, happened.won_at, step, second,
+            tuple(found),
+            happened.first,
+            happened.last,
+            happened.won_at,
+            step,
+            second,
             checkup.left_out,
         )
 

@@ -55,9 +55,7 @@ def findings_of(
 # -- notices -----------------------------------------------------------------------------------
 
 
-def _of_notices(
-    happened: Happenings, closer: Mapping[tuple[str, int], Tally]
-) -> Iterator[Finding]:
+def _of_notices(happened: Happenings, closer: Mapping[tuple[str, int], Tally]) -> Iterator[Finding]:
     by_kind: dict[str, list[tuple[int, str, int, str]]] = {}
     for (kind, robot), (tick, count, message) in happened.notices.items():
         by_kind.setdefault(kind, []).append((tick, robot, count, message))
@@ -134,8 +132,14 @@ def _of_null(tally: Tally, robot: str, tick: int, first: str) -> Finding:
     quoted = f" `{shortened(span.text)}` was null." if nulls and span else ""
     hint = "Say with Coalesce or `if` what to do when there is no value."
     return Finding(
-        "bad engine", "warning", span, tick, f"{first}{quoted}", hint,
-        tuple(each for each in others if each is not None)[:_MOST_PLACES], robot,
+        "bad engine",
+        "warning",
+        span,
+        tick,
+        f"{first}{quoted}",
+        hint,
+        tuple(each for each in others if each is not None)[:_MOST_PLACES],
+        robot,
     )
 
 
@@ -148,7 +152,7 @@ def _stops(tally: Tally) -> list[Span]:
         stop = None
         for number, site in enumerate(tally.checkup.sites):
             count = tally.sites[number]
-            if site.rule == rule and site.kind in ("part", "condition", "denial"):
+            if site.rule == rule and site.is_step:
                 stop = site.span if count.reached is not None and count.true is None else stop
         found += [stop] if stop is not None else []
     return found
@@ -228,8 +232,14 @@ def _of_movement(
         others = tuple(each for each in spans if span is None or each.line != span.line)
         is_doubtful = happened.won_at is None and stretch.kind != "unfinished"
         yield Finding(
-            stretch.kind, "warning" if is_doubtful else "note", span, stretch.first,
-            _moved(stretch, span), _HINTS[stretch.kind], others[:_MOST_PLACES], stretch.robot,
+            stretch.kind,
+            "warning" if is_doubtful else "note",
+            span,
+            stretch.first,
+            _moved(stretch, span),
+            _HINTS[stretch.kind],
+            others[:_MOST_PLACES],
+            stretch.robot,
         )
 
 

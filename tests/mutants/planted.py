@@ -12,16 +12,18 @@ from typing import TYPE_CHECKING
 from logical_robots_tui.game import Game, load_program
 from logical_robots_tui.game.diagnosing import diagnose
 from logical_robots_tui.mind import Mind, Program
+from logical_robots_tui.mind.compilation import check_up
+from logical_robots_tui.mind.diagnosis.nearest import nearest_misses
 from logical_robots_tui.world import World, load_level
 
 if TYPE_CHECKING:
     from logical_robots_tui.game.diagnosing import Diagnosis
     from logical_robots_tui.mind.diagnosis.finding import Finding
-    from logical_robots_tui.values import Value
+    from logical_robots_tui.mind.diagnosis.nearest import Suggestion
+    from logical_robots_tui.values import SensorRow, Value
 
-__all__ = ["FIRST", "MUTANTS", "TICKS", "Mutant", "diagnosis_of", "first_difference", "rank"]
+__all__ = ["FIRST", "MUTANTS", "Mutant", "diagnosis_of", "first_difference", "rank", "suggestions"]
 
-TICKS = 3000
 FIRST = 5
 """So many findings are read before one gives up."""
 
@@ -37,6 +39,7 @@ class Mutant:
         line: Where the bug is.
         old: What stood there.
         new: What stands there now.
+        ticks: How long it is run.
     """
 
     kind: str
@@ -45,6 +48,7 @@ class Mutant:
     line: int
     old: str
     new: str
+    ticks: int = 3000
 
     @property
     def text(self) -> str:
@@ -62,7 +66,7 @@ MUTANTS = [
 
 
 @cache
-def diagnosis_of(level: str, text: str, ticks: int = TICKS) -> Diagnosis:
+def diagnosis_of(level: str, text: str, ticks: int) -> Diagnosis:
     """What `diagnose` says of a program in a level."""
 
     async def work() -> Diagnosis:
@@ -90,8 +94,25 @@ def rank(findings: tuple[Finding, ...], line: int) -> tuple[int, bool] | None:
     return None
 
 
-def first_difference(mutant: Mutant, ticks: int = TICKS) -> int | None:
-    """The first tick in which a mutant decides otherwise than the reference program, or None."""
+@dataclass(frozen=True)
+class Difference:
+    """The first tick in which a mutant decides otherwise than the reference program.
+
+    Attributes:
+        tick: The tick.
+        robot: A robot for which it does.
+        rows: What all robots sensed.
+        memories: What they remembered.
+    """
+
+    tick: int
+    robot: str
+    rows: list[SensorRow]
+    memories: dict[str, Value]
+
+
+def first_difference(mutant: Mutant) -> Difference | None:
+    """Where a mutant first decides otherwise than the reference program, in that one's run."""
     level = load_level(mutant.level)
     visibility = level.visibility
     reference, other = (
@@ -101,14 +122,36 @@ def first_difference(mutant: Mutant, ticks: int = TICKS) -> int | None:
     world = World(level)
     memories: dict[str, Value] = {robot.name: "" for robot in level.robots}
     try:
-        while world.tick < ticks and world.won_at is None:
+        while world.tick < mutant.ticks and world.won_at is None:
             rows = world.sense()
             decisions = reference.think(rows, memories)
-            if decisions != other.think(rows, memories):
-                return world.tick
+            for mine, its in zip(decisions, other.think(rows, memories), strict=True):
+                if mine != its:
+                    return Difference(world.tick, mine.robot_name, rows, memories)
             world.act({d.robot_name: d.desire for d in decisions if d.desire is not None})
             memories = {d.robot_name: d.memory for d in decisions}
     finally:
         reference.close()
         other.close()
     return None
+
+
+def suggestions(mutant: Mutant, there: Difference) -> list[Suggestion]:
+    """The nearest misses of all rules that `Robot` leans on, where a mutant first differs."""
+    program = Program.compile(mutant.text)
+    visibility = load_level(mutant.level).visibility
+    found = []
+    numbers: dict[str, int] = {}
+    for rule in check_up(program).rules:
+        number = numbers[rule.predicate] = numbers.get(rule.predicate, -1) + 1
+        if rule.is_needed and not rule.is_function:
+            found += nearest_misses(
+                program,
+                rule.predicate,
+                number,
+                there.robot,
+                there.rows,
+                there.memories,
+                visible=(visibility.memory, visibility.sensor),
+            )
+    return found

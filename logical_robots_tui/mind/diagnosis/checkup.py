@@ -98,7 +98,9 @@ def check_up(
         else:
             left_out += 1
     tuned = {
-        name: each for name, each in tune_all(statements).items() if is_quick_tuned(each.sql, each.bounds)
+        name: each
+        for name, each in tune_all(statements).items()
+        if is_quick_tuned(each.sql, each.bounds)
     }
     writes, writes_all = written_fields(plain, functions, text, source)
     return Checkup(
@@ -131,7 +133,9 @@ def _site(
         None,
     )
     body = span_of(rule["body"], text, source) if "body" in rule else None
-    return RuleSite(name, span, is_function, is_needed, "body" not in rule, _key(rule, span), memory, body)
+    return RuleSite(
+        name, span, is_function, is_needed, "body" not in rule, _key(rule, span), memory, body
+    )
 
 
 def _key(rule: Rule, span: Span) -> str:
@@ -144,9 +148,11 @@ def _key(rule: Rule, span: Span) -> str:
 def _is_constant(rules: list[Rule]) -> bool:
     """Whether these are the rules of a function without arguments that only has a value."""
     fields = [fv["field"] for rule in rules for fv in rule["head"]["record"]["field_value"]]
-    return fields == [VALUE] and "body" not in rules[0] and value_of(
-        rules[0]["head"]["record"]["field_value"][0]
-    ) is not None
+    return (
+        fields == [VALUE]
+        and "body" not in rules[0]
+        and value_of(rules[0]["head"]["record"]["field_value"][0]) is not None
+    )
 
 
 def _made(name: str, rule: Rule) -> tuple[str, dict[str | int, Rule]] | None:

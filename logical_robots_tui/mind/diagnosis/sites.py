@@ -34,6 +34,8 @@ class Site:
         predicate: What a call calls, or "".
         within: The predicate made with ``:=`` in whose rules it is watched, or "".
         places: Where the values in it come from, the nearest places first.
+        stands: Whether it stands in the ``body`` of a rule, in what an ``aggregate`` goes over, or
+            in something that is ``denied``.
     """
 
     kind: SiteKind
@@ -45,6 +47,12 @@ class Site:
     predicate: str = ""
     within: str = ""
     places: tuple[Span, ...] = ()
+    stands: Literal["body", "aggregate", "denied"] = "body"
+
+    @property
+    def is_step(self) -> bool:
+        """Whether the rule gives no row when nothing fulfils it."""
+        return self.kind in ("part", "condition", "denial") and self.stands == "body"
 
 
 @dataclass(frozen=True, slots=True)

@@ -65,7 +65,11 @@ class _Teller:
             if is_always_true(site, count) and number not in self._said:
                 self._said.add(number)
                 yield self._finding(
-                    "never false", "note", site, count, f"{_quoted(site)} was never false{_in(site)}.",
+                    "never false",
+                    "note",
+                    site,
+                    count,
+                    f"{_quoted(site)} was never false{_in(site)}.",
                     "Whatever it is to keep out never came; is it the right comparison?",
                 )
 
@@ -84,7 +88,7 @@ class _Teller:
         """The last site of a rule's body that was reached and never passed."""
         found = None
         for number, site in enumerate(self._checkup.sites):
-            if site.rule == rule and site.kind in ("part", "condition", "denial"):
+            if site.rule == rule and site.is_step:
                 count = self._tally.sites[number]
                 if count.reached is not None and count.true is None:
                     found = number
@@ -104,15 +108,23 @@ class _Teller:
         self._said.add(stop)
         if self._is_consequence(number, silent):
             return Finding(
-                "no rows", "note", rule.span, self._tally.ticks[0],
+                "no rows",
+                "note",
+                rule.span,
+                self._tally.ticks[0],
                 f"This rule of {rule.predicate} never gave a row, for {site.predicate} has none.",
-                f"Look at {site.predicate} first.", (site.span,),
+                f"Look at {site.predicate} first.",
+                (site.span,),
             )
         reason = self._why_not(site, count)
         return Finding(
-            "no rows", self._severity, site.span, count.reached or self._tally.ticks[0],
+            "no rows",
+            self._severity,
+            site.span,
+            count.reached or self._tally.ticks[0],
             f"The rule of {rule.predicate} in line {rule.span.line} never gave a row: {reason}",
-            "If it should have, look at what this compares or asks for.", (rule.span, *site.places),
+            "If it should have, look at what this compares or asks for.",
+            (rule.span, *site.places),
         )
 
     # -- sites ---------------------------------------------------------------------------------
@@ -134,10 +146,16 @@ class _Teller:
     def _of_site(self, number: int, site: Site) -> Finding | None:
         """A finding about a condition that was never true."""
         count = self._tally.sites[number]
-        if count.reached is None or count.true is not None or site.kind in ("leaf", "text", "value"):
+        if (
+            count.reached is None
+            or count.true is not None
+            or site.kind in ("leaf", "text", "value")
+        ):
             return None
         if site.kind == "part" and site.predicate in ("", "Sensor", "Memory"):
             return None
+        if site.kind == "part" and site.stands == "denied":
+            return None  # told of where it is denied
         self._said.add(number)
         is_null = site.kind in TESTS and count.false is None
         what = "always null" if is_null else "never true"
@@ -145,7 +163,9 @@ class _Teller:
         hint = "Look at what it compares."
         if is_null:
             hint = "Something in it has no value: a field that is not there, or nothing to choose from."
-        return self._finding(what, self._severity, site, count, reason[0].upper() + reason[1:], hint)
+        return self._finding(
+            what, self._severity, site, count, reason[0].upper() + reason[1:], hint
+        )
 
     def _why_not(self, site: Site, count: Count) -> str:
         quoted, where = _quoted(site), _in(site)
@@ -178,11 +198,16 @@ def _in(site: Site) -> str:
 
 def _missed(site: Site, count: Count) -> str:
     """By how much a comparison was missed."""
-    if site.operator in ("<", "<=") and count.least:
-        return f"; at best {shortened(site.other)} was {count.least:.4g} too much"
-    if site.operator in (">", ">=") and count.greatest:
-        return f"; at best {shortened(site.other)} was {-count.greatest:.4g} too little"
-    return ""
+    lacks = None
+    if site.operator in ("<", "<="):
+        lacks, what = count.least, "too much"
+    elif site.operator in (">", ">="):
+        lacks, what = count.greatest, "too little"
+    if lacks is None:
+        return ""
+    if not lacks:
+        return f"; at best {shortened(site.other)} was just the limit"
+    return f"; at best {shortened(site.other)} was {abs(lacks):.4g} {what}"
 
 
 def _value(value: Value) -> str:

@@ -7,7 +7,7 @@ looked at where it is asked, with the arguments in the place of its parameters.
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Literal
 
 from logical_robots_tui.mind.compiling.rules import CONDITIONS, JUNCTIONS, VALUE, value_of
 from logical_robots_tui.mind.diagnosis.expressions import (
@@ -51,6 +51,8 @@ _EXPLAINED = (*TESTS, "leaf")
 
 _LEAVES = ("desire", VALUE)
 """Columns of which is watched where an ``if`` takes their values from."""
+
+Stands = Literal["body", "aggregate", "denied"]
 
 Guard = tuple[tuple[int, bool], ...]
 
@@ -103,7 +105,7 @@ class _At:
         given: By variable what it stands for in the query.
         guard: What holds there beside the filters.
         inside: Names of the functions that it is in.
-        memories: The variables, as they are called in the query, that hold a memory.
+        stands: Whether that is in the body of a rule, an aggregate or something that is denied.
     """
 
     trail: _Trail
@@ -113,6 +115,7 @@ class _At:
     given: Mapping[str, Rule]
     guard: Guard = ()
     inside: tuple[str, ...] = ()
+    stands: Stands = "body"
 
     def when(self, column: int, *, holds: bool) -> _At:
         """The same where a column is true, or is not."""
@@ -188,7 +191,7 @@ class Tracer:
                 continue
             if self._relations(expression):
                 local = trees.variable(self._new("head"))
-                site = self._site("part", expression, at.rule)
+                site = self._site("part", expression, at)
                 at = self._next(at, site, trees.equal(local, filled(expression, at.given)))
             is_leaf = name in _LEAVES and "variable" not in expression
             self._value(expression, at, is_leaf=is_leaf)
@@ -226,7 +229,7 @@ class Tracer:
             done = self._parts(flat(rule.get("body")), within)
             if done is not None:
                 return replace(at, guard=done.guard, known=known)
-        site = self._site("part", part, at.rule, predicate=name)
+        site = self._site("part", part, at, predicate=name)
         self._in_part(part, at)
         if name == "Memory":
             for fv in call["record"]["field_value"]:
@@ -314,7 +317,7 @@ class Tracer:
         name = str(call.get("predicate_name", ""))
         if is_leaf and "literal" not in tree:
             self._nulls(tree, at)
-            self._add(at, self._site("leaf", tree, at.rule), (), "always")
+            self._add(at, self._site("leaf", tree, at), (), "always")
         if name in CONDITIONS:
             self._truth(tree, at, "operand")
         elif call:
@@ -346,7 +349,7 @@ class Tracer:
             name = str(node.get("call", {}).get("predicate_name", ""))
             if "combine" in node or (name in self._functions and "call" in node):
                 lacks = is_null(filled(node, at.given))
-                self._add(at, self._site("value", node, at.rule), (lacks,), "truth", lacks)
+                self._add(at, self._site("value", node, at), (lacks,), "truth", lacks)
             if "record" in node:
                 waiting += operands(node)
             elif "call" in node and name not in _NOT_VALUES:
@@ -371,13 +374,13 @@ class Tracer:
                 how, literal, asked = "text", texts[place], [asked_sides[1 - place]]
                 other = self._span(both[1 - place]).text
                 if text_of(both[place]) is None:
-                    given = self._site("text", asked_sides[place], at.rule, literal=literal, other=other)
+                    given = self._site("text", asked_sides[place], at, literal=literal, other=other)
                     self._add(at, given, asked, "text")
                     how, literal, asked = "truth", None, [filled(condition, at.given)]
             elif operator == "==" and kind == "condition":
                 how, asked = "pair", asked_sides
         site = self._site(
-            kind, condition, at.rule, literal=literal, other=other, operator=found[0] if found else ""
+            kind, condition, at, literal=literal, other=other, operator=found[0] if found else ""
         )
         column = self._add(at, site, asked, how, filled(condition, at.given))
         if column < 0:
@@ -392,8 +395,9 @@ class Tracer:
         elif name == "!":
             self._truth(operands(call)[0], at, "operand")
         elif found is not None or call:
+            within = replace(at, stands="denied") if kind == "denial" else at
             for value in operands(call):
-                self._value(value, at)
+                self._value(value, within)
             if name in self._functions:
                 self._function(name, call, at, is_leaf=False)
         else:
@@ -412,7 +416,8 @@ class Tracer:
         local = names([combine["head"], *inner], inside=True) - at.scope.variables
         given = {**at.given, **{name: trees.variable(self._new(name)) for name in local}}
         values = [(argument, False)] if argument else []
-        self._aside(inner, at, at.scope.within(inner), given, values)
+        stands: Stands = "denied" if at.stands == "denied" else "aggregate"
+        self._aside(inner, at, at.scope.within(inner), given, values, stands=stands)
 
     def _function(self, name: str, call: Rule, at: _At, *, is_leaf: bool) -> None:
         """What a function does with what it is given."""
@@ -425,9 +430,7 @@ class Tracer:
                 continue
             body = flat(rule.get("body"))
             if body:
-                self._aside(
-                    body, found, found.scope, found.given, [(value, is_leaf)]
-                )
+                self._aside(body, found, found.scope, found.given, [(value, is_leaf)])
             else:
                 self._value(value, found, is_leaf=is_leaf)
 
@@ -531,14 +534,16 @@ class Tracer:
     def _span(self, tree: Any) -> Span:
         return span_of(tree, self._text, self._source)
 
-    def _site(self, kind: Any, tree: Any, rule: int, **told: Any) -> int:
+    def _site(self, kind: Any, tree: Any, at: _At, **told: Any) -> int:
         """The number of a site, the same whenever the place is the same."""
         span = self._span(tree)
         key = (kind, span.start, span.stop, self.within)
         if key not in self._known_sites:
             self._known_sites[key] = len(self.sites)
-            places = self._sources.of(tree, self._rules[rule]) if kind in _EXPLAINED else ()
-            self.sites.append(Site(kind, span, rule, within=self.within, places=places, **told))
+            rule = self._rules[at.rule]
+            places = self._sources.of(tree, rule) if kind in _EXPLAINED else ()
+            told = {"within": self.within, "places": places, "stands": at.stands, **told}
+            self.sites.append(Site(kind, span, at.rule, **told))
         return self._known_sites[key]
 
     def _add(
