@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-import threading
 from dataclasses import dataclass
+from functools import partial
 from typing import TYPE_CHECKING
 
 from logical_robots_tui.game.findings import findings_of
@@ -14,13 +14,15 @@ from logical_robots_tui.mind.compilation import check_up
 from logical_robots_tui.mind.diagnosis.counting import Tally
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
+    import threading
+    from collections.abc import Callable, Mapping, Sequence
 
+    from logical_robots_tui.game.frame import Frame
     from logical_robots_tui.game.game import Game
     from logical_robots_tui.game.happenings import Happenings
-    from logical_robots_tui.mind import Program
     from logical_robots_tui.mind.diagnosis.finding import Finding
     from logical_robots_tui.mind.diagnosis.sites import Checkup
+    from logical_robots_tui.world import Level
 
 __all__ = ["Diagnosis", "diagnose", "extent"]
 
@@ -154,23 +156,28 @@ class _Diagnosing:
         viewers: tuple[str, ...] | None = None,
     ) -> None:
         """Ask probes at some ticks."""
-        checkup = tally.checkup
-        names = {checkup.probes[number].name: number for number in probes}
+        names = {tally.checkup.probes[number].name: number for number in probes}
         for tick in ticks if names else ():
             frame = self._game.frame_at(tick)
             level = self._game.history.level_at(tick)
-
-            def look(stop: threading.Event) -> None:
-                mind = self._thinker.mind(checkup.program, level, self._limits)
-                sensors, memories = frame.sensors, frame.memories_before
-                for name, rows in mind.each(
-                    list(names), sensors, memories, viewers=viewers, stop=stop
-                ):
-                    tally.add(tick, names[name], rows)
-
-            await self._thinker.do(look)
+            await self._thinker.do(partial(self._ask, tally, names, frame, level, viewers))
             self._done += 1
             self._report(self._done, max(self._all, self._done))
+
+    def _ask(
+        self,
+        tally: Tally,
+        names: Mapping[str, int],
+        frame: Frame,
+        level: Level,
+        viewers: tuple[str, ...] | None,
+        stop: threading.Event,
+    ) -> None:
+        """Ask the probes of these names at a frame, and count what they give. In the thread."""
+        mind = self._thinker.mind(tally.checkup.program, level, self._limits)
+        sensors, memories = frame.sensors, frame.memories_before
+        for name, rows in mind.each([*names], sensors, memories, viewers=viewers, stop=stop):
+            tally.add(frame.tick, names[name], rows)
 
 
 def _to_explain(happened: Happenings) -> list[tuple[str, list[int]]]:

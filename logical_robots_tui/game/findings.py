@@ -59,21 +59,24 @@ def _of_notices(happened: Happenings, closer: Mapping[tuple[str, int], Tally]) -
     by_kind: dict[str, list[tuple[int, str, int, str]]] = {}
     for (kind, robot), (tick, count, message) in happened.notices.items():
         by_kind.setdefault(kind, []).append((tick, robot, count, message))
-    for kind, each in by_kind.items():
-        tick, robot, count, message = min(each)
+    for named, each in by_kind.items():
+        tick, robot, _, message = min(each)
         tally = closer[robot, tick]
         often = sum(count for _, _, count, _ in each)
         first = f"{message} First at tick {tick}, in all {often} times."
-        if kind == "several rows":
+        if named == "several rows":
             yield _of_several(tally, robot, tick, first)
-        elif kind == "bad engine":
+        elif named == "bad engine":
             yield _of_null(tally, robot, tick, first)
-        elif kind == "no row":
+        elif named == "no row":
             rules = [r.span for r in tally.checkup.rules if r.predicate == "Robot"]
             stops = _stops(tally)
-            span, *others = [*stops, *rules]
+            span, others = _split([*stops, *rules])
             hint = "No rule covers this case; each must fail somewhere."
-            yield Finding("no row", "warning", span, tick, first, hint, (*others,), robot)
+            yield Finding("no row", "warning", span, tick, first, hint, others, robot)
+        else:
+            hint = "`logical-robots run` tells of it, too."
+            yield Finding("notice", "warning", None, tick, first, hint, (), robot)
 
 
 def _of_several(tally: Tally, robot: str, tick: int, first: str) -> Finding:
@@ -89,11 +92,9 @@ def _of_several(tally: Tally, robot: str, tick: int, first: str) -> Finding:
         others = (*bodies, *gave[:-1])
         return Finding("several rows", "warning", gave[-1], tick, message, hint, others, robot)
     places = [place for number in given for place in _multiplied(tally, number, set())]
-    span, *others = [*places, *gave, None]
+    span, others = _split([*places, *gave])
     hint = "Something in it holds in several ways; a predicate may have one row too many."
-    return Finding(
-        "several rows", "warning", span, tick, first, hint, tuple(o for o in others if o), robot
-    )
+    return Finding("several rows", "warning", span, tick, first, hint, others, robot)
 
 
 def _multiplied(tally: Tally, rule: int, seen: set[int]) -> list[Span]:
@@ -128,19 +129,15 @@ def _of_null(tally: Tally, robot: str, tick: int, first: str) -> Finding:
         for number, site in enumerate(tally.checkup.sites)
         if site.kind == "value" and tally.sites[number].true is not None
     ]
-    span, *others = [*nulls, *(span for leaf in leaves for span in leaf), None]
+    span, others = _split([*nulls, *(span for leaf in leaves for span in leaf)])
     quoted = f" `{shortened(span.text)}` was null." if nulls and span else ""
     hint = "Say with Coalesce or `if` what to do when there is no value."
-    return Finding(
-        "bad engine",
-        "warning",
-        span,
-        tick,
-        f"{first}{quoted}",
-        hint,
-        tuple(each for each in others if each is not None)[:_MOST_PLACES],
-        robot,
-    )
+    return Finding("bad engine", "warning", span, tick, f"{first}{quoted}", hint, others, robot)
+
+
+def _split(places: list[Span]) -> tuple[Span | None, tuple[Span, ...]]:
+    """The first of some places, if there is one, and those that follow."""
+    return (places[0] if places else None), tuple(places[1 : _MOST_PLACES + 1])
 
 
 def _stops(tally: Tally) -> list[Span]:
@@ -171,7 +168,7 @@ def _of_memory(
             close = closest(name, {*writes, *happened.fields})
             hint = f"Is {close} meant?" if close else "It is null all the time."
             message = f"memory.{name} is read, and no memory ever had a field {name}."
-            made = (rule.memory for rule in checkup.rules if rule.memory is not None)
+            made = [rule.memory for rule in checkup.rules if rule.memory is not None]
             others = (writes[close].span,) if close in writes else tuple(made)
             yield Finding(
                 "memory never written", "warning", field.span, happened.first, message, hint, others
@@ -186,19 +183,19 @@ def _of_memory(
     for loss in happened.losses.values():
         if loss.field in reads:
             lost.setdefault(loss.field, []).append((loss.tick, loss.robot))
-    for name, each in lost.items():
-        tick, robot = min(each)
+    for name, losses in lost.items():
+        tick, robot = min(losses)
         tally = closer[robot, tick]
         rules = [checkup.rules[n] for n in tally.robots.get((robot, tick), ())]
         places = [rule.memory or rule.span for rule in rules]
-        span, *others = [*places, reads[name].span]
+        span, others = _split([*places, reads[name].span])
         message = f"{robot} forgot memory.{name} at tick {tick}: the new memory has no such field."
         hint = f"It is read in line {reads[name].span.line}; every memory has to have it."
-        yield Finding("memory lost", "warning", span, tick, message, hint, (*others,), robot)
+        yield Finding("memory lost", "warning", span, tick, message, hint, others, robot)
 
 
 def _of_texts(checkup: Checkup, happened: Happenings, level: Level) -> Iterator[Finding]:
-    names = {each.name for each in (*level.robots, *level.beacons)}
+    names = {robot.name for robot in level.robots} | {beacon.name for beacon in level.beacons}
     known = {*names, *_SEEN, *happened.texts}
     times = Counter(field.name for field in checkup.texts)
     for field in checkup.texts:

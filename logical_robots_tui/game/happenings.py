@@ -46,7 +46,7 @@ class Happenings:
         first: The first tick.
         last: The last one.
         won_at: The tick of victory, or None.
-        notices: By kind and robot the first tick of a notice, how many there were, and what it said.
+        notices: By kind and robot the first tick of a notice, how many, and what it said.
         fields: The fields that memories had, each with the first tick.
         texts: Texts that were in memories.
         losses: For each field and robot the first time that it was lost.

@@ -165,6 +165,7 @@ class Mind:
         rows: Sequence[SensorRow],
         memories: Memories,
         *,
+        viewers: Collection[str] | None = None,
         stop: threading.Event | None = None,
     ) -> Table:
         """What a question about the program gives at one moment.
@@ -173,6 +174,7 @@ class Mind:
             question: Compiled for the program of this mind.
             rows: As for `think`.
             memories: As for `think`.
+            viewers: Names of the robots in whose reasoning to ask, by default all.
             stop: Set it from another thread to give up.
 
         Raises:
@@ -185,6 +187,7 @@ class Mind:
             return self._collected(
                 (view, self._asking.plainly(question.sql, moment, view, within))
                 for view in moment.views
+                if viewers is None or any(name in viewers for name in view.viewers)
             )
         except FailureError as failure:
             raise QueryError(f"This failed: {failure}.") from None

@@ -140,7 +140,7 @@ def suggestions(mutant: Mutant, there: Difference) -> list[Suggestion]:
     """The nearest misses of all rules that `Robot` leans on, where a mutant first differs."""
     program = Program.compile(mutant.text)
     visibility = load_level(mutant.level).visibility
-    found = []
+    found: list[Suggestion] = []
     numbers: dict[str, int] = {}
     for rule in check_up(program).rules:
         number = numbers[rule.predicate] = numbers.get(rule.predicate, -1) + 1

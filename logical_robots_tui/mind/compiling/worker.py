@@ -129,7 +129,7 @@ def _read(lines: IO[str], requests: queue.Queue[str]) -> None:
 
 
 def _answer(request: dict[str, Any], report: Report | None = None) -> dict[str, object]:
-    """The answer to a request: a program, a question about one, a predicate or all of it taken apart."""
+    """The answer to a request: a program, a question about one, or what takes it apart."""
     text = request["text"]
     try:
         if "query" in request:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+from contextlib import suppress
 from typing import TYPE_CHECKING
 
 from logical_robots_tui.mind.compiling import complaints
@@ -21,8 +21,8 @@ from logical_robots_tui.mind.why.spans import span_of
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
 
-    from logical_robots_tui.mind.diagnosis.sites import Probe, Span
     from logical_robots_tui.mind.compiling.rules import Rule
+    from logical_robots_tui.mind.diagnosis.sites import Probe, Span
     from logical_robots_tui.mind.text import Prepared
 
 __all__ = ["check_up"]
@@ -53,55 +53,23 @@ def check_up(
     rules = [(name, rule) for name, mine in plain.items() for rule in mine]
     tracer = Tracer(text, source, plain, functions, [rule for _, rule in rules])
     needed = _reach(MAIN, own) | {MAIN}
-    made = {name: step for name, mine in own.items() if (step := _made(name, mine[0]))}
-    bases = {base for base, _ in made.values()}
-    fillings: dict[str, tuple[str, Mapping[str | int, Rule]]] = {}
     for name, rule in rules:
         if name in needed and name not in functions:
             tracer.rule(rule, tells_robot=name == MAIN)
-    for name, (base, given) in made.items():
-        if name not in needed:
-            continue
-        tracer.within = name
-        before = set(tracer.probes)
-        filled_in = frozenset(map(str, given))
-        for other in sorted({base, *_reach(base, own)}):
-            if other in plain and other not in functions and _reach(other, own) & filled_in:
-                for rule in plain[other]:
-                    tracer.rule(rule, tells_robot=False)
-        fillings |= {probe: (name, given) for probe in tracer.probes.keys() - before}
-    tracer.within = ""
+    fillings = _trace_what_is_made(tracer, own, plain, needed, functions)
+    asked = dict(list(tracer.probes.items())[:_MOST_PROBES])
+    names, makes = _filled_in(asked, fillings, own)
+    compiled = compiled_rules([*raw, *(rule for rule, _ in asked.values()), *makes], text, source)
     probes: list[Probe] = []
     statements: dict[str, str] = {}
-    asked = dict(list(tracer.probes.items())[:_MOST_PROBES])
-    names, makes = {}, []
-    for name, (rule, _) in asked.items():
-        names[name] = name
-        if name in fillings:
-            within, given = fillings[name]
-            reach = _reach_of(rule, own)
-            columns = {field: value for field, value in given.items() if str(field) in reach}
-            if columns:
-                names[name] = f"{name}_{within}"
-                makes.append(trees.make(names[name], name, columns))
-    compiled = compiled_rules([*raw, *(rule for rule, _ in asked.values()), *makes], text, source)
-    left_out = tracer.left_out + len(tracer.probes) - len(asked)
     for name, (_, probe) in asked.items():
-        try:
+        with suppress(*complaints.COMPLAINTS):
             sql = compiled.FormattedPredicateSql(names[name]).rstrip().removesuffix(";")
-        except complaints.COMPLAINTS:
-            left_out += 1
-            continue
-        if is_quick(sql, 0):
-            probes.append(replace(probe, name=name))
-            statements[name] = sql
-        else:
-            left_out += 1
-    tuned = {
-        name: each
-        for name, each in tune_all(statements).items()
-        if is_quick_tuned(each.sql, each.bounds)
-    }
+            if is_quick(sql, 0):
+                probes.append(probe)
+                statements[name] = sql
+    tuned = tune_all(statements)
+    quick = {name: each for name, each in tuned.items() if is_quick_tuned(each.sql, each.bounds)}
     writes, writes_all = written_fields(plain, functions, text, source)
     return Checkup(
         tuple(
@@ -110,13 +78,13 @@ def check_up(
         ),
         tuple(tracer.sites),
         tuple(probes),
-        Program(text, (), statements, tuned=tuned),
+        Program(text, (), statements, tuned=quick),
         tuple(tracer.reads.values()),
         tuple(writes),
         tracer.reads_all,
         writes_all,
         tuple(texts_of((rule for name, rule in rules if name in needed), text, source)),
-        left_out,
+        tracer.left_out + len(tracer.probes) - len(probes),
     )
 
 
@@ -153,6 +121,53 @@ def _is_constant(rules: list[Rule]) -> bool:
         and "body" not in rules[0]
         and value_of(rules[0]["head"]["record"]["field_value"][0]) is not None
     )
+
+
+def _trace_what_is_made(
+    tracer: Tracer,
+    own: Mapping[str, list[Rule]],
+    plain: Mapping[str, list[Rule]],
+    needed: set[str],
+    functions: frozenset[str],
+) -> dict[str, tuple[str, dict[str | int, Rule]]]:
+    """Trace the rules of predicates made with ``:=``, with what is filled in there.
+
+    Returns:
+        By name of a probe the predicate that it is about, and what is to be filled in.
+    """
+    fillings: dict[str, tuple[str, dict[str | int, Rule]]] = {}
+    made = {name: step for name, mine in own.items() if (step := _made(name, mine[0]))}
+    for name, (base, given) in made.items():
+        if name not in needed:
+            continue
+        tracer.within = name
+        before = set(tracer.probes)
+        changed = frozenset(map(str, given))
+        for other in sorted({base, *_reach(base, own)}):
+            if other in plain and other not in functions and _reach(other, own) & changed:
+                for rule in plain[other]:
+                    tracer.rule(rule, tells_robot=False)
+        fillings |= dict.fromkeys(tracer.probes.keys() - before, (name, given))
+    tracer.within = ""
+    return fillings
+
+
+def _filled_in(
+    asked: Mapping[str, tuple[Rule, Probe]],
+    fillings: Mapping[str, tuple[str, dict[str | int, Rule]]],
+    own: Mapping[str, list[Rule]],
+) -> tuple[dict[str, str], list[Rule]]:
+    """By name of a probe what to ask for it, and the rules that make that."""
+    names = {name: name for name in asked}
+    makes = []
+    for name, (rule, _) in asked.items():
+        within, given = fillings.get(name, ("", {}))
+        reach = _reach_of(rule, own)
+        columns = {field: value for field, value in given.items() if str(field) in reach}
+        if columns:
+            names[name] = f"{name}_{within}"
+            makes.append(trees.make(names[name], name, columns))
+    return names, makes
 
 
 def _made(name: str, rule: Rule) -> tuple[str, dict[str | int, Rule]] | None:

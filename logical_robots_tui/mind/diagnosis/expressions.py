@@ -111,7 +111,9 @@ def counted(
         differences: Numbers of which the least and the greatest are to be told.
         body: The body.
     """
-    found = trees.rule(name, dict(columns), body, name)
+    head: dict[str | int, Rule] = {}
+    head.update(columns)
+    found = trees.rule(name, head, body, name)
     fields = found["head"]["record"]["field_value"]
     for number, value in differences.items():
         fields.append(_collected(f"l{number}", "Min", filled(value, {})))
@@ -127,7 +129,8 @@ def _collected(column: str, operator: str, argument: Rule) -> Rule:
 
 
 def _call(name: str, *given: Rule, **named: Rule) -> Rule:
-    values: dict[int | str, Rule] = {**dict(enumerate(given)), **named}
+    values: dict[int | str, Rule] = dict(enumerate(given))
+    values.update(named)
     fields = [{"field": f, "value": {"expression": v}} for f, v in values.items()]
     return {"call": {"predicate_name": name, "record": {"field_value": fields}}}
 

@@ -14,6 +14,7 @@ FindingKind = Literal[
     "several rows",
     "no row",
     "bad engine",
+    "notice",
     "unknown text",
     "memory never written",
     "memory never read",

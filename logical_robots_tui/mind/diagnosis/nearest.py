@@ -20,7 +20,8 @@ if TYPE_CHECKING:
 
     from logical_robots_tui.mind.diagnosis.counting import Count
     from logical_robots_tui.mind.diagnosis.sites import Checkup, RuleSite, Site
-    from logical_robots_tui.mind.program import Program
+    from logical_robots_tui.mind.program import Program, Question
+    from logical_robots_tui.mind.table import Table
     from logical_robots_tui.values import SensorRow, Value
 
 __all__ = ["Suggestion", "nearest_misses"]
@@ -287,9 +288,7 @@ class _Nearest:
     def _asked(self, program: Program, query: str) -> Iterator[tuple[str, Value]]:
         try:
             question = program.question(query, stop=self._moment.stop)
-            table = self._mind.ask(
-                question, self._moment.rows, self._moment.memories, stop=self._moment.stop
-            )
+            table = self._answer(question)
         except (ProgramError, QueryError):
             return
         viewers = table.viewers or (self._moment.robot,) * len(table.rows)
@@ -300,6 +299,12 @@ class _Nearest:
                         yield from value.items()
                     else:
                         yield column, value
+
+    def _answer(self, question: Question) -> Table:
+        there = self._moment
+        return self._mind.ask(
+            question, there.rows, there.memories, viewers=(there.robot,), stop=there.stop
+        )
 
     # -- trying a change -----------------------------------------------------------------------
 
@@ -317,9 +322,7 @@ class _Nearest:
         program = replace(self._program, text=changed)
         try:
             question = program.question(f"{written};", stop=self._moment.stop)
-            table = self._mind.ask(
-                question, self._moment.rows, self._moment.memories, stop=self._moment.stop
-            )
+            table = self._answer(question)
         except (ProgramError, QueryError):
             return False
         viewers = table.viewers or (self._moment.robot,) * len(table.rows)

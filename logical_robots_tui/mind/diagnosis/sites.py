@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Literal
 
-from logical_robots_tui.mind.program import Program
+from logical_robots_tui.mind.program import Program  # noqa: TC001 - `record` reads the hint
 from logical_robots_tui.mind.why.probing import Span
 
 __all__ = ["TESTS", "Checkup", "Column", "Field", "Probe", "RuleSite", "Site", "Span"]
@@ -24,8 +24,8 @@ class Site:
         kind: ``part`` (of a body, that gives rows: a call, an element of a list, alternatives),
             ``condition`` (of a body), ``denial`` (of a body), ``branch`` (what stands behind
             ``if``), ``operand`` (of ``&&``, ``||`` or ``!``), ``text`` (given to a function that
-            compares it), ``leaf`` (a value that an ``if`` chooses, or a rule has) or ``value`` (what
-            may be null in one; true means that it is).
+            compares it), ``leaf`` (a value that an ``if`` chooses, or a rule has) or ``value``
+            (what may be null in one; true means that it is).
         span: Where it stands.
         rule: Number of the rule that it stands in.
         literal: The text that it compares with, or None if it is no equation with a text.
@@ -102,7 +102,8 @@ class Probe:
     """A query for the ways in which the beginning of a body holds, counted by truth values.
 
     Its columns are c0, c1 ... as far as they are there, and for the right sides of pairs dN; for
-    comparisons of numbers also lN and hN, the least and the greatest difference between the two sides; then ``n``, the number of ways.
+    comparisons of numbers also lN and hN, the least and the greatest difference between the two
+    sides; then ``n``, the number of ways.
 
     Attributes:
         name: Its name.

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
     from logical_robots_tui.mind.diagnosis.counting import Count, Tally
     from logical_robots_tui.mind.diagnosis.finding import Severity
-    from logical_robots_tui.mind.diagnosis.sites import Site, Span
+    from logical_robots_tui.mind.diagnosis.sites import Site
     from logical_robots_tui.values import Value
 
 __all__ = ["rule_findings", "shortened"]
@@ -162,7 +162,7 @@ class _Teller:
         reason = self._why_not(site, count)
         hint = "Look at what it compares."
         if is_null:
-            hint = "Something in it has no value: a field that is not there, or nothing to choose from."
+            hint = "Something in it has no value: no such field, or nothing to choose from."
         return self._finding(
             what, self._severity, site, count, reason[0].upper() + reason[1:], hint
         )
@@ -177,7 +177,8 @@ class _Teller:
             left, right = _listed(count.left), _listed(count.right)
             return f"{quoted} was never true{where}: {left} on the left, {right} on the right."
         if count.left:
-            return f"{quoted} was never true{where}: {shortened(site.other)} was {_listed(count.left)}."
+            other = shortened(site.other)
+            return f"{quoted} was never true{where}: {other} was {_listed(count.left)}."
         missed = _missed(site, count)
         return f"{quoted} was never true{where}{missed}."
 
