@@ -75,7 +75,7 @@ def _of_notices(happened: Happenings, closer: Mapping[tuple[str, int], Tally]) -
             hint = "No rule covers this case; each must fail somewhere."
             yield Finding("no row", "warning", span, tick, first, hint, others, robot)
         else:
-            hint = "`logical-robots run` tells of it, too."
+            hint = "Go to that tick and ask why."
             yield Finding("notice", "warning", None, tick, first, hint, (), robot)
 
 
