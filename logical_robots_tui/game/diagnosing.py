@@ -182,9 +182,12 @@ class _Diagnosing:
 
 def _to_explain(happened: Happenings) -> list[tuple[str, list[int]]]:
     """Robots, and the ticks in which what they do is to be looked at closely."""
-    wanted = {(robot, tick): [tick] for (_, robot), (tick, _, _) in happened.notices.items()}
-    for loss in happened.losses.values():
-        wanted.setdefault((loss.robot, loss.tick), [loss.tick])
+    wanted: dict[tuple[str, int], list[int]] = {}
+    for kind in {kind for kind, _ in happened.notices}:
+        tick, robot = happened.first_notice(kind)
+        wanted[robot, tick] = [tick]
+    for loss in happened.first_losses():
+        wanted[loss.robot, loss.tick] = [loss.tick]
     for stretch in happened.stretches:
         length = stretch.period or stretch.last - stretch.first
         last = min(stretch.last, stretch.first + max(length, _SAMPLES))

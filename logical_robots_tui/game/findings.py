@@ -56,13 +56,10 @@ def findings_of(
 
 
 def _of_notices(happened: Happenings, closer: Mapping[tuple[str, int], Tally]) -> Iterator[Finding]:
-    by_kind: dict[str, list[tuple[int, str, int, str]]] = {}
-    for (kind, robot), (tick, count, message) in happened.notices.items():
-        by_kind.setdefault(kind, []).append((tick, robot, count, message))
-    for named, each in by_kind.items():
-        tick, robot, _, message = min(each)
-        tally = closer[robot, tick]
-        often = sum(count for _, _, count, _ in each)
+    for named in dict.fromkeys(kind for kind, _ in happened.notices):
+        tick, robot = happened.first_notice(named)
+        tally, message = closer[robot, tick], happened.notices[named, robot][2]
+        often = sum(each[1] for (kind, _), each in happened.notices.items() if kind == named)
         first = f"{message} First at tick {tick}, in all {often} times."
         if named == "several rows":
             yield _of_several(tally, robot, tick, first)
@@ -179,12 +176,10 @@ def _of_memory(
             hint = f"{close} is read; is that meant?" if close else "It could be left out."
             message = f"The field {name} of memory is written and never read."
             yield Finding("memory never read", "note", field.span, happened.first, message, hint)
-    lost: dict[str, list[tuple[int, str]]] = {}
-    for loss in happened.losses.values():
-        if loss.field in reads:
-            lost.setdefault(loss.field, []).append((loss.tick, loss.robot))
-    for name, losses in lost.items():
-        tick, robot = min(losses)
+    for loss in happened.first_losses():
+        name, tick, robot = loss.field, loss.tick, loss.robot
+        if name not in reads:
+            continue
         tally = closer[robot, tick]
         rules = [checkup.rules[n] for n in tally.robots.get((robot, tick), ())]
         places = [rule.memory or rule.span for rule in rules]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+from collections import Counter
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
@@ -21,6 +22,7 @@ __all__ = ["Happenings", "Loss", "happenings"]
 
 _AT_ONCE = 200  # ticks, before others get their turn
 _MOST_TEXTS = 10_000
+_MOST_STRETCHES = 4  # of each kind: in a crowd many robots do the same
 
 
 @dataclass(frozen=True, slots=True)
@@ -62,6 +64,17 @@ class Happenings:
     losses: dict[tuple[str, str], Loss] = field(default_factory=dict)
     stretches: list[Stretch] = field(default_factory=list)
 
+    def first_notice(self, kind: NoticeKind) -> tuple[int, str]:
+        """Tick and robot of the first notice of a kind."""
+        return min((each[0], robot) for (of, robot), each in self.notices.items() if of == kind)
+
+    def first_losses(self) -> list[Loss]:
+        """For each field that was lost the first time."""
+        first: dict[str, Loss] = {}
+        for loss in sorted(self.losses.values(), key=lambda each: (each.tick, each.robot)):
+            first.setdefault(loss.field, loss)
+        return list(first.values())
+
 
 async def happenings(history: History, first: int, last: int) -> Happenings:
     """Go through the ticks of a history.
@@ -92,10 +105,13 @@ async def happenings(history: History, first: int, last: int) -> Happenings:
         if not tick % _AT_ONCE:
             await asyncio.sleep(0)
     visitors = {area.name: area.visitors for area in history.around(last)[1].after.areas}
+    kinds: Counter[str] = Counter()
     for name, path in paths.items():
         is_home = name in visitors.get(at_home.get(name, ""), ())
-        if len(path) == last - first + 1 and not is_home:
-            found.stretches += stretches(path, first)
+        for stretch in stretches(path, first) if len(path) > last - first and not is_home else ():
+            kinds[stretch.kind] += 1
+            if kinds[stretch.kind] <= _MOST_STRETCHES:
+                found.stretches.append(stretch)
     return found
 
 

@@ -155,7 +155,7 @@ async def test_who_stands_still_goes_round_or_pushes_against_a_wall_is_told_of(
 ) -> None:
     for left, right, kind, words in (
         (0, 0, "still", "Ada stood still from tick 1 to 300"),
-        (0.5, 0, "circle", "Ada goes round in a circle of"),
+        (1, -1, "circle", "Ada goes round in a circle of"),
         (1, 1, "blocked", "Ada was blocked from tick"),
     ):
         text = (
