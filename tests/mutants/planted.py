@@ -152,6 +152,7 @@ def suggestions(mutant: Mutant, there: Difference) -> list[Suggestion]:
                 there.robot,
                 there.rows,
                 there.memories,
-                visible=(visibility.memory, visibility.sensor),
+                memory=visibility.memory,
+                sensor=visibility.sensor,
             )
     return found

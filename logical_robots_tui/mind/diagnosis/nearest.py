@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import re
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Literal
 
 from logical_robots_tui.mind.close import closest, distance
 from logical_robots_tui.mind.compilation import check_up
@@ -59,7 +59,8 @@ def nearest_misses(
     memories: Mapping[str, Value],
     *,
     given: Mapping[str, Value] | None = None,
-    visible: tuple[str, str] = ("own", "own"),
+    memory: Literal["own", "seen", "all"] = "own",
+    sensor: Literal["own", "all"] = "own",
     stop: threading.Event | None = None,
 ) -> tuple[Suggestion, ...]:
     """The changes of one place each that would have given a rule a row, the smallest first. Blocks.
@@ -72,20 +73,20 @@ def nearest_misses(
         rows: The sensors of the moment, as `Mind.think` takes them.
         memories: The memories of the moment.
         given: Values of columns that a row is to have, as `Mind.why` takes them.
-        visible: Whose memories and whose sensors a robot sees, as `Mind` takes them.
+        memory: Whose memories a robot sees, as `Mind` takes it.
+        sensor: Whose sensors it sees, as `Mind` takes it.
         stop: Set it from another thread to give up.
 
     Returns:
-        None if the rule gave a row, or if no one change is enough.
+        () if the rule gave a row, or if no one change is enough.
 
     Raises:
         QueryError: The program is too entangled.
         Stopped: `stop` was set.
     """
     checkup = check_up(program, stop=stop)
-    memory, sensor = visible
     moment = _Moment(robot, rows, memories, stop)
-    mind = Mind(checkup.program, memory=memory, sensor=sensor)  # type: ignore[arg-type] # checked there
+    mind = Mind(checkup.program, memory=memory, sensor=sensor)
     try:
         tally = Tally(checkup)
         names = {probe.name: at for at, probe in enumerate(checkup.probes)}

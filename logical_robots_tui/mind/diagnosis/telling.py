@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
 
     from logical_robots_tui.mind.diagnosis.counting import Count, Tally
-    from logical_robots_tui.mind.diagnosis.finding import Severity
+    from logical_robots_tui.mind.diagnosis.finding import FindingKind, Severity
     from logical_robots_tui.mind.diagnosis.sites import Site
     from logical_robots_tui.values import Value
 
@@ -158,7 +158,7 @@ class _Teller:
             return None  # told of where it is denied
         self._said.add(number)
         is_null = site.kind in TESTS and count.false is None
-        what = "always null" if is_null else "never true"
+        what: FindingKind = "always null" if is_null else "never true"
         reason = self._why_not(site, count)
         hint = "Look at what it compares."
         if is_null:
@@ -183,10 +183,16 @@ class _Teller:
         return f"{quoted} was never true{where}{missed}."
 
     def _finding(
-        self, kind: str, severity: Severity, site: Site, count: Count, message: str, hint: str
+        self,
+        kind: FindingKind,
+        severity: Severity,
+        site: Site,
+        count: Count,
+        message: str,
+        hint: str,
     ) -> Finding:
         tick = count.reached if count.reached is not None else self._tally.ticks[0]
-        return Finding(kind, severity, site.span, tick, message, hint, site.places)  # type: ignore[arg-type]
+        return Finding(kind, severity, site.span, tick, message, hint, site.places)
 
 
 def _quoted(site: Site) -> str:

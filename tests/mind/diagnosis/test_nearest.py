@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import pytest
 
@@ -10,8 +11,11 @@ from logical_robots_tui.mind import Mind, Program
 from logical_robots_tui.mind.diagnosis.nearest import MOST, Suggestion, nearest_misses
 from tests.mind.rows import row
 
+if TYPE_CHECKING:
+    from logical_robots_tui.values import Value
+
 ROWS = [row("Ada", sees={0: (50, "beacon", "Green"), 1: (36, "wall", "wall")}), row("Bo")]
-MEMORIES = {"Ada": {"place": 3, "flag": True, "phase": "out"}, "Bo": {"place": 4}}
+MEMORIES: dict[str, Value] = {"Ada": {"place": 3, "flag": True, "phase": "out"}, "Bo": {"place": 4}}
 
 ROBOT = """
 Robot(robot_name:, desire: {left_engine: 0, right_engine: 0}, memory: "") :-

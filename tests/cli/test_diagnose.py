@@ -1,0 +1,66 @@
+"""``logical-robots diagnose``: what stands out in a run, for people and for scripts."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import pytest
+
+from tests.cli.running import in_terminal
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from tests.cli.running import Command
+
+BROKEN = """\
+Near(robot_name:) :- Sensor(robot_name:, sensor:), sensor.forward_distance < 0;
+Robot(robot_name:, desire: {left_engine: 0.5, right_engine: 0.5}, memory: "") :-
+  Sensor(robot_name:), ~Near(robot_name:);
+"""
+
+
+@pytest.fixture
+def broken(tmp_path: Path) -> Path:
+    path = tmp_path / "broken.l"
+    path.write_text(BROKEN)
+    return path
+
+
+def test_findings_are_told_with_line_tick_and_what_to_look_at(
+    command: Command, level: Path, broken: Path
+) -> None:
+    told = command("diagnose", level, broken, "--ticks", 5)
+    assert told.status == 1
+    data = told.data
+    assert (data["first"], data["last"], data["won_at"]) == (1, 5, None)
+    finding = data["findings"][0]
+    assert (finding["severity"], finding["kind"], finding["line"]) == ("warning", "no rows", 1)
+    assert finding["tick"] == 1
+    assert "The rule of Near in line 1 never gave a row" in finding["message"]
+    assert finding["hint"]
+
+
+def test_where_nothing_stands_out_it_says_so(command: Command, level: Path, ahead: Path) -> None:
+    told = command("diagnose", level, ahead)
+    assert told.status == 0
+    assert told.data["won_at"]
+    assert told.data["findings"] == []
+    with in_terminal("diagnose", level, ahead) as terminal:
+        assert terminal.finish() == 0
+        assert "Nothing stands out." in terminal.text
+
+
+def test_in_a_terminal_it_is_told_in_lines(level: Path, broken: Path) -> None:
+    with in_terminal("diagnose", level, broken, "--ticks", "5") as terminal:
+        assert terminal.finish() == 1
+        shown = terminal.text
+    assert "Ticks 1 to 5, not won." in shown
+    assert "warning, line 1, tick 1: The rule of Near" in shown
+
+
+def test_a_robot_that_wins_has_only_notes(command: Command, level: Path, broken: Path) -> None:
+    told = command("diagnose", level, broken)
+    assert told.status == 0
+    assert told.data["won_at"]
+    assert {finding["severity"] for finding in told.data["findings"]} == {"note"}
