@@ -30,7 +30,7 @@ class Site:
         rule: Number of the rule that it stands in.
         literal: The text that it compares with, or None if it is no equation with a text.
         other: What is compared with that text or, with a number, by ``<`` and the like; or "".
-        operator: The comparison, or "".
+        operator: The comparison, ``&&``, ``||`` or "".
         predicate: What a call calls, or "".
         within: The predicate made with ``:=`` in whose rules it is watched, or "".
         places: Where the values in it come from, the nearest places first.

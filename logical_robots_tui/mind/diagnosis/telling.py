@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
     from logical_robots_tui.mind.diagnosis.counting import Count, Tally
     from logical_robots_tui.mind.diagnosis.finding import FindingKind, Severity
-    from logical_robots_tui.mind.diagnosis.sites import Site
+    from logical_robots_tui.mind.diagnosis.sites import Site, Span
     from logical_robots_tui.values import Value
 
 __all__ = ["rule_findings", "shortened"]
@@ -157,6 +157,8 @@ class _Teller:
         if site.kind == "part" and site.stands == "denied":
             return None  # told of where it is denied
         self._said.add(number)
+        if self._is_explained(site):
+            return None
         is_null = site.kind in TESTS and count.false is None
         what: FindingKind = "always null" if is_null else "never true"
         reason = self._why_not(site, count)
@@ -165,6 +167,22 @@ class _Teller:
             hint = "Something in it has no value: no such field, or nothing to choose from."
         return self._finding(
             what, self._severity, site, count, reason[0].upper() + reason[1:], hint
+        )
+
+    def _is_explained(self, whole: Site) -> bool:
+        """Whether one of the operands of ``&&`` was never true, so that the whole never was."""
+        if whole.operator != "&&":
+            return False
+        inner = [
+            (site.span, count)
+            for site, count in zip(self._checkup.sites, self._tally.sites, strict=True)
+            if site.kind == "operand" and site.within == whole.within
+            if _holds_in(whole.span, site.span) and count.reached is not None
+        ]
+        return any(
+            count.true is None
+            and not any(_holds_in(around, span) and c.true is not None for around, c in inner)
+            for span, count in inner
         )
 
     def _why_not(self, site: Site, count: Count) -> str:
@@ -193,6 +211,15 @@ class _Teller:
     ) -> Finding:
         tick = count.reached if count.reached is not None else self._tally.ticks[0]
         return Finding(kind, severity, site.span, tick, message, hint, site.places)
+
+
+def _holds_in(whole: Span, part: Span) -> bool:
+    """Whether a place is a part of another one, and not all of it."""
+    return (
+        whole.start <= part.start
+        and part.stop <= whole.stop
+        and (whole.start, whole.stop) != (part.start, part.stop)
+    )
 
 
 def _quoted(site: Site) -> str:

@@ -107,13 +107,13 @@ class ValueTracing(Watching):
         asked: list[Rule] = [filled(condition, at.given)]
         how, literal, other, lacks = "truth", None, "", None
         if found is not None:
-            operator, *both = found
+            sign, *both = found
             asked_sides = [filled(side, at.given) for side in both]
             texts = [text_of(side) for side in asked_sides]
             other = self._span(both[0]).text
-            if operator in ORDERING:
+            if sign in ORDERING:
                 lacks = difference(*asked_sides)
-            elif operator == "==" and texts.count(None) == 1:
+            elif sign == "==" and texts.count(None) == 1:
                 place = 0 if texts[0] is not None else 1
                 how, literal, asked = "text", texts[place], [asked_sides[1 - place]]
                 other = self._span(both[1 - place]).text
@@ -121,11 +121,11 @@ class ValueTracing(Watching):
                     given = self._site("text", asked_sides[place], at, literal=literal, other=other)
                     self._add(at, given, asked, "text")
                     how, literal, asked = "truth", None, [filled(condition, at.given)]
-            elif operator == "==" and kind == "condition":
+            elif sign == "==" and kind == "condition":
                 how, asked = "pair", asked_sides
-        site = self._site(
-            kind, condition, at, literal=literal, other=other, operator=found[0] if found else ""
-        )
+        operator = found[0] if found else name if name in JUNCTIONS else ""
+        told = {"literal": literal, "other": other, "operator": operator}
+        site = self._site(kind, condition, at, **told)
         column = self._add(at, site, asked, how, filled(condition, at.given))
         if column < 0:
             return column
