@@ -250,7 +250,7 @@ def _moved(stretch: Stretch, span: Span | None) -> str:
     how = {
         "blocked": f"was blocked {ticks}",
         "still": f"stood still {ticks}",
-        "unfinished": f"is not where it should be, and drove on {ticks}",
+        "unfinished": f"was still on its way {ticks}",
         "circle": f"goes round in a circle of {stretch.period} ticks {ticks}",
     }[stretch.kind]
     doing = f", mostly with `{shortened(span.text)}`" if span is not None else ""

@@ -61,7 +61,9 @@ class ValueTracing(Watching):
         name = str(call.get("predicate_name", ""))
         if is_leaf and "literal" not in tree:
             self._nulls(tree, at)
-            self._add(at, self._site("leaf", tree, at), (), "always")
+            # What a predicate with rows gives is watched in its own rules.
+            told = {"places": ()} if name in self._own and name not in self._functions else {}
+            self._add(at, self._site("leaf", tree, at, **told), (), "always")
         if name in CONDITIONS:
             self._truth(tree, at, "operand")
         elif call:
