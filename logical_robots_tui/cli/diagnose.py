@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import json
+import shutil
 import sys
 import textwrap
 from typing import TYPE_CHECKING, Any
@@ -32,7 +33,7 @@ __all__ = ["declare"]
 
 NOTHING, FOUND = 0, 1
 DEFAULT_TICKS = 3000
-WIDEST = 96
+NARROWEST, WIDEST = 40, 96  # columns
 
 EPILOG = """\
 examples:
@@ -104,12 +105,13 @@ def _be_silent(_done: int, _all: int) -> None:
 def _lines(found: Diagnosis) -> Iterator[str]:
     from logical_robots_tui.game.diagnosing import extent
 
-    yield extent(found)
+    wide = max(NARROWEST, min(WIDEST, shutil.get_terminal_size((WIDEST, 0)).columns))
+    yield from textwrap.wrap(extent(found), wide)
     for each in found.findings:
         line = f"line {each.span.line}" if each.span is not None else "the run"
         head = f"{each.severity}, {line}, tick {each.tick}: "
         said = harmless(f"{each.message} {each.hint}")
-        yield from ("", *textwrap.wrap(f"{head}{said}", WIDEST, subsequent_indent="  "))
+        yield from ("", *textwrap.wrap(f"{head}{said}", wide, subsequent_indent="  "))
         if each.others:
             lines = ", ".join(dict.fromkeys(str(span.line) for span in each.others))
             yield f"  See also line{'s' if ',' in lines else ''} {lines}."

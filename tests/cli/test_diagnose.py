@@ -6,7 +6,9 @@ from typing import TYPE_CHECKING
 
 import pytest
 
+from logical_robots_tui.game import load_program
 from tests.cli.running import in_terminal
+from tests.installed import CHECKOUT
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -57,6 +59,22 @@ def test_in_a_terminal_it_is_told_in_lines(level: Path, broken: Path) -> None:
         shown = terminal.text
     assert "Ticks 1 to 5, not won." in shown
     assert "warning, line 1, tick 1: The rule of Near" in shown
+
+
+def test_the_page_shows_what_the_command_says(tmp_path: Path) -> None:
+    page = (CHECKOUT / "docs" / "diagnose.md").read_text()
+    example = page.split("```")[3].strip("\n")
+    assert example.startswith("Ticks 1 to")
+    program = tmp_path / "harbor.l"
+    lines = load_program("lighthouse").text.split("\n")
+    assert '"Harbour"' in lines[18]
+    lines[18] = lines[18].replace('"Harbour"', '"Harbor"')
+    program.write_text("\n".join(lines))
+    with in_terminal("diagnose", "05-lighthouse", program) as terminal:
+        assert terminal.finish() == 1
+        told = [line.rstrip() for line in terminal.text.splitlines()]
+    for line in example.splitlines():
+        assert line in told
 
 
 def test_a_robot_that_wins_has_only_notes(command: Command, level: Path, broken: Path) -> None:

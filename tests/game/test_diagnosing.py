@@ -38,6 +38,10 @@ def told(found: Diagnosis) -> Iterator[tuple[str, int | None]]:
         yield each.kind, each.span.line if each.span else None
 
 
+def the_kinds(found: Diagnosis) -> list[str]:
+    return [kind for kind, _ in told(found)]
+
+
 def the(found: Diagnosis, kind: str) -> Finding:
     return next(each for each in found.findings if each.kind == kind)
 
@@ -78,6 +82,12 @@ MISTAKES = {
         '  far = Sees(sensor.radar, "wal");',
         ("never true", 5),
         'ray.object was never "wal"',
+    ),
+    "a name that nothing has": (
+        f'Robot(robot_name:, {ENGINES}, memory: "") :- Sensor(robot_name:),\n'
+        '  robot_name != "Adda";',
+        ("unknown text", 2),
+        'Nothing in this level is called "Adda".',
     ),
     "a field that is never written": (
         f"Robot(robot_name:, {ENGINES}, memory: {{count: 1 + n}}) :-\n"
@@ -136,6 +146,13 @@ async def test_a_mistake_is_told_with_its_line(
     assert place in list(told(found))
     words = " ".join(each.message for each in found.findings)
     assert said.removeprefix("by ") in words
+
+
+async def test_a_text_that_is_no_name_is_no_mistake(tmp_path: Path) -> None:
+    text = PLAIN.replace(
+        '""', '(if StartsWith(robot_name, "A") then robot_name ++ "!" else "nobody")'
+    )
+    assert the_kinds(await diagnosed(tmp_path, text)) == []
 
 
 async def test_what_happens_in_one_tick_of_many_is_not_said_never_to_happen(tmp_path: Path) -> None:

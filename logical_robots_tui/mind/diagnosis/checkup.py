@@ -83,7 +83,7 @@ def check_up(
         tuple(writes),
         tracer.reads_all,
         writes_all,
-        tuple(texts_of((rule for name, rule in rules if name in needed), text, source)),
+        tuple(texts_of((rule for name, rule in rules if name in needed), own, text, source)),
         tracer.left_out + len(tracer.probes) - len(probes),
     )
 

@@ -1,17 +1,19 @@
-"""Which fields of memory a program writes. In the compile process."""
+"""Which fields of memory a program writes, and which texts it compares. In the compile process."""
 
 from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
 from logical_robots_tui.mind.compiling.robot_rule import MAIN
-from logical_robots_tui.mind.compiling.rules import VALUE, nodes, value_of
+from logical_robots_tui.mind.compiling.rules import COMPARISONS, VALUE, nodes, value_of
+from logical_robots_tui.mind.diagnosis.expressions import operands, text_of
 from logical_robots_tui.mind.diagnosis.sites import Field
+from logical_robots_tui.mind.program import INPUTS
 from logical_robots_tui.mind.why.scopes import flat
 from logical_robots_tui.mind.why.spans import span_of
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator, Mapping
+    from collections.abc import Container, Iterable, Iterator, Mapping
 
     from logical_robots_tui.mind.compiling.rules import Rule
     from logical_robots_tui.mind.text import Prepared
@@ -69,15 +71,41 @@ def written_fields(
     return list(found.values()), is_open
 
 
-def texts_of(rules: Iterable[Rule], text: str, source: Prepared) -> Iterator[Field]:
-    """The texts in some rules, but those that only become a memory or a part of one."""
+def texts_of(
+    rules: Iterable[Rule], own: Container[str], text: str, source: Prepared
+) -> Iterator[Field]:
+    """The texts in some rules that are compared with something, or given to a predicate.
+
+    Args:
+        rules: The rules.
+        own: Names of the program's own predicates.
+        text: The program.
+        source: The same, prepared.
+    """
     for rule in rules:
-        fields = rule["head"]["record"]["field_value"]
-        kept = [fv for fv in fields if fv["field"] != "memory"]
-        for node in nodes([kept, rule.get("body", {})]):
-            found = node.get("literal", {}).get("the_string")
-            if found is not None and (name := str(found["the_string"])):
-                yield Field(name, span_of(node, text, source))
+        for node in nodes(rule):
+            for value in _meant_for_something(node, own, is_fact="body" not in rule):
+                name = text_of(value)
+                if name:
+                    yield Field(name, span_of(value, text, source))
+
+
+def _meant_for_something(node: Rule, own: Container[str], *, is_fact: bool) -> Iterator[Rule]:
+    """The values in a node that are to be equal to something else, or a fact."""
+    for key in ("call", "predicate"):
+        call = node.get(key)
+        if isinstance(call, dict) and "record" in call:
+            name = str(call["predicate_name"])
+            if name in COMPARISONS or name in own or name in INPUTS:
+                yield from operands(call)
+    if "unification" in node:
+        yield from node["unification"].values()
+    if "inclusion" in node:
+        yield from (
+            node["inclusion"]["list"].get("literal", {}).get("the_list", {}).get("element", ())
+        )
+    if is_fact and "head" in node:
+        yield from operands(node["head"])
 
 
 def _bound(value: Rule, rule: Rule) -> Rule | None:

@@ -104,8 +104,10 @@ class Tracer(ValueTracing):
         if name == "Memory":
             for fv in call["record"]["field_value"]:
                 variable = (value_of(fv) or {}).get("variable", {})
-                if fv["field"] in ("memory", 1) and variable:
+                if fv["field"] in ("memory", 1, "*") and variable:
                     self._memories.add(self._called(str(variable["var_name"]), at))
+                elif fv["field"] in ("memory", 1, "*"):
+                    self.reads_all = True
         return replace(self._next(at, site, filled(part, at.given)), known=known)
 
     def _in_part(self, part: Rule, at: At) -> None:
