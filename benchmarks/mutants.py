@@ -1,23 +1,22 @@
-"""Print which mutants the diagnosis finds: ``python -m benchmarks.mutants [NUMBER ...]``."""
+"""Print which planted bugs the diagnosis finds: ``python -m benchmarks.mutants [NUMBER ...]``.
+
+The table stands in ``docs/diagnose.md``.
+"""
 
 from __future__ import annotations
 
 import sys
-from typing import TYPE_CHECKING
 
 from tests.mutants.planted import (
     FIRST,
+    HEAD,
     MUTANTS,
+    Mutant,
     diagnosis_of,
     first_difference,
-    rank,
     suggestions,
+    verdict,
 )
-
-if TYPE_CHECKING:
-    from logical_robots_tui.game.diagnosing import Diagnosis
-
-HEAD = "    kind               program               line  differs  findings  named by   nearest"
 
 
 def main() -> None:
@@ -26,35 +25,23 @@ def main() -> None:
     by_diagnosis = by_either = 0
     print(HEAD)
     for number in wanted:
-        mutant = MUTANTS[number - 1]
-        there = first_difference(mutant)
-        found = diagnosis_of(mutant.level, mutant.text, mutant.ticks)
-        place = rank(found.findings, mutant.line)
-        nearest = suggestions(mutant, there) if there is not None else []
-        named = [each for each in nearest if each.span.line == mutant.line]
-        is_named = place is not None and place[0] <= FIRST
-        by_diagnosis += is_named
-        by_either += is_named or bool(named)
-        how = f"{place[0]} {'itself' if place[1] else 'places'}" if place else "-"
-        print(
-            f"{number:2}  {mutant.kind:17}  {mutant.program:20}  {mutant.line:4}  "
-            f"{there.tick if there else '-':>7}  {len(found.findings):8}  {how:9}  "
-            f"{len(named)} of {len(nearest)}",
-            flush=True,
-        )
+        found = verdict(number)
+        print(found.line, flush=True)
+        by_diagnosis += found.by_diagnosis
+        by_either += found.by_either
         if sys.argv[1:]:
-            _tell(found)
-            for each in nearest:
-                print(f"     nearest line {each.span.line}: {each.text} -> {each.change}")
+            _tell(MUTANTS[number - 1])
     print(f"{by_diagnosis} of {len(wanted)} are named within the first {FIRST} findings,")
     print(f"{by_either} by these or by a nearest miss.")
 
 
-def _tell(found: Diagnosis) -> None:
-    for each in found.findings:
-        line = each.span.line if each.span else None
-        others = [span.line for span in each.others]
-        print(f"     {each.severity} line {line} tick {each.tick}: {each.message} {others}")
+def _tell(mutant: Mutant) -> None:
+    for each in diagnosis_of(mutant.level, mutant.text, mutant.ticks).findings:
+        lines = [span.line for span in (each.span, *each.others) if span is not None]
+        print(f"     {each.severity} lines {lines} tick {each.tick}: {each.message}")
+    there = first_difference(mutant)
+    for nearest in suggestions(mutant, there) if there is not None else ():
+        print(f"     nearest line {nearest.span.line}: {nearest.text} -> {nearest.change}")
 
 
 if __name__ == "__main__":

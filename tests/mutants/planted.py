@@ -22,7 +22,21 @@ if TYPE_CHECKING:
     from logical_robots_tui.mind.diagnosis.nearest import Suggestion
     from logical_robots_tui.values import SensorRow, Value
 
-__all__ = ["FIRST", "MUTANTS", "Mutant", "diagnosis_of", "first_difference", "rank", "suggestions"]
+__all__ = [
+    "FIRST",
+    "HEAD",
+    "MUTANTS",
+    "Mutant",
+    "diagnosis_of",
+    "first_difference",
+    "rank",
+    "suggestions",
+    "verdict",
+]
+
+HEAD = "    kind               program               line  differs  findings  named by   nearest"
+"""The head of the table of verdicts."""
+
 
 FIRST = 5
 """So many findings are read before one gives up."""
@@ -134,6 +148,39 @@ def first_difference(mutant: Mutant) -> Difference | None:
         reference.close()
         other.close()
     return None
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """What was found of a mutant.
+
+    Attributes:
+        line: It in one line, as the table has it.
+        by_diagnosis: Whether one of the first findings names the line of the bug.
+        by_either: Whether that or a nearest miss does.
+    """
+
+    line: str
+    by_diagnosis: bool
+    by_either: bool
+
+
+def verdict(number: int) -> Verdict:
+    """What is found of a mutant, by its number from 1."""
+    mutant = MUTANTS[number - 1]
+    there = first_difference(mutant)
+    found = diagnosis_of(mutant.level, mutant.text, mutant.ticks)
+    place = rank(found.findings, mutant.line)
+    nearest = suggestions(mutant, there) if there is not None else []
+    named = [each for each in nearest if each.span.line == mutant.line]
+    by_diagnosis = place is not None and place[0] <= FIRST
+    how = f"{place[0]} {'itself' if place[1] else 'places'}" if place else "-"
+    line = (
+        f"{number:2}  {mutant.kind:17}  {mutant.program:20}  {mutant.line:4}  "
+        f"{there.tick if there else '-':>7}  {len(found.findings):8}  {how:9}  "
+        f"{len(named)} of {len(nearest)}"
+    )
+    return Verdict(line, by_diagnosis, by_diagnosis or bool(named))
 
 
 def suggestions(mutant: Mutant, there: Difference) -> list[Suggestion]:
