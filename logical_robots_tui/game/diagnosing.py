@@ -7,6 +7,7 @@ from functools import partial
 from typing import TYPE_CHECKING
 
 from logical_robots_tui.game.findings import findings_of
+from logical_robots_tui.game.game import Superseded
 from logical_robots_tui.game.happenings import happenings
 from logical_robots_tui.game.thinker import Thinker
 from logical_robots_tui.mind import Limits
@@ -44,7 +45,7 @@ class Diagnosis:
         won_at: The tick of victory, or None.
         step: Every how many ticks all was looked at.
         second_step: Every how many ticks was looked for what seemed never to happen.
-        left_out: How many questions could not be asked.
+        left_out: How many places could not be watched.
     """
 
     findings: tuple[Finding, ...]
@@ -71,6 +72,7 @@ async def diagnose(
 
     Raises:
         QueryError: The program is too entangled.
+        Superseded: Another future began meanwhile.
     """
     return await _Diagnosing(game, report, limits or Limits()).diagnose()
 
@@ -84,7 +86,7 @@ def extent(found: Diagnosis) -> str:
     if found.second_step > 1:
         said += f" Looked at every {found.second_step}. tick: what is rarer may be missed."
     if found.left_out:
-        said += f" {found.left_out} conditions could not be watched."
+        said += f" Of {found.left_out} places too much was to be asked: nothing is said of them."
     return said
 
 
@@ -95,6 +97,7 @@ class _Diagnosing:
         self._game, self._report, self._limits = game, report, limits
         self._program = game.program
         self._thinker = Thinker("diagnose")
+        self._turns = game.history.turns
         self._done = self._all = 0
 
     async def diagnose(self) -> Diagnosis:
@@ -145,7 +148,7 @@ class _Diagnosing:
             happened.won_at,
             step,
             second,
-            checkup.left_out,
+            checkup.left_out + len(tally.given_up),
         )
 
     async def _watch(
@@ -158,6 +161,10 @@ class _Diagnosing:
         """Ask probes at some ticks."""
         names = {tally.checkup.probes[number].name: number for number in probes}
         for tick in ticks if names else ():
+            if self._game.history.turns != self._turns:
+                raise Superseded
+            if tick < self._game.history.first:
+                continue  # it was forgotten meanwhile
             frame = self._game.frame_at(tick)
             level = self._game.history.level_at(tick)
             await self._thinker.do(partial(self._ask, tally, names, frame, level, viewers))
@@ -177,7 +184,10 @@ class _Diagnosing:
         mind = self._thinker.mind(tally.checkup.program, level, self._limits)
         sensors, memories = frame.sensors, frame.memories_before
         for name, rows in mind.each([*names], sensors, memories, viewers=viewers, stop=stop):
-            tally.add(frame.tick, names[name], rows)
+            if rows is None:
+                tally.give_up(names[name])
+            else:
+                tally.add(frame.tick, names[name], rows)
 
 
 def _to_explain(happened: Happenings) -> list[tuple[str, list[int]]]:

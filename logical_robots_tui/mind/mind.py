@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
-from contextlib import suppress
 from time import perf_counter
 from typing import TYPE_CHECKING, Literal
 
@@ -200,8 +199,8 @@ class Mind:
         *,
         viewers: Collection[str] | None = None,
         stop: threading.Event | None = None,
-    ) -> Iterator[tuple[str, list[dict[str, Value]]]]:
-        """Rows of several predicates in each robot's reasoning at a moment, but of those that fail.
+    ) -> Iterator[tuple[str, list[dict[str, Value]] | None]]:
+        """Rows of several predicates in each robot's reasoning at a moment.
 
         Args:
             predicates: Their names.
@@ -211,7 +210,8 @@ class Mind:
             stop: Set it from another thread to give up.
 
         Yields:
-            Names of predicates with their rows, once for each view.
+            Names of predicates with their rows, once for each view; None if it fails, or has more
+            rows than the limits allow.
 
         Raises:
             Stopped: `stop` was set meanwhile.
@@ -221,9 +221,12 @@ class Mind:
             if viewers is not None and not any(name in viewers for name in view.viewers):
                 continue
             for name in predicates:
-                within = Within(self.limits.query_seconds, self.limits.rows, stop, cut=True)
-                with suppress(FailureError):
+                within = Within(self.limits.query_seconds, self.limits.rows, stop)
+                try:
                     columns, found = self._asking.rows(name, moment, view, within)
+                except FailureError:
+                    yield name, None
+                else:
                     yield name, [dict(zip(columns, row, strict=True)) for row in found]
 
     def why(

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from logical_robots_tui.game import Game
+from logical_robots_tui.game import Game, Superseded
 from logical_robots_tui.game.diagnosing import Diagnosis, diagnose, extent
 from logical_robots_tui.mind import Program
 from logical_robots_tui.world import load_level
@@ -165,6 +165,37 @@ async def test_what_happens_in_one_tick_of_many_is_not_said_never_to_happen(tmp_
     assert [kind for kind, _ in told(found) if kind.startswith("never")] == []
     found = await diagnosed(tmp_path, text.replace("1234", "9234"), 1300)
     assert ("never true", 1) in list(told(found))
+
+
+async def test_nothing_is_said_of_what_is_too_much_to_ask(tmp_path: Path) -> None:
+    text = (
+        "Big(x:) :- x in Range(1500), y == 3000,\n  x == y - 1;\n"
+        f'Robot(robot_name:, {ENGINES}, memory: "") :- Sensor(robot_name:), ~Big();'
+    )
+    found = await diagnosed(tmp_path, text)
+    assert found.left_out == 1
+    assert 2 not in [line for _, line in told(found)]
+    assert "Of 1 places too much was to be asked" in extent(found)
+    found = await diagnosed(tmp_path, text.replace("1500", "500"))
+    assert ("no rows", 2) in list(told(found))
+
+
+async def test_another_future_ends_it(tmp_path: Path) -> None:
+    made = game(tmp_path, PLAIN)
+    try:
+        await made.run_until(tick=60)
+        made.back(30)
+        made.use(Program.compile(PLAIN.replace("0.1", "0.2")))
+        await made.run_until(tick=61)
+
+        def turn(_done: int, _all: int) -> None:
+            made.history.change_course()
+
+        made.use(Program.compile(f"Odd(robot_name:) :- Sensor(robot_name:), 1 == 2;\n{PLAIN}"))
+        with pytest.raises(Superseded):
+            await diagnose(made, report=turn)
+    finally:
+        await made.close()
 
 
 async def test_who_stands_still_goes_round_or_pushes_against_a_wall_is_told_of(

@@ -74,6 +74,7 @@ class Tally:
         sites: By number of a site what was seen there.
         rules: By number of a rule what it gave.
         ticks: The ticks that were looked at, in the order in which they were.
+        given_up: Numbers of the probes that failed once, so that they can't tell what never was.
         robots: By name of a robot and tick how many rows each rule of `Robot` gave for it.
     """
 
@@ -82,6 +83,7 @@ class Tally:
         self.sites = [Count() for _ in checkup.sites]
         self.rules = [RuleCount() for _ in checkup.rules]
         self.ticks: list[int] = []
+        self.given_up: set[int] = set()
         # Parts that are reached only if what stands before them holds.
         self._waited_for = {probe.before for probe in checkup.probes}
         self.robots: dict[tuple[str, int], dict[int, int]] = {}
@@ -129,6 +131,21 @@ class Tally:
             if gave:
                 rule.gave = _first(rule.gave, tick)
 
+    def give_up(self, number: int) -> None:
+        """Note that a probe failed: nothing is said of what only it can tell."""
+        probe = self.checkup.probes[number]
+        self.given_up.add(number)
+        for place in {probe.after, probe.before, *(column.site for column in probe.columns)} - {-1}:
+            count = self.sites[place]
+            if self.checkup.sites[place].kind in ("leaf", "value"):
+                continue
+            if count.reached is None:
+                count.reached = 0
+            count.true = _first(count.true, 0)
+            count.false = _first(count.false, 0)
+        if probe.gives >= 0:
+            self.rules[probe.gives].gave = _first(self.rules[probe.gives].gave, 0)
+
     def doubtful_probes(self) -> list[int]:
         """Numbers of the probes that may still tell something new of what seems never to happen."""
         sites = {
@@ -138,7 +155,7 @@ class Tally:
         }
         found = []
         for number, probe in enumerate(self.checkup.probes):
-            if probe.closeness == "closer":
+            if probe.closeness == "closer" or number in self.given_up:
                 continue
             told = {probe.after, probe.before, *(column.site for column in probe.columns)}
             if told & sites or (probe.gives >= 0 and self.rules[probe.gives].gave is None):

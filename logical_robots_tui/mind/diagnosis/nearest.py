@@ -91,7 +91,8 @@ def nearest_misses(
         tally = Tally(checkup)
         names = {probe.name: at for at, probe in enumerate(checkup.probes)}
         for name, found in mind.each(list(names), rows, memories, viewers=(robot,), stop=stop):
-            tally.add(0, names[name], found)
+            if found is not None:
+                tally.add(0, names[name], found)
         return _Nearest(program, checkup, tally, mind, moment, given or {}).of(predicate, number)
     finally:
         mind.close()

@@ -10,6 +10,7 @@ from textual.content import Content
 from textual.widgets import OptionList, Static
 from textual.widgets.option_list import Option
 
+from logical_robots_tui.game import Superseded
 from logical_robots_tui.game.diagnosing import Diagnosis, diagnose, extent
 from logical_robots_tui.mind import QueryError
 from logical_robots_tui.tui.background import in_background
@@ -95,6 +96,8 @@ class DiagnosisPage(Vertical):
             self._found = await diagnose(game, report=self._report)
         except QueryError as error:
             self._say(str(error))
+        except Superseded:
+            self._say("Another future has begun. Look again.")
         finally:
             self._worker = None
             self._shown = None
