@@ -30,6 +30,7 @@ _HOMES = {
     "query": "query",
     "why": "why",
     "diagnose": "diagnose",
+    "nearest": "nearest",
     "check": "check",
     "help": "help",
     "levels": "listing",

@@ -11,6 +11,7 @@ from logical_robots_tui.game.game import Superseded
 from logical_robots_tui.game.pins import read
 from logical_robots_tui.game.thinker import Thinker
 from logical_robots_tui.mind import Limits, QueryError, Stopped, Table
+from logical_robots_tui.mind.compilation import check_up
 
 if TYPE_CHECKING:
     import threading
@@ -19,6 +20,7 @@ if TYPE_CHECKING:
     from logical_robots_tui.game.frame import Frame
     from logical_robots_tui.game.pins import Pin, Reading
     from logical_robots_tui.mind import Explanation, Machinery, Mind, Program
+    from logical_robots_tui.mind.diagnosis.nearest import Suggestion
     from logical_robots_tui.values import Value
     from logical_robots_tui.world import Level
 
@@ -94,6 +96,47 @@ class Inquiry:
             probing = program.take_apart(predicate, within, stop=stop, limits=self._limits)
             sensors, memories = frame.sensors, frame.memories_before
             return mind.why(probing, robot, sensors, memories, given=given, stop=stop)
+
+        return await self._do(self._explainer, program, work)
+
+    async def nearest(
+        self, program: Program, robot: str, frame: Frame, predicate: str
+    ) -> list[tuple[int, Suggestion]]:
+        """Which one change would have given a row to each rule that gave none at a frame.
+
+        Args:
+            program: The program.
+            robot: Name of the robot in whose reasoning.
+            frame: The tick.
+            predicate: One of the program's own predicates.
+
+        Returns:
+            Lines of rules, each with a change; those of a rule the smallest first.
+
+        Raises:
+            QueryError: The program is too entangled.
+            Superseded: A newer question came before the answer was there.
+        """
+        from logical_robots_tui.mind.diagnosis.nearest import nearest_misses
+
+        def work(mind: Mind, stop: threading.Event) -> list[tuple[int, Suggestion]]:
+            rules = check_up(program, stop=stop, limits=self._limits).rules
+            lines = [rule.span.line for rule in rules if rule.predicate == predicate]
+            found = []
+            for number, line in enumerate(lines):
+                misses = nearest_misses(
+                    program,
+                    predicate,
+                    number,
+                    robot,
+                    frame.sensors,
+                    frame.memories_before,
+                    memory=mind.memory,
+                    sensor=mind.sensor,
+                    stop=stop,
+                )
+                found += [(line, each) for each in misses]
+            return found
 
         return await self._do(self._explainer, program, work)
 

@@ -258,7 +258,6 @@ class _Nearest:
 
     def _of_call(self, site: Site) -> Iterator[tuple[float, Suggestion]]:
         """A call that gave nothing: the same without one column, or with a text that is there."""
-        known = self._known(site.predicate)
         for start, stop in _arguments(self._program.text, site.span):
             argument = self._program.text[start:stop]
             named = _ARGUMENT.fullmatch(argument)
@@ -266,7 +265,7 @@ class _Nearest:
                 continue
             name, value = named["name"], named["value"].strip()
             span = Span(start, stop, self._line(start), argument.strip())
-            there = known.get(name, [])
+            there = self._known(site.predicate, name)
             if value.startswith('"') and value.endswith('"'):
                 for other in there:
                     new = json.dumps(other, ensure_ascii=False)
@@ -278,29 +277,16 @@ class _Nearest:
             said = f"`{site.span.text}` fails in the column {name} alone.{has}"
             yield 4.0, Suggestion(said, span, "")
 
-    def _known(self, predicate: str) -> dict[str, list[Value]]:
-        """The values in the columns of a predicate, in the robot's reasoning."""
-        columns: dict[str, list[Value]] = {}
-        for column, value in self._asked(self._program, f"{predicate}(..row), found == row"):
-            columns.setdefault(column, []).append(value)
-        return {
-            name: list({str(v): v for v in values}.values()) for name, values in columns.items()
-        }
-
-    def _asked(self, program: Program, query: str) -> Iterator[tuple[str, Value]]:
+    def _known(self, predicate: str, column: str) -> list[Value]:
+        """The values in a column of a predicate, in the robot's reasoning."""
         try:
-            question = program.question(query, stop=self._moment.stop)
+            question = self._program.question(
+                f"{predicate}({column}: value)", stop=self._moment.stop
+            )
             table = self._answer(question)
         except (ProgramError, QueryError):
-            return
-        viewers = table.viewers or (self._moment.robot,) * len(table.rows)
-        for viewer, row in zip(viewers, table.rows, strict=True):
-            if viewer == self._moment.robot:
-                for column, value in zip(table.columns, row, strict=True):
-                    if isinstance(value, dict):
-                        yield from value.items()
-                    else:
-                        yield column, value
+            return []
+        return list({str(row[0]): row[0] for row in table.rows if row}.values())
 
     def _answer(self, question: Question) -> Table:
         there = self._moment
