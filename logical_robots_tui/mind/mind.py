@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from time import perf_counter
 from typing import TYPE_CHECKING, Literal
 
@@ -169,6 +169,7 @@ class Mind:
         rows: Sequence[SensorRow],
         memories: Memories,
         *,
+        viewers: Collection[str] | None = None,
         stop: threading.Event | None = None,
         in_order: bool = True,
     ) -> Table:
@@ -178,6 +179,7 @@ class Mind:
             question: Compiled for the program of this mind.
             rows: As for `think`.
             memories: As for `think`.
+            viewers: Names of the robots in whose reasoning to ask, by default all.
             stop: Set it from another thread to give up.
             in_order: Whether it matters in which order the rows are; without, it may be quicker.
 
@@ -189,11 +191,49 @@ class Mind:
         within = Within(self.limits.query_seconds, self.limits.rows, stop, cut=True)
         try:
             return self._collected(
-                self._asking.question(question, moment, within, in_order=in_order)
+                self._asking.question(question, moment, within, in_order=in_order, viewers=viewers)
             )
         except FailureError as failure:
             what = question.text if question.text.isidentifier() else "This"
             raise QueryError(f"{what} failed: {failure}.") from None
+
+    def each(
+        self,
+        predicates: Sequence[str],
+        rows: Sequence[SensorRow],
+        memories: Memories,
+        *,
+        viewers: Collection[str] | None = None,
+        stop: threading.Event | None = None,
+    ) -> Iterator[tuple[str, list[dict[str, Value]] | None]]:
+        """Rows of several predicates in each robot's reasoning at a moment.
+
+        Args:
+            predicates: Their names.
+            rows: As for `think`.
+            memories: As for `think`.
+            viewers: Names of the robots in whose reasoning to ask, by default all.
+            stop: Set it from another thread to give up.
+
+        Yields:
+            Names of predicates with their rows, once for each view; None if it fails, or has more
+            rows than the limits allow.
+
+        Raises:
+            Stopped: `stop` was set meanwhile.
+        """
+        moment = Moment(rows, memories, self.memory, self.sensor)
+        for view in moment.views:
+            if viewers is not None and not any(name in viewers for name in view.viewers):
+                continue
+            for name in predicates:
+                within = Within(self.limits.query_seconds, self.limits.rows, stop)
+                try:
+                    columns, found = self._asking.rows(name, moment, view, within)
+                except FailureError:
+                    yield name, None
+                else:
+                    yield name, [dict(zip(columns, row, strict=True)) for row in found]
 
     def explainer(
         self,
@@ -205,11 +245,7 @@ class Mind:
     ) -> Explainer:
         """Whom to ask why, about what one robot thinks at one moment, until this is asked again.
 
-        Args:
-            robot: Name of the robot.
-            rows: As for `think`.
-            memories: As for `think`.
-            stop: Set it from another thread to give up.
+        Takes what `think` takes, and the robot's name.
 
         Raises:
             QueryError: There is no such robot.

@@ -40,6 +40,13 @@ LOOKING: tuple[Command, ...] = (
         ("V",),
     ),
     Command(
+        "diagnose",
+        "Diagnosis",
+        "Look through the whole run for what may be a mistake, and where to look.",
+        _VIEW,
+        (),
+    ),
+    Command(
         "leave",
         "Leave the editor",
         "Go from the editor to the labyrinth, where single letters are commands.",

@@ -95,9 +95,9 @@ async def test_inputs_and_predicates_are_listed_with_their_kind(data_dir: Path) 
         await game.ready()
         await game.until(lambda: any(each.startswith("• Robot :4") for each in listed(game)))
         entries = listed(game)
-        assert entries[:5] == ["Robots", "Decision", "Why", "Ask", "Watch"]
-        assert entries[5].startswith("◂ Sensor")
-        assert entries[6].startswith("◂ Memory")
+        assert entries[:6] == ["Robots", "Decision", "Why", "Ask", "Watch", "Diagnosis"]
+        assert entries[6].startswith("◂ Sensor")
+        assert entries[7].startswith("◂ Memory")
         assert "• FreedomMotion ƒ :1" in entries
         assert not [entry for entry in entries if "WeightedAverage" in entry]
 

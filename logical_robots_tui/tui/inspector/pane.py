@@ -16,7 +16,15 @@ from logical_robots_tui.game import Superseded
 from logical_robots_tui.mind import QueryError, Table
 from logical_robots_tui.tui.background import in_background
 from logical_robots_tui.tui.inspector.answers import NO_PROGRAM, counted, shown_rows
-from logical_robots_tui.tui.inspector.choice import ASK, DECISION, ROBOTS, WATCH, WHY, Choice
+from logical_robots_tui.tui.inspector.choice import (
+    ASK,
+    DECISION,
+    DIAGNOSIS,
+    ROBOTS,
+    WATCH,
+    WHY,
+    Choice,
+)
 from logical_robots_tui.tui.inspector.questions import Questions
 from logical_robots_tui.tui.inspector.robots import RobotsView
 from logical_robots_tui.tui.pane import Pane
@@ -152,19 +160,20 @@ class InspectorPane(Pane):
         """Go to why the predicate that is inspected has its rows, or why the robot did it."""
         own = {p.name for p in self._session.predicates if p.kind == "program"}
         self.pages.reasons.begin(self._inspected if self._inspected in own else "Robot")
-        self._go_to_page(WHY)
-        self.screen.set_focus(self.pages.reasons.view)
+        self._enter_page(WHY)
 
     def ask(self, query: str = "") -> None:
         """Go to the line for queries, and ask one if it is given."""
-        self._go_to_page(ASK)
-        self.screen.set_focus(self.pages.asking.line)
+        self._enter_page(ASK)
         self.pages.asking.put(query)
 
     def go_to_pins(self) -> None:
         """Go to what is pinned."""
-        self._go_to_page(WATCH)
-        self.screen.set_focus(self.pins)
+        self._enter_page(WATCH)
+
+    def diagnose(self) -> None:
+        """Go to what stands out in the whole run."""
+        self._enter_page(DIAGNOSIS)
 
     @property
     def shown_table(self) -> ValueTable | None:
@@ -226,7 +235,13 @@ class InspectorPane(Pane):
             elif self._inspected == ASK:
                 await self._show_answer(frame)
             elif self._inspected == WATCH:
-                await self._show_pins(frame)
+                self._say_subject("Watch", frame.tick, "")
+                self._show_only(self.pages.pins)
+                await self.pages.watching.follow(frame)
+            elif self._inspected == DIAGNOSIS:
+                self._say_subject("Diagnosis", frame.tick, "")
+                self._show_only(self.pages.diagnosis)
+                self.pages.diagnosis.follow()
             else:
                 await self._show_rows(self._inspected, frame)
             if self._session.running:
@@ -260,11 +275,6 @@ class InspectorPane(Pane):
         table = await self.pages.asking.follow(frame)
         if table is not None:
             self._say_subject("Ask", frame.tick, counted(table))
-
-    async def _show_pins(self, frame: Frame) -> None:
-        self._say_subject("Watch", frame.tick, "")
-        self._show_only(self.pages.pins)
-        await self.pages.watching.follow(frame)
 
     async def _take_survey(self, frame: Frame) -> None:
         """Count the rows of every predicate, and see which differ from those of the tick before."""
@@ -315,17 +325,17 @@ class InspectorPane(Pane):
         parts = [Content.styled(one_line(name), f"bold {INK.title}"), Content(f"tick {tick}")]
         if more:
             parts.append(Content(more))
-        if self._inspected != ROBOTS and self._is_by_another_program(tick):
+        if self._inspected != ROBOTS and self.questions.is_by_another_program(tick):
             parts.append(Content.styled("by the present program", INK.warn))
         self._subject.update(Content(" · ").join(parts), layout=False)
-
-    def _is_by_another_program(self, tick: int) -> bool:
-        history, program = self._session.history, self._session.program
-        return bool(history and program and history.is_by_another(program.text, tick))
 
     def _go_to_page(self, page: str) -> None:
         self._choice.go_to(page)
         self.inspect(page)
+
+    def _enter_page(self, page: str) -> None:
+        self._go_to_page(page)
+        self.screen.set_focus(self.pages.entered(page))
 
     def _show_only(self, view: Widget) -> None:
         for each in (self.robots, self._said):
@@ -349,15 +359,7 @@ class InspectorPane(Pane):
     @on(OptionList.OptionSelected)
     def _choice_made(self, event: OptionList.OptionSelected) -> None:
         event.stop()
-        pages = self.pages
-        views: dict[str, Widget] = {
-            ROBOTS: self.robots,
-            DECISION: pages.decision,
-            WHY: pages.reasons.view,
-            ASK: pages.asking.line,
-            WATCH: pages.pins,
-        }
-        view = views.get(self._inspected, pages.table)
+        view = self.robots if self._inspected == ROBOTS else self.pages.entered(self._inspected)
         if view.display:
             view.focus()
 
@@ -366,8 +368,8 @@ class InspectorPane(Pane):
         program = self._session.program
         predicate = program.predicate(name) if program is not None else None
         if program is not None and predicate is not None and predicate.line is not None:
-            lines = program.text.split("\n")
-            start = sum(len(line) + 1 for line in lines[: predicate.line - 1])
+            before = program.text.split("\n")[: predicate.line - 1]
+            start = sum(len(line) + 1 for line in before)
             self._place(start, start + len(name))
 
     def _place(self, start: int, stop: int) -> None:

@@ -131,6 +131,13 @@ class Questions:
         self._surveyed = Survey(program, frame, tables, before)
         return self._surveyed
 
+    def is_by_another_program(self, tick: int) -> bool:
+        """Whether another program than the present one decided in a tick."""
+        history, program = self._session.history, self._session.program
+        if history is None or program is None:
+            return False
+        return history.is_by_another(program.text, tick)
+
     async def close(self) -> None:
         """Stop all work."""
         inquiry, self._inquiry = self._inquiry, None
