@@ -10,6 +10,7 @@ from textual.widgets import Static
 
 from logical_robots_tui.tui.inspector.asking import AskView
 from logical_robots_tui.tui.inspector.cells import written
+from logical_robots_tui.tui.inspector.choice import ASK, DECISION, WATCH, WHY
 from logical_robots_tui.tui.inspector.decision import DecisionView
 from logical_robots_tui.tui.inspector.reasons import ReasonsPage
 from logical_robots_tui.tui.inspector.table import ValueTable
@@ -21,6 +22,7 @@ if TYPE_CHECKING:
     from textual.widget import Widget
 
     from logical_robots_tui.tui.inspector.questions import Questions
+    from logical_robots_tui.tui.inspector.waiting import Waiting
     from logical_robots_tui.tui.session import Session
 
 __all__ = ["Pages"]
@@ -54,6 +56,22 @@ class Pages:
         )
         """All of them; the last one stands below the rows, and tells one value in full."""
         self.show_only(None)
+
+    @property
+    def waiting(self) -> Waiting | None:
+        """What waits for an answer so long that it says so, if that is on the screen."""
+        pages = (self.asking, self.reasons)
+        return next((p.waiting for p in pages if p.display and p.waiting.is_long), None)
+
+    def view_of(self, name: str) -> Widget:
+        """What takes the focus on a page, or for the rows of a predicate."""
+        views: dict[str, Widget] = {
+            DECISION: self.decision,
+            WHY: self.reasons.view,
+            ASK: self.asking.line,
+            WATCH: self.pins,
+        }
+        return views.get(name, self.table)
 
     def show_only(self, view: Widget | None) -> None:
         """Show one of them, or none."""
