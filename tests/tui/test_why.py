@@ -309,6 +309,19 @@ async def test_the_first_level_is_there_before_the_whole_proof(
         assert not game.shows("unfolding")
 
 
+async def test_while_robots_run_the_first_level_is_enough(data_dir: Path) -> None:
+    async with opened(data_dir, text=TWO_RULES, size=TALL) as game:
+        await asked_why(game)
+        await game.press("space")
+        await game.until(lambda: game.shows("a pause unfolds it"))
+        assert CALL in told(game)
+        assert "Speed(d) = 0.5 :- d > 20" not in told(game)
+        await game.press("space")
+        await game.until(lambda: "Speed(d) = 0.5 :- d > 20" in told(game))
+        assert not game.shows("a pause unfolds it")
+        assert game.shows(f"Why · tick {game.tick}")
+
+
 async def test_unfolding_can_be_stopped_and_goes_on_call_by_call(
     data_dir: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -159,12 +159,11 @@ class InspectorPane(Pane):
     def check_action(self, action: str, parameters: tuple[object, ...]) -> bool | None:
         """Leave escape to others where nothing is under way."""
         del parameters
-        is_waiting = self._pages is not None and self._pages.waiting is not None
-        return action != "stop" or is_waiting
+        return action != "stop" or (self._pages is not None and self._pages.waiting is not None)
 
     def action_stop(self) -> None:
         """Give up the answer that is under way."""
-        if (waiting := self.pages.waiting) is not None:
+        if waiting := self.pages.waiting:
             waiting.stop()
 
     def go_to_pins(self) -> None:
@@ -277,7 +276,8 @@ class InspectorPane(Pane):
         if not self.pages.reasons.display:
             told()
             self._show_only(self.pages.reasons)
-        await self.pages.reasons.follow(self.robot, frame, told)
+        is_still = not self._session.running
+        await self.pages.reasons.follow(self.robot, frame, told, whole=is_still)
 
     async def _show_answer(self, frame: Frame) -> None:
         def told(table: Table | None) -> None:

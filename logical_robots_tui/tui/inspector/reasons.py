@@ -95,20 +95,27 @@ class ReasonsPage(Vertical):
         self._steps = [Ask(predicate, {})]
         self.post_message(self.Asked())
 
-    async def follow(self, robot: str, frame: Frame, told: Callable[[], None]) -> None:
+    async def follow(
+        self, robot: str, frame: Frame, told: Callable[[], None], *, whole: bool = True
+    ) -> None:
         """Answer the question at a tick.
 
         Args:
             robot: In whose reasoning.
             frame: The tick.
             told: Called when what is shown begins to be about this tick.
+            whole: Whether the first level is not enough; while robots run, they come first.
         """
         self._told = told
         question = _Question(robot, tuple(self._steps), frame)
         try:
             why = self._questions.why(robot, frame, question.steps[-1])
             found = await self.waiting.answer(why, partial(self._wait, question))
-            await self._prove(question, found)
+            if whole:
+                await self._prove(question, found)
+            else:
+                self._show(question, found, _proving(found))
+                self._name_way(question, Content.styled("a pause unfolds it", INK.dim))
         except Superseded:
             return
         except GivenUp:
