@@ -16,8 +16,8 @@ LOOKING: tuple[Command, ...] = (
     Command(
         "why",
         "Why",
-        "Say why the robot did what it did at this tick, rule by rule, or why a predicate has its "
-        "rows.",
+        "Say why the robot did what it did at this tick, as a proof to unfold, or why a predicate "
+        "has its rows.",
         _VIEW,
         ("w",),
         bar="Why",

@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 __all__ = ["Refuting"]
 
 _MOST_WAYS = 1_000
-_EXAMPLES = 5
+_EXAMPLES = 100
 
 
 class Refuting:

@@ -14,7 +14,7 @@ from logical_robots_tui.game import Superseded
 from logical_robots_tui.game.diagnosing import Diagnosis, diagnose, extent
 from logical_robots_tui.mind import QueryError
 from logical_robots_tui.tui.background import in_background
-from logical_robots_tui.tui.inspector.pane import InspectorPane
+from logical_robots_tui.tui.inspector.pointing import Placed
 from logical_robots_tui.tui.listing import Listing
 from logical_robots_tui.tui.plain import one_line
 from logical_robots_tui.tui.theme import INK
@@ -131,7 +131,7 @@ class DiagnosisPage(Vertical):
         game = self._session.game
         if finding is not None and finding.span is not None and game is not None:
             place = (finding.span.start, finding.span.stop)
-            self.post_message(InspectorPane.Placed(game.program.text, place))
+            self.post_message(Placed(game.program.text, place))
 
     def _finding(self, option: str | None) -> Finding | None:
         if self._found is None or option in (None, _START):

@@ -23,6 +23,7 @@ if TYPE_CHECKING:
     from textual.widget import Widget
 
     from logical_robots_tui.tui.inspector.questions import Questions
+    from logical_robots_tui.tui.inspector.waiting import Waiting
     from logical_robots_tui.tui.session import Session
 
 __all__ = ["Pages"]
@@ -59,8 +60,14 @@ class Pages:
         """All of them; the last one stands below the rows, and tells one value in full."""
         self.show_only(None)
 
-    def entered(self, page: str) -> Widget:
-        """What gets the focus when a page, or the rows of a predicate, are entered."""
+    @property
+    def waiting(self) -> Waiting | None:
+        """What waits for an answer so long that it says so, if that is on the screen."""
+        pages = (self.asking, self.reasons)
+        return next((p.waiting for p in pages if p.display and p.waiting.is_long), None)
+
+    def view_of(self, name: str) -> Widget:
+        """What takes the focus on a page, or for the rows of a predicate."""
         views: dict[str, Widget] = {
             DECISION: self.decision,
             WHY: self.reasons.view,
@@ -68,7 +75,7 @@ class Pages:
             WATCH: self.pins,
             DIAGNOSIS: self.diagnosis.view,
         }
-        return views.get(page, self.table)
+        return views.get(name, self.table)
 
     def show_only(self, view: Widget | None) -> None:
         """Show one of them, or none."""
