@@ -107,8 +107,7 @@ class InspectorPane(Pane):
         """Have the pages ready before they are wanted; keys are answered meanwhile."""
         await asyncio.sleep(_AT_LEISURE)
         await asyncio.to_thread(import_module, "logical_robots_tui.tui.inspector.pages")
-        if self._views.is_attached:  # the player may have left meanwhile
-            _ = self.pages
+        _ = self._views.is_attached and self.pages  # the player may have left meanwhile
 
     @property
     def inspected(self) -> str:
@@ -139,7 +138,8 @@ class InspectorPane(Pane):
         self._robot = robot_name
         self.robots.choose(robot_name)
         if self._inspected in (DECISION, WHY) or self.is_function:
-            self._follow_anew()
+            self._give_up()
+        self.follow()
 
     def why(self) -> None:
         """Go to why the predicate that is inspected has its rows, or why the robot did it."""
@@ -201,7 +201,8 @@ class InspectorPane(Pane):
         self._inspected = name
         if name != WHY:
             self.post_message(Sighted(None, self._session.frame))
-        self._follow_anew()
+        self._give_up()
+        self.follow()
 
     def open(self, name: str) -> None:
         """Go to the rows of a predicate."""
@@ -220,10 +221,6 @@ class InspectorPane(Pane):
             self._give_up()
         if self.display and (self._follower is None or self._follower.is_finished):
             self._follower = in_background(self, self._catch_up, "inspect")
-
-    def _follow_anew(self) -> None:
-        self._give_up()
-        self.follow()
 
     def _give_up(self) -> None:
         """Cancel what is under way: it may be waiting for what nobody wants any more."""
@@ -384,11 +381,11 @@ class InspectorPane(Pane):
             view.focus()
 
     # Messages of the pages go by the names of methods: to name the classes would load them.
-
     def on_reasons_page_asked(self, event: Message) -> None:
         """Answer."""
         event.stop()
-        self._follow_anew()
+        self._give_up()
+        self.follow()
 
     on_ask_view_asked = on_watch_view_changed = on_reasons_page_asked
 
