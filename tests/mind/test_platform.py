@@ -8,7 +8,7 @@ from typing import Any
 
 import pytest
 
-from logical_robots_tui.mind import Mind, Program
+from logical_robots_tui.mind import Mind, Program, ProgramError
 from tests.mind.rows import ROBOT, remembered, row, think
 
 SEEN = {3: (40, "robot", "Bo"), 4: (33, "beacon", "A"), 5: (50, "beacon", "B")}
@@ -100,11 +100,16 @@ def test_a_number_without_end_stays_one_in_a_record() -> None:
 LOVE = "Love(radar, name) = Size(radar);"
 
 
-def test_what_is_left_out_of_a_call_is_warned_of_where_robots_ask_for_it() -> None:
-    (warning,) = Program.compile(f"{LOVE} {ROBOT} m = Love(sensor.radar);").warnings
-    assert warning.message == "Love takes 2 arguments, here is 1"
-    assert not Program.compile(f"{LOVE} Unused(x) :- x = Love([]); {ROBOT} m = 1;").warnings
+def test_what_a_value_does_not_need_may_be_left_out() -> None:
+    assert not Program.compile(f"{LOVE} {ROBOT} m = Love(sensor.radar);").warnings
     assert remembered("Love(sensor.radar)", rules=LOVE) == 31
+
+
+def test_what_it_needs_is_missed_where_robots_ask_for_it() -> None:
+    sum_ = "Sum2(x, y) = x + y;"
+    assert not Program.compile(f"{sum_} Unused(x) :- x = Sum2(1); {ROBOT} m = 1;").warnings
+    with pytest.raises(ProgramError, match="Sum2 takes 2 arguments, here is 1"):
+        Program.compile(f"{sum_} {ROBOT} m = Sum2(1);")
 
 
 REACH = """
