@@ -121,8 +121,11 @@ class _Walk:
         return Differing("rule", asked, mine, other)
 
     def _are_edited(self, here: Node, there: Node) -> bool:
-        """Whether two rules stand each in its own program only, the one in place of the other."""
-        return here.text not in self._there and there.text not in self._here
+        """Whether one rule was made from the other: either program lacks one, much is the same."""
+        if here.text in self._there or there.text in self._here:
+            return False
+        mine, other = ([step.text for step in _steps(node)] for node in (here, there))
+        return 2 * len(set(mine) & set(other)) >= max(len(mine), len(other), 1)
 
     def _rule(self, asked: Ask, here: Node, there: Node) -> Differing | None:
         """The first difference within the derivations by a rule."""

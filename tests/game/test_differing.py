@@ -107,7 +107,7 @@ def test_where_a_rule_is_lacking_the_call_that_finds_nothing_is_named(level: Lev
     assert holds == [False, True]
 
 
-def test_a_rule_that_is_new_is_told_by_the_condition_of_the_old_one(level: Level) -> None:
+def test_a_rule_in_place_of_another_one_is_no_edited_one(level: Level) -> None:
     lines = DRIVE.splitlines(keepends=True)
     new = "Drive(robot_name:, left: 5, right: 5) :- Sensor(robot_name:, sensor:), sensor.clock < 9;"
     two = Two(level, "".join([*lines[:2], lines[3], f"{new}\n", *lines[4:]]), DRIVE)
@@ -128,10 +128,12 @@ def test_an_edited_rule_is_gone_into_for_the_step_that_differs(level: Level) -> 
 def test_what_a_function_gives_differs_where_the_function_does(level: Level) -> None:
     two = Two(level, NEAREST, NEAREST.replace("ray.angle > 0", "ray.angle < 0"))
     assert two.difference.asked.predicate == "Nearest"
-    assert two.difference.kind == "step"
+    assert two.difference.kind == "rule"
     assert two.texts == tuple(
-        f"value: Min{{ray.distance :- ray in sensor.radar, ray.angle {sign} 0}}" for sign in "><"
+        f"Nearest(sensor) = Min{{ray.distance :- ray in sensor.radar, ray.angle {sign} 0}}"
+        for sign in "><"
     )
+    assert two.condition() is None
 
 
 def test_a_column_that_is_edited_is_named(level: Level) -> None:
