@@ -97,9 +97,7 @@ class _Walk:
     def __init__(self, here: str, there: str) -> None:
         self._here, self._there = here, there
 
-    def rules(
-        self, asked: Ask, here: Sequence[Node], there: Sequence[Node]
-    ) -> Differing | None:
+    def rules(self, asked: Ask, here: Sequence[Node], there: Sequence[Node]) -> Differing | None:
         """The first difference of the rules that give a row, or that fail to."""
         others = list(there)
         alone: list[Node] = []
@@ -135,9 +133,7 @@ class _Walk:
             return Differing("rule", asked, here, there)
         return self._nodes(asked, _columns(here), _columns(there))
 
-    def _nodes(
-        self, asked: Ask, here: Sequence[Node], there: Sequence[Node]
-    ) -> Differing | None:
+    def _nodes(self, asked: Ask, here: Sequence[Node], there: Sequence[Node]) -> Differing | None:
         for mine, other in zip(here, there, strict=False):
             if (found := self._pair(asked, mine, other)) is not None:
                 return found

@@ -1,4 +1,4 @@
-"""The first difference of two proofs: a rule, a step or a value, before all that follows from it."""
+"""The first difference of two proofs: a rule, a step or a value, before what follows from it."""
 
 from __future__ import annotations
 

@@ -17,10 +17,11 @@ if TYPE_CHECKING:
     from logical_robots_tui.mind import Predicate
     from logical_robots_tui.tui.inspector.questions import Survey
 
-__all__ = ["ASK", "DECISION", "MARKS", "ROBOTS", "WATCH", "WHY", "Choice"]
+__all__ = ["ASK", "DECISION", "MARKS", "ORIGIN", "ROBOTS", "WATCH", "WHY", "Choice"]
 
 ROBOTS, DECISION, WHY, ASK, WATCH = "(robots)", "(decision)", "(why)", "(ask)", "(watch)"
-"""The pages; no predicate can have these names."""
+ORIGIN = "(origin)"
+"""The pages; no predicate can have these names. That of an origin is not listed."""
 
 _PAGES = {ROBOTS: "Robots", DECISION: "Decision", WHY: "Why", ASK: "Ask", WATCH: "Watch"}
 MARKS = {"input": ("◂", INK.robot), "program": ("•", INK.key), "prelude": ("◦", INK.dim)}

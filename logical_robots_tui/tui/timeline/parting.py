@@ -98,9 +98,7 @@ def _node(node: Node | None, kind: Literal["rule", "step", "value"]) -> Content:
     if node is None:
         return Content.styled("there is nothing in its place", INK.dim)
     line = f"line {node.span.line}  " if node.span is not None else ""
-    text = Content.assemble(
-        (line, INK.key), (clip(one_line(node.text), _LONGEST_TEXT), INK.text)
-    )
+    text = Content.assemble((line, INK.key), (clip(one_line(node.text), _LONGEST_TEXT), INK.text))
     if kind == "value" or node.kind == "column":
         values = " or ".join(written(value, _LONGEST_TEXT) for value in node.values)
         return text.append(Content.styled(f" = {values}" if values else "", INK.number))
