@@ -150,7 +150,7 @@ LOOKING: tuple[Command, ...] = (
         "Follow the memory under the cursor, or a part of it, back to the tick and the rule that "
         "made it.",
         _ROWS,
-        ("H",),
+        ("less_than_sign",),
     ),
     Command(
         "graph",

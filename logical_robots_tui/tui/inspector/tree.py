@@ -34,7 +34,7 @@ _TOGETHER = 100  # parts that stand under one node at most
 _GLIMPSE = 60  # characters of a record or list that is folded
 _OPEN = 12  # parts up to which a branch is open at first
 _PICTURE_ROWS = 8
-_KEYS = "↑↓ move   enter or space fold   @ pin   H where a memory comes from   esc close"
+_KEYS = "↑↓ move   enter or space fold   @ pin   < where a memory comes from   esc close"
 
 
 @dataclass(frozen=True, slots=True)
@@ -91,7 +91,7 @@ class ValueTree(Dialog[None]):
 
     BINDINGS: ClassVar[list[Binding | tuple[str, str] | tuple[str, str, str]]] = [
         Binding("at", "pin", show=False),
-        Binding("H", "origin", show=False),
+        Binding("less_than_sign", "origin", show=False),
         Binding("q,X", "leave", show=False),
     ]
 
