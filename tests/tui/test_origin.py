@@ -10,7 +10,7 @@ from logical_robots_tui.game import Pin
 from logical_robots_tui.game.origin import Link, Origin
 from logical_robots_tui.mind.why.probing import Span
 from logical_robots_tui.mind.why.sourcing import Read
-from logical_robots_tui.tui.inspector.choice import DECISION, ORIGIN, WATCH, WHY
+from logical_robots_tui.tui.inspector.choice import DECISION, ORIGIN, ROBOTS, WHY
 from logical_robots_tui.tui.inspector.links import LinksView, link_lines
 from logical_robots_tui.tui.inspector.remembered import Remembered, remembered
 from logical_robots_tui.tui.inspector.tree import ValueTree
@@ -92,7 +92,7 @@ async def test_enter_goes_to_the_tick_and_says_why_and_the_key_comes_back(data_d
         await game.until(lambda: game.inspector.inspected == ORIGIN)
         assert links(game).has_focus
         await game.press("escape")
-        await game.until(lambda: game.inspector.inspected != ORIGIN and game.tick == 2)
+        await game.until(lambda: game.inspector.inspected == ROBOTS and game.tick == 9)
 
 
 async def test_escape_returns_to_the_page_and_the_tick_of_the_question(data_dir: Path) -> None:
@@ -113,7 +113,7 @@ async def test_escape_returns_to_the_page_and_the_tick_of_the_question(data_dir:
 
 
 async def test_what_is_pinned_and_what_a_proof_read_can_be_followed(data_dir: Path) -> None:
-    async with opened(data_dir, text=PHASES, size=(120, 40)) as game:
+    async with opened(data_dir, text=PHASES, size=(120, 70)) as game:
         await at_tick(game, 5)
         robot = game.inspector.robot
         pin = Pin("Robot", "memory", (("robot_name", robot),), ("plan", "phase"))

@@ -207,8 +207,8 @@ def _read(read: Read) -> Content:
     if read.what == "sensor" and path[:1] == ("radar",) and len(path) > 1:
         name = f"ray {path[1]}{written_path(path[2:], '')}"
     text, colour = cell(read.value, _LONGEST)
-    words = one_line(f"{_INDENT}from {read.robot}'s {name}")
-    return Content.assemble((words, INK.dim), (" = ", INK.dim), (text, colour))
+    words = one_line(f"from {read.robot}'s {name}")
+    return Content.assemble(_INDENT, (words, INK.dim), (" = ", INK.dim), (text, colour))
 
 
 def _cut(line: Content, width: int) -> Content:

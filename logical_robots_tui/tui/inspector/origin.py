@@ -82,9 +82,9 @@ class OriginPage(Vertical):
             page: What was inspected, which escape returns to.
             asked: The value; None is for that of the last time.
         """
-        if page != ORIGIN:
-            self._asked_at = page, self._session.frame.tick
         if asked is not None:
+            if page != ORIGIN:
+                self._asked_at = page, self._session.frame.tick
             self.ask(asked)
 
     def ask(self, asked: Remembered) -> None:
