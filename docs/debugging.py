@@ -228,7 +228,8 @@ enough, and overwrote what Dot had read on the sign.
 ```
 
 `Ctrl+R` applies it, `Esc` leaves the editor. Going on from here Dot keeps its word, turns to the
-left and wins. The old future is still there: `C` goes to where the two part, and says in what and why.
+left and wins. The old future is still there: `C` goes to where the two part, and says in
+what and why.
 
 {pictures["7"]}
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import partial
 from typing import TYPE_CHECKING
 
 import pytest
@@ -39,7 +40,7 @@ async def at_tick(game: Opened, tick: int) -> None:
     await game.ready()
     for number in range(1, tick + 1):
         await game.press("n")
-        await game.until(lambda: game.tick == number)
+        await game.until(partial(lambda wanted: game.tick == wanted, number))
 
 
 async def followed(game: Opened, *keys: str) -> None:
