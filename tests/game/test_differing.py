@@ -54,8 +54,8 @@ class Two:
             mind.explainer("Ada", rows, self._memories(memory))
             for mind, memory in zip(self._minds, memories, strict=True)
         ]
-        proofs = [explainer.proof() for explainer in self._explainers]
-        self.found = first_difference(*proofs, here, there)
+        mine, other = (explainer.proof() for explainer in self._explainers)
+        self.found = first_difference(mine, other, here, there)
 
     @property
     def difference(self) -> Differing:
@@ -65,7 +65,7 @@ class Two:
     @property
     def texts(self) -> tuple[str | None, str | None]:
         here, there = self.difference.here, self.difference.there
-        return here and here.text, there and there.text
+        return here.text if here else None, there.text if there else None
 
     def condition(self) -> tuple[str, str] | None:
         asked = self.difference.asked

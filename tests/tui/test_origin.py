@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from functools import partial
 from typing import TYPE_CHECKING
 
@@ -34,6 +35,12 @@ Robot(robot_name:, desire: {left_engine: 0, right_engine: 0}, memory: {plan:, se
 
 def links(game: Opened) -> LinksView:
     return game.main.query_one(LinksView)
+
+
+def pointed(game: Opened) -> Link:
+    link = links(game).pointed
+    assert link is not None
+    return link
 
 
 async def at_tick(game: Opened, tick: int) -> None:
@@ -78,7 +85,7 @@ async def test_the_cursor_shows_the_expression_in_the_program(data_dir: Path) ->
         await at_tick(game, 9)
         await followed(game, *TO_SEEN)
         await game.press("down")
-        await game.until(lambda: links(game).pointed.tick == 2)
+        await game.until(lambda: pointed(game).tick == 2)
         await game.until(lambda: game.editor.selected_text == "Coalesce(memory.seen, 0) + 1")
 
 
@@ -122,7 +129,7 @@ async def test_what_is_pinned_and_what_a_proof_read_can_be_followed(data_dir: Pa
         await game.press("V", "less_than_sign")
         await game.until(lambda: links(game).pointed)
         assert game.shows("set in tick 4")
-        assert links(game).pointed.value == "fetch"
+        assert pointed(game).value == "fetch"
         await game.press("w")
         view = game.inspector.pages.reasons.view
         await game.until(lambda: any(line.node.text == "memory.plan" for line in view.lines))
@@ -151,6 +158,7 @@ async def test_a_question_of_ticks_that_were_left_says_so(data_dir: Path) -> Non
         await game.press("r")
         await game.until(lambda: game.tick == 0)
         assert links(game).pointed is not None
+        assert game.session.game is not None
         game.session.game.forget_future()
         game.inspector.follow()
         await game.until(lambda: game.shows("another future since then"))
@@ -163,9 +171,9 @@ async def test_it_has_room_in_a_small_terminal(data_dir: Path) -> None:
         await followed(game, *TO_SEEN)
         assert game.shows("set in tick 6 by the rule in line 1")
         await game.press("down")
-        await game.until(lambda: links(game).pointed.tick == 2)
+        await game.until(lambda: pointed(game).tick == 2)
         assert game.shows("set in tick 2")
-        links(game).show(Origin((links(game).pointed,), complete=False))
+        links(game).show(Origin((pointed(game),), complete=False))
         await game.until(lambda: game.shows("This is not all of it"))
 
 
@@ -197,3 +205,27 @@ def test_a_link_tells_the_ray_and_how_much_more_was_read() -> None:
     assert [line.plain for line in link_lines(1, start, 80)][1:] == [
         "    there since the start, kept until tick 5"
     ]
+
+
+KEPT = """\
+Robot(robot_name:, desire: {left_engine: 0, right_engine: 0}, memory: {first:, n:}) :-
+  Sensor(robot_name:, sensor:), Memory(robot_name:, memory:),
+  first = (if sensor.clock == 1 then "here" else memory.first), n = sensor.clock;
+"""
+
+
+async def test_it_says_how_far_back_it_is_and_can_be_stopped(data_dir: Path) -> None:
+    async with opened(data_dir, text=KEPT, size=(120, 40)) as game:
+        await game.ready()
+        assert game.session.game is not None
+        await game.session.game.run_until(tick=1_500)
+        await game.until(lambda: game.tick == 1_500)
+        robot = game.inspector.robot
+        game.inspector.follow_back(Remembered(robot, ("first",), 1_500))
+        await game.until(lambda: re.search(r"at tick [\d,]+, [\d,]+ ticks? back", game.screen()))
+        await game.press("escape")
+        await game.until(lambda: game.shows("Stopped at tick"))
+        assert links(game).pointed is None
+        game.inspector.follow_back(Remembered(robot, ("first",), 20))
+        await game.until(lambda: links(game).pointed)
+        assert (pointed(game).tick, pointed(game).until) == (1, 20)

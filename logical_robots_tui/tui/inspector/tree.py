@@ -34,7 +34,7 @@ _TOGETHER = 100  # parts that stand under one node at most
 _GLIMPSE = 60  # characters of a record or list that is folded
 _OPEN = 12  # parts up to which a branch is open at first
 _PICTURE_ROWS = 8
-_KEYS = "↑↓ move   enter fold   @ pin   < where it comes from   esc close"
+_KEYS = "↑↓ move   enter or space fold   @ pin   < where from   esc close"
 
 
 @dataclass(frozen=True, slots=True)
