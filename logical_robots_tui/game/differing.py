@@ -1,9 +1,9 @@
 """In what two proofs of one decision differ first, walked through side by side.
 
 Two proofs are made of the same steps until one of them takes another rule, has a step that the
-other one lacks, or comes to another value. Steps are compared before the columns that are made from
-them, and what a node follows from before the node itself, so that the first difference is no
-consequence of another one that is shown.
+other one lacks, or comes to another value. Values are compared only where all else is the same.
+Steps are compared before the columns that are made from them, and what a node follows from before
+the node itself, so that the first difference is no consequence of another one that is shown.
 """
 
 from __future__ import annotations
@@ -62,8 +62,10 @@ def first_difference(
     """
     mine, other = here.explanation, there.explanation
     asked = Ask(mine.predicate, _common(mine.given, other.given), mine.within)
-    walk = _Walk(_in_one_line(here_text), _in_one_line(there_text))
-    return walk.rules(asked, here.nodes, there.nodes)
+    texts = _in_one_line(here_text), _in_one_line(there_text)
+    walks = (_Walk(*texts, values=values) for values in (False, True))
+    found = (walk.rules(asked, here.nodes, there.nodes) for walk in walks)
+    return next((each for each in found if each is not None), None)
 
 
 def condition_of(
@@ -92,10 +94,11 @@ class _Walk:
     Args:
         here: The program of the first one, in one line.
         there: That of the other one.
+        values: Whether values count.
     """
 
-    def __init__(self, here: str, there: str) -> None:
-        self._here, self._there = here, there
+    def __init__(self, here: str, there: str, *, values: bool) -> None:
+        self._here, self._there, self._values = here, there, values
 
     def rules(self, asked: Ask, here: Sequence[Node], there: Sequence[Node]) -> Differing | None:
         """The first difference of the rules that give a row, or that fail to."""
@@ -113,9 +116,9 @@ class _Walk:
         if mine is None and other is None:
             return None
         if mine is not None and other is not None and self._are_edited(mine, other):
-            found = self._rule(asked, mine, other)
-            if found is not None:
-                return found
+            for walk in (self, _Walk(self._here, self._there, values=True)):
+                if (found := walk._rule(asked, mine, other)) is not None:
+                    return found
         return Differing("rule", asked, mine, other)
 
     def _are_edited(self, here: Node, there: Node) -> bool:
@@ -134,6 +137,8 @@ class _Walk:
         return self._nodes(asked, _columns(here), _columns(there))
 
     def _nodes(self, asked: Ask, here: Sequence[Node], there: Sequence[Node]) -> Differing | None:
+        if any(node.kind == "contributor" for node in (*here, *there)):
+            return self._contributors(asked, here, there)
         for mine, other in zip(here, there, strict=False):
             if (found := self._pair(asked, mine, other)) is not None:
                 return found
@@ -146,10 +151,33 @@ class _Walk:
             return None
         return Differing("step", asked, *_sides(here[at : at + 1], there[at : at + 1]))
 
+    def _contributors(
+        self, asked: Ask, here: Sequence[Node], there: Sequence[Node]
+    ) -> Differing | None:
+        """The first difference of what contributed to an aggregate, in whichever order."""
+        mine, others = ([n for n in side if n.kind == "contributor"] for side in (here, there))
+        alone: list[Node] = []
+        for node in mine:
+            decide = len(mine) == len(others) == 1
+            same = next((o for o in others if decide or _have_same_values(node, o)), None)
+            if same is None:
+                alone.append(node)
+                continue
+            others.remove(same)
+            if found := self._pair(asked, node, same):
+                return found
+        if self._values and (alone or others):
+            return Differing("step", asked, *_sides(alone, others))
+        if only := _only_in(alone, self._there):
+            return Differing("rule", only[0], only[1], None)
+        if only := _only_in(others, self._here):
+            return Differing("rule", only[0], None, only[1])
+        return None
+
     def _pair(self, asked: Ask, here: Node, there: Node) -> Differing | None:
         """The first difference of two nodes that stand at the same place."""
-        is_element = here.kind == there.kind == "contributor"
-        if here.kind != there.kind or (here.text != there.text and not is_element):
+        has_values = here.kind in ("contributor", "note")  # in its text
+        if here.kind != there.kind or (here.text != there.text and not has_values):
             return Differing("step", asked, here, there)
         if here.holds != there.holds and here.kind in _DECIDED_AT_ONCE:
             return Differing("step", asked, here, there)
@@ -157,7 +185,7 @@ class _Walk:
             return found
         if here.holds != there.holds:
             return Differing("step", asked, here, there)
-        if here.text != there.text or not _have_same_values(here, there):
+        if self._values and (here.text != there.text or not _have_same_values(here, there)):
             return Differing("value", asked, here, there)
         return None
 
@@ -182,6 +210,16 @@ def _stopped(rule: Node | None, explanation: Explanation | None) -> Node | None:
     found = (each for each in explanation.rules if each.span.text == rule.text)
     stopped = next((each.stopped_by for each in found), None)
     return stopped if stopped is not None and stopped.kind in _STATED else None
+
+
+def _only_in(nodes: Sequence[Node], program: str) -> tuple[Ask, Node] | None:
+    """The first rule in proofs that another program does not have, with what was asked of it."""
+    for node in nodes:
+        for _, each in node.walk():
+            for rule in _rules(each):
+                if each.asked is not None and rule.text not in program:
+                    return each.asked, rule
+    return None
 
 
 def _rules(node: Node) -> list[Node]:

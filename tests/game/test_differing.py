@@ -207,3 +207,31 @@ async def test_a_robot_put_elsewhere_by_hand_has_no_derivation_that_differs(leve
         assert await compare_proofs(game, game.history.parting) is None
     finally:
         await game.close()
+
+
+WALLS = """
+Ahead(ray) :- Abs(ray.angle) < 0.5;
+WayAhead(radar) = Min{ray.distance :- ray in radar, Ahead(ray)};
+Close(robot_name:, at: ray.angle) :- Sensor(robot_name:, sensor:), ray in sensor.radar, Ahead(ray);
+Robot(robot_name:, desire: {left_engine: WayAhead(sensor.radar), right_engine: n}, memory: 1) :-
+  Sensor(robot_name:, sensor:), n = Sum{1 :- Close(robot_name:, at:)};
+"""
+
+
+def test_what_decides_an_aggregate_is_gone_into_before_its_value_counts(level: Level) -> None:
+    two = Two(level, WALLS, WALLS.replace("< 0.5", "< 1.5"))
+    assert two.difference.kind == "rule"
+    assert two.difference.asked.predicate == "Ahead"
+    assert two.texts == ("Ahead(ray) :- Abs(ray.angle) < 0.5", "Ahead(ray) :- Abs(ray.angle) < 1.5")
+
+
+def test_what_only_one_aggregate_goes_over_is_told_by_its_new_rule(level: Level) -> None:
+    text = """
+    Near(robot_name:, d: 7) :- Sensor(robot_name:), Memory(robot_name:, memory:), memory == "x";
+    Robot(robot_name:, desire: {left_engine: 0, right_engine: 0}, memory: s) :-
+      Sensor(robot_name:), s = Sum{d :- Near(robot_name:, d:)};
+    """
+    two = Two(level, text, text.replace('"x"', '""'))
+    assert two.difference.kind == "rule"
+    assert two.difference.asked.predicate == "Near"
+    assert two.texts[0] is None
