@@ -79,7 +79,9 @@ def derivation(comparison: Comparison) -> Content:
     if found is None:
         return Content(f"The proofs of what {robot} decides are the same as far as they go.")
     given = ", ".join(
-        f"{name}: {written(value, _LONGEST_ARGUMENT)}" for name, value in found.asked.given.items()
+        f"{'' if name.startswith('col') and name[3:].isdigit() else f'{name}: '}"
+        f"{written(value, _LONGEST_ARGUMENT)}"
+        for name, value in found.asked.given.items()
     )
     what = one_line(f"{found.asked.predicate}({given})")
     lines = [Content.assemble(f"What {robot} decides differs first in ", (what, INK.title))]

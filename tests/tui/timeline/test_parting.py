@@ -66,4 +66,8 @@ def test_a_value_a_failed_step_and_nothing_are_told_apart() -> None:
     ]
     step = Differing("step", asked, Node("condition", "d < 20", holds=False), None)
     assert "d < 20  does not hold" in derivation(Comparison("Ada", step)).plain
+    call = Differing("step", Ask("Steer", {"col0": 0.5}), None, None)
+    assert derivation(Comparison("Ada", call)).plain.startswith(
+        "What Ada decides differs first in Steer(0.5)"
+    )
     assert "are the same" in derivation(Comparison("Ada", None)).plain
