@@ -53,27 +53,32 @@ EXAMPLES = """\
 examples:
   logical-robots                       play the first level
   logical-robots levels                list the levels
-  logical-robots play LEVEL            play one of them
-  logical-robots run LEVEL PROGRAM     run without a screen
-  logical-robots trace LEVEL PROGRAM   tell every tick as JSON
-  logical-robots when LEVEL PROGRAM QUESTION
+  logical-robots play 02-open-space    play one of them
+  logical-robots programs              list the programs
+  logical-robots check first-steps     say what is wrong with a program
+  logical-robots run 01-first-steps first-steps
+                                       run without a screen
+  logical-robots trace 01-first-steps first-steps
+                                       tell every tick as JSON
+  logical-robots query 01-first-steps first-steps --tick 90 Robot
+                                       ask anything about a tick
+  logical-robots when 01-first-steps first-steps 'Sensor(sensor:), sensor.forward_distance < 60'
                                        say in which ticks something holds
-  logical-robots why LEVEL PROGRAM --tick N --robot R
+  logical-robots why 01-first-steps first-steps --tick 90 --robot Ada --tree
                                        say why a robot did what it did
-  logical-robots origin LEVEL PROGRAM --tick N --robot R --value memory.part
+  logical-robots origin 06-breadcrumbs breadcrumbs --tick 300 --robot Crow --value memory.visited
                                        say where a value comes from
-  logical-robots diagnose LEVEL PROGRAM
+  logical-robots diagnose 01-first-steps first-steps
                                        look through a run for mistakes
-  logical-robots check PROGRAM         say what is wrong with a program
-  logical-robots help FUNCTION         explain a function of the language
-  logical-robots level new FILE        make a level
+  logical-robots record 01-first-steps first-steps -o run.cast
+                                       record a run as an asciicast
+  logical-robots help ArgMin           explain a function of the language
+  logical-robots level new maze.toml   make a level
   logical-robots bench                 say how fast this machine is
-  logical-robots record LEVEL PROGRAM -o run.cast
-                                       film a run
   logical-robots config                show settings and keys
   logical-robots doctor                say what was found on this machine
 
-A LEVEL or PROGRAM is a name from these lists or the path of a file.
+Levels and programs are names from these lists or paths of files.
 """
 
 

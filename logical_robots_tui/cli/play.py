@@ -27,10 +27,10 @@ __all__ = ["declare"]
 EPILOG = """\
 examples:
   logical-robots play                  where you stopped, or the first level
-  logical-robots play LEVEL            another level of the list
+  logical-robots play 02-open-space    another level of the list
   logical-robots play my-level.toml my-program.l
   logical-robots play --plain          the same in lines; with a pipe too:
-  echo run | logical-robots play LEVEL PROGRAM --plain
+  echo run | logical-robots play 01-first-steps first-steps --plain
 
 exit status: 0 after quitting, 2 if the game can't be opened
 """

@@ -32,11 +32,11 @@ WIDEST = 60  # characters of a value in a table
 
 EPILOG = """\
 examples:
-  logical-robots query LEVEL PROGRAM --tick 90 Robot                    all rows of a predicate
-  logical-robots query LEVEL PROGRAM --tick 90 'Near(robot_name:, d:)'  a call
-  logical-robots query LEVEL PROGRAM --tick 90 'Freedom([]) + 1'        an expression
-  logical-robots query LEVEL PROGRAM --tick 90 \\
-    'Sensor(robot_name:, sensor:), ray in sensor.radar, ray.distance < 20'
+  logical-robots query 06-breadcrumbs breadcrumbs --tick 90 Robot      all rows of a predicate
+  logical-robots query 06-breadcrumbs breadcrumbs --tick 110 'Next(robot_name: "Crow", ray:)'
+  logical-robots query 06-breadcrumbs breadcrumbs --tick 90 'Drive("Crow").left_engine + 1'
+  logical-robots query 06-breadcrumbs breadcrumbs --tick 90 \\
+    'Sensor(robot_name:, sensor:), ray in sensor.radar, ray.distance < 40'
 
 exit status: 0 there are rows, 1 there are none, 2 bad level, program or query
 """

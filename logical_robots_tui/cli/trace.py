@@ -33,9 +33,10 @@ DEFAULT_TICKS = 5000
 
 EPILOG = """\
 examples:
-  logical-robots trace LEVEL PROGRAM > run.jsonl
-  logical-robots trace LEVEL PROGRAM --ticks 100 --robot Pip | jq .decisions
-  logical-robots trace LEVEL PROGRAM --predicates Near,Next | jq -c .predicates.Near.rows
+  logical-robots trace 01-first-steps first-steps > run.jsonl
+  logical-robots trace 06-breadcrumbs breadcrumbs --ticks 100 --robot Crow | jq .decisions
+  logical-robots trace 06-breadcrumbs breadcrumbs --ticks 100 --predicates Next \\
+    | jq -c .predicates.Next.rows
 
 A line holds: tick, won, robots (after the tick), sensors and memories (as the program saw them),
 decisions (desire, memory, notices), areas, and the rows of the predicates that were asked for.

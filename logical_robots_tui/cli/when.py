@@ -32,11 +32,11 @@ DEFAULT_TICKS = 5000
 
 EPILOG = """\
 examples:
-  logical-robots when 06-breadcrumbs breadcrumbs Robot                  a predicate has rows
-  logical-robots when 06-breadcrumbs breadcrumbs 'Fresh(robot_name: "Crow")'
-  logical-robots when 06-breadcrumbs breadcrumbs --robot Crow \\
-    'Sensor(sensor:), sensor.forward_distance < 20'                     conditions
-  logical-robots when 04-everybody-home everybody-home '2 + 2 == 4'     an expression is true
+  logical-robots when 06-breadcrumbs breadcrumbs --ticks 300 Fresh    a predicate has rows
+  logical-robots when 06-breadcrumbs breadcrumbs --ticks 300 'Fresh(robot_name: "Crow")'
+  logical-robots when 06-breadcrumbs breadcrumbs --ticks 300 --robot Crow \\
+    'Sensor(sensor:), sensor.forward_distance < 30'
+  logical-robots when 06-breadcrumbs breadcrumbs --ticks 300 'Drive("Crow").left_engine > 1'
 
 A question is what query takes. It holds in a tick in which it has rows; an expression, in which it
 is neither null, false nor 0. The run ends with victory, or after N ticks.
