@@ -14,7 +14,7 @@ TARGET = Path(__file__).with_name("reference.md")
 HEAD = """\
 # What a program can use
 
-The same help is told by `logical-robots help NAME`. An aggregate is used with braces, as in
+The same help is told by `logical-robots help`. An aggregate is used with braces, as in
 `Sum{x :- P(x)}`, or in the head of a rule, as in `P(name, total? Sum= x) distinct :- Q(name, x);`.
 Null stands for "no value"; almost everything of null is null. Truth is shown as 1 and 0.
 """

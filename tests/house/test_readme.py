@@ -105,7 +105,7 @@ def test_the_level_loads(tmp_path: Path) -> None:
 
 
 def test_the_python_runs() -> None:
-    (text,) = blocks("python")
+    text, *_ = blocks("python")
     out = io.StringIO()
     with contextlib.redirect_stdout(out):
         exec(compile(text, "README.md", "exec"), {})

@@ -1,0 +1,198 @@
+"""Every example in the help of every command, in the README and in the docs does what it says.
+
+The lines of one text are run one after the other in one folder, as a reader would type them.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import io
+import re
+import shlex
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import pytest
+
+from logical_robots_tui import Program
+from logical_robots_tui.cli.main import PROGRAM, main
+from tests.house.examples import PAGES, blocks, commands, in_help, in_page
+from tests.installed import CHECKOUT
+from tests.terminal import Terminal
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+NOT_RUN = {"asciinema play run.cast": "it is another program, which need not be there"}
+QUICKER = {"bench": ["--seconds", "0.01"]}
+"""What is added, so that the tests take no longer than they need."""
+
+ALSO_FINE = {"run": 1, "trace": 1, "why": 1, "diagnose": 1}
+"""Statuses other than 0 that are an answer: not won yet, there is no row, there are warnings."""
+
+OF_A_TERMINAL = {"play", "doctor"}
+FALSE = ("mistake in the game itself", "uses something that robots may not use", "Traceback")
+
+HELPS = {f"{PROGRAM} {name}".strip(): in_help(parser) for name, parser in commands().items()}
+TEXTS = {page.relative_to(CHECKOUT).as_posix(): in_page(page) for page in PAGES}
+EXAMPLES = {text: lines for text, lines in (HELPS | TEXTS).items() if lines}
+
+
+def _write_level(folder: Path, name: str) -> None:
+    """The level of the README, as somebody's own."""
+    (level,) = (b.text for b in blocks(PAGES[0]) if "[[robots]]" in b.text)
+    (folder / name).write_text(level, "utf-8")
+
+
+def _write_gate(folder: Path) -> None:
+    """The level of the page on levels."""
+    (level,) = (b.text for b in blocks(CHECKOUT / "docs/levels.md") if b.language == "toml")
+    (folder / "gate.toml").write_text(level, "utf-8")
+
+
+def _write_both_formats(folder: Path) -> None:
+    _write_level(folder, "mine.toml")
+    assert main(["level", "convert", str(folder / "mine.toml"), str(folder / "theirs.json")]) == 0
+
+
+def _write_maze(folder: Path) -> None:
+    assert main(["level", "new", str(folder / "maze.toml"), "--labyrinth", "3x2"]) == 0
+    assert main(["level", "convert", str(folder / "maze.toml"), str(folder / "maze.json")]) == 0
+
+
+def _make_folders(_folder: Path) -> None:
+    for name in (".local/share/bash-completion/completions", ".zfunc", ".config/fish/completions"):
+        (Path.home() / name).mkdir(parents=True)
+
+
+BEFORE: dict[str, Callable[[Path], None]] = {
+    "docs/levels.md": _write_gate,
+    f"{PROGRAM} level convert": _write_both_formats,
+    f"{PROGRAM} level check": _write_maze,
+    f"{PROGRAM} completion": _make_folders,
+}
+"""What makes the files and folders that a text speaks of and that its own examples do not make."""
+
+
+@pytest.fixture
+def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """Where the reader is: a home of one's own, a level, a program, and the docs."""
+    for name in ("XDG_DATA_HOME", "XDG_STATE_HOME", "XDG_CACHE_HOME", "XDG_CONFIG_HOME"):
+        monkeypatch.delenv(name, raising=False)
+    monkeypatch.setenv("HOME", str(tmp_path / "home"))
+    monkeypatch.setenv("COLUMNS", "100")
+    folder = tmp_path / "here"
+    folder.mkdir()
+    (folder / "docs").symlink_to(CHECKOUT / "docs")
+    _write_level(folder, "my-level.toml")
+    (program,) = (b.text for b in blocks(PAGES[0]) if b.language == "prolog")
+    (folder / "my-program.l").write_text(program, "utf-8")
+    monkeypatch.chdir(folder)
+    return folder
+
+
+@pytest.mark.parametrize("text", EXAMPLES)
+def test_the_examples_of_a_text_do_what_they_say(
+    text: str,
+    folder: Path,
+    capsys: pytest.CaptureFixture[str],
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    if text in BEFORE:
+        BEFORE[text](folder)
+        capsys.readouterr()
+    for line in EXAMPLES[text]:
+        if line in NOT_RUN:
+            continue
+        status, said = _run(line, capsys, monkeypatch)
+        told = f"{line}\nends with {status} and says:\n{said[:4000]}"
+        assert not any(each in said for each in FALSE), told
+        assert status in _fine(line), told
+
+
+def _run(
+    line: str, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> tuple[int, str]:
+    """The exit status of a line, and all that it says."""
+    if _needs_a_shell(line):
+        return _run_in_shell(line)
+    name, *arguments = shlex.split(line)
+    assert name == PROGRAM
+    arguments += QUICKER.get(" ".join(arguments), [])
+    if "--help" not in arguments and (not arguments or arguments[0] in OF_A_TERMINAL):
+        return _run_in_terminal(arguments)
+    # As where somebody looks on: else it would be JSON.
+    monkeypatch.setattr(sys.stdout, "isatty", lambda: True)
+    try:
+        status = main(arguments)
+    except SystemExit as end:
+        status = int(end.code or 0)
+    return status, "".join(capsys.readouterr())
+
+
+def _needs_a_shell(line: str) -> bool:
+    return bool(re.search(r"[|<>*]", re.sub(r"""'[^']*'|"[^"]*\"""", "", line)))
+
+
+def _run_in_shell(line: str) -> tuple[int, str]:
+    call = f"{PROGRAM}() {{ {shlex.quote(sys.executable)} -m logical_robots_tui \"$@\"; }}"
+    jq = "" if shutil.which("jq") else "jq() { cat; }"
+    done = subprocess.run(
+        ["bash", "-o", "pipefail", "-c", f"{call}\n{jq}\n{line}"],
+        check=False,
+        capture_output=True,
+        text=True,
+    )
+    return done.returncode, done.stdout + done.stderr
+
+
+def _run_in_terminal(arguments: list[str]) -> tuple[int, str]:
+    """What opens the game is left again when it is open."""
+    with Terminal([sys.executable, "-m", "logical_robots_tui", *arguments]) as terminal:
+        if "--plain" in arguments:
+            terminal.wait_for("help")
+            terminal.send("quit\n")
+        elif not arguments or arguments[0] == "play":
+            terminal.wait_for("· applied")
+            terminal.send("q")
+        return terminal.finish(), terminal.everything
+
+
+def _fine(line: str) -> set[int]:
+    """The exit statuses of a line with which it has done what it says."""
+    called = re.search(rf"{PROGRAM} (\w+)", line)
+    name = called[1] if called else ""
+    if name not in ALSO_FINE:
+        return {0}
+    assert re.search(rf"exit status: 0.*?\b{ALSO_FINE[name]} ", commands()[name].format_help())
+    return {0, ALSO_FINE[name]}
+
+
+def test_every_command_has_an_example() -> None:
+    every = "\n".join(line for lines in EXAMPLES.values() for line in lines)
+    for name in commands():
+        assert re.search(rf"^(.*\| )?{PROGRAM} {name}\b".strip(), every, re.MULTILINE), name
+
+
+def test_what_is_not_run_is_still_an_example() -> None:
+    every = {line for lines in EXAMPLES.values() for line in lines}
+    assert set(NOT_RUN) <= every
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
+def test_programs_in_a_page_compile(page: Path) -> None:
+    for block in blocks(page):
+        if block.language == "prolog" and "Robot(" in block.text:
+            assert Program.compile(block.text).predicate("Robot")
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
+def test_python_in_a_page_runs(page: Path, folder: Path) -> None:
+    names: dict[str, object] = {}
+    for block in blocks(page):
+        if block.language == "python":
+            with contextlib.redirect_stdout(io.StringIO()):
+                exec(compile(block.text, page.name, "exec"), names)
