@@ -64,6 +64,16 @@ def test_the_code_in_a_lesson_fits_a_line(name: str) -> None:
 
 
 @each_level
+def test_the_code_in_a_lesson_is_that_of_its_solution_or_runs_as_it_is(name: str) -> None:
+    level = load_level(name)
+    solution = "".join(program_text(level.solution).split())
+    for block in re.findall(r"^```\n(.*?)^```$", level.lesson, re.DOTALL | re.MULTILINE):
+        parts = ["".join(part.split()) for part in re.split(r";\n|\.\.\.;?\n", block)]
+        if not all(part in solution for part in parts):
+            assert Program.compile(block).predicate("Robot")
+
+
+@each_level
 def test_a_level_has_a_closed_rim(name: str) -> None:
     walls = load_level(name).walls
     assert all(rim.all() for rim in (walls[0], walls[-1], walls[:, 0], walls[:, -1]))

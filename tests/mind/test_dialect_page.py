@@ -1,0 +1,82 @@
+"""What docs/dialect.md says programs may count on is so."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from logical_robots_tui import Program, ProgramError
+from tests.mind.rows import ROBOT, remembered, row, think
+
+PAGE = " ".join((Path(__file__).parents[2] / "docs/dialect.md").read_text("utf-8").split())
+NOTHING = "x in Range(0)"
+
+
+@pytest.mark.parametrize(
+    ("said", "expression", "memory", "value"),
+    [
+        ("`60 / 100` is `0.6`", "60 / 100", "", 0.6),
+        ("A number divided by zero is infinite", "1 / 0 > 10 ^ 300", "", 1),
+        ("Null goes in, null comes out", "Sqrt(null) is null", "", 1),
+        ("`Greatest` pass over nulls", "Greatest(null, 2)", "", 2),
+        ("An aggregate over nothing is null", f"Max{{x :- {NOTHING}}} is null", "", 1),
+        ("so is `List{...}` of nothing", f"List{{x :- {NOTHING}}} is null", "", 1),
+        ("`Count` of nothing is 0", f"Count{{x :- {NOTHING}}}", "", 0),
+        ("tell capitals from small letters", '"a" == "A" || Like("a", "A")', "", 0),
+        ("may be written with a space before the brace", "WeightedAverage {1 -> 2}", "", 2),
+        ("`memory.count` is null while the memory is still", "memory.count is null", "", 1),
+        (
+            '`{count: 0, plan: {at: ""}, seen: [""]}`',
+            'TryCast(memory, {count: 0, plan: {at: ""}, seen: [""]}).count + 1',
+            {"count": "2", "other": 1},
+            3,
+        ),
+        ("numbers become texts where a text is", 'TryCast(5, "") ++ "!"', "", "5!"),
+        ("or null", "TryCast(memory, 0) is null", "x", 1),
+        ("A type may also be written out: `Num`", "TryCast(memory, Num)", 5, 5),
+        ("`Int`", "TryCast(memory, Int)", "7", 7),
+        ("`Str`", "TryCast(memory, Str)", "a", "a"),
+        ("`Bool`", "TryCast(memory, Bool)", "true", 1),
+        (
+            "`{count: Num, plan: {at: Str}}`",
+            "TryCast(memory, {count: Num, plan: {at: Str}}).plan.at",
+            {"count": 1, "plan": {"at": "home"}},
+            "home",
+        ),
+        ("a list of a type `[Str]`", "Element(TryCast(memory, [Str]), 0)", ["a"], "a"),
+        (
+            '`"STRUCT(count DOUBLE)"`',
+            'TryCast(memory, "STRUCT(count DOUBLE)").count',
+            {"count": 3},
+            3,
+        ),
+        ("Fields that the record lacks are null", "TryCast(memory, {a: Num}).a is null", {}, 1),
+    ],
+)
+def test_a_statement_of_the_page_holds(
+    said: str, expression: str, memory: Any, value: object
+) -> None:
+    assert said in PAGE
+    assert remembered(expression, memory) == value
+
+
+@pytest.mark.parametrize(("asked", "depth"), [("", 32), ("@Recursive(Far, 1000);", 1000)])
+def test_recursion_goes_as_deep_as_the_page_says(asked: str, depth: int) -> None:
+    assert "at most 32 steps after the first one, or as many as `@Recursive(P, depth)` says" in PAGE
+    assert "1,000 is the most" in PAGE
+    rules = f"{asked} Far(x) distinct :- x in [0]; Far(x + 1) distinct :- Far(x);"
+    (decision,) = think(f"{rules} {ROBOT} m = Max{{x :- Far(x)}};", [row("Ada")], {})
+    assert decision.memory == depth
+
+
+def test_every_refused_word_that_security_names_is_refused() -> None:
+    page = (Path(__file__).parents[2] / "docs/security.md").read_text("utf-8")
+    named = re.search(r"In Logica's words: (.*?)are refused", page, re.DOTALL)
+    assert named
+    for word in re.findall(r"`(\w+)`", named[1]):
+        if word[0].isupper():
+            with pytest.raises(ProgramError):
+                Program.compile(f'{ROBOT} m = {word}("x");')
