@@ -24,7 +24,8 @@ examples:
   logical-robots completion zsh > ~/.zfunc/_logical-robots      with fpath+=~/.zfunc in ~/.zshrc
   logical-robots completion fish > ~/.config/fish/completions/logical-robots.fish
 
-Make the folder first if it is not there. In a shell that is open already: eval "$(logical-robots completion bash)"
+Make the folder first if it is not there. In a shell that is open already:
+  eval "$(logical-robots completion bash)"
 
 levels and programs print their names, one a line; the scripts ask for them.
 """

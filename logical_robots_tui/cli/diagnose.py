@@ -37,8 +37,8 @@ NARROWEST, WIDEST = 40, 96  # columns
 
 EPILOG = """\
 examples:
-  logical-robots diagnose LEVEL PROGRAM
-  logical-robots diagnose LEVEL PROGRAM --ticks 500 --json | jq .findings
+  logical-robots diagnose 06-breadcrumbs breadcrumbs --ticks 300
+  logical-robots diagnose 01-first-steps first-steps --ticks 300 --json | jq .findings
 
 What is hardly meant comes first; a note may well be as it should be.
 

@@ -5,7 +5,6 @@ from __future__ import annotations
 import argparse
 import re
 from dataclasses import dataclass
-from pathlib import Path
 from typing import TYPE_CHECKING
 
 from logical_robots_tui.cli.main import PROGRAM
@@ -14,6 +13,7 @@ from tests.installed import CHECKOUT
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
+    from pathlib import Path
 
 __all__ = ["PAGES", "Block", "blocks", "commands", "in_help", "in_page"]
 

@@ -138,7 +138,7 @@ def _needs_a_shell(line: str) -> bool:
 
 
 def _run_in_shell(line: str) -> tuple[int, str]:
-    call = f"{PROGRAM}() {{ {shlex.quote(sys.executable)} -m logical_robots_tui \"$@\"; }}"
+    call = f'{PROGRAM}() {{ {shlex.quote(sys.executable)} -m logical_robots_tui "$@"; }}'
     jq = "" if shutil.which("jq") else "jq() { cat; }"
     done = subprocess.run(
         ["bash", "-o", "pipefail", "-c", f"{call}\n{jq}\n{line}"],
