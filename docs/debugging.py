@@ -7,6 +7,8 @@ computed. A test plays the same steps, so that the page can't say what is not so
 from __future__ import annotations
 
 import asyncio
+import re
+import shlex
 import sys
 import tempfile
 from dataclasses import dataclass
@@ -25,11 +27,13 @@ __all__ = ["LEVEL", "PAGE", "PICTURES", "PROGRAM", "page", "play"]
 FOLDER = Path(__file__).with_name("debugging")
 PAGE = FOLDER.with_suffix(".md")
 LEVEL, PROGRAM = FOLDER / "fork.toml", FOLDER / "courier.l"
-PICTURES = ("1-wrong", "2-why", "3-tree", "4-graph", "5-watch", "6-deeper", "7-won")
+PICTURES = ("1-diagnosis", "2-why", "3-search", "4-watch", "5-deeper", "6-won", "7-parted")
+FILES = f"docs/{FOLDER.name}/{LEVEL.name} docs/{FOLDER.name}/{PROGRAM.name}"
 END, MENDED = "ray.distance < 40;", ', ray.label in ["left", "right"];'
 QUERY = 'Sensor(sensor:), ray in sensor.radar, ray.object == "beacon", word == ray.label'
+SOUGHT = 'Sign(word: "lamp")'
 UP, DOWN, RIGHT = "\x1b[A", "\x1b[B", "\x1b[C"
-ENTER, ESCAPE, RUB_OUT, APPLY = "\r", "\x1b", "\x7f", "\x12"
+ENTER, ESCAPE, RUB_OUT, APPLY, PALETTE = "\r", "\x1b", "\x7f", "\x12", "\x10"
 HOME, LINE_END = "\x1b[H", "\x1b[F"
 
 
@@ -92,30 +96,30 @@ def walk(found: Facts) -> Iterator[Step]:
     yield Step("", "· applied")
     yield Step("U", "Run until tick")
     yield Step(f"{found.wrong}{ENTER}", f"tick {found.wrong} of 0-{found.wrong}")
-    yield Step("a", 'Dot remembers {word: "lamp"}', "1-wrong")
-    yield Step("g", "Go to tick")
-    yield Step(f"{found.turned}{ENTER}", f"tick {found.turned} of")
+    yield Step("a", 'Dot remembers {word: "lamp"}')
+    yield Step(PALETTE, "Find a command")
+    yield Step("Diagnosis", "Look through the whole run for what may ")
+    yield Step(ENTER, f"Look through the run up to tick {found.wrong}")
+    yield Step(ENTER, 'word was never "left"')
+    yield Step(DOWN, 'word was never "left"', "1-diagnosis")
+    yield Step(ENTER, f"tick {found.turned} of")
     yield Step("w", "✓ 22: Drive")
     yield Step(f"{DOWN * 3}{RIGHT}", "col1 = lamp")
     yield Step(f"{DOWN * 3}{RIGHT}", "Turn(word) = {left", "2-why")
     yield Step(f"{HOME}X", "memory after")
-    yield Step(f"{DOWN * 13}@", "Pinned: Robot.memory.word for Dot.", "3-tree")
+    yield Step(f"{DOWN * 13}@", "Pinned: Robot.memory.word for Dot.")
     yield Step(ESCAPE, f"Why · tick {found.turned}")
-    yield Step("R", "╰▶ • Mind")
-    yield Step(f"{RIGHT}{DOWN}", "╰▶ • Mind", "4-graph")
-    yield Step(ENTER, f"Mind · tick {found.turned} · 1 row")
-    yield Step(UP, f"Remembered · tick {found.turned}")
-    yield Step(UP, f"Sign · tick {found.turned}")
-    yield Step("@", "Pinned: Sign: rows.")
-    yield Step("V", f"Watch · tick {found.turned}")
-    yield Step("{", f"Watch · tick {found.lost}")
-    yield Step("", "┼", "5-watch")
+    yield Step("(", "tick 0 of")
+    yield Step("Q", "Go to the next tick in which")
+    yield Step(f"{SOUGHT}{ENTER}", f"Why · tick {found.lost}", "3-search")
+    yield Step("V", f"Watch · tick {found.lost}")
+    yield Step("", "┼", "4-watch")
     yield Step("w", "✓ 27: Robot")
     yield Step(LINE_END, "✓ Mind(robot_name:, word:) →")
     yield Step(ENTER, "Dot: Mind(")
     yield Step(DOWN * 3, "✓ Sign(robot_name:, word:) →")
     yield Step(ENTER, "Dot: Sign(")
-    yield Step(f"{LINE_END}{UP * 2}{RIGHT * 2}", "ray = {angle", "6-deeper")
+    yield Step(f"{LINE_END}{UP * 2}{RIGHT * 2}", "ray = {angle", "5-deeper")
     yield Step("/", "Ask anything")
     yield Step(f"{QUERY}{ENTER}", "lamp  ")
     yield Step(ESCAPE, "space Run")
@@ -126,7 +130,8 @@ def walk(found: Facts) -> Iterator[Step]:
     yield Step(APPLY, "· applied")
     yield Step(ESCAPE, "space Run")
     yield Step("U", "Run until tick")
-    yield Step(f"2000{ENTER}", "★ WON", "7-won")
+    yield Step(f"2000{ENTER}", "★ WON", "6-won")
+    yield Step("C", "The two futures part", "7-parted")
 
 
 def play(send: Callable[[str], None], wait_for: Callable[[str], None]) -> Iterator[Step]:
@@ -138,19 +143,46 @@ def play(send: Callable[[str], None], wait_for: Callable[[str], None]) -> Iterat
         yield step
 
 
+def told(line: str) -> str:
+    """What a command says in a terminal, with the line that starts it, as a reader would see it.
+
+    Args:
+        line: The command line.
+
+    Raises:
+        ValueError: The command fails.
+    """
+    _, *arguments = shlex.split(line)
+    command = [sys.executable, "-m", "logical_robots_tui", *arguments]
+    with Terminal(command, size=(100, 100)) as terminal:
+        if terminal.finish() > 1:
+            raise ValueError(terminal.text)
+        return f"```\n{line}\n```\n\n```text\n{terminal.text}\n```"
+
+
 def page() -> str:
     """The text of the page."""
     found = facts()
     pictures = {name[0]: f"![The game]({FOLDER.name}/{name}.svg)" for name in PICTURES}
     program = PROGRAM.read_text("utf-8").strip()
+    at = f"{FILES} --tick {found.turned} --robot Dot"
+    before = f"{FILES} --tick {found.lost - 1} --robot Dot"
+    origin = told(f"logical-robots origin {at} --value memory.word")
+    diagnosis = told(f"logical-robots diagnose {FILES}")
+    made = re.search(r"set in tick (\d+)", origin)
+    won = re.search(r"Ticks 1 to (\d+), won", diagnosis)
+    assert made
+    assert won
     return f"""\
 # Find a mistake
 
-When a robot does something stupid, the cause is often many ticks back. This is a walk through one
-such case with nothing but the game. Play along:
+When a robot does something stupid, the cause is often many ticks back. Each question below brings you
+one step nearer: from what you see to the decision, from the decision to a value, from the value to
+the tick and the rule that made it. Each can be asked in the game and on the command line. All of it
+is shown on one case; [a table](#which-question-for-which-symptom) at the end lists the others.
 
 ```
-logical-robots play docs/debugging/{LEVEL.name} docs/debugging/{PROGRAM.name}
+logical-robots play {FILES}
 ```
 
 Dot carries a parcel. A sign beside the start says `left`: at the far end of the hall the way to the
@@ -160,66 +192,100 @@ office is to the left. Dot sees the sign only while it passes, so it has to reme
 {program}
 ```
 
-## It goes wrong
+## The symptom
 
 `U` and `{found.wrong}` run until that tick. At the fork Dot has turned to the right, away from the
-office. `a` selects Dot, so that a card tells of it, and the timeline of its memory.
+office. `a` selects Dot: a card tells its engines and its memory, and the timeline marks where that
+memory changed.
+
+## Where do I begin? Diagnosis
+
+`^P` and “Diagnosis” open a page that looks through the whole run for [what stands out](diagnose.md):
+rules that never gave a row, conditions that never changed, memories that were lost.
 
 {pictures["1"]}
 
-## Why did it do that?
+`word` was never `"left"`, though the sign says so. `Enter` goes to the first tick of a finding. The
+same without a screen:
 
-Drag the timeline back to the turn, or press `g` and type its tick, `{found.turned}`. `w` says why:
-the rule that gave the row and what it comes from, as a tree to fold. Go down to the rule of `Drive`
-and open it with `→`, and its `if` as well: a wall is near, so it turns, and the word is `lamp`. For
-every word but `left`, `Turn` goes to the right. So `Turn` does what it says; the word is wrong.
+{diagnosis}
+
+Dot does arrive, but late: in tick {won[1]}, after a long detour.
+
+## Why did it do that? Why
+
+`w` proves the decision at tick {found.turned}: the rule that gave it, with the values of this one
+derivation, and what it called. `→` and `←` open and close. A wall is near, so `Drive` turns; `Turn`
+was asked with `lamp`, and for every word but `left` it goes to the right. `Turn` does what it says;
+the word is wrong. The program shows the place of the line that the cursor is on.
 
 {pictures["2"]}
 
-`Home` goes to the top; there `X` opens all that the decision came from as a tree. The wrong word is
-in the memory that the robot had before, and in the one that it has after this tick. Go down to the
-last `word` and pin it with `@`: from now on it is watched.
+`Enter` asks the same of a call, here of `Mind`, which gave the word. So does `--predicate`, and
+`--tree` follows every call down to what was sensed and remembered:
+
+{told(f"logical-robots why {at} --predicate Mind --tree")}
+
+The word was in the memory before. That `Sign` has no row here is explained, too: of each rule that
+gives nothing, the first part is shown that nothing gets past.
+
+## Where does the value come from? Origin
+
+`origin` goes back over all ticks that only kept a value, also through the memories of other robots,
+to the tick and the rule that made it, and to what it was made from:
+
+{origin}
+
+So the word was last read in tick {made[1]}, {found.turned - int(made[1])} ticks before the turn, from
+a lamp, by the rule that is to read signs. In the game `{{` goes back to where the memory of the
+chosen robot changed.
+
+## When does it happen? Search
+
+`(` goes to the start. `Q` asks for any question in Logica, here `{SOUGHT}`, and goes to
+the next tick in which it holds; `;` and `:` go on to the one after and before.
 
 {pictures["3"]}
 
-## Where does the word come from?
+On the command line one sees all of them at once:
 
-`R` draws which predicate uses which. `Robot` is in the middle, what it uses to the right: the word
-comes from `Mind`. Move there with the arrows; `Enter` opens its rows. In the list go up to `Sign`,
-which reads what stands by the way, and pin that, too.
+{told(f"logical-robots when {FILES} '{SOUGHT}'")}
+
+`*` makes a question a breakpoint: a run stops where it begins to hold. `B` lists all that a run
+stops at.
+
+## When did it change? Watch
+
+`@` pins a question, a number of rows, or a value under the cursor, here the word in Dot's memory.
+`V` shows what is pinned, with a line of the ticks around. `←` and `→` go to where a value changes:
+the `┼` stands where `left` became `lamp`.
 
 {pictures["4"]}
 
-## When did it become wrong?
+## What happened in that tick?
 
-`V` shows what is pinned, with a line of the ticks around. The word has been the same as far as the
-line reaches. `{{` goes back to where Dot's memory changed before: to tick {found.lost},
-{found.turned - found.lost} ticks before the turn.
+`w` again, and `Enter` on `Mind` and on `Sign`, down to the ray that was taken. The labyrinth shows the
+ray that the cursor is on.
 
 {pictures["5"]}
 
-In this tick the word became another one: the `┼` in its line. In the very same tick `Sign` got a
-row: Dot has read something.
-
-## What happened there?
-
-`w` again, down to `Mind` and `Enter`: one step deeper, why `Mind` has this row. Its first rule gave
-it, from `Sign`. One more `Enter`, there, shows the rule of `Sign` with its values, down to the ray
-that it took: the labyrinth shows it, the program the place of each line that the cursor is on.
-
-{pictures["6"]}
-
-Everything that is asked of a ray holds: it ends at a beacon, and near. Nothing asks what stands
-there. `/` is a line for any question about this tick:
+Everything that is asked of it holds: it ends at a beacon, and near. Nothing asks what stands there.
+`/` answers any question about this tick, here which beacons are in sight:
 
 ```prolog
 {QUERY}
 ```
 
-It answers with all beacons in sight: there is only the lamp in the hall. In this tick it came near
-enough, and overwrote what Dot had read on the sign.
+## Why not? The nearest miss
 
-## Mend it
+And one tick before? Then `Sign` has no row. `nearest` says which one change would have given it one;
+each was tried.
+
+{told(f"logical-robots nearest {before} --predicate Sign")}
+
+So nothing but its distance kept Dot from reading a lamp.
+
+## Mend it: two futures
 
 `p` steps back, to before the memory was lost. `2` goes to the program; let `Sign` read signs only:
 
@@ -227,25 +293,33 @@ enough, and overwrote what Dot had read on the sign.
   Sensor(robot_name:, sensor:), ray in sensor.radar, ray.object == "beacon", {END[:-1]}{MENDED}
 ```
 
-`Ctrl+R` applies it, `Esc` leaves the editor. Going on from here Dot keeps its word, turns to the
-left and wins. The old future is still there: `C` goes to where the two part, and says in
-what and why.
+`^R` applies it, `esc` leaves the editor. Going on from here Dot keeps its word, turns to the left
+and wins.
+
+{pictures["6"]}
+
+The old future is still there, dotted on the timeline. `C` goes to the first tick in which the two
+differ, and says in what; `F` goes over to the other one and back.
 
 {pictures["7"]}
 
-## The tools in short
+## Which question for which symptom
 
-| | |
-|---|---|
-| `w` | why: a proof to fold with `→` and `←`; `Enter` one step deeper, `Backspace` back |
-| `R` | which predicate uses which |
-| `@` | pin a value or a number of rows; `V` shows the pins, `←` `→` go to where one changes |
-| `X` | look into a record or a list, or all that a decision came from, as a tree |
-| `<` | which tick and rule a memory, or the part of it under the cursor, comes from |
-| `{{` `}}` | to the mark before and the next one: memories, notices, switches, breakpoints |
-| `/` | ask anything about this tick |
-| `*` | stop when the predicate that is inspected changes; `B` lists what a run stops at |
-| `C` | where the old and the new future part, and which derivation differs first |
+| what you see | what to ask | in the game | `logical-robots` |
+|---|---|---|---|
+| it goes wrong, you don't know where | what stands out in the run? | Diagnosis, in `^P` | `diagnose` |
+| it does the wrong thing now | why? | `w` | `why --tree` |
+| it doesn't do what it should | why not? | `w`: the first part that nothing gets past | `why --predicate P` |
+| a rule nearly holds | what would have to differ? | | `nearest` |
+| a value is wrong | where does it come from? | `{{` `}}`: where the memory changed | `origin` |
+| it happens now and then | in which ticks? | `Q`, then `;` `:` | `when` |
+| it happens too late to wait for | stop there | `*`, `B` | `when` |
+| a value comes and goes | when does it change? | `@`, `V` | `trace --predicates P` |
+| you wonder about one tick | any question in Logica | `/` | `query` |
+| a record or a list is too long to read | what is in it? | `X`, enter on a value | `query --json` |
+| two programs behave differently | where do they part? | `C`, `F` | |
+| you don't know your way in a program | what uses what? | `R` | |
+| it thinks slowly | what does each predicate cost? | `K` | `bench` |
 """
 
 

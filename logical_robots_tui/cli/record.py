@@ -28,7 +28,7 @@ LEAST, MOST = (20, 6), (500, 200)
 EPILOG = """\
 examples:
   logical-robots record 01-first-steps first-steps -o run.cast
-  logical-robots record 12-swarm swarm -o swarm.cast --ticks 40 --size 120x40 --speed 20
+  logical-robots record 01-first-steps first-steps -o run.cast --ticks 300 --size 120x40 --speed 80
   asciinema play run.cast
 
 exit status: 0 recorded, won or not; 2 bad level or program, or the file can't be written

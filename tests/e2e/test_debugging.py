@@ -1,4 +1,4 @@
-"""The walk through a mistake, as the page tells it: Why, a tree, the graph, Watch and Ask."""
+"""The walk through a mistake, as the page tells it: Diagnosis, Why, a search, Watch, Ask."""
 
 from __future__ import annotations
 
@@ -30,5 +30,3 @@ def test_the_mistake_is_found_and_mended_as_the_page_says(
             step.picture for step in play(player.tmux.type, player.tmux.wait_for) if step.picture
         ]
         assert pictures == list(PICTURES)
-        player.tmux.press("C")
-        player.tmux.wait_for("memory")
