@@ -176,10 +176,10 @@ def page() -> str:
     return f"""\
 # Find a mistake
 
-When a robot does something stupid, the cause is often many ticks back. Each question below brings you
-one step nearer: from what you see to the decision, from the decision to a value, from the value to
-the tick and the rule that made it. Each can be asked in the game and on the command line. All of it
-is shown on one case; [a table](#which-question-for-which-symptom) at the end lists the others.
+When a robot does something stupid, the cause is often many ticks back. Each question below brings
+you one step nearer: from what you see to the decision, from the decision to a value, from the value
+to the tick and the rule that made it. All are asked about one case, in the game or on the command
+line; [a table](#which-question-for-which-symptom) at the end says which one fits which symptom.
 
 ```
 logical-robots play {FILES}
@@ -200,8 +200,9 @@ memory changed.
 
 ## Where do I begin? Diagnosis
 
-`^P` and “Diagnosis” open a page that looks through the whole run for [what stands out](diagnose.md):
-rules that never gave a row, conditions that never changed, memories that were lost.
+`^P` and “Diagnosis” open a page that looks through the whole run for
+[what stands out](diagnose.md): rules that never gave a row, conditions that never changed, memories
+that were lost.
 
 {pictures["1"]}
 
@@ -236,8 +237,8 @@ to the tick and the rule that made it, and to what it was made from:
 
 {origin}
 
-So the word was last read in tick {made[1]}, {found.turned - int(made[1])} ticks before the turn, from
-a lamp, by the rule that is to read signs. In the game `{{` goes back to where the memory of the
+So the word was last read in tick {made[1]}, {found.turned - int(made[1])} ticks before the turn,
+from a lamp, by the rule that is to read signs. In the game `{{` goes back to where the memory of the
 chosen robot changed.
 
 ## When does it happen? Search
@@ -264,8 +265,8 @@ the `┼` stands where `left` became `lamp`.
 
 ## What happened in that tick?
 
-`w` again, and `Enter` on `Mind` and on `Sign`, down to the ray that was taken. The labyrinth shows the
-ray that the cursor is on.
+`w` again, and `Enter` on `Mind` and on `Sign`, down to the ray that was taken. The labyrinth shows
+the ray that the cursor is on.
 
 {pictures["5"]}
 
@@ -278,8 +279,8 @@ Everything that is asked of it holds: it ends at a beacon, and near. Nothing ask
 
 ## Why not? The nearest miss
 
-And one tick before? Then `Sign` has no row. `nearest` says which one change would have given it one;
-each was tried.
+And one tick before? Then `Sign` has no row. `nearest` says which one change would have given it
+one; each was tried.
 
 {told(f"logical-robots nearest {before} --predicate Sign")}
 
@@ -307,9 +308,9 @@ differ, and says in what; `F` goes over to the other one and back.
 
 | what you see | what to ask | in the game | `logical-robots` |
 |---|---|---|---|
-| it goes wrong, you don't know where | what stands out in the run? | Diagnosis, in `^P` | `diagnose` |
+| it goes wrong somewhere | what stands out in the run? | Diagnosis, in `^P` | `diagnose` |
 | it does the wrong thing now | why? | `w` | `why --tree` |
-| it doesn't do what it should | why not? | `w`: the first part that nothing gets past | `why --predicate P` |
+| it doesn't do what it should | why not? | `w`, on a rule that gave nothing | `why --predicate P` |
 | a rule nearly holds | what would have to differ? | | `nearest` |
 | a value is wrong | where does it come from? | `{{` `}}`: where the memory changed | `origin` |
 | it happens now and then | in which ticks? | `Q`, then `;` `:` | `when` |
@@ -319,7 +320,7 @@ differ, and says in what; `F` goes over to the other one and back.
 | a record or a list is too long to read | what is in it? | `X`, enter on a value | `query --json` |
 | two programs behave differently | where do they part? | `C`, `F` | |
 | you don't know your way in a program | what uses what? | `R` | |
-| it thinks slowly | what does each predicate cost? | `K` | `bench` |
+| it thinks slowly | what does each predicate cost? | `K` | |
 """
 
 
