@@ -154,7 +154,8 @@ def told(line: str) -> str:
     """
     _, *arguments = shlex.split(line)
     command = [sys.executable, "-m", "logical_robots_tui", *arguments]
-    with Terminal(command, size=(100, 100)) as terminal:
+    wide = {"COLUMNS": "100", "LINES": "100"}  # whatever the environment says
+    with Terminal(command, size=(100, 100), env=wide) as terminal:
         if terminal.finish() > 1:
             raise ValueError(terminal.text)
         return f"```\n{line}\n```\n\n```text\n{terminal.text}\n```"
@@ -238,8 +239,8 @@ to the tick and the rule that made it, and to what it was made from:
 {origin}
 
 So the word was last read in tick {made[1]}, {found.turned - int(made[1])} ticks before the turn,
-from a lamp, by the rule that is to read signs. In the game `{{` goes back to where the memory of the
-chosen robot changed.
+from a lamp, by the rule that is to read signs. In the game `{{` goes back to where the memory of
+the chosen robot changed.
 
 ## When does it happen? Search
 
