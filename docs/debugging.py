@@ -280,10 +280,10 @@ Everything that is asked of it holds: it ends at a beacon, and near. Nothing ask
 
 ## Why not? The nearest miss
 
-And one tick before? Then `Sign` has no row. `nearest` says which one change would have given it
-one; each was tried.
+And one tick before? Then `Sign` has no row. Of a rule that gave nothing `why` shows the first part
+that nothing gets past, and which one change would have given it a row; each change was tried.
 
-{told(f"logical-robots nearest {before} --predicate Sign")}
+{told(f"logical-robots why {before} --predicate Sign")}
 
 So nothing but its distance kept Dot from reading a lamp.
 
@@ -312,7 +312,7 @@ differ, and says in what; `F` goes over to the other one and back.
 | it goes wrong somewhere | what stands out in the run? | Diagnosis, in `^P` | `diagnose` |
 | it does the wrong thing now | why? | `w` | `why --tree` |
 | it doesn't do what it should | why not? | `w`, on a rule that gave nothing | `why --predicate P` |
-| a rule nearly holds | what would have to differ? | | `nearest` |
+| a rule nearly holds | what would have to differ? | `w`, below that rule | `why --predicate P` |
 | a value is wrong | where does it come from? | `{{` `}}`: where the memory changed | `origin` |
 | it happens now and then | in which ticks? | `Q`, then `;` `:` | `when` |
 | it happens too late to wait for | stop there | `*`, `B` | `when` |
