@@ -239,8 +239,8 @@ to the tick and the rule that made it, and to what it was made from:
 {origin}
 
 So the word was last read in tick {made[1]}, {found.turned - int(made[1])} ticks before the turn,
-from a lamp, by the rule that is to read signs. In the game `{{` goes back to where the memory of
-the chosen robot changed.
+from a lamp, by the rule that is to read signs. In the game `<` tells the same of
+the part of a memory that the cursor is on; `Enter` goes to the tick that made it.
 
 ## When does it happen? Search
 
@@ -301,7 +301,7 @@ and wins.
 {pictures["6"]}
 
 The old future is still there, dotted on the timeline. `C` goes to the first tick in which the two
-differ, and says in what; `F` goes over to the other one and back.
+differ, says in what, and which derivation differs first; `F` goes over to the other one and back.
 
 {pictures["7"]}
 
@@ -313,7 +313,7 @@ differ, and says in what; `F` goes over to the other one and back.
 | it does the wrong thing now | why? | `w` | `why --tree` |
 | it doesn't do what it should | why not? | `w`, on a rule that gave nothing | `why --predicate P` |
 | a rule nearly holds | what would have to differ? | `w`, below that rule | `why --predicate P` |
-| a value is wrong | where does it come from? | `{{` `}}`: where the memory changed | `origin` |
+| a value is wrong | where does it come from? | `<` | `origin` |
 | it happens now and then | in which ticks? | `Q`, then `;` `:` | `when` |
 | it happens too late to wait for | stop there | `*`, `B` | `when` |
 | a value comes and goes | when does it change? | `@`, `V` | `trace --predicates P` |
