@@ -35,7 +35,9 @@ examples:
   logical-robots trace LEVEL PROGRAM --predicates Near,Next | jq -c .predicates.Near.rows
 
 A line holds: tick, won, robots (after the tick), sensors and memories (as the program saw them),
-decisions (desire, memory, notices), areas, and the rows of the predicates that were asked for.
+decisions (desire, memory, notices), areas, the rows of the predicates that were asked for, and
+whether all up to it is reliable: false once a clock has ended a thought, so that another run may
+go otherwise.
 
 exit status: 0 won, 1 not won within the ticks, 2 bad level or program
 """
@@ -67,6 +69,7 @@ def declare(commands: Commands) -> None:
         help="also tell the rows of these predicates",
     )
     command.add_argument("--robot", metavar="R", help="tell of this robot only")
+    command.add_argument("--times", action="store_true", help="also tell how long thinking took")
     add_level_and_program(command)
 
 
@@ -88,13 +91,18 @@ async def _trace(
 
     game = Game(level, program, history=1, engine=engine)
     inquiry = Inquiry(level)
+    reliable = True
     try:
         while game.frame.tick < options.ticks and game.won_at is None:
             frame = await game.step()
             tables = {}
             if options.predicates:
                 tables = await inquiry.survey(program, frame, options.predicates)
+            reliable = reliable and frame.is_reliable
             told = _told(level, frame, options.robot, tables)
+            told["reliable"] = reliable
+            if options.times:
+                told["think_milliseconds"] = round(frame.think_milliseconds, 4)
             print(json.dumps(finite(told), ensure_ascii=False, allow_nan=False))
         return game.won_at is not None
     finally:

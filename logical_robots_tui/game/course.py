@@ -48,6 +48,7 @@ class Course:
         self._loose = [Moment(frame.after, frame.memories, frame.decisions, 0.0, 0.0)]
         self._oldest = frame.tick  # that is kept, be it too old or not
         self._programs: list[tuple[int, Program]] = []
+        self._unreliable_from: int | None = None
 
     @property
     def last(self) -> int:
@@ -83,6 +84,8 @@ class Course:
         )
         for kind, who in marks_of(frame, before.decisions):
             self.marks.note(frame.tick, kind, who)
+        if self._unreliable_from is None and not frame.is_reliable:
+            self._unreliable_from = frame.tick
         if not self._programs or self._programs[-1][1] is not program:
             self._use(frame.tick, program)
         if len(self._loose) < 2 * _TOGETHER:
@@ -137,6 +140,7 @@ class Course:
         copy.hits = {at: hits for at, hits in self.hits.items() if at <= tick}
         copy._length = self._length
         copy._oldest = self._oldest
+        copy._unreliable_from = self._unreliable_from if not self.is_reliable_up_to(tick) else None
         copy._programs = self.programs(tick)
         whole = min((tick - self._oldest) // _TOGETHER, len(self._packs))
         copy._packs = deque(pack for pack, _ in zip(self._packs, range(whole), strict=False))
@@ -155,6 +159,10 @@ class Course:
     def is_all_by(self, text: str, tick: int) -> bool:
         """Whether one program's text decided in every tick up to that one."""
         return all(program.text == text for begin, program in self._programs if begin <= tick)
+
+    def is_reliable_up_to(self, tick: int) -> bool:
+        """Whether no clock ended a thought up to the end of a tick."""
+        return self._unreliable_from is None or tick < self._unreliable_from
 
     def _use(self, tick: int, program: Program) -> None:
         if self._programs and self._programs[-1][1].text != program.text:

@@ -151,6 +151,10 @@ class History:
         """Whether anything was changed by hand after the start, up to the end of a tick."""
         return self._course.levels.is_changed_up_to(tick)
 
+    def is_reliable_up_to(self, tick: int) -> bool:
+        """Whether no clock ended a thought up to the end of a tick."""
+        return self._course.is_reliable_up_to(tick)
+
     def known(self, tick: int) -> Known:
         """A tick, to be gone through again.
 

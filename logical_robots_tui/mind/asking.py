@@ -151,8 +151,7 @@ class Asking:
             columns, rows = self._plain.ask(sql, moment, view, within, parameters)
             return columns, self._read_all(rows, within)
         except TooSlowError:
-            message = f"thinking took longer than {within.seconds:g} seconds"
-            raise FailureError(message, slow=True) from None
+            raise _slow(within) from None
         except (TooMuchError, TooDeepError) as error:
             raise FailureError(str(error)) from None
         except _SQLITE_ERRORS as error:
@@ -266,6 +265,15 @@ class Asking:
     def _read(self, row: Sequence[Any], within: Within) -> list[Value]:
         read, deepest = self._read_value, self._deepest
         return [v if v.__class__ in _READY else read(v, deepest) for v in within.each(row)]
+
+
+def _slow(within: Within) -> FailureError:
+    if within.budget.is_late:
+        message = (
+            f"a guard ended it after {within.seconds:g} seconds, elsewhere it may go otherwise"
+        )
+        return FailureError(message, slow=True, late=True)
+    return FailureError(f"thinking took more than {within.steps:,} steps", slow=True)
 
 
 def _tables(program: Program, limits: Limits, *, frozen: bool) -> TunedTables | None:

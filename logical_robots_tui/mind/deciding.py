@@ -47,7 +47,7 @@ def decide(
     """
     notices = list(notices)
     if not rows:
-        if not any(n.kind == "failed" for n in notices):
+        if not any(n.kind in ("failed", "late") for n in notices):
             notices.append(Notice("no row", f"Robot has no row for {name}: engines stop."))
         return Decision(name, None, memory, tuple(notices))
     if len(rows) > 1:

@@ -18,6 +18,7 @@ NoticeKind: TypeAlias = Literal[
     "null name",
     "unknown robot",
     "failed",
+    "late",
     "recursion",
 ]
 
@@ -27,7 +28,8 @@ class Notice:
     """Something about a decision that a player should know; it never stops the game.
 
     Attributes:
-        kind: What sort of thing happened.
+        kind: What sort of thing happened; ``late`` is what the clock has ended, and with it what
+            follows depends on the machine.
         message: One plain sentence.
     """
 
@@ -50,3 +52,8 @@ class Decision:
     desire: Desire | None
     memory: Value
     notices: tuple[Notice, ...] = ()
+
+    @property
+    def is_reliable(self) -> bool:
+        """Whether it would be the same on any machine: no clock ended the thought."""
+        return not any(notice.kind == "late" for notice in self.notices)

@@ -12,10 +12,12 @@ class FailureError(Exception):
 
     Attributes:
         slow: Whether it took too long, so that trying again would as well.
+        late: Whether it was the clock that ended it.
     """
 
-    def __init__(self, message: str, *, slow: bool = False) -> None:
+    def __init__(self, message: str, *, slow: bool = False, late: bool = False) -> None:
         self.slow = slow
+        self.late = late
         super().__init__(message)
 
 

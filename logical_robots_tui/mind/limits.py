@@ -15,8 +15,14 @@ class Limits:
         compile_seconds: Longest compilation.
         compile_bytes: Address space of the process that compiles.
         program_characters: Longest program.
-        think_seconds: Longest thought of all robots together in one tick.
-        query_seconds: Longest query of the inspector.
+        think_steps: Longest thought of all robots together in one tick, in steps of SQLite's
+            virtual machine; a call of a function of ours counts for 10, and each character that
+            it is given or gives for one more. The same on every machine.
+        think_seconds: A guard for whoever waits for a thought that does much in few steps: how long
+            it may take while the process has a processor. What it ends is marked, because it may
+            go otherwise elsewhere.
+        query_steps: Longest query of the inspector, in the same steps.
+        query_seconds: The guard of such a query.
         mind_bytes: Memory of SQLite in this process, for all minds together; the smallest value
             that a process has seen is the one that holds, because SQLite never raises it again.
             As much again for DuckDB, in each mind that thinks with it.
@@ -31,8 +37,10 @@ class Limits:
     compile_seconds: float = 30.0
     compile_bytes: int = 1024**3
     program_characters: int = 200_000
-    think_seconds: float = 2.0
-    query_seconds: float = 5.0
+    think_steps: int = 100_000_000
+    think_seconds: float = 30.0
+    query_steps: int = 200_000_000
+    query_seconds: float = 30.0
     mind_bytes: int = 512 * 1024**2
     value_bytes: int = 2_000_000
     think_rows: int = 10_000

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Literal
 
 from logical_robots_tui.mind.asking import Asking
 from logical_robots_tui.mind.deciding import decide, note_stranger
-from logical_robots_tui.mind.decision import Decision, Notice
+from logical_robots_tui.mind.decision import Decision, Notice, NoticeKind
 from logical_robots_tui.mind.diagnostics import QueryError
 from logical_robots_tui.mind.duck.engine import DuckTables, Engine
 from logical_robots_tui.mind.failures import FailureError
@@ -70,6 +70,7 @@ class Mind:
         duck = DuckTables(self.limits) if engine == "duckdb" else None
         self._sizes = Sizes() if frozen else None
         self._asking = Asking(program, self.limits, plain=plain, duck=duck, frozen=frozen)
+        self._anew = False  # whether the last thought took too many steps
 
     def think(
         self,
@@ -88,8 +89,20 @@ class Mind:
         Raises:
             Stopped: `stop` was set before the thought was finished.
         """
-        within = Within(self.limits.think_seconds, self.limits.think_rows, stop)
+        limits = self.limits
         moment = Moment(rows, memories, self.memory, self.sensor)
+        within = Within(
+            limits.think_steps, limits.think_seconds, limits.think_rows, stop, anew=self._anew
+        )
+        decisions = self._decisions(moment, memories, within)
+        if within.is_close:
+            within = within.again()
+            decisions = self._decisions(moment, memories, within)
+        self._anew = within.anew and within.budget.steps < 0
+        return decisions
+
+    def _decisions(self, moment: Moment, memories: Memories, within: Within) -> list[Decision]:
+        """One decision for each robot of a moment."""
         names = moment.names
         answers: dict[str, list[Mapping[str, Value]]] = {name: [] for name in names}
         strangers: dict[str, list[Notice]] = {}
@@ -179,7 +192,7 @@ class Mind:
             Stopped: `stop` was set before the answer was there.
         """
         moment = Moment(rows, memories, self.memory, self.sensor)
-        within = Within(self.limits.query_seconds, self.limits.rows, stop, cut=True)
+        within = self._within(self.limits.rows, stop)
         try:
             return self._collected(
                 (view, self._asking.plainly(question.sql, moment, view, within))
@@ -225,7 +238,7 @@ class Mind:
             raise QueryError(f"There is no robot {robot} at this tick.")
         if "robot_name" not in probing.given:
             given = {"robot_name": robot, **given}
-        within = Within(self.limits.query_seconds, MOST_WAYS, stop, cut=True)
+        within = self._within(MOST_WAYS, stop)
 
         def found(sql: str, parameters: Sequence[Scalar]) -> list[dict[str, Value]]:
             columns, answers = self._asking.plainly(sql, moment, view, within, parameters)
@@ -257,7 +270,7 @@ class Mind:
         if known is None or predicate not in self.program.statements:
             raise QueryError(known.reason if known else f"The program has no {predicate}.")
         moment = Moment(rows, memories, self.memory, self.sensor)
-        within = Within(self.limits.query_seconds, self.limits.rows, stop, cut=True)
+        within = self._within(self.limits.rows, stop)
         try:
             tuned, plan = self._asking.plan(predicate, moment, moment.views[0], within)
         except FailureError as failure:
@@ -274,6 +287,11 @@ class Mind:
 
     # -- inside --------------------------------------------------------------------------------
 
+    def _within(self, rows: int, stop: threading.Event | None) -> Within:
+        """What a query may use up."""
+        limits = self.limits
+        return Within(limits.query_steps, limits.query_seconds, rows, stop, cut=True)
+
     def _table(
         self,
         predicate: str,
@@ -282,15 +300,23 @@ class Mind:
         stop: threading.Event | None,
     ) -> Table:
         moment = Moment(rows, memories, self.memory, self.sensor)
-        within = Within(self.limits.query_seconds, self.limits.rows, stop, cut=True)
 
-        def answers() -> Iterator[tuple[View, Answer]]:
+        def answers(within: Within) -> Iterator[tuple[View, Answer]]:
             for view, answer in self._asking.each(predicate, moment, within):
                 if isinstance(answer, FailureError):
                     raise QueryError(f"{predicate} failed: {answer}")
                 yield view, answer
 
-        return self._collected(answers())
+        within = self._within(self.limits.rows, stop)
+        try:
+            table = self._collected(answers(within))
+        except QueryError:
+            if not within.is_close:
+                raise
+        else:
+            if not within.is_close:
+                return table
+        return self._collected(answers(within.again()))
 
     def _collected(self, answers: Iterable[tuple[View, Answer]]) -> Table:
         """The answers for all views as one table."""
@@ -321,7 +347,8 @@ class Mind:
         if len(view.viewers) > 3:
             whose += " and others"
         if failure.slow:
-            return Notice("failed", f"The thought about {whose} failed: {failure}.")
+            kind: NoticeKind = "late" if failure.late else "failed"
+            return Notice(kind, f"The thought about {whose} failed: {failure}.")
         culprit, reason = "Robot", str(failure)
         for predicate in self.program.needed:
             try:

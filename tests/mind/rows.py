@@ -60,7 +60,7 @@ def row(name: str, *, clock: int = 1, sees: dict[int, tuple[int, str, str]] | No
 
 def think(text: str, rows: list[Any], memories: dict[str, Any], **options: Any) -> list[Decision]:
     """Decisions of a program for one moment, the same whether it is tuned or not."""
-    limits = options.pop("limits", Limits(think_seconds=10))
+    limits = options.pop("limits", Limits())
     program = Program.compile(text)
     tuned, plain = (
         _decisions(Mind(program, limits=limits, plain=plain, **options), rows, memories)

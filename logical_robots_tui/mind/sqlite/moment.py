@@ -1,12 +1,12 @@
-"""What is reasoned over in one tick, by whom, and how much time and how many rows that may take."""
+"""What is reasoned over in one tick, by whom, and how many steps and rows that may take."""
 
 from __future__ import annotations
 
 from operator import itemgetter
-from time import monotonic
 from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 
 from logical_robots_tui.mind.diagnostics import Stopped
+from logical_robots_tui.mind.sqlite.watch import Budget
 
 if TYPE_CHECKING:
     import threading
@@ -125,24 +125,52 @@ def _picked(
     return [(n, radar[n]) for n, found in enumerate(objects) if found == kind]
 
 
+_CLOSE = 0.1  # of all steps; far more than what is counted inexactly
+
+
 class Within:
-    """The time and the rows that several evaluations share.
+    """The steps and the rows that several evaluations share.
 
     Args:
-        seconds: How long they may take together, from now on.
+        steps: How many they may take together, as a `Budget` counts them.
+        seconds: The guard of that.
         rows: Most rows of one evaluation.
         stop: Ends them when it is set.
         cut: Whether more rows are left out, as opposed to being a failure.
+        anew: Whether statements are prepared anew. SQLite counts the steps of a prepared statement
+            on from its last run; only anew is the count the same each time.
+
+    Attributes:
+        budget: What is left.
     """
 
     def __init__(
-        self, seconds: float, rows: int, stop: threading.Event | None, *, cut: bool = False
+        self,
+        steps: int,
+        seconds: float,
+        rows: int,
+        stop: threading.Event | None,
+        *,
+        cut: bool = False,
+        anew: bool = False,
     ) -> None:
+        self.steps = steps
         self.seconds = seconds
         self.rows = rows
         self.stop = stop
         self.cut = cut
-        self.deadline = monotonic() + seconds
+        self.anew = anew
+        self.budget = Budget(steps, seconds)
+
+    @property
+    def is_close(self) -> bool:
+        """Whether so little is left that the count has to be exact to say who took too many."""
+        return not self.anew and self.budget.steps < self.steps * _CLOSE
+
+    def again(self) -> Within:
+        """The same from the beginning, counted exactly."""
+        seconds = max(self.budget.seconds, 0.0)
+        return Within(self.steps, seconds, self.rows, self.stop, cut=self.cut, anew=True)
 
     def each(self, row: Sequence[Any]) -> Sequence[Any]:
         """The row, unless the work is to end."""

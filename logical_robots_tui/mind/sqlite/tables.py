@@ -68,9 +68,7 @@ class PlainTables:
                 [(name, to_sql(moment.remembered.get(name))) for name in names],
             )
             self._loaded = (moment, view)
-        return self._database.ask(
-            sql, parameters, most=within.rows + 1, deadline=within.deadline, stop=within.stop
-        )
+        return self._database.ask(sql, parameters, most=within.rows + 1, within=within)
 
     def close(self) -> None:
         """Free the database."""
@@ -145,9 +143,7 @@ class TunedTables:
         within: Within,
     ) -> Answer:
         self._fill(moment, tuned.columns)
-        return self._database.ask(
-            sql, bounds, most=most, deadline=within.deadline, stop=within.stop
-        )
+        return self._database.ask(sql, bounds, most=most, within=within)
 
     def _fill(self, moment: Moment, wanted: Mapping[str, tuple[str, ...]]) -> None:
         if self._database.is_empty:

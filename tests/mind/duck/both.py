@@ -23,7 +23,7 @@ def decisions(
     program: Program, rows: list[Any], memories: dict[str, Any], engine: Any, **options: Any
 ) -> list[Decision]:
     """What the robots decide with an engine."""
-    limits = options.pop("limits", Limits(think_seconds=20))
+    limits = options.pop("limits", Limits())
     mind = Mind(program, limits=limits, engine=engine, **options)
     try:
         return mind.think(rows, memories)
