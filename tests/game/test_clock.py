@@ -6,7 +6,7 @@ import os
 import signal
 import subprocess
 import sys
-from time import sleep
+from contextlib import suppress
 from typing import TYPE_CHECKING
 
 import pytest
@@ -50,10 +50,10 @@ def told(ticks: int, *names: str, starved: bool = False) -> str:
         assert process.stdout is not None
         first = process.stdout.readline()  # compiled and under way
         while starved and process.poll() is None:
-            os.kill(process.pid, signal.SIGSTOP)
-            sleep(OFF)  # this is no waiting: it takes the processor away
-            os.kill(process.pid, signal.SIGCONT)
-            sleep(ON)
+            for sign, seconds in ((signal.SIGSTOP, OFF), (signal.SIGCONT, ON)):
+                os.kill(process.pid, sign)
+                with suppress(subprocess.TimeoutExpired):
+                    process.wait(seconds)
         return first + process.stdout.read()
 
 
