@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import marshal
 import zlib
-from dataclasses import dataclass
-from functools import lru_cache
+from collections import OrderedDict
+from dataclasses import dataclass, field
 from itertools import groupby
 from operator import attrgetter
 from typing import TYPE_CHECKING, Any
@@ -23,6 +23,7 @@ __all__ = ["Moment", "Packed"]
 
 _QUICKEST = 1  # of zlib's levels; from tick to tick so little changes that more is not needed
 _KEPT_OPEN = 4  # for those who step through them
+_HEAVIEST_OPEN = 24_000_000  # bytes of objects in all of these
 
 _BODY = ("x", "y", "angle", "battery_level", "left_engine", "right_engine", "blocked", "dead")
 _body_of = attrgetter(*_BODY)
@@ -38,6 +39,7 @@ class Moment:
         decisions: What was decided in the tick, one per robot in file order; () at the start.
         think_milliseconds: How long thinking took.
         driven: Map units that all robots together have driven since the start.
+        weight: Bytes of objects in it that are not in the moment before, about.
     """
 
     after: WorldState
@@ -45,6 +47,7 @@ class Moment:
     decisions: tuple[Decision, ...]
     think_milliseconds: float
     driven: float
+    weight: int = field(default=0, compare=False)
 
 
 class Packed:
@@ -55,11 +58,17 @@ class Packed:
 
     Args:
         moments: At least one.
+
+    Attributes:
+        first: Tick of the first of them.
+        weight: Bytes of objects in all of them when they are opened, about.
     """
 
-    __slots__ = ("_bytes",)
+    __slots__ = ("_bytes", "first", "weight")
 
     def __init__(self, moments: Sequence[Moment]) -> None:
+        self.first = moments[0].after.tick
+        self.weight = sum(moment.weight for moment in moments)
         # Robots and areas may come and go where the level was changed.
         runs = [_run_of(list(run)) for _, run in groupby(moments, _names_of)]
         self._bytes = zlib.compress(marshal.dumps(runs), _QUICKEST)
@@ -70,12 +79,12 @@ class Packed:
 
     def moment(self, at: int) -> Moment:
         """One of the moments, by its place among them, counted from 0."""
-        runs = iter(_opened(self._bytes))
+        runs = iter(_opened.runs(self))
         begin, names, area_names, told, areas, bodies, thoughts = next(runs)
         while at >= len(told):
             at -= len(told)
             begin, names, area_names, told, areas, bodies, thoughts = next(runs)
-        won_at, milliseconds, driven, has_decided = told[at]
+        won_at, milliseconds, driven, weight, has_decided = told[at]
         after = WorldState(
             begin + at,
             tuple([RobotState(n, *body[at]) for n, body in zip(names, bodies, strict=True)]),
@@ -89,13 +98,35 @@ class Packed:
             tuple([_decision(*each) for each in mine]) if has_decided else (),
             milliseconds,
             driven,
+            weight,
         )
 
+    def opened(self) -> list[tuple[Any, ...]]:
+        """The moments as they were packed."""
+        runs: list[tuple[Any, ...]] = marshal.loads(zlib.decompress(self._bytes))  # noqa: S302 - our own bytes
+        return runs
 
-@lru_cache(maxsize=_KEPT_OPEN)
-def _opened(packed: bytes) -> list[tuple[Any, ...]]:
-    runs: list[tuple[Any, ...]] = marshal.loads(zlib.decompress(packed))  # noqa: S302 - our own bytes
-    return runs
+
+class _Opened:
+    """The packs that were opened last, as far as they are not heavy."""
+
+    def __init__(self) -> None:
+        self._runs: OrderedDict[Packed, list[tuple[Any, ...]]] = OrderedDict()
+
+    def runs(self, pack: Packed) -> list[tuple[Any, ...]]:
+        """The moments of a pack, as they were packed."""
+        found = self._runs.pop(pack, None)
+        if found is None:
+            found = pack.opened()
+        self._runs[pack] = found
+        while len(self._runs) > _KEPT_OPEN or (
+            self._runs and sum(each.weight for each in self._runs) > _HEAVIEST_OPEN
+        ):
+            self._runs.popitem(last=False)
+        return found
+
+
+_opened = _Opened()
 
 
 def _names_of(moment: Moment) -> tuple[list[str], list[str]]:
@@ -109,7 +140,10 @@ def _run_of(moments: Sequence[Moment]) -> tuple[Any, ...]:
     return (
         first.tick,
         *_names_of(moments[0]),
-        [(m.after.won_at, m.think_milliseconds, m.driven, bool(m.decisions)) for m in moments],
+        [
+            (m.after.won_at, m.think_milliseconds, m.driven, m.weight, bool(m.decisions))
+            for m in moments
+        ],
         [[(area.active, area.visitors) for area in m.after.areas] for m in moments],
         [[_body_of(m.after.robots[i]) for m in moments] for i in range(len(first.robots))],
         [[_thought_of(m, i, robot.name) for m in moments] for i, robot in enumerate(first.robots)],

@@ -15,6 +15,7 @@ from logical_robots_tui.mind.plain import printable
 from logical_robots_tui.mind.sqlite.database import TooMuchError, TooSlowError
 from logical_robots_tui.mind.sqlite.lasting import Lasting
 from logical_robots_tui.mind.sqlite.layouts import COLUMNS_LAYOUT, LISTS_LAYOUT
+from logical_robots_tui.mind.sqlite.moment import TooHeavyError
 from logical_robots_tui.mind.sqlite.stored import TooDeepError, from_sql
 from logical_robots_tui.mind.sqlite.tables import PlainTables, TunedTables, UnfitError
 
@@ -35,7 +36,14 @@ _PLAN = "EXPLAIN QUERY PLAN "
 
 _SQLITE_ERRORS = (sqlite3.Error, sqlite3.Warning)
 
-_NO_QUICK_ANSWER = (UnfitError, TooDeepError, TooMuchError, TooSlowError, *_SQLITE_ERRORS)
+_NO_QUICK_ANSWER = (
+    UnfitError,
+    TooDeepError,
+    TooHeavyError,
+    TooMuchError,
+    TooSlowError,
+    *_SQLITE_ERRORS,
+)
 
 Answer: TypeAlias = "tuple[tuple[str, ...], list[tuple[Value, ...]]]"
 """Column names and rows."""
@@ -152,6 +160,8 @@ class Asking:
             return columns, self._read_all(rows, within)
         except TooSlowError:
             raise _slow(within) from None
+        except TooHeavyError as error:
+            raise FailureError(str(error), slow=True) from None
         except (TooMuchError, TooDeepError) as error:
             raise FailureError(str(error)) from None
         except _SQLITE_ERRORS as error:

@@ -18,6 +18,7 @@ from logical_robots_tui.mind.sqlite.lasting import Sizes
 from logical_robots_tui.mind.sqlite.moment import Moment, View, Within
 from logical_robots_tui.mind.sqlite.stored import size_of
 from logical_robots_tui.mind.table import Table
+from logical_robots_tui.mind.weight import check_room
 from logical_robots_tui.values import SensorRow, Value
 
 if TYPE_CHECKING:
@@ -30,6 +31,8 @@ if TYPE_CHECKING:
     from logical_robots_tui.mind.why.probing import Probing
 
 __all__ = ["Mind"]
+
+_ROOM = 320 * 1024**2  # bytes of address space; what SQLite and all rows may take at most
 
 Memories = Mapping[str, Value]
 
@@ -89,15 +92,18 @@ class Mind:
         Raises:
             Stopped: `stop` was set before the thought was finished.
         """
-        limits = self.limits
         moment = Moment(rows, memories, self.memory, self.sensor)
-        within = Within(
-            limits.think_steps, limits.think_seconds, limits.think_rows, stop, anew=self._anew
-        )
-        decisions = self._decisions(moment, memories, within)
-        if within.is_close:
-            within = within.again()
+        within = Within.of_thought(self.limits, stop, anew=self._anew)
+        try:
+            check_room(_ROOM)
             decisions = self._decisions(moment, memories, within)
+            if within.is_close:
+                within = within.again()
+                decisions = self._decisions(moment, memories, within)
+        except MemoryError:
+            notice = Notice("no room", "There was not enough memory to think: engines stop.")
+            names = moment.names
+            return [Decision(name, None, memories.get(name), (notice,)) for name in names]
         self._anew = within.anew and within.budget.steps < 0
         return decisions
 
@@ -137,6 +143,7 @@ class Mind:
                 else [*strangers.get(name, ()), *cut_off.get(name, ())],
                 self.limits,
                 size_of if self._sizes is None else self._sizes.of,
+                len(names),
             )
             for name in names
         ]
@@ -289,8 +296,11 @@ class Mind:
 
     def _within(self, rows: int, stop: threading.Event | None) -> Within:
         """What a query may use up."""
-        limits = self.limits
-        return Within(limits.query_steps, limits.query_seconds, rows, stop, cut=True)
+        try:
+            check_room(_ROOM)
+        except MemoryError:
+            raise QueryError("There is not enough memory to look this up.") from None
+        return Within.of_query(self.limits, rows, stop)
 
     def _table(
         self,
