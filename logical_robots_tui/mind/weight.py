@@ -13,7 +13,7 @@ if TYPE_CHECKING:
 
 __all__ = ["HEAVIEST_CHARACTER", "check_room", "weight_of", "weight_of_text"]
 
-HEAVIEST_CHARACTER = 40
+HEAVIEST_CHARACTER = 44
 """Bytes that no value takes for each character of its JSON text."""
 
 _RECORD, _FIELD = 184, 28  # CPython's dict, for its least size and for each field

@@ -18,6 +18,7 @@ STEPS_AT_ONCE = 20_000
 STEPS_OF_A_CALL = 10
 """What a call of a function of ours counts for, and one more for each character."""
 
+_UNCOUNTED = 2**62  # steps of what we do ourselves
 _LOOK_SECONDS = 0.02
 _LONGEST_LOOK = 0.1  # seconds; whoever waited longer had no processor, or was suspended
 _QUIET_LOOKS = 50  # the thread goes to sleep when it has seen nothing to do for this long
@@ -62,7 +63,7 @@ class Work:
         self._halt = halt
         self._budget = Budget(0, 0.0)
         self._stop: threading.Event | None = None
-        self.steps = 0
+        self.steps = _UNCOUNTED
         self.halted = False
 
     def begin(self, budget: Budget, stop: threading.Event | None) -> None:
@@ -81,7 +82,7 @@ class Work:
     def end(self) -> None:
         """Stop watching; when this returns, the work is not halted any more."""
         _watcher.remove(self)
-        self._budget.steps = self.steps
+        self._budget.steps, self.steps = self.steps, _UNCOUNTED
 
     @property
     def stopped(self) -> bool:
