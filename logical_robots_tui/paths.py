@@ -6,12 +6,22 @@ an error where there is nothing but a question; here the answer is no.
 
 from __future__ import annotations
 
-import os.path
+import os
+import stat
 from pathlib import Path
 
 from logical_robots_tui.errors import InputError
 
-__all__ = ["is_file", "is_folder", "is_there", "real", "typed_path"]
+__all__ = [
+    "is_file",
+    "is_folder",
+    "is_there",
+    "read_ordinary",
+    "real",
+    "typed_path",
+]
+
+_OF_THE_KERNEL = ("/proc", "/sys", "/dev")
 
 
 def is_there(path: Path) -> bool:
@@ -32,6 +42,29 @@ def is_folder(path: Path) -> bool:
 def real(path: Path) -> Path:
     """Where a path leads to through all symbolic links; as far as that goes, if in a circle."""
     return Path(os.path.realpath(path))
+
+
+def read_ordinary(path: Path, most: int) -> bytes:
+    """The first bytes of an ordinary file, and nothing that could block or answer without end.
+
+    Args:
+        path: The file.
+        most: How many bytes.
+
+    Raises:
+        OSError: It is none, or can't be read.
+    """
+    where = real(path)
+    if any(where.is_relative_to(folder) for folder in _OF_THE_KERNEL):
+        raise OSError(None, "is no ordinary file", str(path))
+    with open(path, "rb", opener=_open_without_waiting) as file:
+        if not stat.S_ISREG(os.fstat(file.fileno()).st_mode):
+            raise OSError(None, "is no ordinary file", str(path))
+        return file.read(most)
+
+
+def _open_without_waiting(path: str, flags: int) -> int:
+    return os.open(path, flags | getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_NOCTTY", 0))
 
 
 def typed_path(text: str) -> Path:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import asyncio
-import json
 from typing import TYPE_CHECKING, Any
 
 from logical_robots_tui.cli.command import (
@@ -13,7 +12,7 @@ from logical_robots_tui.cli.command import (
     opened,
 )
 from logical_robots_tui.cli.moment import check_name
-from logical_robots_tui.cli.text import finite
+from logical_robots_tui.cli.text import line_of_json
 
 if TYPE_CHECKING:
     import argparse
@@ -103,7 +102,7 @@ async def _trace(
             told["reliable"] = reliable
             if options.times:
                 told["think_milliseconds"] = round(frame.think_milliseconds, 4)
-            print(json.dumps(finite(told), ensure_ascii=False, allow_nan=False))
+            print(line_of_json(told))
         return game.won_at is not None
     finally:
         await inquiry.close()

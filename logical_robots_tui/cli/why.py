@@ -18,7 +18,7 @@ from logical_robots_tui.cli.command import (
     prefers_json,
 )
 from logical_robots_tui.cli.moment import check_name, frame_at
-from logical_robots_tui.cli.text import finite, harmless, written
+from logical_robots_tui.cli.text import harmless, line_of_json, written
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -83,7 +83,7 @@ def start(options: argparse.Namespace) -> int:
     check_name("predicate", options.predicate, own)
     explanation = asyncio.run(_explain(level, program, options))
     if prefers_json(options):
-        print(json.dumps(finite(_data(explanation, options.tick)), ensure_ascii=False))
+        print(line_of_json(_data(explanation, options.tick)))
     else:
         print(*_lines(explanation, options.tick), sep="\n")
     return GAVE if any(rule.rows for rule in explanation.rules) else GAVE_NOT
