@@ -10,6 +10,7 @@ import os
 import stat
 from pathlib import Path
 
+from logical_robots_tui.confinement import WHY, check_mine, is_confined
 from logical_robots_tui.errors import InputError
 
 __all__ = [
@@ -54,6 +55,7 @@ def read_ordinary(path: Path, most: int) -> bytes:
     Raises:
         OSError: It is none, or can't be read.
     """
+    check_mine(path)
     where = real(path)
     if any(where.is_relative_to(folder) for folder in _OF_THE_KERNEL):
         raise OSError(None, "is no ordinary file", str(path))
@@ -71,10 +73,17 @@ def typed_path(text: str) -> Path:
     """The path that a player has typed, in which ``~`` stands for a home.
 
     Raises:
-        InputError: It can't be a path, or it is nobody's home.
+        InputError: It can't be a path, or it is nobody's home, or the player may not name it.
     """
     if "\0" in text:
         raise InputError("is no path", place=text)
+    if is_confined():
+        try:
+            if text.startswith("~") and text[1:2] not in ("", "/"):
+                raise PermissionError  # whoever that is
+            check_mine(Path(text).expanduser())
+        except PermissionError:
+            raise InputError(WHY, place=text) from None
     try:
         return Path(text).expanduser()
     except RuntimeError as error:

@@ -7,6 +7,7 @@ from functools import lru_cache
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from logical_robots_tui.confinement import check_mine
 from logical_robots_tui.errors import InputError
 from logical_robots_tui.paths import is_file, is_folder, read_ordinary, real
 from logical_robots_tui.shipped import did_you_mean, shipped_folder, shipped_names
@@ -73,6 +74,7 @@ def load_program(
     """
     path = Path(path_or_name)
     try:
+        check_mine(path)
         if path.exists():
             return _read(path, pipes=pipes)
     except OSError as error:
