@@ -171,7 +171,7 @@ def test_a_restricted_game_says_what_is_off(tmp_path: Path) -> None:
             terminal.send(str(path))
             terminal.wait_for(path.name)
             terminal.send("\r")
-            terminal.wait_for(lambda: "restricted mode allows" in unwrapped(terminal.text))
+            terminal.wait_for(lambda: "restricted mode" in unwrapped(terminal.text))
             terminal.send("\x1b")
             terminal.wait_for(lambda: "restricted mode" not in unwrapped(terminal.text))
         terminal.send("q")
