@@ -18,7 +18,7 @@ from logical_robots_tui.cli.command import (
     prefers_json,
 )
 from logical_robots_tui.cli.moment import check_name, frame_at
-from logical_robots_tui.cli.text import finite, harmless, written
+from logical_robots_tui.cli.text import harmless, line_of_json, written
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
@@ -98,8 +98,7 @@ def start(options: argparse.Namespace) -> int:
     check_name("predicate", options.predicate, own)
     explanation, nodes, complete = asyncio.run(_explain(level, program, options))
     if prefers_json(options):
-        data = {**_data(explanation, options.tick), "tree": [*map(_node, nodes)]}
-        print(json.dumps(finite(data), ensure_ascii=False))
+        print(line_of_json({**_data(explanation, options.tick), "tree": [*map(_node, nodes)]}))
     else:
         print(*_lines(explanation, nodes, options), sep="\n")
         if not complete:

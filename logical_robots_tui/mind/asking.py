@@ -2,20 +2,19 @@
 
 from __future__ import annotations
 
-import sqlite3
-from contextlib import contextmanager
 from dataclasses import replace
 from functools import cache
 from itertools import accumulate
 from typing import TYPE_CHECKING, Any, TypeAlias
 
-from logical_robots_tui.mind.failures import FailureError, in_plain_words
+from logical_robots_tui.mind.exploring import Explored
+from logical_robots_tui.mind.failures import SQLITE_ERRORS, FailureError, failures_in_words
 from logical_robots_tui.mind.machinery import plan_lines
-from logical_robots_tui.mind.plain import printable
 from logical_robots_tui.mind.program import TRUTH_MARK
 from logical_robots_tui.mind.sqlite.database import TooMuchError, TooSlowError
 from logical_robots_tui.mind.sqlite.lasting import Lasting
 from logical_robots_tui.mind.sqlite.layouts import COLUMNS_LAYOUT, LISTS_LAYOUT
+from logical_robots_tui.mind.sqlite.moment import TooHeavyError
 from logical_robots_tui.mind.sqlite.stored import TooDeepError, from_sql
 from logical_robots_tui.mind.sqlite.tables import PlainTables, TunedTables, UnfitError
 from logical_robots_tui.mind.why.relations import ALIKE, SAME, alike_in_sql, same_in_sql
@@ -36,9 +35,14 @@ __all__ = ["Answer", "Asking"]
 _PLAN = "EXPLAIN QUERY PLAN "
 _MOST_TOGETHER = 20_000  # rows for all views from one query
 
-_SQLITE_ERRORS = (sqlite3.Error, sqlite3.Warning)
-
-_NO_QUICK_ANSWER = (UnfitError, TooDeepError, TooMuchError, TooSlowError, *_SQLITE_ERRORS)
+_NO_QUICK_ANSWER = (
+    UnfitError,
+    TooDeepError,
+    TooHeavyError,
+    TooMuchError,
+    TooSlowError,
+    *SQLITE_ERRORS,
+)
 
 Answer: TypeAlias = "tuple[tuple[str, ...], list[tuple[Value, ...]]]"
 """Column names and rows."""
@@ -171,7 +175,7 @@ class Asking:
         Raises:
             FailureError: It failed, or took too long.
         """
-        with _failures(within):
+        with failures_in_words(within):
             columns, rows = self._plain.ask(sql, moment, view, within, parameters)
             return columns, self._read_all(rows, within)
 
@@ -314,72 +318,6 @@ class Asking:
     def _read(self, row: Sequence[Any], within: Within) -> list[Value]:
         read, deepest = self._read_value, self._deepest
         return [v if v.__class__ in _READY else read(v, deepest) for v in within.each(row)]
-
-
-class Explored:
-    """What one view of a moment shows, for explanations.
-
-    Args:
-        asking: The databases of the mind.
-        plain: Its plain tables.
-        moment: The moment.
-        view: The view.
-        within: How long all of it may take, and most rows of a predicate.
-    """
-
-    def __init__(
-        self, asking: Asking, plain: PlainTables, moment: Moment, view: View, within: Within
-    ) -> None:
-        self._asking, self._plain = asking, plain
-        self._moment, self._view, self._within = moment, view, within
-
-    def rows(self, predicate: str, sql: str) -> Answer:
-        """Columns and rows of a predicate.
-
-        Args:
-            predicate: Its name.
-            sql: A query for them, or "" for that of the program.
-
-        Raises:
-            FailureError: It failed, or has too many.
-        """
-        if not sql and not self._asking.sql_of(predicate):
-            raise FailureError(f"{predicate} can't be computed")
-        if not sql:
-            return self._asking.rows(predicate, self._moment, self._view, self._within)
-        return self._asking.plainly(sql, self._moment, self._view, self._within)
-
-    def load(self, table: str, columns: Sequence[str], rows: Sequence[Sequence[Scalar]]) -> None:
-        """Fill a table that queries may read.
-
-        Raises:
-            FailureError: It takes too much memory.
-        """
-        with _failures(self._within):
-            self._plain.define(table, columns, rows, self._moment, self._view)
-
-    def ask(self, sql: str, parameters: Sequence[Scalar]) -> RawAnswer:
-        """Columns and rows of a query, as SQLite has them.
-
-        Raises:
-            FailureError: It failed.
-        """
-        with _failures(self._within):
-            return self._plain.ask(sql, self._moment, self._view, self._within, parameters)
-
-
-@contextmanager
-def _failures(within: Within) -> Iterator[None]:
-    """Failures in words for the player."""
-    try:
-        yield
-    except TooSlowError:
-        message = f"thinking took longer than {within.seconds:g} seconds"
-        raise FailureError(message, slow=True) from None
-    except (TooMuchError, TooDeepError) as error:
-        raise FailureError(str(error)) from None
-    except _SQLITE_ERRORS as error:
-        raise FailureError(printable(in_plain_words(error))) from None
 
 
 def _tables(program: Program, limits: Limits, *, frozen: bool) -> TunedTables | None:

@@ -1,0 +1,70 @@
+"""Asking what one view of a moment shows, in many small queries, for explanations."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from logical_robots_tui.mind.failures import FailureError, failures_in_words
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from logical_robots_tui.mind.asking import Answer, Asking
+    from logical_robots_tui.mind.sqlite.database import Answer as RawAnswer
+    from logical_robots_tui.mind.sqlite.database import Scalar
+    from logical_robots_tui.mind.sqlite.moment import Moment, View, Within
+    from logical_robots_tui.mind.sqlite.tables import PlainTables
+
+__all__ = ["Explored"]
+
+
+class Explored:
+    """What one view of a moment shows, for explanations.
+
+    Args:
+        asking: The databases of the mind.
+        plain: Its plain tables.
+        moment: The moment.
+        view: The view.
+        within: What all of it may use up, and most rows of a predicate.
+    """
+
+    def __init__(
+        self, asking: Asking, plain: PlainTables, moment: Moment, view: View, within: Within
+    ) -> None:
+        self._asking, self._plain = asking, plain
+        self._moment, self._view, self._within = moment, view, within
+
+    def rows(self, predicate: str, sql: str) -> Answer:
+        """Columns and rows of a predicate.
+
+        Args:
+            predicate: Its name.
+            sql: A query for them, or "" for that of the program.
+
+        Raises:
+            FailureError: It failed, or has too many.
+        """
+        if not sql and not self._asking.sql_of(predicate):
+            raise FailureError(f"{predicate} can't be computed")
+        if not sql:
+            return self._asking.rows(predicate, self._moment, self._view, self._within)
+        return self._asking.plainly(sql, self._moment, self._view, self._within)
+
+    def load(self, table: str, columns: Sequence[str], rows: Sequence[Sequence[Scalar]]) -> None:
+        """Fill a table that queries may read.
+
+        Raises:
+            FailureError: It takes too much memory.
+        """
+        with failures_in_words(self._within):
+            self._plain.define(table, columns, rows, self._moment, self._view)
+
+    def ask(self, sql: str, parameters: Sequence[Scalar]) -> RawAnswer:
+        """Columns and rows of a query, as SQLite has them.
+
+        Raises:
+            FailureError: It failed.
+        """
+        with failures_in_words(self._within):
+            return self._plain.ask(sql, self._moment, self._view, self._within, parameters)
