@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import signal
 import subprocess
 import sys
@@ -51,7 +50,7 @@ def told(ticks: int, *names: str, starved: bool = False) -> str:
         first = process.stdout.readline()  # compiled and under way
         while starved and process.poll() is None:
             for sign, seconds in ((signal.SIGSTOP, OFF), (signal.SIGCONT, ON)):
-                os.kill(process.pid, sign)
+                process.send_signal(sign)
                 with suppress(subprocess.TimeoutExpired):
                     process.wait(seconds)
         return first + process.stdout.read()
