@@ -50,7 +50,7 @@ def told(ticks: int, *names: str, starved: bool = False) -> str:
         first = process.stdout.readline()  # compiled and under way
         while starved and process.poll() is None:
             for sign, seconds in ((signal.SIGSTOP, OFF), (signal.SIGCONT, ON)):
-                process.send_signal(sign)  # unless it has ended
+                process.send_signal(sign)
                 with suppress(subprocess.TimeoutExpired):
                     process.wait(seconds)
         return first + process.stdout.read()
