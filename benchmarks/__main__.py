@@ -18,6 +18,7 @@ from benchmarks.breakpoints import breakpoints
 from benchmarks.classes import classes
 from benchmarks.editing import editing
 from benchmarks.first_frame import first_frame
+from benchmarks.folding import folding
 from benchmarks.history import history
 from benchmarks.inspector import inspector
 from benchmarks.machine import machine
@@ -45,6 +46,7 @@ BENCHMARKS = {
     "editing": editing,
     "history": history,
     "inspector": inspector,
+    "folding": folding,
     "answers": answers,
     "proofs": proofs,
     "screen": with_screen,

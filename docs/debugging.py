@@ -29,7 +29,8 @@ PICTURES = ("1-wrong", "2-why", "3-tree", "4-graph", "5-watch", "6-deeper", "7-w
 END, MENDED = "ray.distance < 40;", ', ray.label in ["left", "right"];'
 QUERY = 'Sensor(sensor:), ray in sensor.radar, ray.object == "beacon", word == ray.label'
 UP, DOWN, RIGHT = "\x1b[A", "\x1b[B", "\x1b[C"
-ENTER, ESCAPE, LINE_END, RUB_OUT, APPLY = "\r", "\x1b", "\x1b[F", "\x7f", "\x12"
+ENTER, ESCAPE, RUB_OUT, APPLY = "\r", "\x1b", "\x7f", "\x12"
+HOME, LINE_END = "\x1b[H", "\x1b[F"
 
 
 @dataclass(frozen=True)
@@ -94,8 +95,10 @@ def walk(found: Facts) -> Iterator[Step]:
     yield Step("a", 'Dot remembers {word: "lamp"}', "1-wrong")
     yield Step("g", "Go to tick")
     yield Step(f"{found.turned}{ENTER}", f"tick {found.turned} of")
-    yield Step("w", "word = lamp", "2-why")
-    yield Step("X", "memory after")
+    yield Step("w", "✓ 22: Drive")
+    yield Step(f"{DOWN * 3}{RIGHT}", "col1 = lamp")
+    yield Step(f"{DOWN * 3}{RIGHT}", "Turn(word) = {left", "2-why")
+    yield Step(f"{HOME}X", "memory after")
     yield Step(f"{DOWN * 13}@", "Pinned: Robot.memory.word for Dot.", "3-tree")
     yield Step(ESCAPE, f"Why · tick {found.turned}")
     yield Step("R", "╰▶ • Mind")
@@ -108,10 +111,11 @@ def walk(found: Facts) -> Iterator[Step]:
     yield Step("{", f"Watch · tick {found.lost}")
     yield Step("", "┼", "5-watch")
     yield Step("w", "✓ 27: Robot")
-    yield Step(DOWN * 3, "Mind(robot_name:, word:)  1 way →")
-    yield Step(ENTER, "✓ 10: Mind")
-    yield Step(DOWN, "Sign(robot_name:, word:)  1 way →")
-    yield Step(ENTER, "✓ 4: Sign", "6-deeper")
+    yield Step(LINE_END, "✓ Mind(robot_name:, word:) →")
+    yield Step(ENTER, "Dot: Mind(")
+    yield Step(DOWN * 3, "✓ Sign(robot_name:, word:) →")
+    yield Step(ENTER, "Dot: Sign(")
+    yield Step(f"{LINE_END}{UP * 2}{RIGHT * 2}", "ray = {angle", "6-deeper")
     yield Step("/", "Ask anything")
     yield Step(f"{QUERY}{ENTER}", "lamp  ")
     yield Step(ESCAPE, "space Run")
@@ -166,14 +170,15 @@ office. `a` selects Dot, so that a card tells of it, and the timeline of its mem
 ## Why did it do that?
 
 Drag the timeline back to the turn, or press `g` and type its tick, `{found.turned}`. `w` says why:
-each part of the rule with the values of its variables. `Drive` was asked with the word `lamp`. For
+the rule that gave the row and what it comes from, as a tree to fold. Go down to the rule of `Drive`
+and open it with `→`, and its `if` as well: a wall is near, so it turns, and the word is `lamp`. For
 every word but `left`, `Turn` goes to the right. So `Turn` does what it says; the word is wrong.
 
 {pictures["2"]}
 
-`X` opens all that the decision came from as a tree to fold. The wrong word is in the memory that
-the robot had before, and in the one that it has after this tick. Go down to the last `word` and pin
-it with `@`: from now on it is watched.
+`Home` goes to the top; there `X` opens all that the decision came from as a tree. The wrong word is
+in the memory that the robot had before, and in the one that it has after this tick. Go down to the
+last `word` and pin it with `@`: from now on it is watched.
 
 {pictures["3"]}
 
@@ -199,8 +204,8 @@ row: Dot has read something.
 ## What happened there?
 
 `w` again, down to `Mind` and `Enter`: one step deeper, why `Mind` has this row. Its first rule gave
-it, from `Sign`. One more `Enter` shows the rule of `Sign` with its values. The program on the right
-shows the place of each line that the cursor is on.
+it, from `Sign`. One more `Enter`, there, shows the rule of `Sign` with its values, down to the ray
+that it took: the labyrinth shows it, the program the place of each line that the cursor is on.
 
 {pictures["6"]}
 
@@ -231,7 +236,7 @@ left and wins. The old future is still there: `C` goes to where the two part, an
 
 | | |
 |---|---|
-| `w` | why: each rule part by part; `Enter` one step deeper, `←` back |
+| `w` | why: a proof to fold with `→` and `←`; `Enter` one step deeper, `Backspace` back |
 | `R` | which predicate uses which |
 | `@` | pin a value or a number of rows; `V` shows the pins, `←` `→` go to where one changes |
 | `X` | look into a record or a list, or all that a decision came from, as a tree |

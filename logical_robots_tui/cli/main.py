@@ -31,6 +31,8 @@ _HOMES = {
     "when": "when",
     "why": "why",
     "origin": "origin",
+    "diagnose": "diagnose",
+    "nearest": "nearest",
     "check": "check",
     "help": "help",
     "levels": "listing",
@@ -61,6 +63,8 @@ examples:
                                        say why a robot did what it did
   logical-robots origin LEVEL PROGRAM --tick N --robot R --value memory.part
                                        say where a value comes from
+  logical-robots diagnose LEVEL PROGRAM
+                                       look through a run for mistakes
   logical-robots check PROGRAM         say what is wrong with a program
   logical-robots help FUNCTION         explain a function of the language
   logical-robots level new FILE        make a level

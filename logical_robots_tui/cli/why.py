@@ -48,6 +48,8 @@ and remembered. The arguments of a function are called col0, col1 ...
 exit status: 0 there is a row, 1 there is none, 2 bad level, program or name
 """
 
+_MOST_VALUES = 5  # in a line; --json has more
+
 
 def declare(commands: Commands) -> None:
     """Add the command to the list."""
@@ -165,9 +167,10 @@ def _line(depth: int, node: Node, wide: int) -> str:
     before = f"{'  ' * depth}{mark} "
     place = f"line {node.span.line}: " if node.kind == "rule" and node.span is not None else ""
     said = f"  ({node.said})" if node.said else ""
-    values = [(_truth(value) if node.is_truth else written(value)) for value in node.values]
-    if node.more:
-        values.append(f"{node.more} more")
+    shown = node.values[:_MOST_VALUES]
+    values = [(_truth(value) if node.is_truth else written(value)) for value in shown]
+    if more := len(node.values) - len(shown) + node.more:
+        values.append(f"{more} more")
     told = f" = {' or '.join(values)}" if values else ""
     room = max(20, wide - len(before) - len(place) - len(said) - min(len(told), wide // 2))
     text = harmless(node.text)

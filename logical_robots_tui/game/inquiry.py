@@ -12,6 +12,7 @@ from logical_robots_tui.game.holding import rows_that_count
 from logical_robots_tui.game.pins import read
 from logical_robots_tui.game.thinker import Thinker
 from logical_robots_tui.mind import Limits, ProgramError, QueryError, Stopped, Table
+from logical_robots_tui.mind.compilation import check_up
 
 if TYPE_CHECKING:
     import threading
@@ -20,6 +21,7 @@ if TYPE_CHECKING:
     from logical_robots_tui.game.frame import Frame
     from logical_robots_tui.game.pins import Pin, Reading
     from logical_robots_tui.mind import Explanation, Machinery, Mind, Program, Proof
+    from logical_robots_tui.mind.diagnosis.nearest import Suggestion
     from logical_robots_tui.values import Value
     from logical_robots_tui.world import Level
 
@@ -151,6 +153,47 @@ class Inquiry:
             return mind.explainer(robot, sensors, memories, stop=stop).calls(predicate)
 
         return await self._do(self._surveyor, program, work)
+
+    async def nearest(
+        self, program: Program, robot: str, frame: Frame, predicate: str
+    ) -> list[tuple[int, Suggestion]]:
+        """Which one change would have given a row to each rule that gave none at a frame.
+
+        Args:
+            program: The program.
+            robot: Name of the robot in whose reasoning.
+            frame: The tick.
+            predicate: One of the program's own predicates.
+
+        Returns:
+            Lines of rules, each with a change; those of a rule the smallest first.
+
+        Raises:
+            QueryError: The program is too entangled.
+            Superseded: A newer question came before the answer was there.
+        """
+        from logical_robots_tui.mind.diagnosis.nearest import nearest_misses
+
+        def work(mind: Mind, stop: threading.Event) -> list[tuple[int, Suggestion]]:
+            rules = check_up(program, stop=stop, limits=self._limits).rules
+            lines = [rule.span.line for rule in rules if rule.predicate == predicate]
+            found = []
+            for number, line in enumerate(lines):
+                misses = nearest_misses(
+                    program,
+                    predicate,
+                    number,
+                    robot,
+                    frame.sensors,
+                    frame.memories_before,
+                    memory=mind.memory,
+                    sensor=mind.sensor,
+                    stop=stop,
+                )
+                found += [(line, each) for each in misses]
+            return found
+
+        return await self._do(self._explainer, program, work)
 
     async def machinery(self, program: Program, frame: Frame) -> list[Machinery]:
         """How each of the program's predicates is computed at a frame, the slowest first.

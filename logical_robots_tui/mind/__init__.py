@@ -1,7 +1,8 @@
 """The mind: Logica programs compiled to SQLite; sensors and memories in, decisions out.
 
-In the compile process `compiling` makes SQL of text, `tuning` makes that quick, and `why` takes
-rules apart. Here `sqlite` holds the rows of a moment, `duck` those of a crowd; a `Mind` asks them.
+In the compile process `compiling` makes SQL of text, `tuning` makes that quick, `why` takes
+rules apart, and `diagnosis` makes all of them ready to be watched over a whole run. Here `sqlite`
+holds the rows of a moment, `duck` those of a crowd; a `Mind` asks them.
 """
 
 from typing import TYPE_CHECKING

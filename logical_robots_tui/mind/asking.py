@@ -20,7 +20,7 @@ from logical_robots_tui.mind.sqlite.tables import PlainTables, TunedTables, Unfi
 from logical_robots_tui.mind.why.relations import ALIKE, SAME, alike_in_sql, same_in_sql
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Sequence
+    from collections.abc import Collection, Iterator, Sequence
 
     from logical_robots_tui.mind.duck.engine import DuckTables
     from logical_robots_tui.mind.limits import Limits
@@ -93,7 +93,13 @@ class Asking:
                 yield view, failure
 
     def question(
-        self, question: Question, moment: Moment, within: Within, *, in_order: bool
+        self,
+        question: Question,
+        moment: Moment,
+        within: Within,
+        *,
+        in_order: bool,
+        viewers: Collection[str] | None = None,
     ) -> Iterator[tuple[View, Answer]]:
         """Rows of a question for each view of a moment.
 
@@ -102,11 +108,17 @@ class Asking:
             moment: What it is asked of.
             within: Bounds; more rows are left out.
             in_order: Whether it matters in which order the rows of a view are.
+            viewers: Names of the robots in whose reasoning to ask, by default all.
 
         Raises:
             FailureError: It failed, or took too long.
         """
         tuned = question.tuned
+        if viewers is not None:
+            for view in moment.views:
+                if any(name in viewers for name in view.viewers):
+                    yield view, self._ask(tuned, question.sql, moment, view, within)
+            return
         answers = self._quick_answers(tuned, moment, within, in_order=in_order)
         yield from zip(moment.views, answers, strict=False)
         for view in moment.views[len(answers) :]:

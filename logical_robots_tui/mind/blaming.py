@@ -1,4 +1,4 @@
-"""Of a thought that failed: which predicate did, and on whose rows."""
+"""Notices of a thought that failed, or whose recursions ended early: what did, on whose rows."""
 
 from __future__ import annotations
 
@@ -8,12 +8,12 @@ from logical_robots_tui.mind.decision import Notice, NoticeKind
 from logical_robots_tui.mind.failures import FailureError
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable
+    from collections.abc import Iterable, Iterator
 
     from logical_robots_tui.mind.asking import Asking
     from logical_robots_tui.mind.sqlite.moment import Moment, View, Within
 
-__all__ = ["blame"]
+__all__ = ["blame", "cut_offs"]
 
 
 def blame(
@@ -64,3 +64,13 @@ def _fails(predicate: str, asking: Asking, moment: Moment, view: View, within: W
     except FailureError:
         return True
     return False
+
+
+def cut_offs(asking: Asking, moment: Moment, view: View, within: Within) -> Iterator[Notice]:
+    """A notice for each recursion that was still changing when it reached its last step."""
+    for predicate, steps in asking.still_grew(moment, view, within):
+        yield Notice(
+            "recursion",
+            f"The recursion of {predicate} was still growing after {steps} steps, what "
+            f"lies further is missing: @Recursive({predicate}, N) says how far it goes.",
+        )

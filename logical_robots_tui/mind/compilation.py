@@ -12,6 +12,7 @@ import subprocess
 import sys
 import threading
 from collections import OrderedDict
+from dataclasses import replace
 from pathlib import Path
 from time import monotonic
 from typing import TYPE_CHECKING, Any, TypeVar
@@ -27,10 +28,11 @@ if TYPE_CHECKING:
 
     from _typeshed import DataclassInstance
 
+    from logical_robots_tui.mind.diagnosis.sites import Checkup
     from logical_robots_tui.mind.program import Report
     from logical_robots_tui.mind.why.probing import Probing
 
-__all__ = ["compile_program", "compile_question", "stop_compiling", "take_apart"]
+__all__ = ["check_up", "compile_program", "compile_question", "stop_compiling", "take_apart"]
 
 T = TypeVar("T", bound="DataclassInstance")
 
@@ -111,6 +113,32 @@ def take_apart(
         return _compiler.answer(request, "probing", Probing, limits or Limits(), stop)
     except ProgramError as error:
         raise QueryError(f"{predicate} can't be taken apart: {error}") from None
+
+
+def check_up(
+    program: Program, *, stop: threading.Event | None = None, limits: Limits | None = None
+) -> Checkup:
+    """Make a program ready to be watched; what was made ready before is at hand. Blocks.
+
+    Args:
+        program: The program.
+        stop: Set it from another thread to give up.
+        limits: Bounds on compiling.
+
+    Raises:
+        QueryError: It is too entangled for that.
+        Stopped: `stop` was set.
+    """
+    from logical_robots_tui.mind.diagnosis.sites import Checkup
+
+    functions = [p.name for p in program.predicates if p.is_function]
+    request = {"text": program.text, "checkup": functions}
+    try:
+        found = _compiler.answer(request, "checkup", Checkup, limits or Limits(), stop)
+    except ProgramError as error:
+        raise QueryError(f"The program can't be watched: {error}") from None
+    asked = replace(found.program, memory=program.memory, sensor=program.sensor)
+    return replace(found, program=asked)
 
 
 def stop_compiling() -> None:

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from time import perf_counter
 from typing import TYPE_CHECKING, Literal
 
 from logical_robots_tui.mind.asking import Asking
-from logical_robots_tui.mind.blaming import blame
+from logical_robots_tui.mind.blaming import blame, cut_offs
 from logical_robots_tui.mind.deciding import decide, note_stranger
 from logical_robots_tui.mind.decision import Decision, Notice
 from logical_robots_tui.mind.diagnostics import QueryError
@@ -18,7 +18,7 @@ from logical_robots_tui.mind.machinery import Machinery
 from logical_robots_tui.mind.sqlite.lasting import Sizes
 from logical_robots_tui.mind.sqlite.moment import Moment, View, Within
 from logical_robots_tui.mind.sqlite.stored import size_of
-from logical_robots_tui.mind.table import Table
+from logical_robots_tui.mind.table import Table, table_of
 from logical_robots_tui.mind.weight import check_room
 from logical_robots_tui.values import SensorRow, Value
 
@@ -127,7 +127,7 @@ class Mind:
                 failures |= dict.fromkeys(view.viewers, notice)
                 continue
             if self.program.recursions:
-                notices = [*self._cut_off(moment, view, within)]
+                notices = [*cut_offs(self._asking, moment, view, within)]
                 cut_off |= dict.fromkeys(view.viewers, notices)
             columns, found = answer
             mine = frozenset(view.viewers)
@@ -192,6 +192,7 @@ class Mind:
         rows: Sequence[SensorRow],
         memories: Memories,
         *,
+        viewers: Collection[str] | None = None,
         stop: threading.Event | None = None,
         in_order: bool = True,
     ) -> Table:
@@ -201,6 +202,7 @@ class Mind:
             question: Compiled for the program of this mind.
             rows: As for `think`.
             memories: As for `think`.
+            viewers: Names of the robots in whose reasoning to ask, by default all.
             stop: Set it from another thread to give up.
             in_order: Whether it matters in which order the rows are; without, it may be quicker.
 
@@ -211,13 +213,53 @@ class Mind:
         moment = self._moment_of(rows, memories)
 
         def answers(within: Within) -> Iterator[tuple[View, Answer]]:
-            return self._asking.question(question, moment, within, in_order=in_order)
+            return self._asking.question(
+                question, moment, within, in_order=in_order, viewers=viewers
+            )
 
         try:
             return self._counted(answers, stop)
         except FailureError as failure:
             what = question.text if question.text.isidentifier() else "This"
             raise QueryError(f"{what} failed: {failure}.") from None
+
+    def each(
+        self,
+        predicates: Sequence[str],
+        rows: Sequence[SensorRow],
+        memories: Memories,
+        *,
+        viewers: Collection[str] | None = None,
+        stop: threading.Event | None = None,
+    ) -> Iterator[tuple[str, list[dict[str, Value]] | None]]:
+        """Rows of several predicates in each robot's reasoning at a moment.
+
+        Args:
+            predicates: Their names.
+            rows: As for `think`.
+            memories: As for `think`.
+            viewers: Names of the robots in whose reasoning to ask, by default all.
+            stop: Set it from another thread to give up.
+
+        Yields:
+            Names of predicates with their rows, once for each view; None if it fails, or has more
+            rows than the limits allow.
+
+        Raises:
+            Stopped: `stop` was set meanwhile.
+        """
+        moment = Moment(rows, memories, self.memory, self.sensor)
+        for view in moment.views:
+            if viewers is not None and not any(name in viewers for name in view.viewers):
+                continue
+            for name in predicates:
+                try:
+                    within = self._within(self.limits.rows, stop, cut=False)
+                    columns, found = self._asking.rows(name, moment, view, within)
+                except (FailureError, QueryError):
+                    yield name, None
+                else:
+                    yield name, [dict(zip(columns, row, strict=True)) for row in found]
 
     def explainer(
         self,
@@ -229,11 +271,7 @@ class Mind:
     ) -> Explainer:
         """Whom to ask why, about what one robot thinks at one moment, until this is asked again.
 
-        Args:
-            robot: Name of the robot.
-            rows: As for `think`.
-            memories: As for `think`.
-            stop: Set it from another thread to give up.
+        Takes what `think` takes, and the robot's name.
 
         Raises:
             QueryError: There is no such robot.
@@ -349,32 +387,6 @@ class Mind:
 
     def _collected(self, answers: Iterable[tuple[View, Answer]]) -> Table:
         """The answers for all views as one table."""
-        columns: tuple[str, ...] = ()
-        rows: list[tuple[Value, ...]] = []
-        viewers: list[str] = []
-        for view, (names, found) in answers:
-            columns = names
-            rows += found
-            viewers += [view.viewers[0]] * len(found)
-        if "logica_value" in columns and "value" not in columns:
-            columns = tuple("value" if c == "logica_value" else c for c in columns)
-        most = self.limits.rows
-        return Table(
-            columns,
-            tuple(rows[:most]),
-            tuple(viewers[:most]) if self._separate else (),
-            truncated=len(rows) > most,
-        )
-
-    @property
-    def _separate(self) -> bool:
-        return not (self.memory == "all" and self.sensor == "all")
-
-    def _cut_off(self, moment: Moment, view: View, within: Within) -> Iterator[Notice]:
-        """A notice for each recursion that was still changing when it reached its last step."""
-        for predicate, steps in self._asking.still_grew(moment, view, within):
-            yield Notice(
-                "recursion",
-                f"The recursion of {predicate} was still growing after {steps} steps, what "
-                f"lies further is missing: @Recursive({predicate}, N) says how far it goes.",
-            )
+        separate = not (self.memory == "all" and self.sensor == "all")
+        by_viewer = ((view.viewers[0], *answer) for view, answer in answers)
+        return table_of(by_viewer, self.limits.rows, separate=separate)

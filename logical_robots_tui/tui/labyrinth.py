@@ -35,6 +35,7 @@ if TYPE_CHECKING:
     from textual.geometry import Offset
 
     from logical_robots_tui.game.frame import Frame
+    from logical_robots_tui.tui.drawing.look import Highlight
     from logical_robots_tui.tui.drawing_over import DrawnOver
     from logical_robots_tui.world.level import Level
 
@@ -42,7 +43,6 @@ __all__ = ["LabyrinthView"]
 
 _PICK_REACH = 2.5
 """Columns beside a robot at which a click still means it."""
-
 
 _CROWD = 30
 """Robots from which on their light is left out while something is drawn over the picture."""
@@ -87,6 +87,9 @@ class LabyrinthView(Widget):
     camera: reactive[Camera] = reactive(Camera(), repaint=False)
     palette: reactive[Palette | None] = reactive[Palette | None](None, repaint=False)
 
+    class Looked(Message):
+        """The player looks at something else."""
+
     class RobotPicked(Message):
         """A robot was clicked.
 
@@ -99,22 +102,6 @@ class LabyrinthView(Widget):
             super().__init__()
             self.view = view
             self.name = name
-
-        @property
-        def control(self) -> LabyrinthView:
-            """The view, for handlers that select by it."""
-            return self.view
-
-    class Looked(Message):
-        """The player looks at something else.
-
-        Attributes:
-            view: Where.
-        """
-
-        def __init__(self, view: LabyrinthView) -> None:
-            super().__init__()
-            self.view = view
 
         @property
         def control(self) -> LabyrinthView:
@@ -137,6 +124,7 @@ class LabyrinthView(Widget):
         self._cells = self._picture.cells
         self._strips: dict[int, Strip] = {}
         self.overlay: DrawnOver | None = None
+        self._highlight: tuple[Highlight, Frame] | None = None
         self._held: Offset | None = None
         self._is_dragged = False
         self._is_drawing = False
@@ -161,6 +149,17 @@ class LabyrinthView(Widget):
         self._level, self._frame, self._hurried = level, frame, hurried
         self._follow()
         self.redraw()
+
+    def bring_out(self, highlight: Highlight | None, frame: Frame) -> None:
+        """Bring out a ray or a robot as long as a frame is shown, or nothing any more."""
+        self._highlight = None if highlight is None else (highlight, frame)
+        self.redraw()
+
+    @property
+    def brought_out(self) -> Highlight | None:
+        """The ray or robot that is brought out of the frame that is shown."""
+        highlight, frame = self._highlight or (None, None)
+        return highlight if frame is self._frame else None
 
     # -- looking elsewhere ---------------------------------------------------------------------
 
@@ -271,6 +270,7 @@ class LabyrinthView(Widget):
             trails=self.trails and not is_calm,
             names=self.names,
             selected=self.selected,
+            highlight=self.brought_out,
             pulse=int(monotonic() / _BEAT) if self._hurried else 0,
         )
         if self.camera.sight is Sight.SENSES:
@@ -378,7 +378,7 @@ class LabyrinthView(Widget):
     def watch_camera(self) -> None:
         """Show it, and say so."""
         self.redraw()
-        self.post_message(self.Looked(self))
+        self.post_message(self.Looked())
 
     def watch_selected(self) -> None:
         """Bring it out."""

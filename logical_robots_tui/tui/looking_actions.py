@@ -53,6 +53,11 @@ class LookingActions(ScreenActions):
         self._screen.go_to(self._screen.inspector)
         self._screen.inspector.go_to_pins()
 
+    def diagnose(self) -> None:
+        """Show what stands out in the whole run."""
+        self._screen.go_to(self._screen.inspector)
+        self._screen.inspector.diagnose()
+
     def pin(self) -> None:
         """Pin what the cursor is on."""
         self._rows.pin()

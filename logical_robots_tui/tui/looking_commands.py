@@ -16,8 +16,8 @@ LOOKING: tuple[Command, ...] = (
     Command(
         "why",
         "Why",
-        "Say why the robot did what it did at this tick, rule by rule, or why a predicate has its "
-        "rows.",
+        "Say why the robot did what it did at this tick, as a proof to unfold, or why a predicate "
+        "has its rows.",
         _VIEW,
         ("w",),
         bar="Why",
@@ -38,6 +38,13 @@ LOOKING: tuple[Command, ...] = (
         "See what is pinned: its value at this tick, and how it went in the ticks around.",
         _VIEW,
         ("V",),
+    ),
+    Command(
+        "diagnose",
+        "Diagnosis",
+        "Look through the whole run for what may be a mistake, and where to look.",
+        _VIEW,
+        (),
     ),
     Command(
         "leave",

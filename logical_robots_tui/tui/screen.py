@@ -24,6 +24,7 @@ from logical_robots_tui.tui.freedoms import Freedoms
 from logical_robots_tui.tui.guide import Guide
 from logical_robots_tui.tui.inspector.choice import DECISION, ROBOTS, WATCH, WHY
 from logical_robots_tui.tui.inspector.pane import InspectorPane
+from logical_robots_tui.tui.inspector.pointing import Placed, Sighted
 from logical_robots_tui.tui.inspector.robots import RobotsView
 from logical_robots_tui.tui.keeper import Keeper
 from logical_robots_tui.tui.labyrinth import LabyrinthView
@@ -368,8 +369,12 @@ class MainScreen(Screen[None]):
         if self.inspector.inspected not in (DECISION, WHY, WATCH):
             self.inspector.inspect(ROBOTS)
 
-    @on(InspectorPane.Placed)
-    def _place_pointed(self, event: InspectorPane.Placed) -> None:
+    @on(Sighted)
+    def _sight_pointed(self, event: Sighted) -> None:
+        self.labyrinth.view.bring_out(event.highlight, event.frame)
+
+    @on(Placed)
+    def _place_pointed(self, event: Placed) -> None:
         if event.program == self.text and not self.program.has_focus_within:
             self.program.show_place(*event.place)
 
@@ -377,7 +382,7 @@ class MainScreen(Screen[None]):
         """Look into the value under the cursor; by its name, because to name the class loads it."""
         self._actions.open_value()
 
-    on_decision_view_opened = on_value_table_opened
+    on_decision_view_opened = on_why_view_opened = on_value_table_opened
 
     @on(RobotsView.Chosen)
     def _robot_chosen(self, event: RobotsView.Chosen) -> None:

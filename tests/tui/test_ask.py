@@ -4,7 +4,10 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from textual.widgets import Static
+
 from logical_robots_tui.tui.inspector.asking import QueryLine
+from logical_robots_tui.tui.inspector.table import ValueTable
 from tests.short import AHEAD
 from tests.tui.conftest import opened
 
@@ -94,3 +97,88 @@ async def test_names_are_completed(data_dir: Path) -> None:
         await game.until(lambda: line(game)._suggestion == "1 < 2, Lighthouse")
         await game.press("right")
         await game.until(lambda: line(game).value == "1 < 2, Lighthouse")
+
+
+SLOW = (
+    "Sensor(sensor:), a in sensor.radar, b in sensor.radar, c in sensor.radar, d in sensor.radar, "
+    "e in sensor.radar, a.distance + b.distance + c.distance + d.distance + e.distance < 0"
+)
+
+
+def answered(game: Opened) -> str:
+    """The query that what is shown belongs to."""
+    return str(game.main.query_one("#answer-to", Static).render())
+
+
+async def test_a_question_under_way_says_so_and_can_be_stopped(data_dir: Path) -> None:
+    async with opened(data_dir, text=AHEAD) as game:
+        await game.ready()
+        await ask(game, "1000 + 1")
+        await game.until(lambda: game.shows("1001"))
+        await ask(game, SLOW)
+        await game.until(lambda: game.shows(" s  esc here stops it"))
+        assert any(sign in game.screen() for sign in "▖▘▝▗")
+        assert not game.shows("1001"), "an old answer stands under a new question"
+        assert answered(game) == SLOW
+        first = game.screen()
+        await game.until(lambda: game.screen() != first)  # the time goes on
+        await game.press("escape")
+        await game.until(lambda: game.shows("Stopped after "))
+        assert line(game).has_focus
+        assert line(game).value == SLOW
+        await ask(game, "1000 + 2")
+        await game.until(lambda: game.shows("1002"))
+
+
+async def test_escape_stops_a_question_from_the_list_too(data_dir: Path) -> None:
+    async with opened(data_dir, text=AHEAD) as game:
+        await game.ready()
+        await ask(game, SLOW)
+        await game.until(lambda: game.shows("esc here stops it"))
+        game.inspector.enter()
+        await game.press("escape")
+        await game.until(lambda: game.shows("Stopped after "))
+        assert game.inspector.has_focus_within
+        await game.press("escape")
+        await game.until(lambda: game.main.labyrinth.has_focus)
+
+
+async def test_another_question_does_not_wait_for_the_answer_of_the_one_before(
+    data_dir: Path,
+) -> None:
+    query = "t == 700 + Max{sensor.clock :- Sensor(sensor:)}"
+    async with opened(data_dir, text=AHEAD) as game:
+        await game.ready()
+        await ask(game, SLOW)
+        await game.until(lambda: game.shows("esc here stops it"))
+        await ask(game, query)
+        await game.until(lambda: game.shows("700"))
+        await game.press("escape", "n")
+        await game.until(lambda: game.shows("701"))
+        assert game.shows("Ask · tick 1 · 1 row")
+
+
+async def test_an_answer_stands_with_its_own_question_while_another_one_is_typed(
+    data_dir: Path,
+) -> None:
+    async with opened(data_dir, text=AHEAD) as game:
+        await game.ready()
+        await ask(game, "1000 + 1")
+        await game.until(lambda: game.shows("1001"))
+        line(game).value = "1000 + 5"
+        await game.until(lambda: game.shows("1000 + 5"))
+        assert game.shows("1001")
+        assert answered(game) == "1000 + 1"
+
+
+async def test_an_answer_that_is_cut_off_says_so_and_how_to_narrow_it_down(data_dir: Path) -> None:
+    async with opened(data_dir, text=AHEAD) as game:
+        await game.ready()
+        await ask(game, "x in Range(1001)")
+        await game.until(lambda: game.shows("first 1,000 rows, there are more: / narrows down"))
+        table = game.main.query_one("#answer", ValueTable)
+        table.action_go(10_000, 0)
+        await game.until(lambda: game.shows("there are more rows than these first 1,000"))
+        await ask(game, "x in Range(1001), x > 990")
+        await game.until(lambda: game.shows("Ask · tick 0 · 10 rows"))
+        assert not table.missing

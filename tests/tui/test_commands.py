@@ -26,6 +26,7 @@ if TYPE_CHECKING:
 
 ONLY_IN_THE_PALETTE = {
     *(
+        "diagnose",
         "find_next",
         "record",
         "rename",

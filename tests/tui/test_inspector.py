@@ -95,9 +95,9 @@ async def test_inputs_and_predicates_are_listed_with_their_kind(data_dir: Path) 
         await game.ready()
         await game.until(lambda: any(each.startswith("• Robot :4") for each in listed(game)))
         entries = listed(game)
-        assert entries[:5] == ["Robots", "Decision", "Why", "Ask", "Watch"]
-        assert entries[5].startswith("◂ Sensor")
-        assert entries[6].startswith("◂ Memory")
+        assert entries[:6] == ["Robots", "Decision", "Why", "Ask", "Watch", "Diagnosis"]
+        assert entries[6].startswith("◂ Sensor")
+        assert entries[7].startswith("◂ Memory")
         assert "• FreedomMotion ƒ :1" in entries
         assert not [entry for entry in entries if "WeightedAverage" in entry]
 
@@ -115,13 +115,50 @@ async def test_rows_follow_step_by_step(data_dir: Path) -> None:
         await game.until(lambda: game.shows("Seen · tick 0 · 1 row"))
 
 
-async def test_a_function_says_that_it_has_no_rows(data_dir: Path) -> None:
-    async with opened(data_dir) as game:
+async def test_a_function_shows_the_values_that_it_had_for_the_chosen_robot(data_dir: Path) -> None:
+    text = """
+Half(x) = x / 2;
+Robot(robot_name:, desire: {left_engine: Half(c), right_engine: Half(1 + c)}, memory: 1) :-
+  Sensor(robot_name:, sensor:), c == sensor.clock;
+"""
+    async with opened(data_dir, level="team_goal", text=text) as game:
         await game.ready()
-        await inspect(game, "FreedomMotion")
-        await game.until(lambda: game.inspector.inspected == "FreedomMotion")
-        await game.until(lambda: not game.main.query_one(ValueTable).display)
-        await game.until(lambda: game.shows("function"))
+        await game.press("n")
+        await game.until(lambda: game.tick == 1)
+        await inspect(game, "Half")
+        await game.until(lambda: game.shows("Half · tick 1 · 2 calls of P"))
+        table = game.main.query_one("#rows", ValueTable)
+        assert table.shown.columns == ("col0", "value")
+        assert sorted(row[:2] for row in table.shown.rows) == [(1, 0.5), (2, 1)]
+        game.inspector.choose("Q")
+        await game.until(lambda: game.shows("Half · tick 1 · 2 calls of Q"))
+        await game.press("n")
+        await game.until(lambda: game.shows("Half · tick 2 · 2 calls of Q"))
+        await game.until(lambda: (3, 1.5) in table.shown.rows)
+        table.focus()
+        await game.press("at")
+        await game.until(lambda: game.shows("Choose a predicate"))
+
+
+async def test_a_function_that_was_not_called_has_no_calls(data_dir: Path) -> None:
+    async with opened(data_dir, text=f"Idle(x) = x + 1;\n{MORE}") as game:
+        await game.ready()
+        await inspect(game, "Idle")
+        await game.until(lambda: game.shows("Idle · tick 0 · 0 calls of Solo"))
+
+
+async def test_a_predicate_with_more_rows_than_are_shown_says_so(data_dir: Path) -> None:
+    async with opened(data_dir, text=f"Big(x) :- x in Range(1500);\n{MORE}") as game:
+        await game.ready()
+        await inspect(game, "Big")
+        await game.until(lambda: game.shows("Big · tick 0 · first 1,000 rows, there are more"))
+        table = game.main.query_one("#rows", ValueTable)
+        assert "these first 1,000; / asks" in table.missing
+        table.focus()
+        await game.press("J")
+        await game.until(lambda: "950 more rows side by side; J shows" in table.missing)
+        await game.press("c")
+        await game.until(lambda: game.shows("side by side"))
 
 
 async def test_values_are_plain_text_in_short_form(data_dir: Path) -> None:

@@ -27,6 +27,7 @@ from logical_robots_tui.garbage import collect_seldom
 from logical_robots_tui.mind.compiling import compiler
 from logical_robots_tui.mind.compiling.questions import compile_question
 from logical_robots_tui.mind.compiling.robot_rule import MAIN
+from logical_robots_tui.mind.diagnosis.checkup import check_up
 from logical_robots_tui.mind.diagnostics import Diagnostic, ProgramError
 from logical_robots_tui.mind.failures import in_plain_words
 from logical_robots_tui.mind.plain import printable
@@ -37,6 +38,7 @@ from logical_robots_tui.mind.tuning import Known, tune, tune_all
 from logical_robots_tui.mind.why.taking_apart import take_apart
 
 if TYPE_CHECKING:
+    from logical_robots_tui.mind.diagnosis.sites import Checkup
     from logical_robots_tui.mind.program import Program, Question, Report, Tuned
     from logical_robots_tui.mind.why.probing import Probing
 
@@ -94,6 +96,7 @@ def _warm_up() -> None:
         _answer({"text": sample})
     _answer({"text": _SAMPLES[0], "predicate": "Robot", "within": "", "functions": []})
     _answer({"text": _SAMPLES[0], "query": "1 + 1", "columns": {}})
+    _answer({"text": _SAMPLES[0], "checkup": []})
     gc.freeze()
 
 
@@ -126,7 +129,7 @@ def _read(lines: IO[str], requests: queue.Queue[str]) -> None:
 
 
 def _answer(request: dict[str, Any], report: Report | None = None) -> dict[str, object]:
-    """The answer to a request: a program, a question about one, or a predicate taken apart."""
+    """The answer to a request: a program, a question about one, or what takes it apart."""
     text = request["text"]
     try:
         if "query" in request:
@@ -134,6 +137,8 @@ def _answer(request: dict[str, Any], report: Report | None = None) -> dict[str, 
             return {"question": asdict(_tuned_question(question, request["columns"]))}
         if "predicate" in request:
             return {"probing": asdict(_probing(text, request))}
+        if "checkup" in request:
+            return {"checkup": asdict(_checkup(text, frozenset(request["checkup"])))}
         program = compiler.compile_text(text, report)
         _try_out(program)
         return {"program": asdict(_tuned(program))}
@@ -179,6 +184,18 @@ def _probing(text: str, request: dict[str, Any]) -> Probing:
         return take_apart(text, predicate, within, request["with_rows"], is_quick, define)
     finally:
         database.close()
+
+
+def _checkup(text: str, functions: frozenset[str]) -> Checkup:
+    """A program made ready to be watched, as far as SQLite can prepare it in reasonable time."""
+    plain, tuned = Database(), Database(layout=COLUMNS_LAYOUT)
+    tuned.offer(WHOLE_RAY, lambda _: None)
+    try:
+        is_quick = [partial(_is_prepared_soon, database) for database in (plain, tuned)]
+        return check_up(text, functions, *is_quick)
+    finally:
+        plain.close()
+        tuned.close()
 
 
 def _try_out(program: Program) -> None:

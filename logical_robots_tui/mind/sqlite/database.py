@@ -223,7 +223,8 @@ class Database:
         """
         self._trusted = True
         connection = self._connection
-        names = ", ".join(f'"{name}"' for name in columns)
+        quoted = (name.replace('"', '""') for name in columns)
+        names = ", ".join(f'"{name}"' for name in quoted)
         if not connection.in_transaction:
             connection.execute("BEGIN")
         try:

@@ -290,7 +290,8 @@ class _ClauseBuilder:
     def _reads(self, call: Rule) -> tuple[Term, ...]:
         """What is read of a sensor or a memory, anywhere in the clause."""
         found: dict[str, Rule] = {}
-        for column in INPUTS.get(str(call["predicate_name"]), ()):
+        columns = INPUTS.get(str(call["predicate_name"]), ())
+        for column in (*columns, "*") if columns else ():
             for value in values_in(call, column):
                 root = str(value.get("variable", {}).get("var_name", ""))
                 mine = [each for each in chains(self._all) if chain_root(each) == root]

@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 __all__ = ["Refuting"]
 
 _MOST_WAYS = 1_000
-_EXAMPLES = 5
+_EXAMPLES = 100
 
 
 class Refuting:
@@ -154,7 +154,7 @@ class Refuting:
             arguments = (Node("value", c, values=(v,)) for c, v in asked.given.items())
             children = (*children, *arguments)
         return Node(
-            "call" if step.call else _KINDS.get(step.kind, "condition"),  # type: ignore[arg-type]
+            "call" if step.kind == "function" else step.kind,
             text,
             said,
             False,
@@ -227,8 +227,6 @@ class Refuting:
 
 
 _INPUTS = ("Sensor", "Memory")
-
-_KINDS = {"element": "element", "value": "value", "denial": "denial"}
 
 
 def _flat(terms: Sequence[Term]) -> Iterator[Term]:

@@ -9,11 +9,22 @@ from logica.compiler import rule_translate
 from logical_robots_tui.mind.compiling import builtins
 
 if TYPE_CHECKING:
-    from collections.abc import Collection, Iterable, Iterator, Mapping
+    from collections.abc import Container, Iterable, Iterator, Mapping
 
     from logical_robots_tui.mind.compiling.rules import Rule
 
-__all__ = ["Scope", "column_name", "combines", "flat", "in_order", "names"]
+__all__ = ["EVERY_COLUMN", "Scope", "column_name", "combines", "flat", "in_order", "names"]
+
+
+class _EveryColumn:
+    """What contains the name of every column."""
+
+    def __contains__(self, column: object) -> bool:
+        return True
+
+
+EVERY_COLUMN = _EveryColumn()
+"""The columns to give to a function of which nobody knows which it needs."""
 
 
 def column_name(field: str | int) -> str:
@@ -49,7 +60,7 @@ class Scope:
         variables: Variables that are meant where they are mentioned inside aggregates.
     """
 
-    def __init__(self, functions: Mapping[str, Collection[str]], variables: Iterable[str]) -> None:
+    def __init__(self, functions: Mapping[str, Container[str]], variables: Iterable[str]) -> None:
         self.functions = functions
         self.variables = frozenset(variables)
 

@@ -29,7 +29,10 @@ _INSPECTOR_SIGNS = (
     ("◂", "what the world gives to the program"),
     ("•", "a predicate of the program, with the line where it begins"),
     ("◦", "a predicate that comes with the game"),
-    ("ƒ", "a function of its arguments: it has no rows of its own"),
+    ("ƒ", "a function: choose it to see with what it was called, and what it gave"),
+    ("▸", "what is folded; right opens it, left closes it"),
+    ("✓", "what holds; ✗ what nothing satisfied"),
+    ("→", "a predicate that is asked; enter makes it the root, backspace comes back"),
 )
 Subject: TypeAlias = Literal["labyrinth", "editing", "editor", "inspector", "timeline"]
 """What the help can begin with."""

@@ -7,7 +7,20 @@ from dataclasses import dataclass
 from logical_robots_tui.tui.drawing.glyphs import Drawing
 from logical_robots_tui.tui.drawing.palette import DARK, Palette
 
-__all__ = ["Look"]
+__all__ = ["Highlight", "Look"]
+
+
+@dataclass(frozen=True, slots=True)
+class Highlight:
+    """A robot, or one ray of its radar, to bring out of the picture.
+
+    Attributes:
+        robot: Its name.
+        ray: The angle of the ray as the program reads it, radians; None means the robot itself.
+    """
+
+    robot: str
+    ray: float | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -23,6 +36,7 @@ class Look:
         trails: Whether the ways that robots came are shown.
         names: Whether names are shown.
         selected: Name of the robot to bring out, or None.
+        highlight: A ray or a robot to bring out besides, or None.
         pulse: How far the beacons are in their pulse, 0 to 3; 0 is brightest.
     """
 
@@ -34,4 +48,5 @@ class Look:
     trails: bool = True
     names: bool = True
     selected: str | None = None
+    highlight: Highlight | None = None
     pulse: int = 0

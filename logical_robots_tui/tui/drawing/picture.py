@@ -16,7 +16,7 @@ from logical_robots_tui.tui.drawing.lettering import StillLettering, letter, rob
 from logical_robots_tui.tui.drawing.palette import RGB, Palette, packed
 from logical_robots_tui.tui.drawing.rays import Fan, fans, shine
 from logical_robots_tui.tui.drawing.robots import paint_robot
-from logical_robots_tui.tui.drawing.threads import draw_rays, draw_trails
+from logical_robots_tui.tui.drawing.threads import draw_ray, draw_rays, draw_ring, draw_trails
 from logical_robots_tui.tui.drawing.traces import Traces
 from logical_robots_tui.tui.drawing.viewport import Floats, Raster
 from logical_robots_tui.tui.drawing.walls import WallTable
@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from logical_robots_tui.game.frame import Frame
-    from logical_robots_tui.tui.drawing.look import Look
+    from logical_robots_tui.tui.drawing.look import Highlight, Look
     from logical_robots_tui.tui.drawing.viewport import Viewport
     from logical_robots_tui.world.level import Level
     from logical_robots_tui.world.state import RobotState
@@ -146,6 +146,8 @@ class Picture:
                     draw_rays(cells, fan, colours[fan.name], viewport, look)
         undecided = frozenset(d.robot_name for d in frame.decisions if d.desire is None)
         letter(cells, self._lettering, robots, undecided, seen, viewport, look)
+        if look.highlight is not None:
+            _bring_out(cells, look.highlight, frame, viewport, look)
 
         self.cells = cells
         return cells
@@ -262,6 +264,20 @@ class Picture:
 
 def _state_colour(robot: RobotState, colours: dict[str, RGB], palette: Palette) -> RGB:
     return palette.dead if robot.dead else colours.get(robot.name, palette.dead)
+
+
+def _bring_out(
+    cells: Cells, highlight: Highlight, frame: Frame, viewport: Viewport, look: Look
+) -> None:
+    """Draw a ray from where the robot sensed, or a ring around where it is afterwards."""
+    if highlight.ray is not None:
+        for fan in fans(frame):
+            if fan.name == highlight.robot:
+                draw_ray(cells, fan, highlight.ray, viewport, look)
+    else:
+        for robot in frame.after.robots:
+            if robot.name == highlight.robot:
+                draw_ring(cells, robot.x, robot.y, viewport, look)
 
 
 def _paint_all(

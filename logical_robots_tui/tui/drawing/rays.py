@@ -43,6 +43,7 @@ class Fan:
         distances: Map units at which they end.
         objects: What they hit: ``wall``, ``robot``, ``beacon`` or ``none``.
         labels: Its name.
+        ahead: Where the robot was heading, which is the ray with the angle 0.
     """
 
     name: str
@@ -52,6 +53,7 @@ class Fan:
     distances: Floats
     objects: Sequence[str]
     labels: Sequence[str]
+    ahead: float
 
     def sighted(self) -> Iterable[tuple[float, float, str, str]]:
         """Return (x, y, object, label) of each beacon and robot, where its middle ray ends."""
@@ -68,6 +70,10 @@ class Fan:
         """Return map units x and y of where the rays end."""
         x = self.x + self.distances * np.cos(self.headings)
         return x, self.y + self.distances * np.sin(self.headings)
+
+    def nearest(self, angle: float) -> int:
+        """Return the number of the ray nearest to an angle as the program reads it, radians."""
+        return int(np.abs(self.headings - (self.ahead - angle)).argmin())
 
     def ends(self) -> Iterable[tuple[float, float, str]]:
         """Return (x, y, object) of the rays that hit something, the most important last."""
@@ -96,6 +102,7 @@ def fans(frame: Frame) -> list[Fan]:
                 distances=np.array([ray["distance"] for ray in radar], np.float64),
                 objects=[ray["object"] for ray in radar],
                 labels=[str(ray["label"]) for ray in radar],
+                ahead=pose.angle,
             )
         )
     return found

@@ -17,6 +17,7 @@ from logical_robots_tui.tui.drawing.lettering import robot_colour, write
 from logical_robots_tui.tui.drawing.palette import RGB, mix, packed
 from logical_robots_tui.tui.drawing.plates import fit_name
 from logical_robots_tui.tui.drawing.rays import Fan, fans, shine
+from logical_robots_tui.tui.drawing.threads import draw_ray, draw_ring
 from logical_robots_tui.tui.drawing.viewport import Raster, Viewport
 from logical_robots_tui.world.sensing import SENSOR_RANGE
 
@@ -101,7 +102,8 @@ def _tile(fan: Fan, colour: RGB, columns: int, rows: int, look: Look) -> Cells:
     """Draw one robot's senses: up is ahead, and a frame tells tiles apart."""
     palette, glyphs = look.palette, look.drawing.glyphs
     middle = float(fan.headings[0] + fan.headings[-1]) / 2
-    own = replace(fan, x=0.0, y=0.0, headings=fan.headings - middle - math.pi / 2)
+    turn = middle + math.pi / 2
+    own = replace(fan, x=0.0, y=0.0, headings=fan.headings - turn, ahead=fan.ahead - turn)
     view = _view(columns, rows - 1)
     raster = Raster(view, *look.drawing.dots)
     image = np.empty((*raster.shape, 3), np.float32)
@@ -131,6 +133,11 @@ def _tile(fan: Fan, colour: RGB, columns: int, rows: int, look: Look) -> Cells:
         coarse = np.clip(image, 0, 255).astype(np.uint8) & np.uint8(0xFC)
         cells = fitted(split(coarse, raster.across, raster.down), rows - 1, columns)
     _put_ends(cells, own, view, look)
+    if look.highlight is not None and look.highlight.robot == fan.name:
+        if look.highlight.ray is not None:
+            draw_ray(cells, own, look.highlight.ray, view, look)
+        else:
+            draw_ring(cells, 0.0, 0.0, view, look)
     cell = view.cell(0.0, 0.0)
     if cell is not None:
         cells.put(*cell, glyphs.heading(-math.pi / 2), packed(colour), bold=True)

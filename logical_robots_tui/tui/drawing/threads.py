@@ -1,4 +1,4 @@
-"""Thin lines over the picture: trails of robots, and the rays of one of them.
+"""Thin lines over the picture: trails of robots, the rays of one of them, what is brought out.
 
 They are drawn in braille, eight dots to a cell, or by one character for a cell where the font may
 not have it.
@@ -13,6 +13,7 @@ import numpy as np
 from logical_robots_tui.tui.drawing.cells import Cells, text_id
 from logical_robots_tui.tui.drawing.glyphs import Drawing
 from logical_robots_tui.tui.drawing.palette import RGB, mix, packed
+from logical_robots_tui.world.sensing import ROBOT_RADIUS
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -23,12 +24,18 @@ if TYPE_CHECKING:
     from logical_robots_tui.tui.drawing.rays import Fan
     from logical_robots_tui.tui.drawing.viewport import Floats, Viewport
 
-__all__ = ["draw_rays", "draw_trails"]
+__all__ = ["draw_ray", "draw_rays", "draw_ring", "draw_trails"]
 
 _BITS = np.array([[0x01, 0x08], [0x02, 0x10], [0x04, 0x20], [0x40, 0x80]], np.int64)
 """The bit of each dot of a braille cell, down and across (Unicode, block Braille Patterns)."""
 
 _BRAILLE = np.array([text_id(chr(0x2800 + bits)) for bits in range(256)], np.int64)
+
+_RING = 2.2
+"""Radius of the ring around a robot that is brought out, in radii of a robot."""
+
+_LEAST_RING = 2.5
+"""The same at least, in columns."""
 
 _FADES = 4
 """Steps in which a trail fades; each changes every cell of it once."""
@@ -98,6 +105,53 @@ def draw_rays(cells: Cells, fan: Fan, colour: RGB, viewport: Viewport, look: Loo
     every_x, every_y = np.concatenate(x), np.concatenate(y)
     ink = packed(mix(colour, look.palette.bright, 0.3))
     _draw(cells, every_x, every_y, np.full(len(every_x), ink), viewport, look)
+
+
+def draw_ring(cells: Cells, x: float, y: float, viewport: Viewport, look: Look) -> None:
+    """Draw a ring around a robot that is brought out.
+
+    Args:
+        cells: The picture, changed in place.
+        x: Where the robot is, map units.
+        y: Where the robot is, map units.
+        viewport: The view.
+        look: How to draw.
+    """
+    radius = max(_RING * ROBOT_RADIUS, _LEAST_RING * viewport.units)
+    turn = np.linspace(0, 2 * np.pi, 120)
+    ink = np.full(len(turn), packed(look.palette.bright))
+    _draw(cells, x + radius * np.cos(turn), y + radius * np.sin(turn), ink, viewport, look)
+
+
+def draw_ray(cells: Cells, fan: Fan, ray: float, viewport: Viewport, look: Look) -> None:
+    """Draw a ray that is brought out, with a mark at its end.
+
+    Args:
+        cells: The picture, changed in place.
+        fan: The robot's rays.
+        ray: Angle of the ray as the program reads it, radians.
+        viewport: The view.
+        look: How to draw.
+    """
+    ink = packed(look.palette.bright)
+    number = fan.nearest(ray)
+    heading, distance = float(fan.headings[number]), float(fan.distances[number])
+    # The robot's own cell stays as it is.
+    start = min(max(ROBOT_RADIUS, 1.5 * viewport.units), distance)
+    along = np.arange(start, distance, viewport.units / 4)
+    x, y = fan.x + along * np.cos(heading), fan.y + along * np.sin(heading)
+    _draw(cells, x, y, np.full(len(x), ink), viewport, look)
+    every_x, every_y = fan.points()
+    end = viewport.cell(float(every_x[number]), float(every_y[number]))
+    if end is not None:
+        glyphs, palette = look.drawing.glyphs, look.palette
+        signs = {
+            "wall": (glyphs.hit_wall_near, palette.hit_wall),
+            "beacon": (glyphs.hit_beacon, palette.hit_beacon),
+            "robot": (glyphs.hit_robot, palette.hit_robot),
+        }
+        sign, paper = signs.get(fan.objects[number], (glyphs.thread, palette.dead))
+        cells.put(*end, sign, packed(palette.plate), packed(paper), bold=True)
 
 
 def _draw(

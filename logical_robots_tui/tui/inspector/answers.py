@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from logical_robots_tui.game import MIND
+from logical_robots_tui.tui.commands import with_keys
 
 if TYPE_CHECKING:
     from logical_robots_tui.mind import Table
@@ -23,8 +24,15 @@ def shown_rows(table: Table) -> tuple[tuple[str, ...], tuple[tuple[Value, ...], 
     return (MIND, *table.columns), rows
 
 
-def counted(table: Table) -> str:
-    """How many rows a table has, in words."""
+def counted(table: Table, what: str = "row", more: str = "") -> str:
+    """How many rows a table has, in words.
+
+    Args:
+        table: The rows.
+        what: What one of them is called.
+        more: What is said behind it.
+    """
     count = len(table.rows)
-    more = " and more" if table.truncated else ""
-    return f"{count}{more} {'row' if count == 1 else 'rows'}"
+    if table.truncated:
+        return with_keys(f"first {count:,} {what}s{more}, there are more: {{ask}} narrows down")
+    return f"{count:,} {what}{'' if count == 1 else 's'}{more}"

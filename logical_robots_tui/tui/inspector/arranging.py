@@ -62,11 +62,13 @@ class Rows:
         columns: Names of the columns.
         rows: The rows.
         changed: Row and column of each value that differs from the tick before.
+        left_out: How many more rows there are than stand side by side.
     """
 
     columns: tuple[str, ...]
     rows: tuple[Row, ...]
     changed: frozenset[tuple[int, int]] = frozenset()
+    left_out: int = 0
 
 
 def arranged(rows: Rows, how: Arrangement) -> Rows:
@@ -133,7 +135,7 @@ def _turned(rows: Rows) -> Rows:
     lines = tuple((name, *(row[at] for row in shown)) for at, name in enumerate(rows.columns))
     names = ("", *(str(number + 1) for number in range(len(shown))))
     changed = ((column, row + 1) for row, column in rows.changed if row < _SIDEWAYS)
-    return Rows(names, lines, frozenset(changed))
+    return Rows(names, lines, frozenset(changed), len(rows.rows) - len(shown))
 
 
 def _rank(value: Value) -> tuple[int, Any]:

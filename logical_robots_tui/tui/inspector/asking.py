@@ -16,12 +16,13 @@ from logical_robots_tui.game import Superseded
 from logical_robots_tui.mind import ProgramError, QueryError
 from logical_robots_tui.tui.inspector.answers import NO_PROGRAM, shown_rows
 from logical_robots_tui.tui.inspector.table import ValueTable
+from logical_robots_tui.tui.inspector.waiting import GivenUp, Waiting, under_way
 from logical_robots_tui.tui.plain import one_line
 from logical_robots_tui.tui.program.words import NAMES
 from logical_robots_tui.tui.theme import INK
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable
+    from collections.abc import Callable, Iterable
 
     from textual import events
 
@@ -39,9 +40,14 @@ _SHORTEST = 2  # letters before a word is suggested
 
 
 class QueryLine(Input):
-    """The line in which a query is typed; up and down bring earlier ones back."""
+    """The line in which a query is typed; up and down bring earlier ones back.
 
-    def __init__(self) -> None:
+    Args:
+        leave: What escape does.
+    """
+
+    def __init__(self, leave: Callable[[], None]) -> None:
+        self._leave = leave
         self._words = _Words()
         super().__init__(
             placeholder="Ask anything: Robot   Sensor(robot_name:, sensor:)   1 + 1",
@@ -59,7 +65,7 @@ class QueryLine(Input):
     def on_key(self, event: events.Key) -> None:
         """Take some keys at once: as bindings they would come after letters of the same moment."""
         if event.key == "escape":
-            self.screen.focus_next(ValueTable)
+            self._leave()
         elif event.key in _RECALLS:
             self._recall(_RECALLS[event.key])
         else:
@@ -92,6 +98,9 @@ class AskView(Vertical):
     DEFAULT_CSS = """
     AskView { height: 1fr; }
     AskView QueryLine { margin: 0 1; background: $panel; width: 1fr; }
+    AskView #answer-to {
+        padding: 0 1; height: 1; display: none; text-wrap: nowrap; text-overflow: ellipsis;
+    }
     AskView #answer-said { padding: 0 1; height: auto; }
     AskView ValueTable { margin: 0 1; }
     """
@@ -102,10 +111,12 @@ class AskView(Vertical):
     def __init__(self, questions: Questions) -> None:
         self._questions = questions
         self._query = self._refused = ""
-        self.line = QueryLine()
+        self.waiting = Waiting()
+        self.line = QueryLine(self._leave)
+        self._to = Static(id="answer-to")
         self._said = Static(id="answer-said")
         self.table = ValueTable(id="answer")
-        super().__init__(self.line, self._said, self.table, id="ask")
+        super().__init__(self.line, self._to, self._said, self.table, id="ask")
 
     def knows(self, predicates: Iterable[Predicate]) -> None:
         """Suggest the names of these predicates, and everything else a query may be made of."""
@@ -123,26 +134,59 @@ class AskView(Vertical):
             self.line.remember(query)
             self.post_message(self.Asked())
 
-    async def follow(self, frame: Frame) -> Table | None:
-        """Answer the query at a tick; return the answer if there is one."""
+    async def follow(self, frame: Frame, told: Callable[[Table | None], None]) -> None:
+        """Answer the query at a tick.
+
+        Args:
+            frame: The tick.
+            told: Called with the answer when it is shown; with None when something else is.
+        """
         query = self._query
         if not query:
-            return None
+            told(None)
+            return
+
+        def wait() -> None:
+            told(None)
+            self._answer_to(query)
+            self._say(under_way("asking", self.waiting.seconds))
+
         try:
-            table = await self._questions.ask(query, frame)
+            table = await self.waiting.answer(self._questions.ask(query, frame), wait)
         except Superseded:
             if not self._questions.has_program:
                 self._say(NO_PROGRAM)
+            return
+        except GivenUp:
+            self._query = ""
+            self._say(f"Stopped after {self.waiting.seconds:.1f} s. Enter asks it again.")
         except ProgramError as error:
+            self._answer_to("")
             self._refuse(query, error)
         except QueryError as error:
+            self._answer_to(query)
             self._say(str(error))
         else:
+            told(table)
+            self._answer_to(query)
             self._said.update(Content.styled("No rows." if not table.rows else "", INK.dim))
             self._said.display = not table.rows
-            self.table.show(*shown_rows(table))
-            return table
-        return None
+            columns, rows = shown_rows(table)
+            self.table.show(columns, rows, are_all=not table.truncated)
+            return
+        told(None)
+
+    def _leave(self) -> None:
+        """Stop what is under way, or else go to the answer."""
+        if self.waiting.is_long:
+            self.waiting.stop()
+        else:
+            self.screen.focus_next(ValueTable)
+
+    def _answer_to(self, query: str) -> None:
+        """Name the query that what is below belongs to; the line above may hold another text."""
+        self._to.update(Content.styled(one_line(query), INK.title))
+        self._to.display = bool(query)
 
     def _refuse(self, query: str, error: ProgramError) -> None:
         """Show what is wrong with a query, under its place in the line."""

@@ -17,12 +17,20 @@ if TYPE_CHECKING:
     from logical_robots_tui.mind import Predicate
     from logical_robots_tui.tui.inspector.questions import Survey
 
-__all__ = ["ASK", "DECISION", "MARKS", "ROBOTS", "WATCH", "WHY", "Choice"]
+__all__ = ["ASK", "DECISION", "DIAGNOSIS", "MARKS", "ROBOTS", "WATCH", "WHY", "Choice"]
 
 ROBOTS, DECISION, WHY, ASK, WATCH = "(robots)", "(decision)", "(why)", "(ask)", "(watch)"
+DIAGNOSIS = "(diagnosis)"
 """The pages; no predicate can have these names."""
 
-_PAGES = {ROBOTS: "Robots", DECISION: "Decision", WHY: "Why", ASK: "Ask", WATCH: "Watch"}
+_PAGES = {
+    ROBOTS: "Robots",
+    DECISION: "Decision",
+    WHY: "Why",
+    ASK: "Ask",
+    WATCH: "Watch",
+    DIAGNOSIS: "Diagnosis",
+}
 MARKS = {"input": ("◂", INK.robot), "program": ("•", INK.key), "prelude": ("◦", INK.dim)}
 """The sign of each kind of predicate, with its colour."""
 

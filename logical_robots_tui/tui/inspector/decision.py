@@ -138,8 +138,10 @@ def _on_the_way(program: Program | None, robot: str, survey: Survey | None) -> I
             yield _named(name, "failed" if table is not None else "not known")
             continue
         rows = _rows_of(robot, table)
-        said = Content.styled(f"{len(rows)} {'row' if len(rows) == 1 else 'rows'}", INK.dim)
-        if len(rows) == 1:
+        more = "+" if table.truncated else ""
+        words = f"{len(rows):,}{more} {'rows' if more or len(rows) != 1 else 'row'}"
+        said = Content.styled(words, INK.dim)
+        if len(rows) == 1 and not more:
             shown = dict(zip(table.columns, rows[0], strict=True))
             shown.pop("robot_name", None)
             values = [

@@ -10,7 +10,9 @@ from textual.widgets import Static
 
 from logical_robots_tui.tui.inspector.asking import AskView
 from logical_robots_tui.tui.inspector.cells import written
+from logical_robots_tui.tui.inspector.choice import ASK, DECISION, DIAGNOSIS, WATCH, WHY
 from logical_robots_tui.tui.inspector.decision import DecisionView
+from logical_robots_tui.tui.inspector.diagnosis import DiagnosisPage
 from logical_robots_tui.tui.inspector.reasons import ReasonsPage
 from logical_robots_tui.tui.inspector.table import ValueTable
 from logical_robots_tui.tui.inspector.watching import Watching
@@ -21,13 +23,14 @@ if TYPE_CHECKING:
     from textual.widget import Widget
 
     from logical_robots_tui.tui.inspector.questions import Questions
+    from logical_robots_tui.tui.inspector.waiting import Waiting
     from logical_robots_tui.tui.session import Session
 
 __all__ = ["Pages"]
 
 
 class Pages:
-    """Decision, reasons, answers, what is watched, and the rows of a predicate.
+    """Decision, reasons, answers, what is watched, the diagnosis, and the rows of a predicate.
 
     Args:
         session: Whose ticks.
@@ -40,6 +43,7 @@ class Pages:
         self.asking = AskView(questions)
         self.watching = Watching(session, questions)
         self.pins = self.watching.view
+        self.diagnosis = DiagnosisPage(session)
         self.table = ValueTable()
         self._value = Static(id="value-text")
         self._value_box = VerticalScroll(self._value, id="value", can_focus=False)
@@ -49,11 +53,29 @@ class Pages:
             self.reasons,
             self.asking,
             self.pins,
+            self.diagnosis,
             self.table,
             self._value_box,
         )
         """All of them; the last one stands below the rows, and tells one value in full."""
         self.show_only(None)
+
+    @property
+    def waiting(self) -> Waiting | None:
+        """What waits for an answer so long that it says so, if that is on the screen."""
+        pages = (self.asking, self.reasons)
+        return next((p.waiting for p in pages if p.display and p.waiting.is_long), None)
+
+    def view_of(self, name: str) -> Widget:
+        """What takes the focus on a page, or for the rows of a predicate."""
+        views: dict[str, Widget] = {
+            DECISION: self.decision,
+            WHY: self.reasons.view,
+            ASK: self.asking.line,
+            WATCH: self.pins,
+            DIAGNOSIS: self.diagnosis.view,
+        }
+        return views.get(name, self.table)
 
     def show_only(self, view: Widget | None) -> None:
         """Show one of them, or none."""

@@ -3,20 +3,30 @@
 from __future__ import annotations
 
 import asyncio
+from functools import partial
 from importlib import import_module
 from typing import TYPE_CHECKING, ClassVar
 
 from textual import on
+from textual.binding import Binding
 from textual.containers import Horizontal, Vertical
 from textual.content import Content
-from textual.message import Message
 from textual.widgets import OptionList, Static
 
 from logical_robots_tui.game import Superseded
 from logical_robots_tui.mind import QueryError, Table
 from logical_robots_tui.tui.background import in_background
 from logical_robots_tui.tui.inspector.answers import NO_PROGRAM, counted, shown_rows
-from logical_robots_tui.tui.inspector.choice import ASK, DECISION, ROBOTS, WATCH, WHY, Choice
+from logical_robots_tui.tui.inspector.choice import (
+    ASK,
+    DECISION,
+    DIAGNOSIS,
+    ROBOTS,
+    WATCH,
+    WHY,
+    Choice,
+)
+from logical_robots_tui.tui.inspector.pointing import Sighted, definition
 from logical_robots_tui.tui.inspector.questions import Questions
 from logical_robots_tui.tui.inspector.robots import RobotsView
 from logical_robots_tui.tui.pane import Pane
@@ -24,6 +34,7 @@ from logical_robots_tui.tui.plain import one_line
 from logical_robots_tui.tui.theme import INK
 
 if TYPE_CHECKING:
+    from textual.message import Message
     from textual.widget import Widget
     from textual.worker import Worker
 
@@ -33,7 +44,6 @@ if TYPE_CHECKING:
     from logical_robots_tui.tui.inspector.questions import Survey
     from logical_robots_tui.tui.inspector.table import ValueTable
     from logical_robots_tui.tui.inspector.watch import WatchView
-    from logical_robots_tui.tui.inspector.why import WhyView
     from logical_robots_tui.tui.session import Session
 
 __all__ = ["InspectorPane"]
@@ -51,17 +61,9 @@ class InspectorPane(Pane):
 
     command_id: ClassVar[str] = "inspector"
 
-    class Placed(Message):
-        """What the cursor is on stands at a place in the program.
-
-        Attributes:
-            program: The program's text.
-            place: Offset of its first character, and offset behind its last one.
-        """
-
-        def __init__(self, program: str, place: tuple[int, int]) -> None:
-            super().__init__()
-            self.program, self.place = program, place
+    BINDINGS: ClassVar[list[Binding | tuple[str, str] | tuple[str, str, str]]] = [
+        Binding("escape", "stop", show=False),
+    ]
 
     DEFAULT_CSS = """
     InspectorPane #subject { height: 1; padding: 0 1; color: $ink-dim; text-wrap: nowrap; }
@@ -86,6 +88,7 @@ class InspectorPane(Pane):
         self._inspected = ROBOTS
         self._robot: str | None = None
         self._survey: Survey | None = None
+        self._following: Frame | None = None
         self._stale = False
         self._follower: Worker[None] | None = None
 
@@ -104,18 +107,7 @@ class InspectorPane(Pane):
         """Have the pages ready before they are wanted; keys are answered meanwhile."""
         await asyncio.sleep(_AT_LEISURE)
         await asyncio.to_thread(import_module, "logical_robots_tui.tui.inspector.pages")
-        if self._views.is_attached:  # the player may have left meanwhile
-            _ = self.pages
-
-    @property
-    def table(self) -> ValueTable:
-        """The rows of a predicate."""
-        return self.pages.table
-
-    @property
-    def pins(self) -> WatchView:
-        """What is pinned."""
-        return self.pages.pins
+        _ = self._views.is_attached and self.pages  # the player may have left meanwhile
 
     @property
     def inspected(self) -> str:
@@ -145,26 +137,38 @@ class InspectorPane(Pane):
         """Tell of a robot from now on, where one is told of."""
         self._robot = robot_name
         self.robots.choose(robot_name)
-        if self._inspected in (DECISION, WHY):
-            self.follow()
+        if self._inspected in (DECISION, WHY) or self.is_function:
+            self._give_up()
+        self.follow()
 
     def why(self) -> None:
         """Go to why the predicate that is inspected has its rows, or why the robot did it."""
         own = {p.name for p in self._session.predicates if p.kind == "program"}
         self.pages.reasons.begin(self._inspected if self._inspected in own else "Robot")
-        self._go_to_page(WHY)
-        self.screen.set_focus(self.pages.reasons.view)
+        self._enter_page(WHY)
 
     def ask(self, query: str = "") -> None:
         """Go to the line for queries, and ask one if it is given."""
-        self._go_to_page(ASK)
-        self.screen.set_focus(self.pages.asking.line)
+        self._enter_page(ASK)
         self.pages.asking.put(query)
+
+    def check_action(self, action: str, parameters: tuple[object, ...]) -> bool | None:
+        """Leave escape to others where nothing is under way."""
+        del parameters
+        return action != "stop" or (self._pages is not None and self._pages.waiting is not None)
+
+    def action_stop(self) -> None:
+        """Give up the answer that is under way."""
+        if waiting := self.pages.waiting:
+            waiting.stop()
 
     def go_to_pins(self) -> None:
         """Go to what is pinned."""
-        self._go_to_page(WATCH)
-        self.screen.set_focus(self.pins)
+        self._enter_page(WATCH)
+
+    def diagnose(self) -> None:
+        """Go to what stands out in the whole run."""
+        self._enter_page(DIAGNOSIS)
 
     @property
     def shown_table(self) -> ValueTable | None:
@@ -187,12 +191,17 @@ class InspectorPane(Pane):
         names = [robot.name for robot in self._session.level.robots]
         return self._robot if self._robot in names else names[0]
 
+    @property
+    def is_function(self) -> bool:
+        """Whether a function of the program is inspected, which has calls in place of rows."""
+        return self.questions.is_function(self._inspected)
+
     def inspect(self, name: str) -> None:
         """Show `ROBOTS` or the rows of a predicate."""
         self._inspected = name
-        if self._follower is not None:
-            self._follower.cancel()  # it may be waiting for rows that nobody wants any more
-            self._follower = None
+        if name != WHY:
+            self.post_message(Sighted(None, self._session.frame))
+        self._give_up()
         self.follow()
 
     def open(self, name: str) -> None:
@@ -208,15 +217,23 @@ class InspectorPane(Pane):
         if self._choice.predicates != self._session.predicates:
             self._list_predicates()
         self._stale = True
+        if not self._session.running and self._following is not self._session.frame:
+            self._give_up()
         if self.display and (self._follower is None or self._follower.is_finished):
             self._follower = in_background(self, self._catch_up, "inspect")
+
+    def _give_up(self) -> None:
+        """Cancel what is under way: it may be waiting for what nobody wants any more."""
+        if self._follower is not None:
+            self._follower.cancel()
+            self._follower = None
 
     async def _catch_up(self) -> None:
         # The tick comes to the screen before what there is to say about it.
         await self.wait_for_refresh()
         while self._stale and self.display:
             self._stale = False
-            frame = self._session.frame
+            frame = self._following = self._session.frame
             if self._inspected == ROBOTS:
                 self._show_robots(frame)
             elif self._inspected == DECISION:
@@ -226,7 +243,13 @@ class InspectorPane(Pane):
             elif self._inspected == ASK:
                 await self._show_answer(frame)
             elif self._inspected == WATCH:
-                await self._show_pins(frame)
+                self._show_only(self.pages.pins)
+                self._say_subject("Watch", frame.tick, "")
+                await self.pages.watching.follow(frame)
+            elif self._inspected == DIAGNOSIS:
+                self._show_only(self.pages.diagnosis)
+                self._say_subject("Diagnosis", frame.tick, "")
+                self.pages.diagnosis.follow()
             else:
                 await self._show_rows(self._inspected, frame)
             if self._session.running:
@@ -250,21 +273,22 @@ class InspectorPane(Pane):
         if self._session.game is None:
             self._say("Why", frame.tick, NO_PROGRAM)
             return
-        self._say_subject("Why", frame.tick, "" if frame.tick else "nobody has thought yet")
-        self._show_only(self.pages.reasons)
-        await self.pages.reasons.follow(self.robot, frame)
+        more = "" if frame.tick else "nobody has thought yet"
+        told = partial(self._say_subject, "Why", frame.tick, more)
+        if not self.pages.reasons.display:
+            told()
+            self._show_only(self.pages.reasons)
+        is_still = not self._session.running
+        await self.pages.reasons.follow(self.robot, frame, told, whole=is_still)
 
     async def _show_answer(self, frame: Frame) -> None:
-        self._say_subject("Ask", frame.tick, "")
-        self._show_only(self.pages.asking)
-        table = await self.pages.asking.follow(frame)
-        if table is not None:
-            self._say_subject("Ask", frame.tick, counted(table))
+        def told(table: Table | None) -> None:
+            self._say_subject("Ask", frame.tick, "" if table is None else counted(table))
 
-    async def _show_pins(self, frame: Frame) -> None:
-        self._say_subject("Watch", frame.tick, "")
-        self._show_only(self.pages.pins)
-        await self.pages.watching.follow(frame)
+        if not self.pages.asking.display:
+            told(None)
+            self._show_only(self.pages.asking)
+        await self.pages.asking.follow(frame, told)
 
     async def _take_survey(self, frame: Frame) -> None:
         """Count the rows of every predicate, and see which differ from those of the tick before."""
@@ -280,12 +304,12 @@ class InspectorPane(Pane):
             if self._inspected == DECISION:
                 self._show_decision(frame)
             table = survey.tables.get(self._inspected)
-            if isinstance(table, Table) and self.table.display:
+            if isinstance(table, Table) and self.pages.table.display:
                 self._show_table(self._inspected, frame, table)
 
     async def _show_rows(self, name: str, frame: Frame) -> None:
         try:
-            table = await self._session.query(name, frame)
+            table = await self.questions.rows(name, self.robot, frame)
         except Superseded:
             if self._session.game is None:
                 self._say(name, frame.tick, NO_PROGRAM)
@@ -298,13 +322,16 @@ class InspectorPane(Pane):
             self._show_table(name, frame, table)
 
     def _show_table(self, name: str, frame: Frame, table: Table) -> None:
-        more = self.table.how.words
-        self._say_subject(name, frame.tick, counted(table) + (f", {more}" if more else ""))
-        self._show_only(self.table)
+        is_function = self.is_function
+        what = counted(table, "call", f" of {self.robot}") if is_function else counted(table)
+        more = self.pages.table.how.words
+        self._say_subject(name, frame.tick, ", ".join(filter(None, (what, more))))
+        self._show_only(self.pages.table)
         columns, rows = shown_rows(table)
-        survey = self._survey
-        known = survey.before.get(name) if survey is not None and survey.frame is frame else None
-        self.table.show(columns, rows, shown_rows(known)[1] if isinstance(known, Table) else None)
+        survey = self._survey if self._survey and self._survey.frame is frame else None
+        known = survey.before.get(name) if survey is not None else None
+        before = shown_rows(known)[1] if isinstance(known, Table) else None
+        self.pages.table.show(columns, rows, before, are_all=not table.truncated)
 
     def _say(self, name: str, tick: int, message: str) -> None:
         self._say_subject(name, tick, "")
@@ -312,20 +339,19 @@ class InspectorPane(Pane):
         self._show_only(self._said)
 
     def _say_subject(self, name: str, tick: int, more: str) -> None:
-        parts = [Content.styled(one_line(name), f"bold {INK.title}"), Content(f"tick {tick}")]
-        if more:
-            parts.append(Content(more))
-        if self._inspected != ROBOTS and self._is_by_another_program(tick):
+        title = Content.styled(one_line(name), f"bold {INK.title}")
+        parts = [title, Content(f"tick {tick}"), *([Content(more)] if more else [])]
+        if self._inspected != ROBOTS and self.questions.is_by_another_program(tick):
             parts.append(Content.styled("by the present program", INK.warn))
         self._subject.update(Content(" · ").join(parts), layout=False)
-
-    def _is_by_another_program(self, tick: int) -> bool:
-        history, program = self._session.history, self._session.program
-        return bool(history and program and history.is_by_another(program.text, tick))
 
     def _go_to_page(self, page: str) -> None:
         self._choice.go_to(page)
         self.inspect(page)
+
+    def _enter_page(self, page: str) -> None:
+        self._go_to_page(page)
+        self.screen.set_focus(self.pages.view_of(page))
 
     def _show_only(self, view: Widget) -> None:
         for each in (self.robots, self._said):
@@ -344,47 +370,21 @@ class InspectorPane(Pane):
         event.stop()
         if event.option_id is not None and event.option_id != self._inspected:
             self.inspect(event.option_id)
-            self._place_definition(event.option_id)
+            if place := definition(self._session.program, event.option_id):
+                self.post_message(place)
 
     @on(OptionList.OptionSelected)
     def _choice_made(self, event: OptionList.OptionSelected) -> None:
         event.stop()
-        pages = self.pages
-        views: dict[str, Widget] = {
-            ROBOTS: self.robots,
-            DECISION: pages.decision,
-            WHY: pages.reasons.view,
-            ASK: pages.asking.line,
-            WATCH: pages.pins,
-        }
-        view = views.get(self._inspected, pages.table)
+        view = self.robots if self._inspected == ROBOTS else self.pages.view_of(self._inspected)
         if view.display:
             view.focus()
 
-    def _place_definition(self, name: str) -> None:
-        """Show where a predicate is defined."""
-        program = self._session.program
-        predicate = program.predicate(name) if program is not None else None
-        if program is not None and predicate is not None and predicate.line is not None:
-            lines = program.text.split("\n")
-            start = sum(len(line) + 1 for line in lines[: predicate.line - 1])
-            self._place(start, start + len(name))
-
-    def _place(self, start: int, stop: int) -> None:
-        if self._session.program is not None:
-            self.post_message(self.Placed(self._session.program.text, (start, stop)))
-
     # Messages of the pages go by the names of methods: to name the classes would load them.
-
-    def on_why_view_pointed(self, event: WhyView.Pointed) -> None:
-        """Show the place in the program that a reason comes from."""
-        event.stop()
-        if event.line.span is not None:
-            self._place(event.line.span.start, event.line.span.stop)
-
     def on_reasons_page_asked(self, event: Message) -> None:
         """Answer."""
         event.stop()
+        self._give_up()
         self.follow()
 
     on_ask_view_asked = on_watch_view_changed = on_reasons_page_asked

@@ -12,9 +12,10 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from logical_robots_tui.game import Frame
+    from logical_robots_tui.mind import Node
     from logical_robots_tui.tui.inspector.table import ValueTable
 
-__all__ = ["branches_here", "pin_here"]
+__all__ = ["branches_here", "branches_of", "pin_here"]
 
 _OF_A_ROBOT = (ROBOTS, DECISION, WHY)
 
@@ -40,6 +41,14 @@ def pin_here(inspected: str, table: ValueTable | None, robot: str) -> Pin | None
     named = next((name for name in ROBOT_COLUMNS if name in table.all.columns), "")
     only = table.how.robot if named else ""
     return Pin(inspected, where=((named, only),) if only else ())
+
+
+def branches_of(node: Node) -> tuple[str, Sequence[Branch]]:
+    """A title and the values of a node of a proof, by their number if there are several."""
+    title = f"{node.text} (and {node.more:,} more)" if node.more else node.text
+    if len(node.values) == 1:
+        return title, (Branch(node.text, node.values[0]),)
+    return title, [Branch(f"{number}", each) for number, each in enumerate(node.values, 1)]
 
 
 def branches_here(

@@ -12,7 +12,7 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from logical_robots_tui.game import Frame, Pin, Reading
-    from logical_robots_tui.mind import Ask, Explanation, Machinery, Program
+    from logical_robots_tui.mind import Ask, Explanation, Machinery, Program, Proof
     from logical_robots_tui.tui.session import Session
     from logical_robots_tui.world import Level
 
@@ -69,6 +69,38 @@ class Questions:
         """Whether there is a program that could be asked."""
         return self._session.game is not None
 
+    @property
+    def program(self) -> Program:
+        """The program that the robots think with.
+
+        Raises:
+            Superseded: There is none yet.
+        """
+        if self._session.game is None:
+            raise Superseded
+        return self._session.game.program
+
+    def is_by_another_program(self, tick: int) -> bool:
+        """Whether another program than the present one decided in a tick."""
+        history, program = self._session.history, self._session.program
+        return bool(history and program and history.is_by_another(program.text, tick))
+
+    def is_function(self, name: str) -> bool:
+        """Whether a name is that of a function of the program, which has calls and no rows."""
+        known = (each for each in self._session.predicates if each.name == name)
+        return any(each.kind == "program" and each.is_function for each in known)
+
+    async def rows(self, predicate: str, robot: str, frame: Frame) -> Table:
+        """The rows of a predicate at a frame; of a function its calls in a robot's reasoning.
+
+        Raises:
+            QueryError: It has none, or it failed.
+            Superseded: There is no program yet, or something newer was asked.
+        """
+        if self.is_function(predicate):
+            return await self._inquire().calls(self.program, robot, frame, predicate)
+        return await self._session.query(predicate, frame)
+
     async def ask(self, query: str, frame: Frame) -> Table:
         """What a query gives at a frame.
 
@@ -77,7 +109,7 @@ class Questions:
             QueryError: It failed.
             Superseded: There is no program yet, or something newer was asked.
         """
-        return await self._inquire().ask(self._program(), query, frame)
+        return await self._inquire().ask(self.program, query, frame)
 
     async def why(self, robot: str, frame: Frame, asked: Ask) -> Explanation:
         """Why a predicate has its rows in a robot's reasoning at a frame.
@@ -87,7 +119,23 @@ class Questions:
             Superseded: There is no program yet, or something newer was asked.
         """
         return await self._inquire().why(
-            self._program(),
+            self.program,
+            robot,
+            frame,
+            predicate=asked.predicate,
+            given=asked.given or None,
+            within=asked.within,
+        )
+
+    async def proof(self, robot: str, frame: Frame, asked: Ask) -> Proof:
+        """The whole proof of a row in a robot's reasoning at a frame.
+
+        Raises:
+            QueryError: It can't be asked.
+            Superseded: There is no program yet, or something newer was asked.
+        """
+        return await self._inquire().proof(
+            self.program,
             robot,
             frame,
             predicate=asked.predicate,
@@ -101,7 +149,7 @@ class Questions:
         Raises:
             Superseded: There is no program yet, or other pins were asked for meanwhile.
         """
-        return await self._inquire().readings(self._program(), frame, pins)
+        return await self._inquire().readings(self.program, frame, pins)
 
     async def machinery(self, frame: Frame) -> list[Machinery]:
         """How each predicate is computed at a frame, the slowest first.
@@ -109,7 +157,7 @@ class Questions:
         Raises:
             Superseded: There is no program yet, or something newer was asked.
         """
-        return await self._inquire().machinery(self._program(), frame)
+        return await self._inquire().machinery(self.program, frame)
 
     async def survey(self, frame: Frame) -> Survey:
         """The rows of every predicate at a frame, and at the one before.
@@ -117,7 +165,7 @@ class Questions:
         Raises:
             Superseded: There is no program yet, or something newer was asked.
         """
-        program, last = self._program(), self._surveyed
+        program, last = self.program, self._surveyed
         if last is not None and last.program is program and last.frame is frame:
             return last
         inquiry = self._inquire()
@@ -138,11 +186,6 @@ class Questions:
             await inquiry.close()
 
     # -- inside --------------------------------------------------------------------------------
-
-    def _program(self) -> Program:
-        if self._session.game is None:
-            raise Superseded
-        return self._session.game.program
 
     def _inquire(self) -> Inquiry:
         level = self._session.level

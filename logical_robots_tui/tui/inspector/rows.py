@@ -11,7 +11,7 @@ from logical_robots_tui.tui.commands import with_keys
 from logical_robots_tui.tui.inspector.answers import NO_PROGRAM
 from logical_robots_tui.tui.inspector.arranging import as_csv, as_json
 from logical_robots_tui.tui.inspector.choice import ASK
-from logical_robots_tui.tui.inspector.pinning import branches_here, pin_here
+from logical_robots_tui.tui.inspector.pinning import branches_here, branches_of, pin_here
 from logical_robots_tui.tui.plain import one_line
 from logical_robots_tui.writing import write_atomically
 
@@ -81,7 +81,7 @@ class RowCommands:
         if (table := self._table()) is not None:
             text, count = as_csv(table.shown), len(table.shown.rows)
             self._screen.app.copy_to_clipboard(text)
-            self._screen.tell(f"{count} row{'s' * (count != 1)} copied.")
+            self._screen.tell(f"{count:,} row{'s' * (count != 1)} copied{_but(table)}.")
             self._screen.scribe.keep_copy(text)
 
     def save(self) -> None:
@@ -97,7 +97,7 @@ class RowCommands:
         except OSError as error:
             self._screen.warn(f"The rows can't be saved in {self._folder}: {error.strerror}.")
         else:
-            self._screen.tell(f"Saved as {path}.csv and .json.")
+            self._screen.tell(f"Saved as {path}.csv and .json{_but(table)}.")
 
     def stop_here(self) -> None:
         """Stop when the predicate that is inspected changes, or when the question asked holds."""
@@ -109,23 +109,23 @@ class RowCommands:
         if inspector.inspected not in known:
             self._screen.tell("Choose a predicate or ask a question, then stop at it.")
             return
-        has_focus = inspector.table.has_focus
-        column = inspector.table.column if has_focus else ""
-        robot = inspector.table.how.robot
+        has_focus = inspector.pages.table.has_focus
+        column = inspector.pages.table.column if has_focus else ""
+        robot = inspector.pages.table.how.robot
         self._screen.add_breakpoint(Breakpoint("change", inspector.inspected, robot, column))
 
     def pin(self) -> None:
         """Pin what the cursor is on, or unpin it."""
         inspector = self._screen.inspector
-        if inspector.pins.has_focus:
-            inspector.pins.action_remove()
+        if inspector.pages.pins.has_focus:
+            inspector.pages.pins.action_remove()
             return
         query = inspector.pages.asking.asked if inspector.inspected == ASK else ""
         pin = Pin(query) if query else None
         pin = pin or pin_here(inspector.inspected, inspector.shown_table, inspector.robot)
-        if pin is None:
+        if pin is None or inspector.is_function:
             self._screen.tell(_NO_PIN)
-        elif inspector.pins.toggle(pin):
+        elif inspector.pages.pins.toggle(pin):
             where = with_keys("{watch} shows what is pinned.")
             self._screen.tell(f"Pinned: {one_line(pin.words)}. {where}")
         else:
@@ -136,12 +136,18 @@ class RowCommands:
         from logical_robots_tui.tui.inspector.tree import ValueTree
 
         inspector, frame = self._screen.inspector, self._screen.session.frame
-        title, branches = branches_here(
-            inspector.inspected, inspector.shown_table, inspector.robot, frame
-        )
+        view = inspector.pages.reasons.view
+        if view.has_focus and view.pointed is not None and view.pointed.values:
+            title, branches = branches_of(view.pointed)
+        else:
+            title, branches = branches_here(
+                inspector.inspected, inspector.shown_table, inspector.robot, frame
+            )
+        if inspector.is_function:  # a call can't be found again in another tick
+            branches = [replace(branch, pin=None) for branch in branches]
         if branches:
             title = f"{title} · tick {frame.tick}"
-            self._screen.app.push_screen(ValueTree(title, branches, inspector.pins.toggle))
+            self._screen.app.push_screen(ValueTree(title, branches, inspector.pages.pins.toggle))
         else:
             self._screen.tell("Put the cursor on a value, or choose Decision.")
 
@@ -183,3 +189,7 @@ class RowCommands:
         if table is None:
             self._screen.tell("There is no table: choose a predicate in the inspector.")
         return table
+
+
+def _but(table: ValueTable) -> str:
+    return f"; {table.missing}" if table.missing else ""

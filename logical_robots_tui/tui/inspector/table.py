@@ -13,6 +13,7 @@ from textual.message import Message
 from textual.scroll_view import ScrollView
 from textual.strip import Strip
 
+from logical_robots_tui.tui.commands import with_keys
 from logical_robots_tui.tui.inspector.arranging import (
     Arrangement,
     Row,
@@ -70,6 +71,7 @@ class ValueTable(ScrollView, can_focus=True):
         super().__init__(id=id)
         self._all = Rows((), ())
         self._shown = self._all
+        self._are_all = True
         self._how = Arrangement()
         self._widths: list[int] = []
         self._at = (0, 0)
@@ -83,6 +85,17 @@ class ValueTable(ScrollView, can_focus=True):
     def shown(self) -> Rows:
         """What is shown, as it is arranged."""
         return self._shown
+
+    @property
+    def missing(self) -> str:
+        """What is not shown, in words, or ""."""
+        if self._shown.left_out:
+            more = f"and {self._shown.left_out:,} more rows side by side"
+            return with_keys(f"{more}; {{turn}} shows them one below the other")
+        if self._are_all:
+            return ""
+        first = f"there are more rows than these first {len(self._all.rows):,}"
+        return with_keys(f"{first}; {{ask}} asks for those with some value")
 
     @property
     def how(self) -> Arrangement:
@@ -115,6 +128,8 @@ class ValueTable(ScrollView, can_focus=True):
         columns: tuple[str, ...],
         rows: tuple[Row, ...],
         before: tuple[Row, ...] | None = None,
+        *,
+        are_all: bool = True,
     ) -> None:
         """Show other rows; the cursor stays where it is as far as they reach.
 
@@ -122,7 +137,9 @@ class ValueTable(ScrollView, can_focus=True):
             columns: Names of the columns.
             rows: The rows.
             before: The rows of the tick before; values that differ from it are brought out.
+            are_all: Whether there are no more rows than these.
         """
+        self._are_all = are_all
         changed = frozenset[tuple[int, int]]()
         if before is not None:
             changed = changed_cells(rows, before)
@@ -169,7 +186,9 @@ class ValueTable(ScrollView, can_focus=True):
         if self._widths:
             x = sum(self._widths[:column]) + _GAP * column
             # One line more on top, because the head covers the first visible one.
-            area = Region(x, row, self._widths[column] + _GAP, 2)
+            is_last = row == len(self._shown.rows) - 1
+            height = 2 + (is_last and bool(self.missing))
+            area = Region(x, row, self._widths[column] + _GAP, height)
             self.scroll_to_region(area, animate=False, force=True)
         self.refresh()
         self.post_message(self.Pointed())
@@ -193,6 +212,8 @@ class ValueTable(ScrollView, can_focus=True):
             ]
         elif 0 <= number < len(self._shown.rows):
             segments = self._row(number, base)
+        elif number == len(self._shown.rows) and self.missing:
+            segments = [Segment(f"… {self.missing}", base + rich_style(INK.warn))]
         else:
             return Strip.blank(self.size.width, base)
         strip = Strip(segments)
@@ -239,7 +260,8 @@ class ValueTable(ScrollView, can_focus=True):
             widest = wanted.index(max(wanted))
             wanted[widest] = max(12, wanted[widest] - (sum(wanted) - spare))
         self._widths = wanted
-        self.virtual_size = Size(sum(wanted) + _GAP * len(wanted), len(self._shown.rows) + 1)
+        lines = len(self._shown.rows) + 1 + bool(self.missing)
+        self.virtual_size = Size(sum(wanted) + _GAP * len(wanted), lines)
 
 
 def _fit(text: str, width: int, right: bool) -> str:

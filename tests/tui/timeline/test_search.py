@@ -154,7 +154,7 @@ async def test_what_is_asked_can_be_stopped_at_and_pinned(data_dir: Path, short:
         await game.press("escape", "asterisk", "at")
         await game.until(lambda: game.shows("Pinned: "))
         assert list(game.session.breakpoints) == [Breakpoint("rows", AT)]
-        assert game.inspector.pins.pins == (Pin(AT),)
+        assert game.inspector.pages.pins.pins == (Pin(AT),)
         await game.press("escape")
         await run_to_hits(game)
         await game.press("V")

@@ -1,0 +1,104 @@
+"""A proof of 10,000 nodes in the inspector: from a key or a click to the lines to send."""
+
+from __future__ import annotations
+
+import asyncio
+import statistics
+from time import process_time
+from typing import TYPE_CHECKING
+
+from textual.app import App, ComposeResult
+
+from benchmarks.measure import Effort, Measurement
+from logical_robots_tui.mind import Node
+from logical_robots_tui.tui.colours import colours_in
+from logical_robots_tui.tui.inspector.why import WhyView
+from logical_robots_tui.tui.theme import NIGHT
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator
+
+__all__ = ["folding"]
+
+SIZE = (120, 40)
+NEXT_TICK = "another tick, all open"
+NODES, BESIDE, DEEP = 10_000, 99, 100
+
+
+def folding(effort: Effort) -> Iterator[Measurement]:
+    """Milliseconds of processor time for what a player does with a large proof."""
+    found: dict[str, list[float]] = {}
+    for _ in range(effort.repeats):
+        for what, milliseconds in asyncio.run(_in_a_view()).items():
+            found.setdefault(what, []).append(milliseconds)
+    subject = f"{NODES:,} nodes, {SIZE[0]}x{SIZE[1]}"
+    for what, times in found.items():
+        required = "< 100" if what == NEXT_TICK else "< 50"
+        yield Measurement(
+            *(what, subject, statistics.median(times), "ms", min(times), max(times), required)
+        )
+
+
+async def _in_a_view() -> dict[str, float]:
+    """Milliseconds of each thing that is done once."""
+    app, found = _Proof(), {}
+    async with app.run_test(size=SIZE) as pilot:
+        await pilot.pause()
+        view, proof = app.view, _proof()
+
+        async def measure(what: str, work: Callable[[], object]) -> None:
+            began = process_time()
+            work()
+            await pilot.pause(0)
+            for row in range(view.size.height):
+                view.render_line(row)
+            found[what] = 1000 * (process_time() - began)
+
+        await measure("another proof comes", lambda: view.show([proof], anew=True))
+        while folded := _folded(view):
+            for number in reversed(folded):
+                view.open(number)
+        assert len(view.lines) == NODES
+        await pilot.pause()
+        await measure("the next line", lambda: view.action_move(1))
+        await measure("a page on", lambda: view.action_page(1))
+        await measure("to the end", lambda: view.action_move(NODES))
+        view.action_move(-NODES)
+        await measure("all is folded", lambda: view.close(0))
+        await measure("all is opened", lambda: view.open(0))
+        await measure(NEXT_TICK, lambda: view.show([proof]))
+    return found
+
+
+def _folded(view: WhyView) -> list[int]:
+    """The lines that are still folded."""
+    return [n for n, line in enumerate(view.lines) if line.folds and not view.is_open(n)]
+
+
+def _proof() -> Node:
+    """A rule above branches that are each deep."""
+    branches = []
+    for branch in range(BESIDE):
+        node = Node("value", f"ray.distance of {branch}", values=({"angle": 0.1, "distance": 3},))
+        for depth in range(DEEP):
+            node = Node("call", f"Calls{depth}(x:)", holds=True, children=(node,))
+        branches.append(node)
+    return Node("rule", "Robot(robot_name:) :- Many()", holds=True, children=tuple(branches))
+
+
+class _Proof(App[None]):
+    """Nothing but a proof."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.view = WhyView()
+        self.register_theme(NIGHT)
+        self.theme = NIGHT.name
+
+    def get_theme_variable_defaults(self) -> dict[str, str]:
+        """The colours that widgets paint with."""
+        return colours_in(self.current_theme)
+
+    def compose(self) -> ComposeResult:
+        """The view."""
+        yield self.view

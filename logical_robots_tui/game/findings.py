@@ -1,0 +1,272 @@
+"""Findings about a run: those about rules, and those that need the world and the robots."""
+
+from __future__ import annotations
+
+from collections import Counter
+from itertools import zip_longest
+from typing import TYPE_CHECKING
+
+from logical_robots_tui.mind.close import closest
+from logical_robots_tui.mind.diagnosis.finding import Finding
+from logical_robots_tui.mind.diagnosis.telling import rule_findings, shortened
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Mapping
+
+    from logical_robots_tui.game.happenings import Happenings
+    from logical_robots_tui.game.movement import Stretch
+    from logical_robots_tui.mind.diagnosis.counting import Tally
+    from logical_robots_tui.mind.diagnosis.sites import Checkup, Span
+    from logical_robots_tui.world import Level
+
+__all__ = ["findings_of"]
+
+_SEEN = ("wall", "beacon", "robot", "nothing")
+"""What a ray may end at."""
+
+_MOST_PLACES = 6
+_MOST_LEAVES = 3
+
+
+def findings_of(
+    tally: Tally,
+    happened: Happenings,
+    closer: Mapping[tuple[str, int], Tally],
+    level: Level,
+) -> list[Finding]:
+    """All findings, the most telling first.
+
+    Args:
+        tally: What was counted in the whole run.
+        happened: What else happened.
+        closer: By robot and first tick what was counted in that robot's reasoning then.
+        level: Where it was.
+    """
+    found = [
+        *_of_notices(happened, closer),
+        *_of_memory(tally.checkup, happened, closer),
+        *_of_texts(tally.checkup, happened, level),
+        *rule_findings(tally, won=happened.won_at is not None),
+        *_of_movement(happened, closer),
+    ]
+    return sorted(found, key=lambda each: each.severity == "note")
+
+
+# -- notices -----------------------------------------------------------------------------------
+
+
+def _of_notices(happened: Happenings, closer: Mapping[tuple[str, int], Tally]) -> Iterator[Finding]:
+    for named in dict.fromkeys(kind for kind, _ in happened.notices):
+        tick, robot = happened.first_notice(named)
+        tally, message = closer[robot, tick], happened.notices[named, robot][2]
+        often = sum(each[1] for (kind, _), each in happened.notices.items() if kind == named)
+        first = f"{message} First at tick {tick}, in all {often} times."
+        if named == "several rows":
+            yield _of_several(tally, robot, tick, first)
+        elif named == "bad engine":
+            yield _of_null(tally, robot, tick, first)
+        elif named == "no row":
+            rules = [r.span for r in tally.checkup.rules if r.predicate == "Robot"]
+            stops = _stops(tally)
+            span, others = _split([*stops, *rules])
+            hint = "No rule covers this case; each must fail somewhere."
+            yield Finding("no row", "warning", span, tick, first, hint, others, robot)
+        else:
+            hint = "Go to that tick and ask why."
+            yield Finding("notice", "warning", None, tick, first, hint, (), robot)
+
+
+def _of_several(tally: Tally, robot: str, tick: int, first: str) -> Finding:
+    """Which rules, or which part of one, gave several rows."""
+    checkup = tally.checkup
+    given = tally.robots.get((robot, tick), {})
+    gave = [checkup.rules[number].span for number in sorted(given)]
+    if len(given) > 1:
+        hint = "Several rules hold at once; they have to exclude each other."
+        bodies = [body for n in sorted(given) if (body := checkup.rules[n].body) is not None]
+        lines = " and ".join(str(span.line) for span in gave)
+        message = f"{first} They come from the rules in lines {lines}."
+        others = (*bodies, *gave[:-1])
+        return Finding("several rows", "warning", gave[-1], tick, message, hint, others, robot)
+    places = [place for number in given for place in _multiplied(tally, number, set())]
+    span, others = _split([*places, *gave])
+    hint = "Something in it holds in several ways; a predicate may have one row too many."
+    return Finding("several rows", "warning", span, tick, first, hint, others, robot)
+
+
+def _multiplied(tally: Tally, rule: int, seen: set[int]) -> list[Span]:
+    """Where several ways come from in a rule that held in one tick."""
+    checkup = tally.checkup
+    seen.add(rule)
+    for number, site in enumerate(checkup.sites):
+        count = tally.sites[number]
+        if site.rule != rule or site.kind != "part" or count.passed <= max(1, count.ways):
+            continue
+        called = [n for n, r in enumerate(checkup.rules) if r.predicate == site.predicate]
+        gave = [n for n in called if tally.rules[n].gave is not None and n not in seen]
+        facts = [n for n in gave if checkup.rules[n].is_fact]
+        deeper = [] if facts or len(gave) != 1 else _multiplied(tally, gave[0], seen)
+        alike = _alike_facts(checkup, facts) if facts else []
+        rules = [checkup.rules[n].span for n in (alike or gave) if not facts or alike]
+        return [*deeper, *reversed(rules), site.span]
+    return []
+
+
+def _alike_facts(checkup: Checkup, facts: list[int]) -> list[int]:
+    """The facts that are there twice."""
+    texts = Counter(checkup.rules[n].key for n in facts)
+    return [n for n in facts if texts[checkup.rules[n].key] > 1]
+
+
+def _of_null(tally: Tally, robot: str, tick: int, first: str) -> Finding:
+    """Where an engine that was null got its value from."""
+    leaves = _leaves(tally)
+    nulls = [
+        site.span
+        for number, site in enumerate(tally.checkup.sites)
+        if site.kind == "value" and tally.sites[number].true is not None
+    ]
+    span, others = _split([*nulls, *(span for leaf in leaves for span in leaf)])
+    quoted = f" `{shortened(span.text)}` was null." if nulls and span else ""
+    hint = "Say with Coalesce or `if` what to do when there is no value."
+    return Finding("bad engine", "warning", span, tick, f"{first}{quoted}", hint, others, robot)
+
+
+def _split(places: list[Span]) -> tuple[Span | None, tuple[Span, ...]]:
+    """The first of some places, if there is one, and those that follow."""
+    return (places[0] if places else None), tuple(places[1 : _MOST_PLACES + 1])
+
+
+def _stops(tally: Tally) -> list[Span]:
+    """Where the rules of `Robot` ended in one tick."""
+    found = []
+    for rule, each in enumerate(tally.checkup.rules):
+        if each.predicate != "Robot":
+            continue
+        stop = None
+        for number, site in enumerate(tally.checkup.sites):
+            count = tally.sites[number]
+            if site.rule == rule and site.is_step:
+                stop = site.span if count.reached is not None and count.true is None else stop
+        found += [stop] if stop is not None else []
+    return found
+
+
+# -- memory and texts --------------------------------------------------------------------------
+
+
+def _of_memory(
+    checkup: Checkup, happened: Happenings, closer: Mapping[tuple[str, int], Tally]
+) -> Iterator[Finding]:
+    reads = {field.name: field for field in reversed(checkup.reads)}
+    writes = {field.name: field for field in reversed(checkup.writes)}
+    for name, field in reads.items():
+        if name not in happened.fields and (name not in writes or checkup.writes_all):
+            close = closest(name, {*writes, *happened.fields})
+            hint = f"Is {close} meant?" if close else "It is null all the time."
+            message = f"memory.{name} is read, and no memory ever had a field {name}."
+            made = [rule.memory for rule in checkup.rules if rule.memory is not None]
+            others = (writes[close].span,) if close in writes else tuple(made)
+            yield Finding(
+                "memory never written", "warning", field.span, happened.first, message, hint, others
+            )
+    for name, field in writes.items():
+        if name not in reads and not checkup.reads_all:
+            close = closest(name, reads)
+            hint = f"{close} is read; is that meant?" if close else "It could be left out."
+            message = f"The field {name} of memory is written and never read."
+            yield Finding("memory never read", "note", field.span, happened.first, message, hint)
+    for loss in happened.first_losses():
+        name, tick, robot = loss.field, loss.tick, loss.robot
+        if name not in reads:
+            continue
+        tally = closer[robot, tick]
+        rules = [checkup.rules[n] for n in tally.robots.get((robot, tick), ())]
+        places = [rule.memory or rule.span for rule in rules]
+        span, others = _split([*places, reads[name].span])
+        message = f"{robot} forgot memory.{name} at tick {tick}: the new memory has no such field."
+        hint = f"It is read in line {reads[name].span.line}; every memory has to have it."
+        yield Finding("memory lost", "warning", span, tick, message, hint, others, robot)
+
+
+def _of_texts(checkup: Checkup, happened: Happenings, level: Level) -> Iterator[Finding]:
+    names = {robot.name for robot in level.robots} | {beacon.name for beacon in level.beacons}
+    known = {*names, *_SEEN, *happened.texts}
+    times = Counter(field.name for field in checkup.texts)
+    for field in checkup.texts:
+        if field.name in known or times[field.name] > 1:
+            continue
+        close = closest(field.name, names | set(_SEEN), 0.6) or next(
+            (n for n in names if n.lower() == field.name.lower()), ""
+        )
+        hint = f'Is "{close}" meant?' if close else "Robots and beacons have other names here."
+        message = f'Nothing in this level is called "{field.name}".'
+        yield Finding("unknown text", "warning", field.span, happened.first, message, hint)
+
+
+# -- movement ----------------------------------------------------------------------------------
+
+
+def _of_movement(
+    happened: Happenings, closer: Mapping[tuple[str, int], Tally]
+) -> Iterator[Finding]:
+    told: set[tuple[str, Span | None]] = set()
+    for stretch in sorted(happened.stretches, key=lambda each: _ORDER.index(each.kind)):
+        if happened.won_at is not None and stretch.kind != "blocked":
+            continue
+        leaves = _leaves(closer[stretch.robot, stretch.first])
+        by_distance = [span for each in zip_longest(*leaves) for span in each if span]
+        spans = list({span.line: span for span in by_distance}.values())
+        span = leaves[0][0] if leaves else None
+        if (stretch.kind, span) in told:
+            continue
+        told.add((stretch.kind, span))
+        others = tuple(each for each in spans if span is None or each.line != span.line)
+        is_doubtful = happened.won_at is None and stretch.kind != "unfinished"
+        yield Finding(
+            stretch.kind,
+            "warning" if is_doubtful else "note",
+            span,
+            stretch.first,
+            _moved(stretch, span),
+            _HINTS[stretch.kind],
+            others[:_MOST_PLACES],
+            stretch.robot,
+        )
+
+
+_ORDER = ("circle", "blocked", "still", "unfinished")
+
+_HINTS = {
+    "blocked": "It pushes against a wall; does it turn soon enough, and to the right side?",
+    "still": "Nothing makes it go on; which condition should?",
+    "circle": "It does the same again and again; what should end that?",
+    "unfinished": "Is that what it should do then, and with the right values?",
+}
+
+
+def _moved(stretch: Stretch, span: Span | None) -> str:
+    ticks = f"from tick {stretch.first} to {stretch.last}"
+    how = {
+        "blocked": f"was blocked {ticks}",
+        "still": f"stood still {ticks}",
+        "unfinished": f"was still on its way {ticks}",
+        "circle": f"goes round in a circle of {stretch.period} ticks {ticks}",
+    }[stretch.kind]
+    doing = f", mostly with `{shortened(span.text)}`" if span is not None else ""
+    return f"{stretch.robot} {how}{doing}."
+
+
+def _leaves(tally: Tally) -> list[list[Span]]:
+    """Where a robot's desire came from, the most frequent and the outermost first.
+
+    Returns:
+        For each place where it was chosen that, and where the values in it came from.
+    """
+    found = [
+        (tally.checkup.rules[site.rule].is_function, -tally.sites[number].looks, number)
+        for number, site in enumerate(tally.checkup.sites)
+        if site.kind == "leaf" and tally.sites[number].reached is not None
+    ]
+    sites = [tally.checkup.sites[number] for *_, number in sorted(found)[:_MOST_LEAVES]]
+    return [[site.span, *site.places] for site in sites]

@@ -1,0 +1,250 @@
+"""What the rules and conditions of a program did, counted over the ticks of a run."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any
+
+from logical_robots_tui.mind.diagnosis.sites import TESTS
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping, Sequence
+
+    from logical_robots_tui.mind.diagnosis.sites import Checkup, Column, Probe, Site
+    from logical_robots_tui.values import Value
+
+__all__ = ["Count", "RuleCount", "Tally", "is_always_true", "is_true"]
+
+_MOST_VALUES = 60  # that are kept of what was compared at a place
+
+
+@dataclass(slots=True)
+class Count:
+    """What was seen at a site; ticks are those that were looked at.
+
+    Attributes:
+        reached: The first tick in which it was reached, or None.
+        ways: In how many ways it was reached, in all looks together.
+        passed: In how many ways a part was passed.
+        looks: In how many looks it was reached.
+        true: The first tick in which it was true, or a part gave rows; or None.
+        false: The first tick in which it was false, or None.
+        null: The first tick in which it was null, or None.
+        left: Values that stood on the one side of an equation.
+        right: Values that stood on the other side.
+        least: The least difference of the two sides of a comparison, or None.
+        greatest: The greatest one, or None.
+    """
+
+    reached: int | None = None
+    ways: int = 0
+    passed: int = 0
+    looks: int = 0
+    true: int | None = None
+    false: int | None = None
+    null: int | None = None
+    left: dict[Value, int] = field(default_factory=dict)
+    right: dict[Value, int] = field(default_factory=dict)
+    least: float | None = None
+    greatest: float | None = None
+
+
+@dataclass(slots=True)
+class RuleCount:
+    """What a rule gave.
+
+    Attributes:
+        asked: The first tick in which it was looked at, or None.
+        gave: The first tick in which it gave a row, or None.
+        looks: How often it was looked at.
+    """
+
+    asked: int | None = None
+    gave: int | None = None
+    looks: int = 0
+
+
+class Tally:
+    """Counts for all that a checkup watches.
+
+    Args:
+        checkup: What is watched.
+
+    Attributes:
+        sites: By number of a site what was seen there.
+        rules: By number of a rule what it gave.
+        ticks: The ticks that were looked at, in the order in which they were.
+        given_up: Numbers of the probes that failed once, so that they can't tell what never was.
+        robots: By name of a robot and tick how many rows each rule of `Robot` gave for it.
+    """
+
+    def __init__(self, checkup: Checkup) -> None:
+        self.checkup = checkup
+        self.sites = [Count() for _ in checkup.sites]
+        self.rules = [RuleCount() for _ in checkup.rules]
+        self.ticks: list[int] = []
+        self.given_up: set[int] = set()
+        # Parts that are reached only if what stands before them holds.
+        self._waited_for = {probe.before for probe in checkup.probes}
+        self.robots: dict[tuple[str, int], dict[int, int]] = {}
+
+    def add(self, tick: int, number: int, rows: Sequence[Mapping[str, Value]]) -> None:
+        """Count what a probe gave.
+
+        Args:
+            tick: The tick.
+            number: Which probe.
+            rows: Its answer.
+        """
+        if not self.ticks or self.ticks[-1] != tick:
+            self.ticks.append(tick)
+        probe = self.checkup.probes[number]
+        passed = before = gave = 0
+        reached: set[int] = set()
+        for row in rows:
+            ways = row["n"]
+            if not isinstance(ways, int):
+                continue  # a sum of nothing
+            truths: list[bool | None] = []
+            for place, column in enumerate(probe.columns):
+                truth = self._truth(column, place, row)
+                truths.append(truth)
+                is_reached = all((truths[c] is True) is holds for c, holds in column.guard)
+                if is_reached and column.kind != "skip":
+                    self._see(tick, column, place, row, truth, ways)
+                    reached.add(column.site)
+            passed += ways
+            if all(truths[c] is True for c in probe.filters):
+                before += ways
+                gave += ways
+                who = row.get("who")
+                if probe.robot and isinstance(who, str):
+                    given = self.robots.setdefault((who, tick), {})
+                    given[probe.gives] = given.get(probe.gives, 0) + ways
+        for site in reached:
+            self.sites[site].looks += 1
+        self._note_parts(tick, probe, passed, before)
+        if probe.gives >= 0:
+            rule = self.rules[probe.gives]
+            rule.looks += 1
+            rule.asked = _first(rule.asked, tick)
+            if gave:
+                rule.gave = _first(rule.gave, tick)
+
+    def give_up(self, number: int) -> None:
+        """Note that a probe failed: nothing is said of what only it can tell."""
+        probe = self.checkup.probes[number]
+        self.given_up.add(number)
+        for place in {probe.after, probe.before, *(column.site for column in probe.columns)} - {-1}:
+            count = self.sites[place]
+            if self.checkup.sites[place].kind in ("leaf", "value"):
+                continue
+            if count.reached is None:
+                count.reached = 0
+            count.true = _first(count.true, 0)
+            count.false = _first(count.false, 0)
+        if probe.gives >= 0:
+            self.rules[probe.gives].gave = _first(self.rules[probe.gives].gave, 0)
+
+    def doubtful_probes(self) -> list[int]:
+        """Numbers of the probes that may still tell something new of what seems never to happen."""
+        sites = {
+            number
+            for number, (site, count) in enumerate(zip(self.checkup.sites, self.sites, strict=True))
+            if _is_doubtful(site, count)
+        }
+        found = []
+        for number, probe in enumerate(self.checkup.probes):
+            if probe.closeness == "closer" or number in self.given_up:
+                continue
+            told = {probe.after, probe.before, *(column.site for column in probe.columns)}
+            if told & sites or (probe.gives >= 0 and self.rules[probe.gives].gave is None):
+                found.append(number)
+        return found
+
+    # -- inside --------------------------------------------------------------------------------
+
+    def _note_parts(self, tick: int, probe: Probe, passed: int, before: int) -> None:
+        if probe.after >= 0 and passed:
+            site = self.sites[probe.after]
+            site.true = _first(site.true, tick)
+            site.passed += passed
+        if probe.after >= 0 and probe.after not in self._waited_for:
+            site = self.sites[probe.after]
+            site.reached = _first(site.reached, tick)
+        if probe.before >= 0 and before:
+            site = self.sites[probe.before]
+            site.reached = _first(site.reached, tick)
+            site.ways += before
+
+    def _truth(self, column: Column, place: int, row: Mapping[str, Value]) -> bool | None:
+        if column.kind in ("always", "skip"):
+            return True
+        value = row[f"c{place}"]
+        if column.kind == "truth":
+            return is_true(value)
+        literal = row[f"d{place}"] if column.kind == "pair" else self._literal(column)
+        return None if value is None or literal is None else value == literal
+
+    def _literal(self, column: Column) -> str | None:
+        return self.checkup.sites[column.site].literal
+
+    def _see(
+        self,
+        tick: int,
+        column: Column,
+        place: int,
+        row: Mapping[str, Value],
+        truth: bool | None,
+        ways: int,
+    ) -> None:
+        site = self.sites[column.site]
+        site.reached = _first(site.reached, tick)
+        site.ways += ways
+        if truth:
+            site.true = _first(site.true, tick)
+        elif truth is None:
+            site.null = _first(site.null, tick)
+        else:
+            site.false = _first(site.false, tick)
+        if column.kind in ("text", "pair"):
+            _keep(site.left, row[f"c{place}"], tick)
+        if column.kind == "pair":
+            _keep(site.right, row[f"d{place}"], tick)
+        for name, choose, old in (("l", min, site.least), ("h", max, site.greatest)):
+            new = row.get(f"{name}{place}")
+            if isinstance(new, int | float):
+                known = float(new) if old is None else choose(old, float(new))
+                if name == "l":
+                    site.least = known
+                else:
+                    site.greatest = known
+
+
+def _is_doubtful(site: Site, count: Count) -> bool:
+    """Whether something would be said of a site, if nothing else was seen there."""
+    if site.kind in ("leaf", "value"):
+        return False
+    return count.reached is None or count.true is None or is_always_true(site, count)
+
+
+def is_always_true(site: Site, count: Count) -> bool:
+    """Whether a condition was reached, and never false or null."""
+    seen = count.true is not None and count.false is None and count.null is None
+    return site.kind in TESTS and seen
+
+
+def is_true(value: Value) -> bool | None:
+    """Whether a value is true as a condition in SQL; None if that is unknown."""
+    if value is None:
+        return None
+    return bool(value) if isinstance(value, int | float) else False
+
+
+def _first(known: int | None, tick: int) -> int:
+    return tick if known is None else min(known, tick)
+
+
+def _keep(values: dict[Any, int], value: Value, tick: int) -> None:
+    if isinstance(value, str | int | float) and len(values) < _MOST_VALUES:
+        values.setdefault(value, tick)

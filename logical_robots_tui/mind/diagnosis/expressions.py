@@ -1,0 +1,173 @@
+"""Syntax trees of bodies and expressions, put into each other. In the compile process."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from logica.parser_py import parse
+
+from logical_robots_tui.mind.compiling.rules import COMPARISONS, VALUE, value_of
+from logical_robots_tui.mind.why import trees
+
+if TYPE_CHECKING:
+    from collections.abc import Container, Iterator, Mapping, Sequence
+
+    from logical_robots_tui.mind.compiling.rules import Rule
+
+__all__ = [
+    "ORDERING",
+    "as_expression",
+    "as_part",
+    "compared",
+    "counted",
+    "difference",
+    "equated",
+    "field_of",
+    "filled",
+    "is_null",
+    "operands",
+    "outer_calls",
+    "parameters",
+    "text_of",
+]
+
+ORDERING = frozenset({"<", "<=", ">", ">="})
+"""Comparisons that can be missed by a little."""
+
+_FALSE = {"literal": {"the_bool": {"the_bool": "false"}}}
+
+
+def filled(tree: Any, given: Mapping[str, Rule]) -> Any:
+    """A copy of a syntax tree with expressions in the place of variables."""
+    if isinstance(tree, list):
+        return [filled(each, given) for each in tree]
+    if not isinstance(tree, dict):
+        return tree
+    if isinstance(tree.get("variable"), dict):
+        name = str(tree["variable"]["var_name"])
+        return given[name] if name in given else {**tree, "variable": dict(tree["variable"])}
+    return {key: filled(value, given) for key, value in tree.items()}
+
+
+def as_expression(part: Rule) -> Rule:
+    """A condition of a body as an expression that is true or not."""
+    pair = equated(part)
+    if pair is not None:
+        return _call("==", left=pair[0], right=pair[1])
+    return {"call": part["predicate"]}
+
+
+def equated(part: Rule) -> tuple[Rule, Rule] | None:
+    """The two sides of an equation in a body, or None if a part is not one."""
+    if "unification" in part:
+        pair = part["unification"]
+        return pair["left_hand_side"], pair["right_hand_side"]
+    if part.get("predicate", {}).get("predicate_name") == "=":
+        left, right = operands(part["predicate"])
+        return left, right
+    return None
+
+
+def as_part(condition: Rule, *, holds: bool) -> Rule:
+    """A part of a body that holds where an expression is true, or where it is false or null."""
+    known = _call("Coalesce", condition, _FALSE)
+    if holds:
+        return {"predicate": _call("!=", left=known, right=_FALSE)["call"]}
+    return trees.equal(known, _FALSE)
+
+
+def operands(call: Rule) -> list[Rule]:
+    """The arguments of a call."""
+    values = map(value_of, call["record"]["field_value"])
+    return [value for value in values if value is not None]
+
+
+def compared(condition: Rule) -> tuple[str, Rule, Rule] | None:
+    """The comparison of a condition and its two sides, or None."""
+    call = condition.get("call", {})
+    sides = operands(call) if call else []
+    name = str(call.get("predicate_name", ""))
+    return (name, sides[0], sides[1]) if name in COMPARISONS and len(sides) == 2 else None
+
+
+def text_of(expression: Rule) -> str | None:
+    """The text that a literal is, or None if an expression is none."""
+    found = expression.get("literal", {}).get("the_string")
+    return None if found is None else str(found["the_string"])
+
+
+def field_of(subscript: Rule) -> str:
+    """The field that is taken from a record."""
+    return str(subscript["subscript"]["literal"]["the_symbol"]["symbol"])
+
+
+def counted(
+    name: str, columns: Mapping[str, Rule], differences: Mapping[int, Rule], body: Sequence[Rule]
+) -> Rule:
+    """A rule that counts the ways in which a body holds, by the values of columns.
+
+    Args:
+        name: The predicate that it defines.
+        columns: What they are counted by.
+        differences: Numbers of which the least and the greatest are to be told.
+        body: The body.
+    """
+    head: dict[str | int, Rule] = {}
+    head.update(columns)
+    found = trees.rule(name, head, body, name)
+    fields = found["head"]["record"]["field_value"]
+    for number, value in differences.items():
+        fields.append(_collected(f"l{number}", "Min", filled(value, {})))
+        fields.append(_collected(f"h{number}", "Max", filled(value, {})))
+    fields.append(_collected("n", "+", trees.number("1")))
+    return {**found, "distinct_denoted": True}
+
+
+def _collected(column: str, operator: str, argument: Rule) -> Rule:
+    heritage = parse.HeritageAwareString(operator)
+    aggregation = {"operator": operator, "argument": argument, "expression_heritage": heritage}
+    return {"field": column, "value": {"aggregation": aggregation}}
+
+
+def _call(name: str, *given: Rule, **named: Rule) -> Rule:
+    values: dict[int | str, Rule] = dict(enumerate(given))
+    values.update(named)
+    fields = [{"field": f, "value": {"expression": v}} for f, v in values.items()]
+    return {"call": {"predicate_name": name, "record": {"field_value": fields}}}
+
+
+def difference(left: Rule, right: Rule) -> Rule:
+    """The first of two numbers less the second."""
+    return _call("-", left=left, right=right)
+
+
+def is_null(value: Rule) -> Rule:
+    """Whether a value is null, as a condition."""
+    return _call("IsNull", value)
+
+
+def parameters(rule: Rule) -> list[tuple[int | str, str]] | None:
+    """Fields of a function's head with the variables there, or None if it has others."""
+    found = []
+    for fv in rule["head"]["record"]["field_value"]:
+        if fv["field"] == VALUE:
+            continue
+        value = value_of(fv) or {}
+        if "variable" not in value or fv["field"] == "*":
+            return None
+        found.append((fv["field"], str(value["variable"]["var_name"])))
+    return found
+
+
+def outer_calls(tree: Any, own: Container[str]) -> Iterator[Rule]:
+    """The calls of the program's own predicates in a syntax tree, outside of its aggregates."""
+    waiting = [tree]
+    while waiting:
+        node = waiting.pop()
+        if isinstance(node, list):
+            waiting.extend(reversed(node))
+        elif isinstance(node, dict) and "combine" not in node:
+            for key in ("call", "predicate"):
+                if isinstance(node.get(key), dict) and str(node[key]["predicate_name"]) in own:
+                    yield node[key]
+            waiting.extend(reversed(list(node.values())))

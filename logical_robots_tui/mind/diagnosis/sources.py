@@ -1,0 +1,94 @@
+"""Where the values in an expression come from, in the text of a program. In the compile process."""
+
+from __future__ import annotations
+
+from collections import deque
+from typing import TYPE_CHECKING, Any
+
+from logical_robots_tui.mind.compiling.rules import VALUE, called, nodes, value_of
+from logical_robots_tui.mind.diagnosis.expressions import equated, parameters
+from logical_robots_tui.mind.why.scopes import names
+from logical_robots_tui.mind.why.spans import span_of
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Mapping
+
+    from logical_robots_tui.mind.compiling.rules import Rule
+    from logical_robots_tui.mind.diagnosis.sites import Span
+    from logical_robots_tui.mind.text import Prepared
+
+__all__ = ["Sources"]
+
+_MOST = 6  # places
+_DEEPEST = 4
+
+
+class Sources:
+    """Finds where values come from.
+
+    Args:
+        text: The program.
+        source: The same, prepared.
+        own: The rules of the program's own predicates.
+    """
+
+    def __init__(self, text: str, source: Prepared, own: Mapping[str, list[Rule]]) -> None:
+        self._text, self._source, self._own = text, source, own
+
+    def of(self, tree: Any, rule: Rule) -> tuple[Span, ...]:
+        """Where the values in an expression of a rule come from, the nearest places first.
+
+        Those are what its variables are equal to, and the rules of the predicates that give
+        variables their values or that it calls; and then where the values in these come from.
+        """
+        found: dict[int, Span] = {}
+        seen: set[tuple[int, str]] = set()
+        waiting: deque[tuple[Any, Rule, int]] = deque([(tree, rule, 0)])
+        own_line = span_of(tree, self._text, self._source).line
+        while waiting and len(found) < _MOST:
+            tree, rule, depth = waiting.popleft()
+            for place, inner, where in self._next(tree, rule, seen):
+                span = span_of(place, self._text, self._source)
+                if span.text and span.line != own_line:
+                    found.setdefault(span.line, span)
+                if depth + 1 < _DEEPEST:
+                    waiting.append((inner, where, depth + 1))
+        return tuple(found.values())[:_MOST]
+
+    def _next(
+        self, tree: Any, rule: Rule, seen: set[tuple[int, str]]
+    ) -> Iterator[tuple[Any, Any, Rule]]:
+        """Places one step away: what to show, what to go on with, and the rule it stands in."""
+        for name in dict.fromkeys(map(str, called(tree))):
+            yield from self._rules(name, seen)
+        for variable in sorted(names(tree, inside=True)):
+            if (id(rule), variable) in seen:
+                continue
+            seen.add((id(rule), variable))
+            for part in nodes(rule.get("body", {})):
+                pair = equated(part)
+                if pair is not None:
+                    for side, value in (pair, pair[::-1]):
+                        if side.get("variable", {}).get("var_name") == variable:
+                            yield part, value, rule
+                            break
+                elif variable in _given_by(part):
+                    yield from self._rules(str(part["predicate"]["predicate_name"]), seen)
+
+    def _rules(self, name: str, seen: set[tuple[int, str]]) -> Iterator[tuple[Any, Any, Rule]]:
+        """The rules of a predicate, but its facts."""
+        if (0, name) in seen:
+            return
+        seen.add((0, name))
+        for rule in self._own.get(name, ()):
+            columns = rule["head"]["record"]["field_value"]
+            is_function = any(column["field"] == VALUE for column in columns)
+            if "body" in rule or (is_function and parameters(rule) is not None):
+                value = [value_of(c) for c in columns if c["field"] == VALUE]
+                yield rule, value or [rule["head"], rule.get("body")], rule
+
+
+def _given_by(part: Rule) -> frozenset[str]:
+    """The variables that a call in a body may give their values."""
+    call = part.get("predicate")
+    return names(call) if isinstance(call, dict) and "record" in call else frozenset()

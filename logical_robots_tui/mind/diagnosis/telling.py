@@ -1,0 +1,265 @@
+"""What stands out in the counts of a run: rules without rows, conditions that never change."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from logical_robots_tui.mind.close import closest, distance
+from logical_robots_tui.mind.diagnosis.counting import is_always_true
+from logical_robots_tui.mind.diagnosis.finding import Finding
+from logical_robots_tui.mind.diagnosis.sites import TESTS
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Iterator
+
+    from logical_robots_tui.mind.diagnosis.counting import Count, Tally
+    from logical_robots_tui.mind.diagnosis.finding import FindingKind, Severity
+    from logical_robots_tui.mind.diagnosis.sites import Site, Span
+    from logical_robots_tui.values import Value
+
+__all__ = ["rule_findings", "shortened"]
+
+_LONGEST = 60  # characters of the program that are quoted
+_MOST_LISTED = 4  # values
+
+
+def rule_findings(tally: Tally, *, won: bool) -> list[Finding]:
+    """Findings about rules and conditions, the most telling first.
+
+    Args:
+        tally: What was counted in the run.
+        won: Whether the run was won: then what never happened was hardly needed.
+    """
+    return list(_Teller(tally, won=won).findings())
+
+
+def shortened(text: str) -> str:
+    """A piece of a program, short enough for a message."""
+    return text if len(text) <= _LONGEST else f"{text[: _LONGEST - 3]}..."
+
+
+class _Teller:
+    """Makes findings of counts."""
+
+    def __init__(self, tally: Tally, *, won: bool) -> None:
+        self._tally = tally
+        self._checkup = tally.checkup
+        self._said: set[int] = set()
+        self._severity: Severity = "note" if won else "warning"
+
+    def findings(self) -> Iterator[Finding]:
+        silent = self._silent()
+        for number in sorted(silent, key=lambda n: self._is_consequence(n, silent)):
+            found = self._of_rule(number, silent)
+            if found is not None:
+                yield found
+        numbered = list(enumerate(self._checkup.sites))
+        for number, site in numbered:
+            if number not in self._said and (found := self._of_text(number, site)) is not None:
+                yield found
+        for number, site in numbered:
+            if number not in self._said and (found := self._of_site(number, site)) is not None:
+                yield found
+        for number, site in numbered:
+            count = self._tally.sites[number]
+            if is_always_true(site, count) and number not in self._said:
+                self._said.add(number)
+                yield self._finding(
+                    "never false",
+                    "note",
+                    site,
+                    count,
+                    f"{_quoted(site)} was never false{_in(site)}.",
+                    "Whatever it is to keep out never came; is it the right comparison?",
+                )
+
+    # -- rules ---------------------------------------------------------------------------------
+
+    def _silent(self) -> dict[int, int | None]:
+        """Rules that never gave a row, each with the site at which that ended."""
+        silent = {}
+        for number, rule in enumerate(self._checkup.rules):
+            count = self._tally.rules[number]
+            if rule.is_needed and not rule.is_function and count.looks and count.gave is None:
+                silent[number] = self._stopped(number)
+        return silent
+
+    def _stopped(self, rule: int) -> int | None:
+        """The last site of a rule's body that was reached and never passed."""
+        found = None
+        for number, site in enumerate(self._checkup.sites):
+            if site.rule == rule and site.is_step:
+                count = self._tally.sites[number]
+                if count.reached is not None and count.true is None:
+                    found = number
+        return found
+
+    def _is_consequence(self, rule: int, silent: dict[int, int | None]) -> bool:
+        stop = silent[rule]
+        asked = self._checkup.sites[stop].predicate if stop is not None else ""
+        mine = {n for n, each in enumerate(self._checkup.rules) if each.predicate == asked}
+        return bool(mine) and mine <= silent.keys()
+
+    def _of_rule(self, number: int, silent: dict[int, int | None]) -> Finding | None:
+        rule, stop = self._checkup.rules[number], silent[number]
+        if stop is None:
+            return None
+        site, count = self._checkup.sites[stop], self._tally.sites[stop]
+        self._said.add(stop)
+        if self._is_consequence(number, silent):
+            return Finding(
+                "no rows",
+                "note",
+                rule.span,
+                self._tally.ticks[0],
+                f"This rule of {rule.predicate} never gave a row, for {site.predicate} has none.",
+                f"Look at {site.predicate} first.",
+                (site.span,),
+            )
+        reason = self._why_not(site, count)
+        return Finding(
+            "no rows",
+            self._severity,
+            site.span,
+            count.reached or self._tally.ticks[0],
+            f"The rule of {rule.predicate} in line {rule.span.line} never gave a row: {reason}",
+            "If it should have, look at what this compares or asks for.",
+            (rule.span, *site.places),
+        )
+
+    # -- sites ---------------------------------------------------------------------------------
+
+    def _of_text(self, number: int, site: Site) -> Finding | None:
+        """A finding about a text that was never met."""
+        count = self._tally.sites[number]
+        if site.literal is None or count.reached is None or count.true is not None:
+            return None
+        if not count.left:
+            return None
+        self._said.add(number)
+        close = _alike(site.literal, count.left)
+        hint = f"Is {_value(close)} meant?" if close else f"It was {_listed(count.left)}."
+        message = f'{shortened(site.other)} was never "{site.literal}"{_in(site)}.'
+        severity: Severity = "warning" if close else self._severity
+        return self._finding("never true", severity, site, count, message, hint)
+
+    def _of_site(self, number: int, site: Site) -> Finding | None:
+        """A finding about a condition that was never true."""
+        count = self._tally.sites[number]
+        if (
+            count.reached is None
+            or count.true is not None
+            or site.kind in ("leaf", "text", "value")
+        ):
+            return None
+        if site.kind == "part" and site.predicate in ("", "Sensor", "Memory"):
+            return None
+        if site.kind == "part" and site.stands == "denied":
+            return None  # told of where it is denied
+        self._said.add(number)
+        if self._is_explained(site):
+            return None
+        is_null = site.kind in TESTS and count.false is None
+        what: FindingKind = "always null" if is_null else "never true"
+        reason = self._why_not(site, count)
+        hint = "Look at what it compares."
+        if is_null:
+            hint = "Something in it has no value: no such field, or nothing to choose from."
+        return self._finding(
+            what, self._severity, site, count, reason[0].upper() + reason[1:], hint
+        )
+
+    def _is_explained(self, whole: Site) -> bool:
+        """Whether one of the operands of ``&&`` was never true, so that the whole never was."""
+        if whole.operator != "&&":
+            return False
+        inner = [
+            (site.span, count)
+            for site, count in zip(self._checkup.sites, self._tally.sites, strict=True)
+            if site.kind == "operand" and site.within == whole.within
+            if _holds_in(whole.span, site.span) and count.reached is not None
+        ]
+        return any(
+            count.true is None
+            and not any(_holds_in(around, span) and c.true is not None for around, c in inner)
+            for span, count in inner
+        )
+
+    def _why_not(self, site: Site, count: Count) -> str:
+        quoted, where = _quoted(site), _in(site)
+        if site.kind == "part":
+            return f"{quoted} had no rows{where}."
+        if site.kind in TESTS and count.false is None and count.null is not None:
+            return f"{quoted} was always null{where}."
+        if count.left and count.right:
+            left, right = _listed(count.left), _listed(count.right)
+            return f"{quoted} was never true{where}: {left} on the left, {right} on the right."
+        if count.left:
+            other = shortened(site.other)
+            return f"{quoted} was never true{where}: {other} was {_listed(count.left)}."
+        missed = _missed(site, count)
+        return f"{quoted} was never true{where}{missed}."
+
+    def _finding(
+        self,
+        kind: FindingKind,
+        severity: Severity,
+        site: Site,
+        count: Count,
+        message: str,
+        hint: str,
+    ) -> Finding:
+        tick = count.reached if count.reached is not None else self._tally.ticks[0]
+        return Finding(kind, severity, site.span, tick, message, hint, site.places)
+
+
+def _holds_in(whole: Span, part: Span) -> bool:
+    """Whether a place is a part of another one, and not all of it."""
+    return (
+        whole.start <= part.start
+        and part.stop <= whole.stop
+        and (whole.start, whole.stop) != (part.start, part.stop)
+    )
+
+
+def _quoted(site: Site) -> str:
+    return f"`{shortened(site.span.text)}`"
+
+
+def _in(site: Site) -> str:
+    return f" in {site.within}" if site.within else ""
+
+
+def _missed(site: Site, count: Count) -> str:
+    """By how much a comparison was missed."""
+    lacks = None
+    if site.operator in ("<", "<="):
+        lacks, what = count.least, "too much"
+    elif site.operator in (">", ">="):
+        lacks, what = count.greatest, "too little"
+    if lacks is None:
+        return ""
+    if not lacks:
+        return f"; at best {shortened(site.other)} was just the limit"
+    return f"; at best {shortened(site.other)} was {abs(lacks):.4g} {what}"
+
+
+def _value(value: Value) -> str:
+    return f'"{value}"' if isinstance(value, str) else f"{value:.4g}"
+
+
+def _listed(values: Iterable[Value]) -> str:
+    known = sorted(values, key=str)
+    more = len(known) - _MOST_LISTED
+    listed = [_value(value) for value in known[:_MOST_LISTED]]
+    if more > 0:
+        return f"{', '.join(listed)} or one of {more} others"
+    return listed[0] if len(listed) == 1 else f"{', '.join(listed[:-1])} or {listed[-1]}"
+
+
+def _alike(text: str, values: Iterable[Value]) -> str:
+    """The text among some values that another one is probably a misspelling of, or ""."""
+    texts = [value for value in values if isinstance(value, str) and value]
+    by_case = (value for value in texts if value.lower() == text.lower())
+    near = (v for v in texts if distance(v.lower(), text.lower()) <= (2 if len(text) > 5 else 1))
+    return next(by_case, "") or next(near, "") or closest(text, texts)

@@ -1,0 +1,212 @@
+"""Queries for all that a rule does: its parts, its conditions, the functions that it asks.
+
+In the compile process.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any
+
+from logical_robots_tui.mind.compiling.rules import VALUE, value_of
+from logical_robots_tui.mind.diagnosis.expressions import (
+    as_expression,
+    equated,
+    filled,
+    operands,
+    outer_calls,
+)
+from logical_robots_tui.mind.diagnosis.values import ValueTracing, head_value
+from logical_robots_tui.mind.diagnosis.watching import At, Segment, Trail
+from logical_robots_tui.mind.program import INPUTS
+from logical_robots_tui.mind.why import trees
+from logical_robots_tui.mind.why.scopes import (
+    EVERY_COLUMN,
+    Scope,
+    column_name,
+    flat,
+    in_order,
+    names,
+)
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping, Sequence
+
+    from logical_robots_tui.mind.compiling.rules import Rule
+
+__all__ = ["Tracer"]
+
+_LEAVES = ("desire", VALUE)
+"""Columns of which is watched where an ``if`` takes their values from."""
+
+
+class Tracer(ValueTracing):
+    """Goes through rules, part by part."""
+
+    def rule(self, rule: Rule, *, tells_robot: bool) -> None:
+        """Trace a rule that has rows of its own.
+
+        Args:
+            rule: As it was parsed.
+            tells_robot: Whether to tell for which robot it gives a row.
+        """
+        columns = {fv["field"]: fv["value"] for fv in rule["head"]["record"]["field_value"]}
+        head = {column_name(f): v.get("expression") for f, v in columns.items()}
+        parts = flat(rule.get("body"))
+        heads = [v.get("expression", v.get("aggregation")) for v in columns.values()]
+        variables = frozenset[str]().union(*map(names, [*parts, *heads]))
+        number = self._numbers[id(rule)]
+        self._memories = set()
+        decided = (columns[name].get("expression") or {} for name in _LEAVES if name in columns)
+        self._leaves = {str(each["variable"]["var_name"]) for each in decided if "variable" in each}
+        at = At(
+            Trail(Segment([])),
+            number,
+            Scope(dict.fromkeys(self._functions, EVERY_COLUMN), variables),
+            frozenset(),
+            {},
+        )
+        done = self._parts(parts, at)
+        if done is None:
+            return
+        at = done
+        for name, value in columns.items():
+            expression = value.get("expression")
+            if expression is None:
+                self._value(value["aggregation"]["argument"], at)
+                continue
+            if self._relations(expression):
+                local = trees.variable(self._new("head"))
+                site = self._site("part", expression, at)
+                at = self._next(at, site, trees.equal(local, filled(expression, at.given)))
+            is_leaf = name in _LEAVES and "variable" not in expression
+            self._value(expression, at, is_leaf=is_leaf)
+        who = head.get("robot_name") if tells_robot else None
+        self._emit(at.trail, gives=number, who=filled(who, at.given) if who else None)
+
+    def _parts(self, parts: Sequence[Rule], at: At) -> At | None:
+        """Go through the parts of a body; None if some can never be asked."""
+        ordered, left = in_order(parts, at.scope, at.known)
+        for part, known in ordered:
+            at = self._part(part, at, known)
+        return None if left else at
+
+    def _part(self, part: Rule, at: At, known: frozenset[str]) -> At:
+        if self._is_condition(part, at.known):
+            condition = as_expression(part)
+            name = str(part.get("predicate", {}).get("predicate_name", ""))
+            column = self._truth(condition, at, "denial" if name == "IsNull" else "condition")
+            if column < 0:
+                return self._next(at, -1, filled(part, at.given))
+            at.trail.filters = (*at.trail.filters, column)
+            return replace(at.when(column, holds=True), known=known)
+        pair = self._bound(part, at.known)
+        if pair is not None and not self._relations(pair[1]):
+            self._value(pair[1], at, is_leaf=pair[0] in self._leaves)
+            self._remember(pair[0], pair[1], at)
+            at.trail.segment.body.append(filled(part, at.given))
+            return replace(at, known=known)
+        call = part.get("predicate", {})
+        name = str(call.get("predicate_name", ""))
+        if name in self._functions and (inner := self._asked(name, call, at)) is not None:
+            rule, within = inner
+            done = self._parts(flat(rule.get("body")), within)
+            if done is not None:
+                return replace(at, guard=done.guard, known=known)
+        site = self._site("part", part, at, predicate=name)
+        self._in_part(part, at)
+        if name == "Memory":
+            for fv in call["record"]["field_value"]:
+                variable = (value_of(fv) or {}).get("variable", {})
+                if fv["field"] in ("memory", 1, "*") and variable:
+                    self._memories.add(self._called(str(variable["var_name"]), at))
+                elif fv["field"] in ("memory", 1, "*"):
+                    self.reads_all = True
+        return replace(self._next(at, site, filled(part, at.given)), known=known)
+
+    def _in_part(self, part: Rule, at: At) -> None:
+        """What stands within a part that gives rows."""
+        if "disjunction" in part:
+            for branch in part["disjunction"]["disjunct"]:
+                self._aside(flat(branch), at, at.scope, at.given, ())
+            return
+        if "inclusion" in part:
+            self._value(part["inclusion"]["list"], at)
+            return
+        values = equated(part) or (operands(part["predicate"]) if "predicate" in part else ())
+        for value in values:
+            if at.scope.mentioned(value) <= at.known:
+                self._value(value, at)
+
+    def _next(self, at: At, site: int, part: Rule) -> At:
+        """After a part that gives rows."""
+        trail = at.trail
+        body = [*self._all_of(at), part]
+        self._emit(trail, before=site)
+        trail.segment = Segment(body, site)
+        trail.filters = ()
+        return replace(at, guard=())
+
+    def _aside(
+        self,
+        parts: Sequence[Rule],
+        at: At,
+        scope: Scope,
+        given: Mapping[str, Rule],
+        values: Sequence[tuple[Rule, bool]],
+        **changed: Any,
+    ) -> None:
+        """Go through a body that stands within an expression or a part, and what is made of it."""
+        trail = Trail(Segment(self._all_of(at)))
+        within = replace(at, trail=trail, scope=scope, given=given, guard=(), **changed)
+        done = self._parts(parts, within)
+        if done is not None:
+            for value, is_leaf in values:
+                self._value(value, done, is_leaf=is_leaf)
+        self._emit(trail)
+        telling = (self.probes[name][1] for name in trail.probes)
+        if not any(probe.columns or self._tells(probe) for probe in telling):
+            for name in trail.probes:
+                del self.probes[name]
+
+    def _asked(self, name: str, call: Rule, at: At) -> tuple[Rule, At] | None:
+        """The one rule of a function that stands as a condition, and a place in it."""
+        rules = self._own.get(name, [])
+        if len(rules) != 1 or name in at.inside or head_value(rules[0]) is not None:
+            return None
+        found = self._entered(rules[0], name, call, at)
+        return None if found is None else (rules[0], found)
+
+    def _is_condition(self, part: Rule, known: frozenset[str]) -> bool:
+        pair = equated(part)
+        if pair is not None:
+            both = names(pair[0]) | names(pair[1])
+            return both <= known and not self._relations(part)
+        name = str(part.get("predicate", {}).get("predicate_name", ""))
+        is_call = name in self._own or name in INPUTS
+        return bool(name) and not is_call and not self._relations(part)
+
+    def _bound(self, part: Rule, known: frozenset[str]) -> tuple[str, Rule] | None:
+        """The variable that a part gives a value, and the value; or None."""
+        pair = equated(part)
+        if pair is None:
+            return None
+        left, right = pair
+        for pattern, value in ((left, right), (right, left)):
+            name = str(pattern.get("variable", {}).get("var_name", ""))
+            if name and name not in known and names(value) <= known:
+                return name, value
+        return None
+
+    def _remember(self, name: str, value: Rule, at: At) -> None:
+        """Note that a variable holds a memory, if it does."""
+        value = filled(value, at.given)
+        while str(value.get("call", {}).get("predicate_name", "")) in ("TryCast", "Coalesce"):
+            value = operands(value["call"])[0]
+        if str(value.get("variable", {}).get("var_name", "")) in self._memories:
+            self._memories.add(self._called(name, at))
+
+    def _relations(self, tree: Any) -> list[Rule]:
+        """The calls in a tree of predicates that may have no row, outside of aggregates."""
+        own = self._own.keys() - self._functions
+        return list(outer_calls(tree, own))

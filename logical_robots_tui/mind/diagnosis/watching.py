@@ -1,0 +1,235 @@
+"""Sites and the predicates that are asked for them, collected. In the compile process."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING, Any, Literal, TypeAlias
+
+from logical_robots_tui.mind.diagnosis.expressions import as_part, counted, filled
+from logical_robots_tui.mind.diagnosis.sites import TESTS, Column, Field, Probe, Site, Span
+from logical_robots_tui.mind.diagnosis.sources import Sources
+from logical_robots_tui.mind.program import INPUTS
+from logical_robots_tui.mind.why.spans import span_of
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping, Sequence
+
+    from logical_robots_tui.mind.compiling.rules import Rule
+    from logical_robots_tui.mind.text import Prepared
+    from logical_robots_tui.mind.why.scopes import Scope
+
+__all__ = ["PROBE", "At", "Segment", "Stands", "Trail", "Watching"]
+
+PROBE = "DiagnosisProbe"
+"""What the names of the predicates begin with that are made to be asked."""
+
+_MOST_COLUMNS = 90  # of a probe; SQLite allows 100
+
+_EXPLAINED = (*TESTS, "leaf")
+"""Sites of these kinds say where the values in them come from."""
+
+Stands: TypeAlias = Literal["body", "aggregate", "denied"]
+Guard: TypeAlias = tuple[tuple[int, bool], ...]
+
+
+@dataclass
+class Segment:
+    """What is asked at once: a body up to a part that gives rows, and what is tested there.
+
+    Attributes:
+        body: What all rows fulfil.
+        columns: What is tested.
+        trees: The same as conditions.
+        asked: By column what is asked in the query.
+        differences: By column the difference of the two sides that it compares.
+        after: Number of the site of the part at its end, or -1.
+    """
+
+    body: list[Rule]
+    after: int = -1
+    columns: list[Column] = field(default_factory=list)
+    trees: list[Rule] = field(default_factory=list)
+    asked: dict[int, Sequence[Rule]] = field(default_factory=dict)
+    differences: dict[int, Rule] = field(default_factory=dict)
+
+
+@dataclass
+class Trail:
+    """How far a body has been gone through; changes on the way.
+
+    Attributes:
+        segment: The present one.
+        filters: Its columns that must be true.
+        probes: Names of those that were made.
+    """
+
+    segment: Segment
+    filters: tuple[int, ...] = ()
+    probes: list[str] = field(default_factory=list)
+
+
+@dataclass(frozen=True)
+class At:
+    """Where an expression is computed.
+
+    Attributes:
+        trail: The body around it.
+        rule: Number of the rule that it is written in.
+        scope: Its variables.
+        known: Those that have a value.
+        given: By variable what it stands for in the query.
+        guard: What holds there beside the filters.
+        inside: Names of the functions that it is in.
+        stands: Whether that is in the body of a rule, an aggregate or something that is denied.
+    """
+
+    trail: Trail
+    rule: int
+    scope: Scope
+    known: frozenset[str]
+    given: Mapping[str, Rule]
+    guard: Guard = ()
+    inside: tuple[str, ...] = ()
+    stands: Stands = "body"
+
+    def when(self, column: int, *, holds: bool) -> At:
+        """The same where a column is true, or is not."""
+        return replace(self, guard=(*self.guard, (column, holds)))
+
+
+class Watching:
+    """Collects the sites of rules and the predicates to be compiled for them.
+
+    Args:
+        text: The program.
+        source: The same, prepared.
+        own: The rules of the program's own predicates.
+        functions: Names of those that have rows only for given arguments.
+        rules: All of these rules; their places here are their numbers.
+
+    Attributes:
+        sites: What is watched.
+        probes: By name the rule of a predicate to be asked, and what it tells.
+        reads: Fields of memory that are read.
+        reads_all: Whether a memory is used as a whole.
+        left_out: How much there was too much of.
+        within: The predicate made with ``:=`` in whose rules is looked, or "".
+    """
+
+    def __init__(
+        self,
+        text: str,
+        source: Prepared,
+        own: Mapping[str, list[Rule]],
+        functions: frozenset[str],
+        rules: Sequence[Rule],
+    ) -> None:
+        self.sites: list[Site] = []
+        self.probes: dict[str, tuple[Rule, Probe]] = {}
+        self.reads: dict[tuple[str, int], Field] = {}
+        self.reads_all = False
+        self.left_out = 0
+        self.within = ""
+        self._text, self._source = text, source
+        self._own, self._functions, self._rules = own, functions, rules
+        self._numbers = {id(rule): number for number, rule in enumerate(rules)}
+        self._sources = Sources(text, source, own)
+        self._known_sites: dict[tuple[Any, ...], int] = {}
+        self._memories: set[str] = set()
+        self._leaves: set[str] = set()
+        self._fresh = 0
+
+    def _all_of(self, at: At) -> list[Rule]:
+        """All that holds at a place, as parts of a body."""
+        segment = at.trail.segment
+        guard = [as_part(filled(segment.trees[c], {}), holds=holds) for c, holds in at.guard]
+        return [*segment.body, *guard]
+
+    def _tells(self, probe: Probe) -> bool:
+        return any(
+            at >= 0 and self.sites[at].predicate not in ("", *INPUTS)
+            for at in (probe.after, probe.before)
+        )
+
+    def _called(self, name: str, at: At) -> str:
+        """What a variable is called in the query, if it is a variable there."""
+        value = at.given.get(name)
+        return name if value is None else str(value.get("variable", {}).get("var_name", ""))
+
+    def _new(self, name: str) -> str:
+        self._fresh += 1
+        return f"d{self._fresh}_{name}"
+
+    def _span(self, tree: Any) -> Span:
+        return span_of(tree, self._text, self._source)
+
+    def _site(self, kind: Any, tree: Any, at: At, **told: Any) -> int:
+        """The number of a site, the same whenever the place is the same."""
+        span = self._span(tree)
+        key = (kind, span.start, span.stop, self.within)
+        if key not in self._known_sites:
+            self._known_sites[key] = len(self.sites)
+            rule = self._rules[at.rule]
+            places = self._sources.of(tree, rule) if kind in _EXPLAINED else ()
+            told = {"within": self.within, "places": places, "stands": at.stands, **told}
+            self.sites.append(Site(kind, span, at.rule, **told))
+        return self._known_sites[key]
+
+    def _add(
+        self,
+        at: At,
+        site: int,
+        asked: Sequence[Rule],
+        kind: Any,
+        condition: Rule | None = None,
+    ) -> int:
+        """Add a column to what is asked at a place; -1 if there are too many."""
+        segment = at.trail.segment
+        number = len(segment.columns)
+        if self._width(segment) + 4 > _MOST_COLUMNS:
+            self.left_out += 1
+            return -1
+        segment.columns.append(Column(site, at.guard, kind))
+        segment.trees.append(condition or {})
+        if asked:
+            segment.asked[number] = asked
+        return number
+
+    def _width(self, segment: Segment) -> int:
+        """How many columns the query of a segment has."""
+        return 2 + 2 * len(segment.differences) + sum(map(len, segment.asked.values()))
+
+    def _emit(
+        self, trail: Trail, before: int = -1, gives: int = -1, who: Rule | None = None
+    ) -> None:
+        """Make the predicate that asks what is to be known of a segment."""
+        segment = trail.segment
+        if not segment.body and not segment.columns and gives < 0:
+            return
+        told = tuple(segment.columns)
+        values = {n for n, column in enumerate(told) if self.sites[column.site].kind == "value"}
+        for closer in (False, True) if values else (False,):
+            name = f"{PROBE}{self._fresh}"
+            self._fresh += 1
+            left_out = frozenset[int]() if closer else values
+            columns = {
+                f"{'cd'[place]}{number}": tree
+                for number, asked in segment.asked.items()
+                for place, tree in enumerate(asked)
+                if number not in left_out
+            }
+            if who is not None:
+                columns["who"] = who
+            probe = Probe(
+                name,
+                tuple(replace(c, kind="skip") if n in left_out else c for n, c in enumerate(told)),
+                segment.after,
+                before,
+                trail.filters,
+                gives,
+                robot=who is not None,
+                closeness=("closer" if closer else "wider") if values else "both",
+            )
+            rule = counted(name, columns, segment.differences, segment.body)
+            self.probes[name] = (rule, probe)
+            trail.probes.append(name)

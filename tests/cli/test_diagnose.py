@@ -1,0 +1,84 @@
+"""``logical-robots diagnose``: what stands out in a run, for people and for scripts."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import pytest
+
+from logical_robots_tui.game import load_program
+from tests.cli.running import in_terminal
+from tests.installed import CHECKOUT
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from tests.cli.running import Command
+
+BROKEN = """\
+Near(robot_name:) :- Sensor(robot_name:, sensor:), sensor.forward_distance < 0;
+Robot(robot_name:, desire: {left_engine: 0.5, right_engine: 0.5}, memory: "") :-
+  Sensor(robot_name:), ~Near(robot_name:);
+"""
+
+
+@pytest.fixture
+def broken(tmp_path: Path) -> Path:
+    path = tmp_path / "broken.l"
+    path.write_text(BROKEN)
+    return path
+
+
+def test_findings_are_told_with_line_tick_and_what_to_look_at(
+    command: Command, level: Path, broken: Path
+) -> None:
+    told = command("diagnose", level, broken, "--ticks", 5)
+    assert told.status == 1
+    data = told.data
+    assert (data["first"], data["last"], data["won_at"]) == (1, 5, None)
+    finding = data["findings"][0]
+    assert (finding["severity"], finding["kind"], finding["line"]) == ("warning", "no rows", 1)
+    assert finding["tick"] == 1
+    assert "The rule of Near in line 1 never gave a row" in finding["message"]
+    assert finding["hint"]
+
+
+def test_where_nothing_stands_out_it_says_so(command: Command, level: Path, ahead: Path) -> None:
+    told = command("diagnose", level, ahead)
+    assert told.status == 0
+    assert told.data["won_at"]
+    assert told.data["findings"] == []
+    with in_terminal("diagnose", level, ahead) as terminal:
+        assert terminal.finish() == 0
+        assert "Nothing stands out." in terminal.text
+
+
+def test_in_a_terminal_it_is_told_in_lines(level: Path, broken: Path) -> None:
+    with in_terminal("diagnose", level, broken, "--ticks", "5") as terminal:
+        assert terminal.finish() == 1
+        shown = terminal.text
+    assert "Ticks 1 to 5, not won." in shown
+    assert "warning, line 1, tick 1: The rule of Near" in shown
+
+
+def test_the_page_shows_what_the_command_says(tmp_path: Path) -> None:
+    page = (CHECKOUT / "docs" / "diagnose.md").read_text()
+    example = page.split("```")[3].strip("\n")
+    assert example.startswith("Ticks 1 to")
+    program = tmp_path / "harbor.l"
+    lines = load_program("lighthouse").text.split("\n")
+    assert '"Harbour"' in lines[18]
+    lines[18] = lines[18].replace('"Harbour"', '"Harbor"')
+    program.write_text("\n".join(lines))
+    with in_terminal("diagnose", "05-lighthouse", program) as terminal:
+        assert terminal.finish() == 1
+        told = [line.rstrip() for line in terminal.text.splitlines()]
+    for line in example.splitlines():
+        assert line in told
+
+
+def test_a_robot_that_wins_has_only_notes(command: Command, level: Path, broken: Path) -> None:
+    told = command("diagnose", level, broken)
+    assert told.status == 0
+    assert told.data["won_at"]
+    assert {finding["severity"] for finding in told.data["findings"]} == {"note"}

@@ -1,0 +1,317 @@
+"""Diagnosis of a run: what is told is true, and each sort of mistake is told with its line."""
+
+from __future__ import annotations
+
+import asyncio
+from typing import TYPE_CHECKING
+
+import pytest
+
+from logical_robots_tui.game import Game, Superseded
+from logical_robots_tui.game.diagnosing import Diagnosis, diagnose, extent
+from logical_robots_tui.mind import Program
+from logical_robots_tui.world import load_level
+from tests.game.playing import game
+from tests.mutants.planted import diagnosis_of
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+    from pathlib import Path
+
+    from logical_robots_tui.mind.diagnosis.finding import Finding
+
+ENGINES = "desire: {left_engine: 0.1, right_engine: 0.1}"
+PLAIN = f'Robot(robot_name:, {ENGINES}, memory: "") :- Sensor(robot_name:);'
+
+
+async def diagnosed(tmp_path: Path, text: str, ticks: int = 6) -> Diagnosis:
+    made = game(tmp_path, text)
+    try:
+        await made.run_until(tick=ticks)
+        return await diagnose(made)
+    finally:
+        await made.close()
+
+
+def told(found: Diagnosis) -> Iterator[tuple[str, int | None]]:
+    for each in found.findings:
+        yield each.kind, each.span.line if each.span else None
+
+
+def the_kinds(found: Diagnosis) -> list[str]:
+    return [kind for kind, _ in told(found)]
+
+
+def the(found: Diagnosis, kind: str) -> Finding:
+    return next(each for each in found.findings if each.kind == kind)
+
+
+async def test_of_a_program_in_which_all_is_used_there_is_nothing_to_tell(tmp_path: Path) -> None:
+    found = await diagnosed(tmp_path, PLAIN)
+    assert found.findings == ()
+    assert extent(found) == "Ticks 1 to 6, not won."
+
+
+MISTAKES = {
+    "a rule that never gave a row": (
+        f"Far(robot_name:) :- Sensor(robot_name:, sensor:),\n  sensor.clock > 9000;\n"
+        f"A(robot_name:) :- Sensor(robot_name:), ~Far(robot_name:);\n"
+        f'Robot(robot_name:, {ENGINES}, memory: "") :- A(robot_name:);',
+        ("no rows", 2),
+        "by `sensor.clock > 9000` was never true; at best sensor.clock was 8994 too little",
+    ),
+    "a branch that was never taken": (
+        "Go(d) = (if d < 0 then 0 else 0.1);\n"
+        "Robot(robot_name:, desire: {left_engine: Go(sensor.forward_distance), right_engine: 0},\n"
+        '  memory: "") :- Sensor(robot_name:, sensor:);',
+        ("never true", 1),
+        "`d < 0` was never true",
+    ),
+    "a text that nothing has": (
+        'Go(sensor) = (if sensor.forward_object == "Wall" then 0 else 0.1);\n'
+        "Robot(robot_name:, desire: {left_engine: Go(sensor), right_engine: 0},\n"
+        '  memory: "") :- Sensor(robot_name:, sensor:);',
+        ("never true", 1),
+        'sensor.forward_object was never "Wall"',
+    ),
+    "a text that is given to a function": (
+        "Sees(radar, what) = Min{ray.distance :- ray in radar, ray.object == what};\n"
+        "Robot(robot_name:, desire: {left_engine: 0.1, right_engine: 0.1},\n"
+        "  memory: far) :- Sensor(robot_name:, sensor:),\n"
+        '  near = Sees(sensor.radar, "wall"),\n'
+        '  far = Sees(sensor.radar, "wal");',
+        ("never true", 5),
+        'ray.object was never "wal"',
+    ),
+    "a name that nothing has": (
+        f'Robot(robot_name:, {ENGINES}, memory: "") :- Sensor(robot_name:),\n'
+        '  robot_name != "Adda";',
+        ("unknown text", 2),
+        'Nothing in this level is called "Adda".',
+    ),
+    "a field that is never written": (
+        f"Robot(robot_name:, {ENGINES}, memory: {{count: 1 + n}}) :-\n"
+        "  Memory(robot_name:, memory:),\n  n = Coalesce(memory.counts, 0);",
+        ("memory never written", 3),
+        "memory.counts is read, and no memory ever had a field counts",
+    ),
+    "a field that is never read": (
+        f"Robot(robot_name:, {ENGINES}, memory: {{count: n,\n  other: 1}}) :-\n"
+        "  Memory(robot_name:, memory:), n = Coalesce(memory.count, 0) + 1;",
+        ("memory never read", 2),
+        "The field other of memory is written and never read",
+    ),
+    "a memory that is lost": (
+        f"Robot(robot_name:, {ENGINES}, memory: {{count: n}}) :- n < 3,\n"
+        "  Memory(robot_name:, memory:), n == Coalesce(memory.count, 0) + 1;\n"
+        f'Robot(robot_name:, {ENGINES},\n  memory: "") :- n >= 3,\n'
+        "  Memory(robot_name:, memory:), n == Coalesce(memory.count, 0) + 1;",
+        ("memory lost", 4),
+        "Ada forgot memory.count at tick 3",
+    ),
+    "several rows": (
+        f'{PLAIN}\nRobot(robot_name:, {ENGINES}, memory: "") :-\n'
+        "  Sensor(robot_name:, sensor:), sensor.clock > 2;",
+        ("several rows", 2),
+        "They come from the rules in lines 1 and 2.",
+    ),
+    "several rows from a fact that is there twice": (
+        'Speed("slow", 0.1);\nSpeed("fast", 0.5);\nSpeed("slow", 0.2);\n'
+        'Robot(robot_name:, desire: {left_engine: x, right_engine: x}, memory: "") :-\n'
+        '  Sensor(robot_name:), kind == "slow",\n  Speed(kind, x);',
+        ("several rows", 3),
+        "Robot has 2 rows for Ada",
+    ),
+    "no row": (
+        f'Robot(robot_name:, {ENGINES}, memory: "") :- Sensor(robot_name:, sensor:),\n'
+        "  sensor.clock < 4;",
+        ("no row", 2),
+        "First at tick 4, in all 6 times",
+    ),
+    "an engine that is null": (
+        "Near(radar) = Min{ray.distance :-\n  ray in radar, ray.distance < 0};\n"
+        "Robot(robot_name:, desire: {left_engine: Near(sensor.radar), right_engine: 0},\n"
+        '  memory: "") :- Sensor(robot_name:, sensor:);',
+        ("bad engine", 3),
+        "`Near(sensor.radar)` was null",
+    ),
+}
+
+
+@pytest.mark.parametrize(("text", "place", "said"), MISTAKES.values(), ids=MISTAKES)
+async def test_a_mistake_is_told_with_its_line(
+    tmp_path: Path, text: str, place: tuple[str, int], said: str
+) -> None:
+    found = await diagnosed(tmp_path, text)
+    assert place in list(told(found))
+    words = " ".join(each.message for each in found.findings)
+    assert said.removeprefix("by ") in words
+
+
+async def test_a_text_that_is_no_name_is_no_mistake(tmp_path: Path) -> None:
+    text = PLAIN.replace(
+        '""', '(if StartsWith(robot_name, "A") then robot_name ++ "!" else "nobody")'
+    )
+    assert the_kinds(await diagnosed(tmp_path, text)) == []
+
+
+async def test_what_happens_in_one_tick_of_many_is_not_said_never_to_happen(tmp_path: Path) -> None:
+    text = (
+        "Robot(robot_name:, desire: {left_engine: if sensor.clock == 1234 then 0.2 else 0,\n"
+        '  right_engine: 0}, memory: "") :- Sensor(robot_name:, sensor:);'
+    )
+    found = await diagnosed(tmp_path, text, 1300)
+    assert found.last == 1300
+    assert [kind for kind, _ in told(found) if kind.startswith("never")] == []
+    found = await diagnosed(tmp_path, text.replace("1234", "9234"), 1300)
+    assert ("never true", 1) in list(told(found))
+
+
+async def test_nothing_is_said_of_what_is_too_much_to_ask(tmp_path: Path) -> None:
+    text = (
+        "Big(x:) :- x in Range(1500), y == 3000,\n  x == y - 1;\n"
+        f'Robot(robot_name:, {ENGINES}, memory: "") :- Sensor(robot_name:), ~Big();'
+    )
+    found = await diagnosed(tmp_path, text)
+    assert found.left_out == 1
+    assert 2 not in [line for _, line in told(found)]
+    assert "Of 1 places too much was to be asked" in extent(found)
+    found = await diagnosed(tmp_path, text.replace("1500", "500"))
+    assert ("no rows", 2) in list(told(found))
+
+
+async def test_another_future_ends_it(tmp_path: Path) -> None:
+    made = game(tmp_path, PLAIN)
+    try:
+        await made.run_until(tick=60)
+        made.back(30)
+        made.use(Program.compile(PLAIN.replace("0.1", "0.2")))
+        await made.run_until(tick=61)
+
+        def turn(_done: int, _all: int) -> None:
+            made.history.change_course()
+
+        made.use(Program.compile(f"Odd(robot_name:) :- Sensor(robot_name:), 1 == 2;\n{PLAIN}"))
+        with pytest.raises(Superseded):
+            await diagnose(made, report=turn)
+    finally:
+        await made.close()
+
+
+async def test_who_stands_still_goes_round_or_pushes_against_a_wall_is_told_of(
+    tmp_path: Path,
+) -> None:
+    for left, right, kind, words in (
+        (0, 0, "still", "Ada stood still from tick 1 to 300"),
+        (1, -1, "circle", "Ada goes round in a circle of"),
+        (1, 1, "blocked", "Ada was blocked from tick"),
+    ):
+        text = (
+            "Go() =\n"
+            f"  {{left_engine: {left}, right_engine: {right}}};\n"
+            "Robot(robot_name:, desire: Go(),\n"
+            '  memory: "") :- Sensor(robot_name:);'
+        )
+        made = Game(load_level(_without_door(tmp_path)), Program.compile(text))
+        try:
+            await made.run_until(tick=300)
+            finding = the(await diagnose(made), kind)
+        finally:
+            await made.close()
+        assert finding.message.startswith(words)
+        assert finding.span is not None
+        assert finding.span.line == 3
+        assert {span.line for span in finding.others} <= {1, 2}
+
+
+async def test_only_the_ticks_of_the_present_program_count(tmp_path: Path) -> None:
+    made = game(tmp_path, f"{PLAIN}\n{PLAIN.replace('0.1', '0.2')}")
+    try:
+        await made.run_until(tick=3)
+        assert [kind for kind, _ in told(await diagnose(made))] == ["several rows"]
+        made.use(Program.compile(PLAIN))
+        await made.run_until(tick=5)
+        found = await diagnose(made)
+        assert (found.first, found.last, found.findings) == (4, 5, ())
+    finally:
+        await made.close()
+
+
+async def test_at_the_start_there_is_nothing_to_look_at(tmp_path: Path) -> None:
+    made = game(tmp_path, PLAIN)
+    try:
+        assert extent(await diagnose(made)) == "There are no ticks to look at yet."
+    finally:
+        await made.close()
+
+
+async def test_it_can_be_stopped_and_tells_how_far_it_is(tmp_path: Path) -> None:
+    made = game(tmp_path, PLAIN)
+    try:
+        await made.run_until(tick=200)
+        steps: list[tuple[int, int]] = []
+        begun = asyncio.Event()
+
+        def report(done: int, of_all: int) -> None:
+            steps.append((done, of_all))
+            begun.set()
+
+        text = "Odd(robot_name:) :- Sensor(robot_name:, sensor:), sensor.clock == -1;"
+        made.use(Program.compile(f"{text}\n{PLAIN}"))
+        task = asyncio.create_task(diagnose(made, report=report))
+        await begun.wait()
+        task.cancel()
+        with pytest.raises(asyncio.CancelledError):
+            await task
+        assert steps
+        assert all(done <= of_all for done, of_all in steps)
+    finally:
+        await made.close()
+
+
+@pytest.mark.parametrize(
+    ("level", "program"), [("01-first-steps", "first-steps"), ("05-lighthouse", "lighthouse")]
+)
+def test_of_a_reference_program_nothing_is_held_against_it(level: str, program: str) -> None:
+    _check_reference(level, program)
+
+
+REFERENCES = [
+    ("02-open-space", "open-space"),
+    ("03-the-long-hall", "the-long-hall"),
+    ("04-everybody-home", "everybody-home"),
+    ("06-breadcrumbs", "breadcrumbs"),
+    ("07-station-management", "station-management"),
+    ("08-formation", "formation"),
+    ("09-the-gate", "the-gate"),
+    ("10-distributed-mapping", "distributed-mapping"),
+    ("11-power-line", "power-line"),
+    ("12-swarm", "swarm"),
+]
+
+
+@pytest.mark.proof
+@pytest.mark.parametrize(("level", "program"), REFERENCES)
+def test_of_no_reference_program_anything_is_held_against_it(level: str, program: str) -> None:
+    _check_reference(level, program)
+
+
+def _check_reference(level: str, program: str) -> None:
+    """What is noted of a program that wins is that something never happened; and that is true."""
+    from logical_robots_tui.game import load_program
+
+    found = diagnosis_of(level, load_program(program).text, 6000)
+    assert found.won_at is not None
+    assert found.second_step == 1
+    assert {(each.severity, each.kind) for each in found.findings} <= {
+        ("note", "never true"),
+        ("note", "never false"),
+    }
+
+
+def _without_door(tmp_path: Path) -> Path:
+    from tests.game.playing import HALL
+
+    path = tmp_path / "no-door.toml"
+    path.write_text(HALL.split("[[areas]]")[0], encoding="utf-8")
+    return path

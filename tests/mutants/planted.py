@@ -1,0 +1,205 @@
+"""The mutants, and how a run of one is diagnosed."""
+
+from __future__ import annotations
+
+import asyncio
+import tomllib
+from dataclasses import dataclass
+from functools import cache
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from logical_robots_tui.game import Game, load_program
+from logical_robots_tui.game.diagnosing import diagnose
+from logical_robots_tui.mind import Mind, Program
+from logical_robots_tui.mind.compilation import check_up
+from logical_robots_tui.mind.diagnosis.nearest import nearest_misses
+from logical_robots_tui.world import World, load_level
+
+if TYPE_CHECKING:
+    from logical_robots_tui.game.diagnosing import Diagnosis
+    from logical_robots_tui.mind.diagnosis.finding import Finding
+    from logical_robots_tui.mind.diagnosis.nearest import Suggestion
+    from logical_robots_tui.values import SensorRow, Value
+
+__all__ = [
+    "FIRST",
+    "HEAD",
+    "MUTANTS",
+    "Mutant",
+    "diagnosis_of",
+    "first_difference",
+    "rank",
+    "suggestions",
+    "verdict",
+]
+
+HEAD = "    kind               program               line  differs  findings  named by   nearest"
+"""The head of the table of verdicts."""
+
+
+FIRST = 5
+"""So many findings are read before one gives up."""
+
+
+@dataclass(frozen=True)
+class Mutant:
+    """A reference program with a bug.
+
+    Attributes:
+        kind: What sort of bug.
+        level: Where it is to be found.
+        program: The reference program.
+        line: Where the bug is.
+        old: What stood there.
+        new: What stands there now.
+        ticks: How long it is run.
+    """
+
+    kind: str
+    level: str
+    program: str
+    line: int
+    old: str
+    new: str
+    ticks: int = 3000
+
+    @property
+    def text(self) -> str:
+        """The program with the bug."""
+        lines = load_program(self.program).text.split("\n")
+        assert lines[self.line - 1].count(self.old) == 1, self
+        lines[self.line - 1] = lines[self.line - 1].replace(self.old, self.new)
+        return "\n".join(lines)
+
+
+MUTANTS = [
+    Mutant(**each)
+    for each in tomllib.loads(Path(__file__).with_name("mutants.toml").read_text())["mutant"]
+]
+
+
+@cache
+def diagnosis_of(level: str, text: str, ticks: int) -> Diagnosis:
+    """What `diagnose` says of a program in a level."""
+
+    async def work() -> Diagnosis:
+        game = Game(load_level(level), Program.compile(text))
+        try:
+            await game.run_until(tick=ticks)
+            return await diagnose(game)
+        finally:
+            await game.close()
+
+    return asyncio.run(work())
+
+
+def rank(findings: tuple[Finding, ...], line: int) -> tuple[int, bool] | None:
+    """The place among the findings, from 1, of the first that names a line.
+
+    Returns:
+        The place, and whether that line is the finding's own; None if no finding names it.
+    """
+    for number, finding in enumerate(findings, 1):
+        spans = [span for span in (finding.span, *finding.others) if span is not None]
+        if any(span.line == line for span in spans):
+            own = finding.span is not None and finding.span.line == line
+            return number, own
+    return None
+
+
+@dataclass(frozen=True)
+class Difference:
+    """The first tick in which a mutant decides otherwise than the reference program.
+
+    Attributes:
+        tick: The tick.
+        robot: A robot for which it does.
+        rows: What all robots sensed.
+        memories: What they remembered.
+    """
+
+    tick: int
+    robot: str
+    rows: list[SensorRow]
+    memories: dict[str, Value]
+
+
+def first_difference(mutant: Mutant) -> Difference | None:
+    """Where a mutant first decides otherwise than the reference program, in that one's run."""
+    level = load_level(mutant.level)
+    visibility = level.visibility
+    reference, other = (
+        Mind(Program.compile(text), memory=visibility.memory, sensor=visibility.sensor)
+        for text in (load_program(mutant.program).text, mutant.text)
+    )
+    world = World(level)
+    memories: dict[str, Value] = {robot.name: "" for robot in level.robots}
+    try:
+        while world.tick < mutant.ticks and world.won_at is None:
+            rows = world.sense()
+            decisions = reference.think(rows, memories)
+            for mine, its in zip(decisions, other.think(rows, memories), strict=True):
+                if mine != its:
+                    return Difference(world.tick, mine.robot_name, rows, memories)
+            world.act({d.robot_name: d.desire for d in decisions if d.desire is not None})
+            memories = {d.robot_name: d.memory for d in decisions}
+    finally:
+        reference.close()
+        other.close()
+    return None
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """What was found of a mutant.
+
+    Attributes:
+        line: It in one line, as the table has it.
+        by_diagnosis: Whether one of the first findings names the line of the bug.
+        by_either: Whether that or a nearest miss does.
+    """
+
+    line: str
+    by_diagnosis: bool
+    by_either: bool
+
+
+def verdict(number: int) -> Verdict:
+    """What is found of a mutant, by its number from 1."""
+    mutant = MUTANTS[number - 1]
+    there = first_difference(mutant)
+    found = diagnosis_of(mutant.level, mutant.text, mutant.ticks)
+    place = rank(found.findings, mutant.line)
+    nearest = suggestions(mutant, there) if there is not None else []
+    named = [each for each in nearest if each.span.line == mutant.line]
+    by_diagnosis = place is not None and place[0] <= FIRST
+    how = f"{place[0]} {'itself' if place[1] else 'places'}" if place else "-"
+    line = (
+        f"{number:2}  {mutant.kind:17}  {mutant.program:20}  {mutant.line:4}  "
+        f"{there.tick if there else '-':>7}  {len(found.findings):8}  {how:9}  "
+        f"{len(named)} of {len(nearest)}"
+    )
+    return Verdict(line, by_diagnosis, by_diagnosis or bool(named))
+
+
+def suggestions(mutant: Mutant, there: Difference) -> list[Suggestion]:
+    """The nearest misses of all rules that `Robot` leans on, where a mutant first differs."""
+    program = Program.compile(mutant.text)
+    visibility = load_level(mutant.level).visibility
+    found: list[Suggestion] = []
+    numbers: dict[str, int] = {}
+    for rule in check_up(program).rules:
+        number = numbers[rule.predicate] = numbers.get(rule.predicate, -1) + 1
+        if rule.is_needed and not rule.is_function:
+            found += nearest_misses(
+                program,
+                rule.predicate,
+                number,
+                there.robot,
+                there.rows,
+                there.memories,
+                memory=visibility.memory,
+                sensor=visibility.sensor,
+            )
+    return found

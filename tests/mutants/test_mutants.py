@@ -1,0 +1,63 @@
+"""The diagnosis names the lines of planted bugs, without knowing where they are."""
+
+from __future__ import annotations
+
+from collections import Counter
+
+import pytest
+
+from tests.installed import CHECKOUT
+from tests.mutants.planted import (
+    FIRST,
+    MUTANTS,
+    Mutant,
+    diagnosis_of,
+    first_difference,
+    rank,
+    suggestions,
+    verdict,
+)
+
+KINDS = 10
+ENOUGH = 20
+QUICK = ("02-open-space", "03-the-long-hall", "09-the-gate")
+"""Levels in which a mutant is diagnosed within seconds."""
+
+
+def test_there_are_three_mutants_of_each_kind_and_each_changes_one_line() -> None:
+    assert set(Counter(mutant.kind for mutant in MUTANTS).values()) == {3}
+    assert len({mutant.kind for mutant in MUTANTS}) == KINDS
+    for mutant in MUTANTS:
+        assert mutant.new in mutant.text
+        assert mutant.old != mutant.new
+
+
+def is_named(mutant: Mutant) -> bool:
+    """Whether one of the first findings names the line of the bug, or a nearest miss does."""
+    found = diagnosis_of(mutant.level, mutant.text, mutant.ticks)
+    place = rank(found.findings, mutant.line)
+    if place is not None and place[0] <= FIRST:
+        return True
+    there = first_difference(mutant)
+    return there is not None and any(
+        each.span.line == mutant.line for each in suggestions(mutant, there)
+    )
+
+
+@pytest.mark.parametrize(
+    "mutant",
+    [mutant for mutant in MUTANTS if mutant.level in QUICK and mutant.kind != "precedence"],
+    ids=lambda mutant: f"{mutant.kind} in {mutant.program}",
+)
+def test_a_bug_in_a_small_program_is_named(mutant: Mutant) -> None:
+    assert first_difference(mutant) is not None
+    assert is_named(mutant)
+
+
+@pytest.mark.proof
+def test_of_thirty_bugs_at_least_twenty_are_named_and_the_page_says_which() -> None:
+    """`python -m benchmarks.mutants` prints the table of the page anew."""
+    page = (CHECKOUT / "docs" / "diagnose.md").read_text()
+    found = [verdict(number) for number in range(1, len(MUTANTS) + 1)]
+    assert sum(each.by_either for each in found) >= ENOUGH
+    assert [each.line for each in found if each.line not in page] == []

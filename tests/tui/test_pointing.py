@@ -1,0 +1,44 @@
+"""What of a proof can be seen in the labyrinth."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import pytest
+
+from logical_robots_tui.mind import Node
+from logical_robots_tui.tui.drawing.look import Highlight
+from logical_robots_tui.tui.inspector.pointing import sight
+from logical_robots_tui.world import Robot
+from tests.tui.drawing.scenes import room, start
+
+FRAME = start(room(robots=(Robot("Ann", 60, 100), Robot("Bob", 300, 150, 2.0))))
+RADAR = {row["robot_name"]: row["sensor"]["radar"] for row in FRAME.sensors}
+
+
+@pytest.mark.parametrize("name", ["Ann", "Bob"])
+def test_a_ray_is_seen_wherever_its_value_comes_up(name: str) -> None:
+    ray = RADAR[name][4]
+    node = Node("column", "ray", values=({**ray, "angle": ray["angle"] + 1e-15},))
+    assert sight(node, name, FRAME) == Highlight(name, ray["angle"])
+
+
+def test_a_ray_of_another_robot_is_seen_there() -> None:
+    ray = next(ray for ray in RADAR["Bob"] if ray not in RADAR["Ann"])
+    assert sight(Node("value", "ray", values=(ray,)), "Ann", FRAME) == Highlight(
+        "Bob", ray["angle"]
+    )
+
+
+def test_a_robot_is_seen_where_it_is_asked_about() -> None:
+    node = Node("call", "Sensor(robot_name:)", robot="Bob")
+    assert sight(node, "Ann", FRAME) == Highlight("Bob")
+
+
+def test_what_is_no_ray_of_this_tick_is_not_seen() -> None:
+    ray = RADAR["Ann"][4]
+    for value in (ray["angle"], None, RADAR["Ann"], {**ray, "distance": ray["distance"] + 1}):
+        assert sight(Node("value", "x", values=(value,)), "Ann", FRAME) is None
+    examples = Node("value", "ray", values=(ray, RADAR["Ann"][5]))
+    assert sight(examples, "Ann", FRAME) is None, "one of several is not what the cursor is on"
+    assert sight(replace(examples, values=()), "Ann", FRAME) is None
