@@ -40,18 +40,14 @@ def test_a_thought_near_its_bound_ends_the_same_whatever_was_thought_before(
     assert verdicts == {"failed", "thought"}
 
 
-def test_after_a_thought_that_took_too_many_steps_the_next_one_is_as_ever() -> None:
-    slow = Program.compile(
-        ROBOT
-        + "m = [Min{r.distance :- r in sensor.radar}, Sum{a :- a in Range(900 + sensor.clock)}];"
-    )
-    mind = Mind(slow, limits=Limits(think_steps=1_000_000))
-    many = [row(f"Robot {number}") for number in range(900)]  # to fill them in takes steps, too
-    for _ in range(3):
-        decisions = mind.think(many, {})
-        assert "more than 1,000,000 steps" in decisions[-1].notices[0].message
-        assert not any("be computed" in n.message for d in decisions for n in d.notices)
-    mind.close()
+def test_between_two_thoughts_nothing_is_counted_or_ended() -> None:
+    work = Work(lambda: None)
+    budget = Budget(STEPS_AT_ONCE, 1.0)
+    work.begin(budget, None)
+    assert [work.count(), work.count()] == [False, True]
+    work.end()
+    assert budget.steps == -STEPS_AT_ONCE
+    assert not work.count()
 
 
 def test_calls_of_functions_and_what_passes_through_them_are_counted(program: Program) -> None:
