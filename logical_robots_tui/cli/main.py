@@ -32,7 +32,6 @@ _HOMES = {
     "why": "why",
     "origin": "origin",
     "diagnose": "diagnose",
-    "nearest": "nearest",
     "check": "check",
     "help": "help",
     "levels": "listing",

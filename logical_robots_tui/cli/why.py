@@ -25,6 +25,7 @@ if TYPE_CHECKING:
 
     from logical_robots_tui.cli.command import Commands
     from logical_robots_tui.mind import Ask, Explanation, Node, Program
+    from logical_robots_tui.mind.diagnosis.nearest import Suggestion
     from logical_robots_tui.world import Level
 
 __all__ = ["declare"]
@@ -41,9 +42,10 @@ examples:
   logical-robots why 06-breadcrumbs breadcrumbs --tick 3 --robot Crow \\
     --predicate Steer --given col0=0.5
 
-A row is explained by one derivation; for each rule that does not give it, the first part is shown
-that nothing gets past: + holds, - does not. --tree follows every call, down to what was sensed
-and remembered. The arguments of a function are called col0, col1 ...
+A row is explained by one derivation. For each rule that gives none, the first part is shown that
+nothing gets past, and which one change would have given it a row: + holds, - does not. --tree
+follows every call, down to what was sensed and remembered. The arguments of a function are called
+col0, col1 ...
 
 exit status: 0 there is a row, 1 there is none, 2 bad level, program or name
 """
@@ -98,11 +100,16 @@ def start(options: argparse.Namespace) -> int:
     check_name("robot", options.robot, (robot.name for robot in level.robots))
     own = [predicate.name for predicate in program.predicates if predicate.kind == "program"]
     check_name("predicate", options.predicate, own)
-    explanation, nodes, complete = asyncio.run(_explain(level, program, options))
+    explanation, nodes, complete, nearest = asyncio.run(_explain(level, program, options))
     if prefers_json(options):
-        print(line_of_json({**_data(explanation, options.tick), "tree": [*map(_node, nodes)]}))
+        data = {
+            **_data(explanation, options.tick),
+            "tree": [*map(_node, nodes)],
+            "nearest": [_suggestion(*each) for each in nearest],
+        }
+        print(line_of_json(data))
     else:
-        print(*_lines(explanation, nodes, options), sep="\n")
+        print(*_lines(explanation, nodes, options), *_nearest(nearest), sep="\n")
         if not complete:
             print("", "This is not all of it; --depth says how deep it goes.", sep="\n")
     return GAVE if explanation.rows else GAVE_NOT
@@ -110,8 +117,8 @@ def start(options: argparse.Namespace) -> int:
 
 async def _explain(
     level: Level, program: Program, options: argparse.Namespace
-) -> tuple[Explanation, tuple[Node, ...], bool]:
-    """The explanation, what to show of it, and whether that is all."""
+) -> tuple[Explanation, tuple[Node, ...], bool, list[tuple[int, Suggestion]]]:
+    """The explanation, what to show of it, whether that is all, and what would have to differ."""
     from logical_robots_tui.game import Inquiry
 
     frame = await frame_at(level, program, options.tick, options.engine)
@@ -123,7 +130,10 @@ async def _explain(
             explanation = await inquiry.why(
                 program, robot, frame, predicate=predicate, given=given, within=within
             )
-            return explanation, explanation.nodes, True
+            nearest: list[tuple[int, Suggestion]] = []
+            if given is None and any(rule.rows == 0 for rule in explanation.rules):
+                nearest = await inquiry.nearest(program, robot, frame, predicate)
+            return explanation, explanation.nodes, True, nearest
         proof = await inquiry.proof(
             program,
             robot,
@@ -133,7 +143,7 @@ async def _explain(
             within=within,
             depth=options.depth,
         )
-        return proof.explanation, proof.nodes, proof.complete
+        return proof.explanation, proof.nodes, proof.complete, []
     finally:
         await inquiry.close()
 
@@ -153,6 +163,27 @@ def _lines(
     asked = (node.asked for _, node in lines if node.asked is not None)
     if deeper := dict.fromkeys(_deeper(ask) for ask in asked):
         yield from ("", "Deeper with --tree, or one of:", *(f"  {each}" for each in deeper))
+
+
+def _nearest(found: list[tuple[int, Suggestion]]) -> Iterator[str]:
+    """Which one change would have given a row to a rule that gave none."""
+    for rule in dict.fromkeys(line for line, _ in found):
+        yield from ("", f"For the rule in line {rule} to give a row, one of:")
+        for line, each in found:
+            if line == rule:
+                change = f"write {each.change}" if each.change else "leave it out"
+                yield harmless(f"  {each.text}")
+                yield harmless(f"    line {each.span.line}, {each.span.text}: {change}")
+
+
+def _suggestion(rule: int, each: Suggestion) -> dict[str, Any]:
+    return {
+        "rule": rule,
+        "line": each.span.line,
+        "text": each.span.text,
+        "change": each.change,
+        "said": each.text,
+    }
 
 
 def _deeper(ask: Ask) -> str:

@@ -109,3 +109,25 @@ def test_a_line_that_is_too_long_shows_that_it_is_cut(level: Path, tmp_path: Pat
         assert terminal.finish() == 0
         (line,) = (line for line in terminal.text.splitlines() if " all = sensor.radar = [" in line)
     assert line.rstrip().endswith("...")
+
+
+def test_what_would_have_to_differ_is_told_of_a_rule_without_a_row(
+    command: Command, level: Path, tmp_path: Path
+) -> None:
+    program = tmp_path / "close.l"
+    program.write_text(
+        "Near(robot_name:) :-\n"
+        "  Sensor(robot_name:, sensor:), sensor.clock > 5;\n"
+        'Robot(robot_name:, desire: {left_engine: 0.5, right_engine: 0.5}, memory: "") :-\n'
+        "  Sensor(robot_name:), ~Near(robot_name:);\n"
+    )
+    asked = ("why", level, program, "--tick", 3, "--robot", "Pip", "--predicate", "Near")
+    (only,) = command(*asked).data["nearest"]
+    assert (only["rule"], only["line"], only["text"]) == (1, 2, "5")
+    assert only["said"] == "`sensor.clock > 5` is missed: sensor.clock is 2 too little."
+    with in_terminal(*asked) as terminal:
+        assert terminal.finish() == 1
+        assert "For the rule in line 1 to give a row, one of:" in terminal.text
+        assert "line 2, 5: write 2.997" in terminal.text
+    told = command("why", level, program, "--tick", 3, "--robot", "Pip")
+    assert told.data["nearest"] == []

@@ -494,3 +494,18 @@ async def test_without_a_program_it_says_so(data_dir: Path) -> None:
         await game.ready()
         await game.press("w")
         await game.until(lambda: game.shows("There is no program yet that could be asked."))
+
+
+async def test_the_change_that_would_have_given_a_row_is_told(data_dir: Path) -> None:
+    text = (
+        "Near(robot_name:) :- Sensor(robot_name:, sensor:), sensor.clock > 5;\n"
+        'Robot(robot_name:, desire: {left_engine: 0.5, right_engine: 0.5}, memory: "") :-\n'
+        "  Sensor(robot_name:), ~Near(robot_name:);\n"
+    )
+    async with opened(data_dir, text=text) as game:
+        await game.ready()
+        await game.press("n")
+        await game.until(lambda: game.tick == 1)
+        game.inspector.inspect("Near")
+        await game.press("w")
+        await game.until(lambda: game.shows("One of these would give a row"))

@@ -43,6 +43,7 @@ __all__ = ["RobotProgram", "compile_text", "compiled_rules", "plain_rules", "rea
 
 _RECURSION_DEPTH = 32  # as on DuckDB; the package's SQLite default is 8
 _DEEPEST_RECURSION = 200
+_MOST_STEPS = 1_000  # of a recursion that is not unrolled
 _VISIBILITY = {"Memory": ("own", "seen", "all"), "Sensor": ("own", "all")}
 _MOST_DIAGNOSTICS = 25
 
@@ -184,7 +185,7 @@ class RobotProgram(universe.LogicaProgram):  # type: ignore[misc]  # the package
             if options.get("1") == -1:
                 options["1"] = _RECURSION_DEPTH
         rules, self.fixpoints = fixpoints(
-            rules, lambda name: depths.get(name, {}).get("1", _RECURSION_DEPTH)
+            rules, lambda name: min(depths.get(name, {}).get("1", _RECURSION_DEPTH), _MOST_STEPS)
         )
         for fixpoint in self.fixpoints:
             depths.pop(fixpoint.name, None)

@@ -1,8 +1,8 @@
-"""Recursion by iterating to a fixed point, for what can't be unrolled.
+"""Recursion by iterating to a fixed point.
 
-A step of a recursion that mentions its predicate several times, unrolled, is put into itself so
-many times for every step. So the step is compiled once, over the rows of the step before; these
-pass from row to row of one recursive query as a list::
+The package unrolls a recursion, and where a step mentions its predicate twice it is put into itself
+twice as often with each step. Here the step is compiled once, over the rows of the step before;
+these pass from row to row of one recursive query as a list::
 
     WITH RECURSIVE
     t_0_steps_of_T AS (
@@ -61,7 +61,7 @@ class Fixpoint:
 def fixpoints(
     rules: list[Rule], depth_of: Callable[[str], int]
 ) -> tuple[list[Rule], list[Fixpoint]]:
-    """Take recursions that can't be unrolled out of some rules.
+    """Take recursions out of some rules; those that can't be, the package unrolls.
 
     Args:
         rules: All rules, rewritten for the package.
@@ -86,7 +86,7 @@ def fixpoints(
             and not circle & (made | ordered)
             and not any(circle & _circle(fixpoint.name, uses) for fixpoint in found)
             and not any(other in _circle(other, uses, without=name) for other in circle - {name})
-            and _mentions(name, name, own, circle) > 1
+            and _begins(name, own, circle)
         ):
             fixpoint = Fixpoint(name, depth_of(name))
             rules = [*_without(name, rules), *_step(fixpoint, circle, own)]
@@ -111,15 +111,17 @@ def _below(name: str, uses: Mapping[str, set[str]], without: str) -> set[str]:
     return seen
 
 
-def _mentions(start: str, of: str, own: Mapping[str, list[Rule]], circle: set[str]) -> int:
-    """How many times a step mentions its predicate when everything is put into it."""
-    total = 0
-    for other in map(str, called(own[start])):
-        if other == of:
-            total += 1
-        elif other in circle:
-            total += _mentions(other, of, own, circle)
-    return total
+def _begins(start: str, own: Mapping[str, list[Rule]], circle: set[str]) -> bool:
+    """Whether a recursion has something to start from."""
+    begun: set[str] = set()
+    while True:
+        waiting = circle - begun
+        found = {
+            name for name in waiting if any(not waiting & {*called(rule)} for rule in own[name])
+        }
+        if not found:
+            return start in begun
+        begun |= found
 
 
 def _names_in(rule: Rule) -> Iterator[str]:

@@ -209,21 +209,17 @@ def _wrong_call(
 
 
 def _left_out(call: Rule, signature: Signature, text: str) -> Iterator[Diagnostic]:
-    """What to say of a function that is called with fewer arguments than it has.
+    """What to say of a function that is called without arguments that its value needs.
 
-    That asks for its values whatever the others are, unless a value can't be computed without.
+    Without others it has its values whatever these are.
     """
     name = call["predicate_name"]
     given: list[Any] = fields(call["record"])
-    places = range(0 if "*" in given else signature.count)
-    missing = {place for place in places if not {place, f"col{place}"} & {*given}}
-    here = sum(isinstance(field, int) for field in given)
-    message = f"{name} takes {_arguments(signature.count)}, here {_are(here)}"
-    if missing & signature.required:
+    missing = {place for place in signature.required if not {place, f"col{place}"} & {*given}}
+    if missing and "*" not in given:
+        here = sum(isinstance(field, int) for field in given)
+        message = f"{name} takes {_arguments(signature.count)}, here {_are(here)}"
         yield diagnostic_for(text, name, message, "Add what is missing.")
-    elif missing:
-        hint = "What is left out may be anything. If that is meant, all is well."
-        yield diagnostic_for(text, name, message, hint, "warning")
 
 
 def _too_many(name: str, given: int, signature: Signature) -> str:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from typing import Any
 
 from logical_robots_tui.mind.sqlite.bounds import Room
@@ -12,7 +11,6 @@ from logical_robots_tui.mind.sqlite.values import (
     Scalar,
     element,
     list_in,
-    records_as_json,
 )
 
 __all__ = ["AGGREGATES"]
@@ -31,33 +29,6 @@ class _Collect:
 
     def finalize(self) -> str | None:
         return to_json(self.items) if self.items else None
-
-
-class _Records:
-    """A list of records of the same fields, whose values stand in several arguments."""
-
-    def __init__(self) -> None:
-        self.rows: list[tuple[Scalar, ...]] = []
-        self.names = "[]"
-        self.room = Room()
-
-    def step(self, names: str, *values: Scalar) -> None:
-        self.names = names
-        self.room.take(None, len(values))
-        for value in values:
-            if value.__class__ is str:
-                self.room.take(value, 0)
-                if value[:1] in _OPENING:
-                    values = tuple(map(element, values))
-                    break
-        self.rows.append(values)
-
-    def finalize(self) -> str:
-        names = json.loads(self.names)
-        return records_as_json([dict(zip(names, row, strict=True)) for row in self.rows])
-
-
-_OPENING = ("{", "[")
 
 
 class _Distinct:
@@ -203,7 +174,6 @@ class _AnyValue:
 
 
 AGGREGATES: dict[str, tuple[int, type[Any]]] = {
-    "json_records": (-1, _Records),
     "list_of_distinct": (1, _Distinct),
     "concat_lists": (1, _ConcatLists),
     "arg_min": (2, _ArgMin),

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import json
 import math
+from functools import lru_cache
 from typing import TYPE_CHECKING, Any
 
 from logical_robots_tui.mind.sqlite.stored import to_json
@@ -29,10 +30,24 @@ def to_text(value: Any) -> str:
 def try_cast(value: Any, type_json: str) -> Any:
     """A value as one of a type, or null where it is none.
 
-    Fields that a record lacks are null, those that the type lacks are left out.
+    Fields that a record lacks are null, those that the type lacks are left out. Programs ask for
+    the same memory again and again, so the latest answers are kept.
     """
-    cast = _cast(value, json.loads(type_json))
+    if value.__class__ is str and len(value) < _LONGEST_KEPT:
+        return _cast_text(value, type_json)
+    return _cast_to(value, type_json)
+
+
+_LONGEST_KEPT = 100_000  # characters
+
+
+def _cast_to(value: Any, type_json: str) -> Any:
+    cast = _cast(value, _type(type_json))
     return to_json(cast) if isinstance(cast, dict | list) else cast
+
+
+_cast_text = lru_cache(maxsize=64)(_cast_to)
+_type = lru_cache(maxsize=64)(json.loads)
 
 
 def try_cast_like(value: Any, example: Any) -> Any:

@@ -160,7 +160,6 @@ _FUNCTIONS: dict[str, tuple[int, Callable[..., Any]]] = {
     "reverse": (1, lambda text: text[::-1]),
     "list_has": (2, _has),
     "lower_text": (1, texts.lower),
-    "real_as_json": (1, real_as_json),
     "round_to": (2, texts.round_to),
     "starts_with": (2, lambda text, start: int(text.startswith(start))),
     "to_text": (1, to_text),
@@ -170,7 +169,6 @@ _FUNCTIONS: dict[str, tuple[int, Callable[..., Any]]] = {
     "unicode_of": (1, lambda text: ord(text[0]) if text else 0),
     "unique_list": (1, _unique),
     "upper_text": (1, texts.upper),
-    "value_as_json": (1, value_as_json),
 }
 
 _NULL_MEANS_ABSENT: dict[str, tuple[int, Callable[..., Any]]] = {
@@ -178,6 +176,12 @@ _NULL_MEANS_ABSENT: dict[str, tuple[int, Callable[..., Any]]] = {
     "least": (-1, lambda *values: min(_present(values), key=order_of_scalar, default=None)),
 }
 """Functions that pass over null instead of giving it back."""
+
+_QUICK: dict[str, Callable[..., Any]] = {
+    "real_as_json": real_as_json,
+    "value_as_json": value_as_json,
+}
+"""Functions of one argument that see to nulls and long texts themselves, for they are many."""
 
 _OF_ANY_NUMBER: dict[str, Callable[..., Any]] = {"formatted": texts.formatted}
 """Functions of one argument and more."""
@@ -209,7 +213,7 @@ _MATHS: dict[str, tuple[int, Callable[..., Any]]] = {
 
 
 NAMES = frozenset(
-    {*_FUNCTIONS, *_NULL_MEANS_ABSENT, *_OF_ANY_NUMBER, *_MATHS, *AGGREGATES, *REPLACED}
+    {*_FUNCTIONS, *_NULL_MEANS_ABSENT, *_OF_ANY_NUMBER, *_QUICK, *_MATHS, *AGGREGATES, *REPLACED}
 )
 """Names of all functions of this module, in lower case as SQLite's authorizer tells them."""
 
@@ -241,6 +245,8 @@ def install(connection: sqlite3.Connection, work: Work | None = None) -> None:
     for name, (_, function) in _NULL_MEANS_ABSENT.items():
         for arity in range(1, _MOST_COMPARED + 1):
             create(name, arity, function, null_safe=False)
+    for name, function in _QUICK.items():
+        connection.create_function(name, 1, function, deterministic=True)
     for name, function in _OF_ANY_NUMBER.items():
         create(name, -1, function, null_safe=True)
     for name, (arity, aggregate) in AGGREGATES.items():

@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 import json
-import math
 from typing import Any, TypeAlias
 
 from logical_robots_tui.mind.sqlite.bounds import MAX_ITEMS, check_long
-from logical_robots_tui.mind.sqlite.stored import to_input, to_json
+from logical_robots_tui.mind.sqlite.stored import to_input
 
 __all__ = [
     "ENDLESS",
@@ -16,7 +15,6 @@ __all__ = [
     "element",
     "list_in",
     "real_as_json",
-    "records_as_json",
     "value_as_json",
 ]
 
@@ -59,32 +57,21 @@ def element(value: Scalar) -> Any:
     return value
 
 
-def real_as_json(value: Any) -> str:
-    """A number as JSON text with all of its digits, whole ones as real ones."""
-    if not isinstance(value, int | float):
-        return value_as_json(value)
-    number = float(value)
-    if math.isfinite(number):
-        return repr(number)
-    return ENDLESS if number > 0 else f"-{ENDLESS}"
+def real_as_json(value: Any) -> str | None:
+    """A number as JSON text with all of its digits, whole ones as real ones; null is null."""
+    if value.__class__ is float:
+        text = repr(value)
+        if "n" not in text:
+            return text
+        return ENDLESS if value > 0 else f"-{ENDLESS}"
+    return value_as_json(float(value) if isinstance(value, int) else value)
 
 
-def value_as_json(value: Any) -> str:
-    """Any value as JSON text, a text that spells a record or a list as that."""
-    if isinstance(value, float):
+def value_as_json(value: Any) -> str | None:
+    """Any value as JSON text, a text that spells a record or a list as that; null is null."""
+    kind = value.__class__
+    if kind is str:
+        return value if element(value) is not value else to_input(value)
+    if kind is float:
         return real_as_json(value)
-    if isinstance(value, str) and element(value) is not value:
-        return value
-    return to_json(value)
-
-
-def records_as_json(records: list[Any]) -> str:
-    """A list of records as JSON text.
-
-    Raises:
-        ValueError: There is a number without end in it.
-    """
-    for record in records:
-        if math.inf in record.values() or -math.inf in record.values():
-            raise ValueError("a number without end")
-    return to_input(records)
+    return None if value is None else str(value)

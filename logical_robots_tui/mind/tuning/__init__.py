@@ -177,7 +177,6 @@ def _finished(
     sharing.shared(tree)
     computed_once(tree)
     native.native_division(tree)
-    json.records_at_once(tree)
     json.native_numbers(tree)
     return result, read
 

@@ -7,10 +7,9 @@ from __future__ import annotations
 
 from sqlglot import exp
 
-from logical_robots_tui.mind.sqlite.stored import to_json
 from logical_robots_tui.mind.tuning import notes, sql
 
-__all__ = ["native_numbers", "records_at_once", "taken_out", "truth", "truth_in"]
+__all__ = ["native_numbers", "taken_out", "truth", "truth_in"]
 
 _WRITTEN = frozenset({"real_as_json", "value_as_json"})
 
@@ -46,30 +45,32 @@ def truth(value: exp.Expr) -> exp.Expr:
     return exp.Anonymous(this="JSON", expressions=[exp.Case(this=value, ifs=ifs)])
 
 
-def records_at_once(tree: exp.Expr) -> None:
-    """Let records that become a list be written together, and not number by number."""
-    for call in list(tree.find_all(exp.Anonymous)):
-        if sql.call_name(call) != "json_group_array" or len(call.expressions) != 1:
-            continue
-        (record,) = call.expressions
-        names, values = record.expressions[::2], record.expressions[1::2]
-        if sql.call_name(record) != "json_object" or any(map(truth_in, values)):
-            continue
-        if not all(isinstance(name, exp.Literal) for name in names):
-            continue
-        spelled = exp.Literal.string(to_json([name.name for name in names]))
-        made = exp.Anonymous(this="json_records", expressions=[spelled, *map(taken_out, values)])
-        if notes.is_noticed(call, is_result=True):
-            made = exp.Anonymous(this="JSON", expressions=[made])
-        call.replace(made)
-
-
 def native_numbers(tree: exp.Expr) -> None:
     """Let SQLite write the digits of real numbers itself.
 
     Of a number without end it makes no JSON: then the query fails, and the plain way is asked.
     """
     for call in list(tree.find_all(exp.Anonymous)):
-        if sql.call_name(call) == "real_as_json":
-            digits = exp.Literal.string("%!.17g")
-            call.replace(exp.Anonymous(this="PRINTF", expressions=[digits, *call.expressions]))
+        name = sql.call_name(call)
+        if name == "real_as_json":
+            call.replace(_digits(call.expressions[0]))
+        elif name == "value_as_json" and isinstance(call.expressions[0], exp.Column):
+            outer = call.parent
+            assert outer is not None
+            outer.replace(_as_it_is(call.expressions[0]))
+
+
+def _digits(number: exp.Expr) -> exp.Expr:
+    template = exp.Literal.string("%!.17g")
+    return exp.Anonymous(this="PRINTF", expressions=[template, number.copy()])
+
+
+def _as_it_is(value: exp.Column) -> exp.Expr:
+    """A value for JSON, of which only SQLite knows whether it is a number or a text."""
+    kind = exp.Anonymous(this="TYPEOF", expressions=[value.copy()])
+    real = exp.Anonymous(this="JSON", expressions=[_digits(value)])
+    ifs = [
+        exp.If(this=exp.Literal.string("real"), true=real),
+        exp.If(this=exp.Literal.string("text"), true=notes.marked(value.copy(), value.copy())),
+    ]
+    return exp.Case(this=kind, ifs=ifs, default=value.copy())

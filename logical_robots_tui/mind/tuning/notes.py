@@ -11,7 +11,7 @@ from sqlglot import exp
 from logical_robots_tui.mind.sqlite.remembered import ITEM_FIELDS, MEMORY_FIELDS
 from logical_robots_tui.mind.tuning import columns, sql
 
-__all__ = ["is_noticed", "is_plain", "is_stored", "noted"]
+__all__ = ["is_plain", "is_stored", "marked", "noted"]
 
 _MAKES_JSON = frozenset({"json_array", "json_object", "json_quote"})
 _COLLECTS_JSON = frozenset({"json_group_array", "json_group_object"})
@@ -52,7 +52,7 @@ def _is_plain_column(column: exp.Column, table: exp.Expr) -> bool:
     return is_stored(table) and column.name.lower() not in _UNPLAIN
 
 
-def is_noticed(node: exp.Expr, is_result: bool) -> bool:
+def _is_noticed(node: exp.Expr, is_result: bool) -> bool:
     """Whether it makes a difference that a value is marked as a record or a list."""
     while True:
         parent = node.parent
@@ -80,16 +80,19 @@ def is_noticed(node: exp.Expr, is_result: bool) -> bool:
 
 def noted(value: exp.Column, place: exp.Expr, *, is_result: bool) -> exp.Expr:
     """A value that is marked again as the record or list that it is, where that is noticed."""
-    if not is_noticed(place, is_result):
-        return value
+    return marked(value, value) if _is_noticed(place, is_result) else value
+
+
+def marked(value: exp.Column, otherwise: exp.Expr) -> exp.Expr:
+    """A value as JSON if it is the text of a record or a list, or else another expression."""
     begins = exp.Anonymous(
         this="SUBSTR", expressions=[value.copy(), exp.Literal.number(1), exp.Literal.number(1)]
     )
     brackets = [exp.Literal.string("{"), exp.Literal.string("[")]
     valid = exp.Anonymous(this="JSON_VALID", expressions=[value.copy()])
-    marked = exp.Anonymous(this="JSON", expressions=[value.copy()])
+    as_json = exp.Anonymous(this="JSON", expressions=[value.copy()])
     test = exp.And(this=exp.In(this=begins, expressions=brackets), expression=valid)
-    return exp.Case(ifs=[exp.If(this=test, true=marked)], default=value)
+    return exp.Case(ifs=[exp.If(this=test, true=as_json)], default=otherwise)
 
 
 def is_stored(table: exp.Expr) -> bool:

@@ -46,7 +46,7 @@ AGGREGATES = frozenset(
         *("min", "percentile", "string_agg", "sum", "total"),
         *("list_of_distinct", "concat_lists", "arg_min", "arg_max", "arg_min_k", "arg_max_k"),
         *("arg_min_of_nested", "arg_max_of_nested", "arg_min_k_of_nested", "arg_max_k_of_nested"),
-        *("any_value", "array_by", "greatest_nested", "json_records", "least_nested"),
+        *("any_value", "array_by", "greatest_nested", "least_nested"),
     }
 )
 """Functions that are, or may be, aggregates."""

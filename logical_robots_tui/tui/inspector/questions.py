@@ -13,6 +13,7 @@ if TYPE_CHECKING:
 
     from logical_robots_tui.game import Frame, Pin, Reading
     from logical_robots_tui.mind import Ask, Explanation, Machinery, Program, Proof
+    from logical_robots_tui.mind.diagnosis.nearest import Suggestion
     from logical_robots_tui.tui.session import Session
     from logical_robots_tui.world import Level
 
@@ -142,6 +143,17 @@ class Questions:
             given=asked.given or None,
             within=asked.within,
         )
+
+    async def nearest(
+        self, robot: str, frame: Frame, predicate: str
+    ) -> list[tuple[int, Suggestion]]:
+        """Which one change would have given a row to each rule of a predicate that gave none.
+
+        Raises:
+            QueryError: It can't be told.
+            Superseded: There is no program yet, or something newer was asked.
+        """
+        return await self._inquire().nearest(self.program, robot, frame, predicate)
 
     async def readings(self, frame: Frame, pins: Sequence[Pin]) -> dict[Pin, Reading]:
         """What can be read off pins at a frame.

@@ -27,6 +27,7 @@ if TYPE_CHECKING:
 
     from logical_robots_tui.game import Frame
     from logical_robots_tui.mind import Explanation
+    from logical_robots_tui.mind.diagnosis.nearest import Suggestion
     from logical_robots_tui.tui.inspector.questions import Questions
 
 __all__ = ["ReasonsPage"]
@@ -81,6 +82,7 @@ class ReasonsPage(Vertical):
         self._steps: list[Ask] = [Ask("Robot", {})]
         self._shown: _Question | None = None
         self._answered: _Question | None = None
+        self._roots: Sequence[Node] = ()
         self._lacking: list[tuple[_Question, WhyView.Lacking]] = []
         self._is_proving = False
         self._told: Callable[[], None] = lambda: None
@@ -113,6 +115,7 @@ class ReasonsPage(Vertical):
             found = await self.waiting.answer(why, partial(self._wait, question))
             if whole:
                 await self._prove(question, found)
+                await self._suggest(question, found)
             else:
                 self._show(question, found, _proving(found))
                 self._name_way(question, Content.styled("a pause unfolds it", INK.dim))
@@ -149,8 +152,22 @@ class ReasonsPage(Vertical):
             self._show(question, found, _proving(found))
         self._name_way(question, Content.styled(one_line(trouble), INK.warn))
 
+    async def _suggest(self, question: _Question, found: Explanation) -> None:
+        """Show which one change would have given a row, if there is none."""
+        asked = question.steps[-1]
+        if found.row is not None or asked.given or asked.within or self._answered is not question:
+            return
+        try:
+            misses = await self._questions.nearest(question.robot, question.frame, asked.predicate)
+        except (QueryError, Superseded):
+            return
+        if misses and self._answered is question:
+            nodes = (_suggestion(line, each) for line, each in misses)
+            head = Node("note", "One of these would give a row", children=tuple(nodes))
+            self._show_nodes(question, (*self._roots, head), ())
+
     def _show(self, question: _Question, found: Explanation, roots: Sequence[Node]) -> None:
-        self._answered = question
+        self._answered, self._roots = question, roots
         self._said.display = False
         self._show_nodes(question, roots, () if found.row is None else _others(found))
 
@@ -246,6 +263,12 @@ class ReasonsPage(Vertical):
         if event.moved and node.span is not None:
             place = node.span.start, node.span.stop
             self.post_message(Placed(self._questions.program.text, place))
+
+
+def _suggestion(rule: int, each: Suggestion) -> Node:
+    change = f"write {each.change}" if each.change else f"leave out {each.span.text}"
+    text = f"line {each.span.line}: {change}"
+    return Node("note", text, f"rule in line {rule}: {each.text}", span=each.span)
 
 
 def _proving(found: Explanation) -> Sequence[Node]:

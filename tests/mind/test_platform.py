@@ -1,0 +1,150 @@
+"""What programs of the web platform do and this game once refused, or understood otherwise."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import asdict
+from typing import Any
+
+import pytest
+
+from logical_robots_tui.mind import Mind, Program, ProgramError
+from tests.mind.rows import ROBOT, remembered, row, think
+
+SEEN = {3: (40, "robot", "Bo"), 4: (33, "beacon", "A"), 5: (50, "beacon", "B")}
+ANGLE = row("Ada")["sensor"]["radar"][4]["angle"]
+
+
+def exactly(expression: str, rules: str = "") -> list[Any]:
+    """What a robot remembers, decided the quick way and the plain one."""
+    text = f"{rules}\n{ROBOT} Memory(robot_name:, memory:), m = ({expression});"
+    program = Program.compile(text)
+    found = []
+    for plain in (False, True):
+        mind = Mind(program, plain=plain)
+        (decision,) = mind.think([row("Ada", sees=SEEN)], {"Ada": {"x": ANGLE}})
+        assert not decision.notices
+        found.append(decision.memory)
+        mind.close()
+    return found
+
+
+@pytest.mark.parametrize(
+    ("rules", "expression"),
+    [
+        ("", "{x: Element(sensor.radar, 4).angle}.x"),
+        ("V() = {x: r.angle} :- Sensor(sensor:), r in sensor.radar, r.label == 'A';", "V().x"),
+        ("@Ground(P); P(r: {x: a.angle}) :- Sensor(sensor:), a in sensor.radar, a.label == 'A';",
+         "Max{r.x :- P(r:)}"),
+        ("", "ArgMin{ {x: r.angle} -> r.distance :- r in sensor.radar}.x"),
+        ("", "Element(List{r.angle :- r in sensor.radar, r.label == 'A'}, 0)"),
+        ("", "Element([memory.x], 0)"),
+        ("", "{y: {x: memory.x}}.y.x"),
+        ("", "TryCast({x: memory.x}, {x: 0}).x"),
+    ],
+)  # fmt: skip
+def test_a_number_keeps_all_of_its_digits(rules: str, expression: str) -> None:
+    assert exactly(expression, rules) == [ANGLE, ANGLE]
+    assert exactly(f"{{a: [{{b: ({expression})}}]}}", rules) == [{"a": [{"b": ANGLE}]}] * 2
+
+
+def test_a_truth_in_a_record_is_a_truth() -> None:
+    for found in exactly(
+        "{near: sensor.clock < 5, far: sensor.clock > 5, no: null is null && null}"
+    ):
+        assert found["near"] is True
+        assert found["far"] is False
+        assert found["no"] is None
+
+
+def test_an_example_may_be_known_in_the_tick_only() -> None:
+    text = 'TryCast("12", Element(memory.example, 0))'
+    assert remembered(text, {"example": [1]}) == 12
+    assert remembered(text, {"example": ["x"]}) == "12"
+    assert remembered("TryCast(memory, memory.example)", {"example": {"a": None, "b": []}}) == {
+        "a": None,
+        "b": None,
+    }
+
+
+def engines(left: str) -> tuple[Any, list[str]]:
+    text = (
+        f"Robot(robot_name:, desire: {{left_engine: {left}, right_engine: 1}}, memory: 0) :- "
+        "Sensor(robot_name:, sensor:);"
+    )
+    (decision,) = think(text, [row("Ada")], {})
+    assert decision.desire is not None
+    return decision.desire.left_engine, [notice.message for notice in decision.notices]
+
+
+@pytest.mark.parametrize("text", ["0.5", " 0.5 ", ".5", "+5e-1"])
+def test_an_engine_may_be_a_text_that_spells_a_number(text: str) -> None:
+    assert engines(f'"{text}"') == (0.5, [])
+
+
+@pytest.mark.parametrize("text", ["", "half", "0.5x", "nan", "1_0", "٣"])
+def test_any_other_text_stands_still(text: str) -> None:
+    power, (notice,) = engines(f'"{text}"')
+    assert power == 0
+    assert "it stands still" in notice
+
+
+def test_an_engine_without_end_is_not_called_null() -> None:
+    assert engines("1 / 0") == (0, ["left_engine is infinite: it stands still."])
+
+
+def test_a_number_without_end_stays_one_in_a_record() -> None:
+    assert remembered("{a: 5 / 0, b: [-5 / 0]}") == {"a": math.inf, "b": [-math.inf]}
+
+
+LOVE = "Love(radar, name) = Size(radar);"
+
+
+def test_what_a_value_does_not_need_may_be_left_out() -> None:
+    assert not Program.compile(f"{LOVE} {ROBOT} m = Love(sensor.radar);").warnings
+    assert remembered("Love(sensor.radar)", rules=LOVE) == 31
+
+
+def test_what_it_needs_is_missed_where_robots_ask_for_it() -> None:
+    sum_ = "Sum2(x, y) = x + y;"
+    assert not Program.compile(f"{sum_} Unused(x) :- x = Sum2(1); {ROBOT} m = 1;").warnings
+    with pytest.raises(ProgramError, match="Sum2 takes 2 arguments, here is 1"):
+        Program.compile(f"{sum_} {ROBOT} m = Sum2(1);")
+
+
+REACH = """
+Sees(a: robot_name, b: x.label) distinct :-
+  Sensor(robot_name:, sensor:), x in sensor.radar, x.object == "robot";
+Reach(a:, b:) distinct :- Sees(a:, b:);
+Reach(a:, b: c) distinct :- Reach(a:, b:), Reach(a: b, b: c);
+"""
+CHAIN = [
+    row("Ada", sees={1: (40, "robot", "Bo")}),
+    row("Bo", sees={2: (40, "robot", "Cy")}),
+    row("Cy", sees={2: (40, "robot", "Di")}),
+    row("Di"),
+]
+
+
+def test_a_recursion_that_mentions_itself_twice_goes_as_far_as_there_is_something_new() -> None:
+    text = f"{REACH}{ROBOT} m = List{{b :- Reach(a: robot_name, b:)}};"
+    alone = [["Bo"], ["Cy"], ["Di"], None]
+    together = [["Bo", "Cy", "Di"], ["Cy", "Di"], ["Di"], None]
+    assert [d.memory for d in think(text, CHAIN, {})] == alone
+    assert [d.memory for d in think(text, CHAIN, {}, sensor="all")] == together
+    assert [d.memory for d in think(text, CHAIN, {}, sensor="all", memory="all")] == together
+
+
+def test_it_says_so_when_it_was_still_growing() -> None:
+    text = f"@Recursive(Reach, 1); {REACH}{ROBOT} m = List{{b :- Reach(a: robot_name, b:)}};"
+    (first, *_) = think(text, CHAIN, {}, sensor="all")
+    assert [notice.kind for notice in first.notices] == ["recursion"]
+    assert "after 1 steps" in asdict(first.notices[0])["message"]
+
+
+def test_its_rows_can_be_looked_at() -> None:
+    mind = Mind(Program.compile(f"{REACH}{ROBOT} m = 1;"), sensor="all", memory="all")
+    table = mind.query("Reach", CHAIN, {})
+    assert table.columns == ("a", "b")
+    assert len(table.rows) == 6
+    mind.close()
