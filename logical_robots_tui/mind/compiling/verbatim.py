@@ -1,4 +1,4 @@
-"""Texts that the compiler puts into SQL as they are: types of `Cast`, columns of `@OrderBy`."""
+"""Texts that the compiler puts into SQL as they are: types, columns, and flags within texts."""
 
 from __future__ import annotations
 
@@ -21,11 +21,12 @@ _TYPES = (
     *("BIGINT", "BOOL", "BOOLEAN", "DOUBLE", "FLOAT", "FLOAT64", "INT", "INT64", "INTEGER"),
     *("NUMERIC", "REAL", "STRING", "TEXT", "VARCHAR"),
 )
+_PLAIN = re.compile(r"[^'\"`$\\\n]*")  # ends no text of SQL
 _COLUMNS = re.compile(r"\s*(\w+)(?:\s+(?:ASC|DESC))?\s*", re.ASCII | re.IGNORECASE)
 
 
 def verbatim(rules: list[Rule], known: Mapping[str, Signature], text: str) -> Iterator[Diagnostic]:
-    """What stands where a type or a column has to, and is none.
+    """What stands where a type or a column has to, and is none; flags that would end a text.
 
     Args:
         rules: Of the program.
@@ -41,7 +42,14 @@ def verbatim(rules: list[Rule], known: Mapping[str, Signature], text: str) -> It
                     message = f"{shown} is no type that Cast knows"
                     hint = f"Write one of these in quotes: {', '.join(_TYPES)}."
                     yield diagnostic_for(text, call["predicate_name"], message, hint)
+    is_within_a_text = any("${" in literal for rule in rules for literal in _strings(rule))
     for rule in rules:
+        if head_name(rule) == "@DefineFlag" and is_within_a_text:
+            for value in rule["head"]["record"]["field_value"][1:2]:
+                if _PLAIN.fullmatch(_string(value) or "") is None:
+                    message = "a flag that ${...} puts into a text can't hold quotes, \\ or $"
+                    hint = 'Write FlagValue("name") in place of ${name}.'
+                    yield diagnostic_for(text, "@DefineFlag", message, hint)
         if head_name(rule) == "@Make" and any(map(_is_cast, nodes(rule))):
             yield diagnostic_for(text, "Cast", "Cast can't be given to a functor", "Call it.")
         if head_name(rule) == "@OrderBy":
@@ -70,6 +78,14 @@ def _wrong_column(columns: str, signature: Signature | None) -> str:
 def _columns_of(signature: Signature) -> set[str]:
     numbered = {f"col{number}" for number in range(signature.count)}
     return {*numbered, *signature.named, *(["logica_value"] if signature.has_value else [])}
+
+
+def _strings(rule: Rule) -> Iterator[str]:
+    """All that is written in quotes in a rule."""
+    for node in nodes(rule):
+        found = node.get("the_string")
+        if isinstance(found, str):
+            yield found
 
 
 def _is_cast(node: Rule) -> bool:

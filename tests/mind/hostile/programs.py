@@ -41,9 +41,23 @@ _TEXTS: list[tuple[str, str, str]] = [
     ("attaches a database", "refused", '@AttachDatabase("a", "touched.db"); ROBOT m = 1;'),
     ("attaches itself", "refused", '@AttachDatabase("logica_test", ":memory:"); ROBOT m = 1;'),
     ("chooses a data set", "refused", '@Dataset("touched"); ROBOT m = 1;'),
-    ("defines a flag", "refused", '@DefineFlag("f", "touched"); ROBOT m = FlagValue("f");'),
+    ("defines a flag", "harmless", '@DefineFlag("f", "touched"); ROBOT m = FlagValue("f");'),
+    (
+        "writes SQL by a flag",
+        "refused",
+        """@DefineFlag("f", "' || upper('abc') || '"); ROBOT m = "${f}";""",
+    ),
+    (
+        "writes SQL by a flag in a flag",
+        "refused",
+        """@DefineFlag("f", "${g}"); @DefineFlag("g", "' || 1 || '"); ROBOT m = FlagValue("f");""",
+    ),
     ("compiles as a function", "refused", "@CompileAsUdf(F); F(x) = x; ROBOT m = F(1);"),
-    ("compiles as a table function", "refused", "@CompileAsTvf(F); F(x) :- x in [1]; ROBOT m = 1;"),
+    (
+        "compiles as a table function",
+        "harmless",
+        "@CompileAsTvf(F); F(x) :- x in [1]; ROBOT m = 1;",
+    ),
     ("resets the flags", "refused", '@ResetFlagValue("logica_default_engine", "x"); ROBOT m = 1;'),
     ("invents an annotation", "refused", '@Shell("touch touched"); ROBOT m = 1;'),
     # SQL
