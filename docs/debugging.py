@@ -228,7 +228,8 @@ enough, and overwrote what Dot had read on the sign.
 ```
 
 `Ctrl+R` applies it, `Esc` leaves the editor. Going on from here Dot keeps its word, turns to the
-left and wins. The old future is still there: `C` goes to where the two part, and says in what.
+left and wins. The old future is still there: `C` goes to where the two part, and says in
+what and why.
 
 {pictures["7"]}
 
@@ -240,10 +241,11 @@ left and wins. The old future is still there: `C` goes to where the two part, an
 | `R` | which predicate uses which |
 | `@` | pin a value or a number of rows; `V` shows the pins, `←` `→` go to where one changes |
 | `X` | look into a record or a list, or all that a decision came from, as a tree |
+| `<` | which tick and rule a memory, or the part of it under the cursor, comes from |
 | `{{` `}}` | to the mark before and the next one: memories, notices, switches, breakpoints |
 | `/` | ask anything about this tick |
 | `*` | stop when the predicate that is inspected changes; `B` lists what a run stops at |
-| `C` | where the old and the new future part |
+| `C` | where the old and the new future part, and which derivation differs first |
 """
 
 

@@ -180,6 +180,23 @@ class History:
         """The program that decided in a tick; None at the start."""
         return self._course.program_at(tick)
 
+    def in_other(self, tick: int) -> tuple[Moment, Known]:
+        """The moment before a tick of the other course, and that tick.
+
+        Raises:
+            NoSuchTickError: There is no other course, or it does not hold that tick.
+        """
+        there = self._other
+        if there is None or not there.first <= tick <= there.last:
+            raise NoSuchTickError(f"The other future does not hold tick {tick}.")
+        moment = there.moment(tick)
+        known = Known(there.levels.at(tick - bool(moment.decisions)), moment)
+        return there.moment(max(tick - 1, 0)), known
+
+    def program_in_other(self, tick: int) -> Program | None:
+        """The program that decided in a tick of the other course; None if none did."""
+        return None if self._other is None else self._other.program_at(tick)
+
     def level_at(self, tick: int) -> Level:
         """The level from the end of a tick on."""
         return self._course.levels.at(tick)

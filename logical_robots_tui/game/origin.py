@@ -12,6 +12,7 @@ from functools import partial
 from typing import TYPE_CHECKING, TypeAlias
 
 from logical_robots_tui.game.advancing import known_frame
+from logical_robots_tui.game.game import Superseded
 from logical_robots_tui.game.history import NoSuchTickError
 from logical_robots_tui.game.thinker import Thinker
 from logical_robots_tui.game.worlds import Worlds
@@ -121,8 +122,14 @@ async def origin_in_run(
     return await origin_of(source, robot, path, tick)
 
 
-async def origin_in_game(game: Game, robot: str, path: Path) -> Origin:
-    """Where a part of the memory comes from that a robot has after the present tick of a game.
+async def origin_in_game(
+    game: Game,
+    robot: str,
+    path: Path,
+    tick: int | None = None,
+    told: Callable[[int], object] = lambda _tick: None,
+) -> Origin:
+    """Where a part of the memory comes from that a robot has after a tick of a game.
 
     Each tick is asked with the program that decided in it. Cancelling the call ends the work.
 
@@ -130,15 +137,26 @@ async def origin_in_game(game: Game, robot: str, path: Path) -> Origin:
         game: The game.
         robot: Name of the robot.
         path: The part: names of fields and places in lists.
+        tick: The tick, by default the present one; 0 is the start.
+        told: Called meanwhile with the tick that is looked at.
 
     Raises:
         QueryError: There is no such robot or part, or how it came about can't be told.
+        Superseded: The game went over to another course meanwhile.
     """
     history = game.history
+    turns = history.turns
+    tick = game.frame.tick if tick is None else tick
+    if tick == 0:
+        value = part_of(history.around(0)[1].memories.get(robot), path)
+        return Origin((Link(robot, path, value, 0, 0, None, None, ()),), complete=True)
     thinker = Thinker("origin")
     worlds: list[Worlds] = []
 
     async def source(at: int, whose: str, part: Path) -> tuple[Made, Mapping[str, Value]]:
+        if history.turns != turns:
+            raise Superseded
+        told(at)
         try:
             before, _ = history.around(at)
             known = history.known(at)
@@ -156,7 +174,7 @@ async def origin_in_game(game: Game, robot: str, path: Path) -> Origin:
         return await thinker.do(work)
 
     try:
-        return await origin_of(source, robot, path, game.frame.tick)
+        return await origin_of(source, robot, path, tick)
     finally:
         await thinker.close()
 

@@ -66,6 +66,10 @@ class LookingActions(ScreenActions):
         """Open a value as a tree."""
         self._rows.open_value()
 
+    def origin(self) -> None:
+        """Say where a value in a memory comes from."""
+        self._rows.origin()
+
     def graph(self) -> None:
         """Show which predicate uses which."""
         self._screen.spawn(self._rows.graph, "library", exclusive=True)

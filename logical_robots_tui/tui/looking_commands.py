@@ -152,6 +152,14 @@ LOOKING: tuple[Command, ...] = (
         ("X",),
     ),
     Command(
+        "origin",
+        "Where it comes from",
+        "Follow the memory under the cursor, or a part of it, back to the tick and the rule that "
+        "made it.",
+        _ROWS,
+        ("less_than_sign",),
+    ),
+    Command(
         "graph",
         "Graph of predicates",
         "Show which predicate uses which, and go along.",

@@ -130,7 +130,8 @@ PLAYING: tuple[Command, ...] = (
     Command(
         "compare",
         "Where the futures part",
-        "Go to the first tick in which the two futures differ, and see in what.",
+        "Go to the first tick in which the two futures differ, and see in what, and which "
+        "derivation differs first.",
         _TIME,
         ("C",),
     ),

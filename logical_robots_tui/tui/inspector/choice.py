@@ -17,11 +17,11 @@ if TYPE_CHECKING:
     from logical_robots_tui.mind import Predicate
     from logical_robots_tui.tui.inspector.questions import Survey
 
-__all__ = ["ASK", "DECISION", "DIAGNOSIS", "MARKS", "ROBOTS", "WATCH", "WHY", "Choice"]
+__all__ = ["ASK", "DECISION", "DIAGNOSIS", "MARKS", "ORIGIN", "ROBOTS", "WATCH", "WHY", "Choice"]
 
 ROBOTS, DECISION, WHY, ASK, WATCH = "(robots)", "(decision)", "(why)", "(ask)", "(watch)"
-DIAGNOSIS = "(diagnosis)"
-"""The pages; no predicate can have these names."""
+DIAGNOSIS, ORIGIN = "(diagnosis)", "(origin)"
+"""The pages; no predicate can have these names. That of an origin is not listed."""
 
 _PAGES = {
     ROBOTS: "Robots",

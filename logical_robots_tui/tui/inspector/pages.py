@@ -2,17 +2,20 @@
 
 from __future__ import annotations
 
+from functools import partial
 from typing import TYPE_CHECKING
 
 from textual.containers import VerticalScroll
 from textual.content import Content
 from textual.widgets import Static
 
+from logical_robots_tui.tui.inspector.answers import counted
 from logical_robots_tui.tui.inspector.asking import AskView
 from logical_robots_tui.tui.inspector.cells import written
-from logical_robots_tui.tui.inspector.choice import ASK, DECISION, DIAGNOSIS, WATCH, WHY
+from logical_robots_tui.tui.inspector.choice import ASK, DECISION, DIAGNOSIS, ORIGIN, WATCH, WHY
 from logical_robots_tui.tui.inspector.decision import DecisionView
 from logical_robots_tui.tui.inspector.diagnosis import DiagnosisPage
+from logical_robots_tui.tui.inspector.origin import OriginPage
 from logical_robots_tui.tui.inspector.reasons import ReasonsPage
 from logical_robots_tui.tui.inspector.table import ValueTable
 from logical_robots_tui.tui.inspector.watching import Watching
@@ -20,9 +23,12 @@ from logical_robots_tui.tui.plain import one_line
 from logical_robots_tui.tui.theme import INK
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from textual.widget import Widget
 
-    from logical_robots_tui.tui.inspector.questions import Questions
+    from logical_robots_tui.game import Frame
+    from logical_robots_tui.tui.inspector.questions import Questions, Survey
     from logical_robots_tui.tui.inspector.waiting import Waiting
     from logical_robots_tui.tui.session import Session
 
@@ -30,7 +36,7 @@ __all__ = ["Pages"]
 
 
 class Pages:
-    """Decision, reasons, answers, what is watched, the diagnosis, and the rows of a predicate.
+    """Decision, reasons, answers, what is watched, diagnosis, an origin, and rows of a predicate.
 
     Args:
         session: Whose ticks.
@@ -44,6 +50,8 @@ class Pages:
         self.watching = Watching(session, questions)
         self.pins = self.watching.view
         self.diagnosis = DiagnosisPage(session)
+        self.origin = OriginPage(session)
+        self._session = session
         self.table = ValueTable()
         self._value = Static(id="value-text")
         self._value_box = VerticalScroll(self._value, id="value", can_focus=False)
@@ -54,6 +62,7 @@ class Pages:
             self.asking,
             self.pins,
             self.diagnosis,
+            self.origin,
             self.table,
             self._value_box,
         )
@@ -63,7 +72,7 @@ class Pages:
     @property
     def waiting(self) -> Waiting | None:
         """What waits for an answer so long that it says so, if that is on the screen."""
-        pages = (self.asking, self.reasons)
+        pages = (self.asking, self.reasons, self.origin)
         return next((p.waiting for p in pages if p.display and p.waiting.is_long), None)
 
     def view_of(self, name: str) -> Widget:
@@ -74,8 +83,56 @@ class Pages:
             ASK: self.asking.line,
             WATCH: self.pins,
             DIAGNOSIS: self.diagnosis.view,
+            ORIGIN: self.origin.view,
         }
         return views.get(name, self.table)
+
+    def shown(self, page: str, robot: str) -> tuple[str, Widget]:
+        """The title and the widget of a page that tells of a robot."""
+        pages: dict[str, tuple[str, Widget]] = {
+            DECISION: (f"Decision of {robot}", self.decision),
+            WHY: ("Why", self.reasons),
+            ASK: ("Ask", self.asking),
+            WATCH: ("Watch", self.pins),
+            DIAGNOSIS: ("Diagnosis", self.diagnosis),
+            ORIGIN: ("Origin", self.origin),
+        }
+        return pages[page]
+
+    async def follow(
+        self,
+        page: str,
+        robot: str,
+        frame: Frame,
+        survey: Survey | None,
+        told: Callable[[str], None],
+    ) -> None:
+        """Show a tick on a page.
+
+        Args:
+            page: Which one.
+            robot: The robot that is told of.
+            frame: The tick.
+            survey: The rows of every predicate at some tick, if they are known.
+            told: Called when what is shown begins to be about the tick, with what more there is
+                to say of it.
+        """
+        if page == WHY:
+            more = "" if frame.tick else "nobody has thought yet"
+            is_still = not self._session.running
+            await self.reasons.follow(robot, frame, partial(told, more), whole=is_still)
+        elif page == ASK:
+            await self.asking.follow(frame, lambda table: told("" if not table else counted(table)))
+        elif page == WATCH:
+            told("")
+            await self.watching.follow(frame)
+        elif page in (DIAGNOSIS, ORIGIN):
+            told("")
+            (self.origin if page == ORIGIN else self.diagnosis).follow()
+        else:
+            told("")
+            known = survey if survey is not None and survey.frame is frame else None
+            self.decision.show(self._session.program, frame, robot, known)
 
     def show_only(self, view: Widget | None) -> None:
         """Show one of them, or none."""

@@ -21,6 +21,7 @@ from logical_robots_tui.tui.inspector.choice import (
     ASK,
     DECISION,
     DIAGNOSIS,
+    ORIGIN,
     ROBOTS,
     WATCH,
     WHY,
@@ -40,8 +41,10 @@ if TYPE_CHECKING:
 
     from logical_robots_tui.game import Frame
     from logical_robots_tui.tui.inspector.arranging import Arrangement
+    from logical_robots_tui.tui.inspector.origin import OriginPage
     from logical_robots_tui.tui.inspector.pages import Pages
     from logical_robots_tui.tui.inspector.questions import Survey
+    from logical_robots_tui.tui.inspector.remembered import Remembered
     from logical_robots_tui.tui.inspector.table import ValueTable
     from logical_robots_tui.tui.inspector.watch import WatchView
     from logical_robots_tui.tui.session import Session
@@ -162,6 +165,12 @@ class InspectorPane(Pane):
         if waiting := self.pages.waiting:
             waiting.stop()
 
+    def follow_back(self, asked: Remembered | None) -> None:
+        """Go to where a value comes from, or to what was last asked."""
+        self.pages.origin.come_from(self._inspected, asked)
+        self.inspect(ORIGIN)
+        self.screen.set_focus(self.pages.origin.view)
+
     def go_to_pins(self) -> None:
         """Go to what is pinned."""
         self._enter_page(WATCH)
@@ -236,20 +245,8 @@ class InspectorPane(Pane):
             frame = self._following = self._session.frame
             if self._inspected == ROBOTS:
                 self._show_robots(frame)
-            elif self._inspected == DECISION:
-                self._show_decision(frame)
-            elif self._inspected == WHY:
-                await self._show_reasons(frame)
-            elif self._inspected == ASK:
-                await self._show_answer(frame)
-            elif self._inspected == WATCH:
-                self._show_only(self.pages.pins)
-                self._say_subject("Watch", frame.tick, "")
-                await self.pages.watching.follow(frame)
-            elif self._inspected == DIAGNOSIS:
-                self._show_only(self.pages.diagnosis)
-                self._say_subject("Diagnosis", frame.tick, "")
-                self.pages.diagnosis.follow()
+            elif self._inspected in (DECISION, WHY, ASK, WATCH, DIAGNOSIS, ORIGIN):
+                await self._show_page(self._inspected, frame)
             else:
                 await self._show_rows(self._inspected, frame)
             if self._session.running:
@@ -262,33 +259,16 @@ class InspectorPane(Pane):
         self._show_only(self.robots)
         self.robots.show(self._session.level, frame)
 
-    def _show_decision(self, frame: Frame) -> None:
-        robot = self.robot
-        self._say_subject(f"Decision of {robot}", frame.tick, "")
-        self._show_only(self.pages.decision)
-        survey = self._survey if self._survey and self._survey.frame is frame else None
-        self.pages.decision.show(self._session.program, frame, robot, survey)
-
-    async def _show_reasons(self, frame: Frame) -> None:
-        if self._session.game is None:
+    async def _show_page(self, page: str, frame: Frame) -> None:
+        if page == WHY and self._session.game is None:
             self._say("Why", frame.tick, NO_PROGRAM)
             return
-        more = "" if frame.tick else "nobody has thought yet"
-        told = partial(self._say_subject, "Why", frame.tick, more)
-        if not self.pages.reasons.display:
-            told()
-            self._show_only(self.pages.reasons)
-        is_still = not self._session.running
-        await self.pages.reasons.follow(self.robot, frame, told, whole=is_still)
-
-    async def _show_answer(self, frame: Frame) -> None:
-        def told(table: Table | None) -> None:
-            self._say_subject("Ask", frame.tick, "" if table is None else counted(table))
-
-        if not self.pages.asking.display:
-            told(None)
-            self._show_only(self.pages.asking)
-        await self.pages.asking.follow(frame, told)
+        title, view = self.pages.shown(page, self.robot)
+        told = partial(self._say_subject, title, frame.tick)
+        if not view.display:
+            told("")
+            self._show_only(view)
+        await self.pages.follow(page, self.robot, frame, self._survey, told)
 
     async def _take_survey(self, frame: Frame) -> None:
         """Count the rows of every predicate, and see which differ from those of the tick before."""
@@ -302,7 +282,7 @@ class InspectorPane(Pane):
             self._survey = survey
             self._choice.count(survey)
             if self._inspected == DECISION:
-                self._show_decision(frame)
+                await self._show_page(DECISION, frame)
             table = survey.tables.get(self._inspected)
             if isinstance(table, Table) and self.pages.table.display:
                 self._show_table(self._inspected, frame, table)
@@ -393,6 +373,17 @@ class InspectorPane(Pane):
         """Go to the rows of a predicate that is pinned, or ask the question that is."""
         event.stop()
         (self.open if event.predicate.isidentifier() else self.ask)(event.predicate)
+
+    def on_origin_page_opened(self, event: Message) -> None:
+        """Say why the robot did what it did at the tick to which the page has gone."""
+        event.stop()
+        self.why()
+
+    def on_origin_page_left(self, event: OriginPage.Left) -> None:
+        """Go back to where an origin was asked."""
+        event.stop()
+        self._go_to_page(event.page if event.page in self._choice.names else ROBOTS)
+        self.enter()
 
     def on_value_table_pointed(self, event: Message) -> None:
         """Tell the value under the cursor."""

@@ -12,6 +12,7 @@ from logical_robots_tui.tui.inspector.answers import NO_PROGRAM
 from logical_robots_tui.tui.inspector.arranging import as_csv, as_json
 from logical_robots_tui.tui.inspector.choice import ASK
 from logical_robots_tui.tui.inspector.pinning import branches_here, branches_of, pin_here
+from logical_robots_tui.tui.inspector.remembered import remembered, remembered_here
 from logical_robots_tui.tui.plain import one_line
 from logical_robots_tui.writing import write_atomically
 
@@ -26,6 +27,10 @@ __all__ = ["RowCommands"]
 _NO_PIN = (
     "Choose a predicate, ask a question, or put the cursor on a value of it in a row that another "
     "column tells from the rest; then pin it."
+)
+_NO_MEMORY = (
+    "Put the cursor on a memory: in a row of Memory, on a pin, or on a part of one in the tree "
+    "that {open_value} opens."
 )
 
 
@@ -147,9 +152,31 @@ class RowCommands:
             branches = [replace(branch, pin=None) for branch in branches]
         if branches:
             title = f"{title} · tick {frame.tick}"
-            self._screen.app.push_screen(ValueTree(title, branches, inspector.pages.pins.toggle))
+            tree = ValueTree(title, branches, inspector.pages.pins.toggle, self._follow_back)
+            self._screen.app.push_screen(tree)
         else:
             self._screen.tell("Put the cursor on a value, or choose Decision.")
+
+    def origin(self) -> None:
+        """Follow the value under the cursor back to where it was made."""
+        inspector, frame = self._screen.inspector, self._screen.session.frame
+        if self._screen.session.game is None:
+            self._screen.tell(NO_PROGRAM)
+            return
+        asked = remembered_here(inspector, frame)
+        if asked is None and inspector.pages.origin.asked is None:
+            self._screen.tell(with_keys(_NO_MEMORY))
+            return
+        self._screen.point_at(inspector)
+        inspector.follow_back(asked)
+
+    def _follow_back(self, pin: Pin) -> bool:
+        """Follow a value that was opened as a tree; whether it is part of a memory."""
+        asked = remembered(pin, self._screen.session.frame.tick)
+        if asked is not None:
+            self._screen.point_at(self._screen.inspector)
+            self._screen.inspector.follow_back(asked)
+        return asked is not None
 
     async def graph(self) -> None:
         """Show which predicate uses which, and open the one that is chosen there."""

@@ -34,7 +34,7 @@ _TOGETHER = 100  # parts that stand under one node at most
 _GLIMPSE = 60  # characters of a record or list that is folded
 _OPEN = 12  # parts up to which a branch is open at first
 _PICTURE_ROWS = 8
-_KEYS = "↑↓ move   enter or space fold   @ pin   esc close"
+_KEYS = "↑↓ move   enter or space fold   @ pin   < where from   esc close"
 
 
 @dataclass(frozen=True, slots=True)
@@ -78,6 +78,7 @@ class ValueTree(Dialog[None]):
         title: What they are.
         branches: The values; a single one is open.
         pin: Pins something, or unpins it; tells whether it is pinned then.
+        follow: Follows something back to where it was made; tells whether it can.
     """
 
     DEFAULT_CSS = """
@@ -90,14 +91,21 @@ class ValueTree(Dialog[None]):
 
     BINDINGS: ClassVar[list[Binding | tuple[str, str] | tuple[str, str, str]]] = [
         Binding("at", "pin", show=False),
+        Binding("less_than_sign", "origin", show=False),
         Binding("q,X", "leave", show=False),
     ]
 
-    def __init__(self, title: str, branches: Sequence[Branch], pin: Callable[[Pin], bool]) -> None:
+    def __init__(
+        self,
+        title: str,
+        branches: Sequence[Branch],
+        pin: Callable[[Pin], bool],
+        follow: Callable[[Pin], bool],
+    ) -> None:
         super().__init__()
         self._title_text = title
         self._branches = branches
-        self._pin = pin
+        self._pin, self._follow = pin, follow
         self._tree: Tree[_Part] = Tree("", id="tree")
         self._tree.show_root = False
         self._tree.guide_depth = 2
@@ -124,14 +132,29 @@ class ValueTree(Dialog[None]):
 
     def action_pin(self) -> None:
         """Pin the value under the cursor, or unpin it."""
+        pin = self._pointed
+        if pin is None:
+            self.notify("Only a value of a predicate can be pinned.", markup=False)
+            return
+        words = "Pinned" if self._pin(pin) else "No longer pinned"
+        self.notify(f"{words}: {one_line(pin.words)}.", markup=False, timeout=4)
+
+    def action_origin(self) -> None:
+        """Close, and go to where the value under the cursor comes from."""
+        pin = self._pointed
+        if pin is not None and self._follow(pin):
+            self.dismiss(None)
+        else:
+            self.notify("Only a memory or a part of one can be followed back.", markup=False)
+
+    @property
+    def _pointed(self) -> Pin | None:
+        """What reads the value under the cursor."""
         node = self._tree.cursor_node
         part = node.data if node is not None else None
         if part is None or part.within is not None or part.branch.pin is None:
-            self.notify("Only a value of a predicate can be pinned.", markup=False)
-            return
-        pin = part.branch.pin.deeper(part.path)
-        words = "Pinned" if self._pin(pin) else "No longer pinned"
-        self.notify(f"{words}: {one_line(pin.words)}.", markup=False, timeout=4)
+            return None
+        return part.branch.pin.deeper(part.path)
 
     @on(Tree.NodeExpanded)
     def _grow(self, event: Tree.NodeExpanded[_Part]) -> None:

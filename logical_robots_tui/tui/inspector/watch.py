@@ -88,6 +88,11 @@ class WatchView(LinesView):
         return tuple(self._pins)
 
     @property
+    def pointed(self) -> Pin | None:
+        """The pin under the cursor."""
+        return self._pins[self._at] if self._pins else None
+
+    @property
     def ticks(self) -> range:
         """The ticks that the lines show."""
         return self._samples.window(max(1, self.columns - _INDENT - _SCALE))

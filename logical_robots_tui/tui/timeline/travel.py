@@ -118,20 +118,20 @@ class Travel:
         self._screen.tell("This is the other future. The robots think with its program.")
 
     def compare(self) -> None:
-        """Go to where the two futures part, and say in what."""
-        history = self._history
-        if history is None or history.other is None:
+        """Go to where the two futures part, and say in what and why."""
+        game, history = self._screen.session.game, self._history
+        if game is None or history is None or history.other is None:
             self._say_there_is_none()
             return
         if history.parting is None:
             known = min(history.last, history.other[-1])
             self._screen.tell(f"The two futures are the same as far as both are known, to {known}.")
             return
-        from logical_robots_tui.tui.timeline.parting import parting_page
+        from logical_robots_tui.tui.timeline.parting import PartingPage
 
         if history.first <= history.parting.tick <= history.last:
             self.go_to(history.parting.tick)
-        self._screen.app.push_screen(parting_page(history.parting))
+        self._screen.app.push_screen(PartingPage(game, history.parting))
 
     def _say_there_is_none(self) -> None:
         self._screen.tell(

@@ -1,0 +1,121 @@
+"""Comparing: the first derivation that differs where two courses of a game part."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from logical_robots_tui.game.advancing import known_frame
+from logical_robots_tui.game.differing import condition_of, first_difference
+from logical_robots_tui.game.game import Superseded
+from logical_robots_tui.game.thinker import Thinker
+from logical_robots_tui.game.worlds import Worlds
+from logical_robots_tui.mind import QueryError
+
+if TYPE_CHECKING:
+    import threading
+
+    from logical_robots_tui.game.advancing import Known
+    from logical_robots_tui.game.differing import Differing, Side
+    from logical_robots_tui.game.game import Game
+    from logical_robots_tui.game.packing import Moment
+    from logical_robots_tui.game.parting import Parting
+    from logical_robots_tui.mind import Ask, Explanation, Limits, Node, Program, Proof
+    from logical_robots_tui.mind.why.explainer import Explainer
+
+__all__ = ["Comparison", "compare_proofs"]
+
+_DECISIONS = ("desire", "memory", "notices")
+
+
+@dataclass(frozen=True, slots=True)
+class Comparison:
+    """What makes a robot decide differently in two courses.
+
+    Attributes:
+        robot: Name of the robot.
+        differing: The first difference of the proofs of its decisions; None if none is found.
+        condition: Where another rule was taken, a condition that holds on one side only, and on
+            which; None if there is none or it can't be told.
+    """
+
+    robot: str
+    differing: Differing | None
+    condition: tuple[Node, Side] | None = None
+
+
+async def compare_proofs(game: Game, parting: Parting) -> Comparison | None:
+    """Prove a decision in both courses and tell where the proofs differ first.
+
+    The robot is the first one that decides differently. Cancelling the call ends the work.
+
+    Args:
+        game: The game; its present course is the one called here.
+        parting: Where its courses part.
+
+    Returns:
+        The comparison, or None if all robots decide the same.
+
+    Raises:
+        NoSuchTickError: One of the courses does not hold that tick any more.
+        QueryError: A decision can't be proved.
+        Superseded: The game went over to another course meanwhile.
+    """
+    robot = next((d.robot_name for d in parting.differences if d.matter in _DECISIONS), None)
+    if robot is None:
+        return None
+    history, tick = game.history, parting.tick
+    turns = history.turns
+    here = _Course(robot, history.around(tick)[0], history.known(tick), game.limits)
+    there = _Course(robot, *history.in_other(tick), game.limits)
+    programs = history.program_at(tick), history.program_in_other(tick)
+    mine, other = (program or game.program for program in programs)
+    try:
+        proofs = await here.proof(mine), await there.proof(other)
+        found = first_difference(*proofs, mine.text, other.text)
+        condition = None
+        if found is not None and found.kind == "rule":
+            asked = found.asked
+            condition = condition_of(
+                found, await here.why(mine, asked), await there.why(other, asked)
+            )
+    finally:
+        await here.close()
+        await there.close()
+    if history.turns != turns:
+        raise Superseded
+    return Comparison(robot, found, condition)
+
+
+class _Course:
+    """One of the courses at the tick in question, and who is asked about it."""
+
+    def __init__(self, robot: str, before: Moment, known: Known, limits: Limits) -> None:
+        self._robot, self._before, self._known, self._limits = robot, before, known, limits
+        self._thinker = Thinker("compare")
+
+    async def proof(self, program: Program) -> Proof:
+        """The proof of the decision."""
+        return await self._thinker.do(lambda stop: self._explainer(program, stop).proof())
+
+    async def why(self, program: Program, asked: Ask) -> Explanation | None:
+        """What each rule of a predicate gave; None if that can't be told."""
+
+        def work(stop: threading.Event) -> Explanation:
+            explainer = self._explainer(program, stop)
+            return explainer.why(asked.predicate, asked.given, asked.within)
+
+        try:
+            return await self._thinker.do(work)
+        except QueryError:
+            return None
+
+    async def close(self) -> None:
+        await self._thinker.close()
+
+    def _explainer(self, program: Program, stop: threading.Event) -> Explainer:
+        level = self._known.level
+        before = self._before
+        frame = known_frame(Worlds(level), before.after, before.memories, self._known)
+        mind = self._thinker.mind(program, level, self._limits)
+        return mind.explainer(self._robot, frame.sensors, frame.memories_before, stop=stop)
