@@ -6,12 +6,23 @@ an error where there is nothing but a question; here the answer is no.
 
 from __future__ import annotations
 
-import os.path
+import os
+import stat
 from pathlib import Path
 
+from logical_robots_tui.confinement import WHY, check_mine, is_confined
 from logical_robots_tui.errors import InputError
 
-__all__ = ["is_file", "is_folder", "is_there", "real", "typed_path"]
+__all__ = [
+    "is_file",
+    "is_folder",
+    "is_there",
+    "read_ordinary",
+    "real",
+    "typed_path",
+]
+
+_OF_THE_KERNEL = ("/proc", "/sys", "/dev")
 
 
 def is_there(path: Path) -> bool:
@@ -34,14 +45,45 @@ def real(path: Path) -> Path:
     return Path(os.path.realpath(path))
 
 
+def read_ordinary(path: Path, most: int) -> bytes:
+    """The first bytes of an ordinary file, and nothing that could block or answer without end.
+
+    Args:
+        path: The file.
+        most: How many bytes.
+
+    Raises:
+        OSError: It is none, or can't be read.
+    """
+    check_mine(path)
+    where = real(path)
+    if any(where.is_relative_to(folder) for folder in _OF_THE_KERNEL):
+        raise OSError(None, "is no ordinary file", str(path))
+    with open(path, "rb", opener=_open_without_waiting) as file:
+        if not stat.S_ISREG(os.fstat(file.fileno()).st_mode):
+            raise OSError(None, "is no ordinary file", str(path))
+        return file.read(most)
+
+
+def _open_without_waiting(path: str, flags: int) -> int:
+    return os.open(path, flags | getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_NOCTTY", 0))
+
+
 def typed_path(text: str) -> Path:
     """The path that a player has typed, in which ``~`` stands for a home.
 
     Raises:
-        InputError: It can't be a path, or it is nobody's home.
+        InputError: It can't be a path, or it is nobody's home, or the player may not name it.
     """
     if "\0" in text:
         raise InputError("is no path", place=text)
+    if is_confined():
+        try:
+            if text.startswith("~") and text[1:2] not in ("", "/"):
+                raise PermissionError  # whoever that is
+            check_mine(Path(text).expanduser())
+        except PermissionError:
+            raise InputError(WHY, place=text) from None
     try:
         return Path(text).expanduser()
     except RuntimeError as error:

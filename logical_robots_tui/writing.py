@@ -2,16 +2,22 @@
 
 from __future__ import annotations
 
+import fcntl
 import os
+import re
+from contextlib import suppress
 from secrets import token_hex
 from typing import TYPE_CHECKING
 
+from logical_robots_tui.confinement import check_quota
 from logical_robots_tui.paths import is_file, is_there, real
 
 if TYPE_CHECKING:
     from pathlib import Path
 
 __all__ = ["write_atomically"]
+
+_TEMPORARY = re.compile(r"\.(.+)\.[0-9a-f]{8}")
 
 
 def write_atomically(path: Path, text: str | bytes) -> None:
@@ -31,8 +37,8 @@ def write_atomically(path: Path, text: str | bytes) -> None:
         path.write_bytes(content)
         return
     path = real(path)
-    temporary = path.with_name(f".{path.name}.{token_hex(4)}")
-    handle = os.open(temporary, os.O_WRONLY | os.O_CREAT | os.O_EXCL | os.O_CLOEXEC, 0o666)
+    check_quota(path, len(content))
+    temporary, handle = _opened_beside(path)
     try:
         with os.fdopen(handle, "wb") as file:
             if path.exists():
@@ -40,7 +46,39 @@ def write_atomically(path: Path, text: str | bytes) -> None:
             file.write(content)
             file.flush()
             os.fsync(handle)
-        temporary.replace(path)
+            temporary.replace(path)
     except BaseException:
         temporary.unlink(missing_ok=True)
         raise
+    _sweep(path)
+
+
+def _opened_beside(path: Path) -> tuple[Path, int]:
+    """A new file in the same folder, locked as long as it is written to."""
+    while True:
+        temporary = path.with_name(f".{path.name}.{token_hex(4)}")
+        handle = os.open(temporary, os.O_WRONLY | os.O_CREAT | os.O_EXCL | os.O_CLOEXEC, 0o666)
+        with suppress(OSError):  # a file system without locks
+            fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        if os.fstat(handle).st_nlink:
+            return temporary, handle
+        os.close(handle)  # swept before it was locked
+
+
+def _sweep(path: Path) -> None:
+    """Remove what was left where writing a file of this folder was killed."""
+    with suppress(OSError):
+        for name in os.listdir(path.parent):  # noqa: PTH208 - names are looked at first
+            found = _TEMPORARY.fullmatch(name)
+            if found and (found[1] == path.name or (path.parent / found[1]).exists()):
+                _remove_if_left(path.parent / name)
+
+
+def _remove_if_left(temporary: Path) -> None:
+    with suppress(OSError):
+        handle = os.open(temporary, os.O_RDONLY | os.O_CLOEXEC | os.O_NOFOLLOW | os.O_NONBLOCK)
+        try:
+            fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)  # fails while somebody writes
+            temporary.unlink()
+        finally:
+            os.close(handle)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import asyncio
-import json
 import shutil
 import sys
 import textwrap
@@ -17,7 +16,7 @@ from logical_robots_tui.cli.command import (
     opened,
     prefers_json,
 )
-from logical_robots_tui.cli.text import finite, harmless
+from logical_robots_tui.cli.text import harmless, line_of_json
 
 if TYPE_CHECKING:
     import argparse
@@ -73,7 +72,7 @@ def start(options: argparse.Namespace) -> int:
     level, program = opened(options)
     found = asyncio.run(_diagnose(level, program, options.ticks, options.engine))
     if prefers_json(options):
-        print(json.dumps(finite(_data(found)), ensure_ascii=False))
+        print(line_of_json(_data(found)))
     else:
         print(*_lines(found), sep="\n")
     return FOUND if any(each.severity == "warning" for each in found.findings) else NOTHING

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import os
 import platform
+import shutil
 import sys
 from dataclasses import asdict, dataclass
 from typing import TYPE_CHECKING
@@ -133,6 +134,8 @@ def _versions() -> Iterator[Finding]:
     yield Finding("versions", "logical-robots", __version__)
     yield Finding("versions", "python", f"{platform.python_version()} on {platform.platform()}")
     yield Finding("versions", "sqlite", sqlite3.sqlite_version)
+    wall = shutil.which("bwrap")
+    yield Finding("versions", "bubblewrap", wall or "not installed, a second wall for classes")
     for package in PACKAGES:
         try:
             yield Finding("versions", package, version(package))

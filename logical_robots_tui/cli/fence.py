@@ -8,17 +8,26 @@ the game itself can be read besides, because they are loaded bit by bit while th
 
 from __future__ import annotations
 
+import fcntl
 import os
 import resource
 import sys
+import sysconfig
 from errno import EACCES
 from pathlib import Path
 from typing import Any
 from urllib.parse import unquote
 
+from logical_robots_tui.confinement import WHY, confine
+from logical_robots_tui.errors import InputError
 from logical_robots_tui.shipped import shipped_folder
 
-__all__ = ["LIMITS", "fence_in"]
+__all__ = ["LIMITS", "MOST_GAMES", "fence_in"]
+
+MOST_GAMES = 4
+"""Games that one player may have open at the same time, each of at most three processes."""
+
+_places: list[int] = []
 
 LIMITS = {
     "RLIMIT_AS": 2 * 1024**3,  # bytes of address space; the game itself needs half of that
@@ -31,9 +40,9 @@ LIMITS = {
 """Bounds on each process of the game, by their names in Python's module ``resource``."""
 
 _GRACE = 5  # seconds of thinking in which a game that has used up its time ends in good order
-_WHY = "restricted mode allows only your own files"
 _WRITING = os.O_WRONLY | os.O_RDWR | os.O_CREAT | os.O_TRUNC | os.O_APPEND
 _DEVICES = frozenset(("/dev/null", "/dev/tty", "/dev/urandom"))
+_PACKAGES = ("site-packages", "dist-packages", "lib-dynload")
 _SYSTEM = ("/usr/share/zoneinfo", "/etc/localtime", "/usr/share/terminfo", "/lib/terminfo")
 _CHANGES = frozenset(
     f"os.{name}"
@@ -62,9 +71,19 @@ def fence_in(own: Path) -> None:
 
     Args:
         own: The player's folder; made if it is missing.
+
+    Raises:
+        InputError: It can't be made or used, or the player has too many games open.
     """
-    own.mkdir(mode=0o700, parents=True, exist_ok=True)
-    own = own.resolve()
+    try:
+        own.mkdir(mode=0o700, parents=True, exist_ok=True)
+        own = own.resolve()
+        _hold_place(own)
+    except OSError as error:
+        reason = error.strerror or str(error)
+        hint = "Tell those who look after this machine."
+        said = f"the player's folder can't be used: {reason}"
+        raise InputError(said, place=str(own), hint=hint) from None
     for name in ("VISUAL", "EDITOR", "SHELL", "TMPDIR", "LOGICAL_ROBOTS_CACHE_DIR"):
         os.environ.pop(name, None)
     for name in [name for name in os.environ if name.startswith("XDG_")]:
@@ -73,7 +92,28 @@ def fence_in(own: Path) -> None:
     os.chdir(own)
     for name, bound in LIMITS.items():
         _limit(getattr(resource, name), bound, grace=_GRACE if name == "RLIMIT_CPU" else 0)
+    confine(own, shipped_folder("levels"), shipped_folder("programs"))
     sys.addaudithook(_Fence(own))
+
+
+def _hold_place(own: Path) -> None:
+    """Take one of the places that a player has, until this process ends.
+
+    Raises:
+        InputError: There is none left.
+        OSError: The folder can't be written to.
+    """
+    for number in range(MOST_GAMES):
+        handle = os.open(own / f".game-{number}", os.O_RDWR | os.O_CREAT | os.O_CLOEXEC, 0o600)
+        try:
+            fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except OSError:
+            os.close(handle)
+        else:
+            _places.append(handle)
+            return
+    hint = "Leave one of them first; one whose connection broke ends by itself within a minute."
+    raise InputError(f"you have {MOST_GAMES} games open, and that is the most", hint=hint)
 
 
 def _limit(which: int, bound: int, grace: int) -> None:
@@ -88,7 +128,12 @@ class _Fence:
 
     def __init__(self, own: Path) -> None:
         self._own = str(own)
-        code: set[str | Path] = {sys.prefix, sys.base_prefix, *sys.path, Path(__file__).parents[1]}
+        # Not sys.prefix: that may be /usr, with much that is nobody's business.
+        code: set[str | Path] = {Path(__file__).parents[1]}
+        code |= {
+            sysconfig.get_path(name) for name in ("stdlib", "platstdlib", "purelib", "platlib")
+        }
+        code |= {path for path in sys.path if Path(path).name in _PACKAGES or path.endswith(".zip")}
         code |= {shipped_folder("levels"), shipped_folder("programs")}
         real = {os.path.realpath(os.fspath(folder)) for folder in code if folder}
         # A folder that holds the player's would give everybody's away.
@@ -119,7 +164,7 @@ class _Fence:
         if _is_within(real, self._own) or real in _DEVICES:
             return
         if writing or not any(_is_within(real, folder) for folder in self._code):
-            raise PermissionError(EACCES, _WHY, str(path))
+            raise PermissionError(EACCES, WHY, str(path))
 
     def _check_database(self, name: str | bytes | os.PathLike[str]) -> None:
         text = os.fsdecode(name)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import argparse
 import asyncio
-import json
 from typing import TYPE_CHECKING, Any
 
 from logical_robots_tui.cli.command import (
@@ -16,7 +15,7 @@ from logical_robots_tui.cli.command import (
     prefers_json,
 )
 from logical_robots_tui.cli.moment import check_name
-from logical_robots_tui.cli.text import finite, harmless, written
+from logical_robots_tui.cli.text import harmless, line_of_json, written
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -77,7 +76,7 @@ def start(options: argparse.Namespace) -> int:
     origin = asyncio.run(_search(level, program, options))
     if prefers_json(options):
         data = {"complete": origin.complete, "links": [*map(_data, origin.links)]}
-        print(json.dumps(finite(data), ensure_ascii=False))
+        print(line_of_json(data))
     else:
         print(*_lines(origin), sep="\n")
     return 0

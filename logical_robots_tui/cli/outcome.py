@@ -28,15 +28,18 @@ class Tally:
         notices: How often each kind of notice was given.
         first: The first few notices, as (tick, robot name, kind, message).
         think_milliseconds: Time spent thinking.
+        is_reliable: Whether no clock ended a thought.
     """
 
     notices: Counter[str] = field(default_factory=Counter)
     first: list[tuple[int, str, str, str]] = field(default_factory=list)
     think_milliseconds: float = 0.0
+    is_reliable: bool = True
 
     def count(self, frame: Frame) -> None:
         """Take in a finished tick."""
         self.think_milliseconds += frame.think_milliseconds
+        self.is_reliable = self.is_reliable and frame.is_reliable
         for decision in frame.decisions:
             for notice in decision.notices:
                 self.notices[notice.kind] += 1
@@ -68,14 +71,19 @@ class Outcome:
         """The tick of victory, or None."""
         return self.frame.after.won_at
 
-    def as_json(self) -> str:
-        """One JSON object with everything a script may want."""
+    def as_json(self, *, times: bool = False) -> str:
+        """One JSON object with everything a script may want.
+
+        Args:
+            times: Whether to tell how long it took, which is never the same twice.
+        """
         ticks = self.frame.tick
-        found = {
+        found: dict[str, Any] = {
             "level": self.level.name,
             "program": self.program_name,
             "won": self.won_at is not None,
             "ticks": ticks,
+            "reliable": self.tally.is_reliable,
             "robots": self._robots(),
             "goals": [
                 {"area": goal.area_name, "wanted": goal.wanted, "inside": goal.inside}
@@ -89,9 +97,11 @@ class Outcome:
                     for tick, robot, kind, message in self.tally.first
                 ],
             },
-            "milliseconds_per_tick": round(self.seconds * 1000 / ticks, 4),
-            "think_milliseconds_per_tick": round(self.tally.think_milliseconds / ticks, 4),
         }
+        if times:
+            found["milliseconds_per_tick"] = round(self.seconds * 1000 / ticks, 4)
+            think = self.tally.think_milliseconds / ticks
+            found["think_milliseconds_per_tick"] = round(think, 4)
         return json.dumps(finite(found), indent=2, allow_nan=False)
 
     def in_words(self) -> str:
@@ -107,6 +117,8 @@ class Outcome:
             ]
             if total > len(self.tally.first):
                 lines.append(f"  ... and {total - len(self.tally.first)} more")
+        if not self.tally.is_reliable:
+            lines += ["", "A clock ended a thought: another run may go otherwise."]
         pace = self.frame.tick / self.seconds
         lines += ["", f"{self.frame.tick} ticks in {self.seconds:.1f} s ({pace:.0f} ticks/s)"]
         return "\n".join(lines)

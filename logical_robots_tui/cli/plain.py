@@ -226,8 +226,14 @@ class _Table:
         if self._level.solution and text == shipped_texts().get(self._level.solution):
             _say("That was the reference program: it counts for itself.")
             return
+        if not self._game.history.is_reliable_up_to(tick):
+            _say("A thought was ended by the clock on the way: this victory is not kept.")
+            return
         self._progress.win(self._key, text, measured_at_victory(self._game.history, text, tick))
-        _say("The victory is kept in your progress.")
+        if self._progress.is_kept:
+            _say("The victory is kept in your progress.")
+        else:
+            _say("The victory counts until you leave: nothing can be kept on this disk.")
 
     def _places(self) -> Iterator[str]:
         frame = self._game.frame

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import asyncio
-import json
 import sys
 from typing import TYPE_CHECKING
 
@@ -16,7 +15,7 @@ from logical_robots_tui.cli.command import (
     prefers_json,
 )
 from logical_robots_tui.cli.moment import check_name, frame_at
-from logical_robots_tui.cli.text import columns, finite, written
+from logical_robots_tui.cli.text import columns, line_of_json, written
 
 if TYPE_CHECKING:
     import argparse
@@ -88,7 +87,7 @@ def start(options: argparse.Namespace) -> int:
             "minds": [viewer for viewer, _ in found] if table.viewers else None,
             "truncated": table.truncated,
         }
-        print(json.dumps(finite(told), ensure_ascii=False, allow_nan=False))
+        print(line_of_json(told))
     elif found:
         head = ("IN THE MIND OF", *table.columns) if table.viewers else table.columns
         lines = [

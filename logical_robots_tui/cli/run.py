@@ -64,6 +64,7 @@ def declare(commands: Commands) -> None:
         help="give up after this many ticks (default: %(default)s)",
     )
     add_json(command)
+    command.add_argument("--times", action="store_true", help="tell in JSON, too, how long it took")
 
 
 def start(options: argparse.Namespace) -> int:
@@ -75,7 +76,7 @@ def start(options: argparse.Namespace) -> int:
         outcome = asyncio.run(
             play_out(level, program, options.program, options.ticks, show, engine=options.engine)
         )
-    print(outcome.as_json() if prefers_json(options) else outcome.in_words())
+    print(outcome.as_json(times=options.times) if prefers_json(options) else outcome.in_words())
     return WON if outcome.won_at is not None else NOT_WON
 
 

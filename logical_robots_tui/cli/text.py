@@ -7,7 +7,7 @@ import math
 import unicodedata
 from typing import Any
 
-__all__ = ["columns", "finite", "harmless", "written"]
+__all__ = ["columns", "finite", "harmless", "line_of_json", "written"]
 
 _UNPRINTABLE = {"Cc", "Cf", "Cn", "Co", "Cs", "Zl", "Zp"}
 
@@ -36,6 +36,14 @@ def finite(value: Any) -> Any:
     if isinstance(value, list | tuple):
         return [finite(inner) for inner in value]
     return value
+
+
+def line_of_json(value: Any) -> str:
+    r"""A value as JSON in one line that any terminal may get: what controls one is ``\u009b``."""
+    text = json.dumps(finite(value), ensure_ascii=False, allow_nan=False)
+    if text.isprintable():
+        return text
+    return "".join(c if c.isprintable() else json.dumps(c)[1:-1] for c in text)
 
 
 def written(value: Any, width: int | None = None) -> str:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import asyncio
-import json
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 from logical_robots_tui.cli.command import (
@@ -13,7 +12,7 @@ from logical_robots_tui.cli.command import (
     opened,
 )
 from logical_robots_tui.cli.moment import check_name
-from logical_robots_tui.cli.text import finite
+from logical_robots_tui.cli.text import line_of_json
 
 if TYPE_CHECKING:
     import argparse
@@ -39,7 +38,9 @@ examples:
     | jq -c .predicates.Next.rows
 
 A line holds: tick, won, robots (after the tick), sensors and memories (as the program saw them),
-decisions (desire, memory, notices), areas, and the rows of the predicates that were asked for.
+decisions (desire, memory, notices), areas, the rows of the predicates that were asked for, and
+whether all up to it is reliable: false once a clock has ended a thought, so that another run may
+go otherwise.
 
 exit status: 0 won, 1 not won within the ticks, 2 bad level or program
 """
@@ -71,6 +72,7 @@ def declare(commands: Commands) -> None:
         help="also tell the rows of these predicates",
     )
     command.add_argument("--robot", metavar="R", help="tell of this robot only")
+    command.add_argument("--times", action="store_true", help="also tell how long thinking took")
     add_level_and_program(command)
 
 
@@ -101,12 +103,16 @@ async def _trace(
         return frame, tables
 
     run = Run(level, program, engine=engine)
-    won = False
+    won, reliable = False, True
     try:
         async for frame, tables in run.each(1, options.ticks, ask, to_victory=True):
             won = frame.after.won_at is not None
+            reliable = reliable and frame.is_reliable
             told = _told(level, frame, options.robot, tables)
-            print(json.dumps(finite(told), ensure_ascii=False, allow_nan=False))
+            told["reliable"] = reliable
+            if options.times:
+                told["think_milliseconds"] = round(frame.think_milliseconds, 4)
+            print(line_of_json(told))
         return won
     finally:
         await run.close()

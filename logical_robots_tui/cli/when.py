@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import asyncio
-import json
 from typing import TYPE_CHECKING, Any
 
 from logical_robots_tui.cli.command import (
@@ -15,7 +14,7 @@ from logical_robots_tui.cli.command import (
     prefers_json,
 )
 from logical_robots_tui.cli.moment import check_name
-from logical_robots_tui.cli.text import columns, harmless
+from logical_robots_tui.cli.text import columns, harmless, line_of_json
 
 if TYPE_CHECKING:
     import argparse
@@ -87,7 +86,7 @@ def start(options: argparse.Namespace) -> int:
     if found.failed_in == found.ticks:
         raise QueryError(f"In every tick: {found.reason}")
     if prefers_json(options):
-        print(json.dumps(_data(options.question, found), ensure_ascii=False))
+        print(line_of_json(_data(options.question, found)))
     else:
         print(*_lines(options.question, found), sep="\n")
     return FOUND if found.stretches else NEVER

@@ -18,7 +18,7 @@ from logical_robots_tui.cli.command import (
     prefers_json,
 )
 from logical_robots_tui.cli.moment import check_name, frame_at
-from logical_robots_tui.cli.text import finite, harmless, written
+from logical_robots_tui.cli.text import harmless, line_of_json, written
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
@@ -107,7 +107,7 @@ def start(options: argparse.Namespace) -> int:
             "tree": [*map(_node, nodes)],
             "nearest": [_suggestion(*each) for each in nearest],
         }
-        print(json.dumps(finite(data), ensure_ascii=False))
+        print(line_of_json(data))
     else:
         print(*_lines(explanation, nodes, options), *_nearest(nearest), sep="\n")
         if not complete:

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections import deque
+from bisect import bisect_right
+from operator import attrgetter
 from typing import TYPE_CHECKING
 
 from logical_robots_tui.game.levels import Levels
@@ -20,7 +21,10 @@ if TYPE_CHECKING:
 
 __all__ = ["Course"]
 
-_TOGETHER = 32  # moments in a pack
+_TOGETHER = 32  # moments in a pack, unless they are heavy
+_HEAVY = 12_000_000  # bytes of objects in a pack, unless one moment has more
+
+_begin_of = attrgetter("first")
 
 
 class Course:
@@ -44,10 +48,11 @@ class Course:
         self.levels = Levels(frame.tick, level)
         self.hits: dict[int, tuple[Hit, ...]] = {}
         self._length = length
-        self._packs: deque[Packed] = deque()
+        self._packs: list[Packed] = []
         self._loose = [Moment(frame.after, frame.memories, frame.decisions, 0.0, 0.0)]
         self._oldest = frame.tick  # that is kept, be it too old or not
         self._programs: list[tuple[int, Program]] = []
+        self._unreliable_from: int | None = None
 
     @property
     def last(self) -> int:
@@ -65,6 +70,11 @@ class Course:
         """All that is packed."""
         return iter(self._packs)
 
+    @property
+    def loose_weight(self) -> int:
+        """Bytes of objects in what is not packed, about."""
+        return sum(moment.weight for moment in self._loose)
+
     def add(self, frame: Frame, program: Program) -> bool:
         """Keep the tick that follows the last one, and which program decided in it.
 
@@ -72,26 +82,25 @@ class Course:
             Whether some ticks were packed.
         """
         before = self._loose[-1]
-        self._loose.append(
-            Moment(
-                frame.after,
-                frame.memories,
-                frame.decisions,
-                frame.think_milliseconds,
-                before.driven + driven(frame.before, frame.after),
-            )
-        )
+        self._loose.append(Moment.of(frame, before.driven + driven(frame.before, frame.after)))
         for kind, who in marks_of(frame, before.decisions):
             self.marks.note(frame.tick, kind, who)
+        if self._unreliable_from is None and not frame.is_reliable:
+            self._unreliable_from = frame.tick
         if not self._programs or self._programs[-1][1] is not program:
             self._use(frame.tick, program)
-        if len(self._loose) < 2 * _TOGETHER:
-            return False
-        self._packs.append(Packed(self._loose[:_TOGETHER]))
-        del self._loose[:_TOGETHER]
-        while self._oldest + _TOGETHER <= self.last - self._length:
+        is_packed = False
+        while together := self._ready():
+            try:
+                self._packs.append(Packed(self._loose[:together]))
+            except MemoryError:
+                self._packs.clear()  # what is older goes as well, for there are no gaps
+                self._forget_before(self._loose[together].after.tick)
+            del self._loose[:together]
+            is_packed = True
+        while self._packs and self._begin_after_first_pack() <= self.last - self._length:
             self.forget_pack()
-        return True
+        return is_packed
 
     def change_level(self, frame: Frame, level: Level) -> None:
         """Go on from the last tick in another level, as a frame in its place says.
@@ -114,20 +123,18 @@ class Course:
     def forget_pack(self) -> bool:
         """Drop the oldest ticks; False if so few are left that they are not packed."""
         if self._packs:
-            self._packs.popleft()
-            self._oldest += _TOGETHER
-            self.marks.forget_before(self._oldest)
-            self.levels.forget_before(self._oldest)
-            self.hits = {tick: hits for tick, hits in self.hits.items() if tick >= self._oldest}
+            begin = self._begin_after_first_pack()
+            del self._packs[0]
+            self._forget_before(begin)
         return bool(self._packs)
 
     def moment(self, tick: int) -> Moment:
         """What a tick left behind, from the one before `first` to `last`."""
-        at = tick - self._oldest
-        pack, place = divmod(at, _TOGETHER)
-        if pack < len(self._packs):
-            return self._packs[pack].moment(place)
-        return self._loose[at - len(self._packs) * _TOGETHER]
+        begin = self._loose[0].after.tick
+        if tick >= begin:
+            return self._loose[tick - begin]
+        pack = self._packs[bisect_right(self._packs, tick, key=_begin_of) - 1]
+        return pack.moment(tick - pack.first)
 
     def up_to(self, tick: int) -> Course:
         """The same course up to one of its ticks."""
@@ -137,10 +144,12 @@ class Course:
         copy.hits = {at: hits for at, hits in self.hits.items() if at <= tick}
         copy._length = self._length
         copy._oldest = self._oldest
+        copy._unreliable_from = self._unreliable_from if not self.is_reliable_up_to(tick) else None
         copy._programs = self.programs(tick)
-        whole = min((tick - self._oldest) // _TOGETHER, len(self._packs))
-        copy._packs = deque(pack for pack, _ in zip(self._packs, range(whole), strict=False))
-        begin = self._oldest + whole * _TOGETHER
+        begins = [*map(_begin_of, self._packs), self._loose[0].after.tick]
+        whole = bisect_right(begins, tick) - 1
+        copy._packs = self._packs[:whole]
+        begin = begins[whole]
         copy._loose = [self.moment(at) for at in range(begin, tick + 1)]
         return copy
 
@@ -155,6 +164,32 @@ class Course:
     def is_all_by(self, text: str, tick: int) -> bool:
         """Whether one program's text decided in every tick up to that one."""
         return all(program.text == text for begin, program in self._programs if begin <= tick)
+
+    def is_reliable_up_to(self, tick: int) -> bool:
+        """Whether no clock ended a thought up to the end of a tick."""
+        return self._unreliable_from is None or tick < self._unreliable_from
+
+    def _ready(self) -> int:
+        """How many of the oldest loose moments to pack now; at least the last one stays loose."""
+        loose = self._loose
+        together, weight = 1, loose[0].weight
+        while together < min(len(loose) - 1, _TOGETHER) and weight <= _HEAVY:
+            weight += loose[together].weight
+            together += 1
+        if len(loose) >= 2 * _TOGETHER:
+            return together
+        is_heavy = len(loose) > 1 and self.loose_weight > 2 * _HEAVY
+        return together if is_heavy else 0
+
+    def _begin_after_first_pack(self) -> int:
+        rest = self._packs[1:2] or self._loose[:1]
+        return rest[0].first if isinstance(rest[0], Packed) else rest[0].after.tick
+
+    def _forget_before(self, tick: int) -> None:
+        self._oldest = tick
+        self.marks.forget_before(tick)
+        self.levels.forget_before(tick)
+        self.hits = {at: hits for at, hits in self.hits.items() if at >= tick}
 
     def _use(self, tick: int, program: Program) -> None:
         if self._programs and self._programs[-1][1].text != program.text:

@@ -10,7 +10,7 @@ import os
 import secrets
 import threading
 from contextlib import suppress
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from datetime import UTC, datetime
 from typing import TYPE_CHECKING, Any
 
@@ -42,7 +42,8 @@ class Draft:
         path: Path of the program's file; drafts of one path follow each other.
         text: What was typed.
         base: Fingerprint of the program's text as it was read from the file.
-        saved: When the draft was made, with time zone.
+        saved: When the draft was made, with time zone, to show.
+        turn: Counts on from draft to draft, whatever the clock says; 0 where nothing counted.
     """
 
     program: str
@@ -50,6 +51,7 @@ class Draft:
     text: str
     base: str
     saved: datetime = field(default_factory=lambda: datetime.now(UTC))
+    turn: int = field(default=0, compare=False)
     _serial: int = field(default_factory=lambda: next(_serials), repr=False, compare=False)
 
 
@@ -70,6 +72,7 @@ class Drafts:
         self._session = f"{datetime.now(UTC):%Y%m%d%H%M%S}{secrets.token_hex(4)}"
         self._guard = threading.RLock()
         self._lock: int | None = None
+        self._turn = 0
         self._mine: dict[str, Draft] = {}
         self._adopted: dict[str, Draft] = {}
         self._dropped: dict[str, int] = {}
@@ -90,6 +93,8 @@ class Drafts:
             self._mine[draft.path] = draft
             self._unwritten.add(draft.path)
             self._hold_lock()
+            self._turn += 1
+            self._mine[draft.path] = draft = replace(draft, turn=self._turn)
             write_atomically(self._file(draft.path), _as_json(draft))
             self._unwritten.discard(draft.path)
 
@@ -157,7 +162,7 @@ class Drafts:
                     if session != self._session:
                         self._adopt_session(session)
                 self._remove_dead_locks()
-            return sorted(self._adopted.values(), key=lambda draft: draft.saved, reverse=True)
+            return sorted(self._adopted.values(), key=_newness, reverse=True)
 
     def close(self) -> None:
         """End the session; its drafts stay for the next one."""
@@ -188,6 +193,8 @@ class Drafts:
         if self._lock is None:
             self.folder.mkdir(parents=True, exist_ok=True)
             self._lock = _acquire(self._lock_file(self._session))
+            drafts = map(_from_json, self._draft_files())
+            self._turn = max([self._turn, *(draft.turn for draft in drafts if draft is not None)])
 
     def _adopt_session(self, session: str) -> None:
         lock = _acquire(self._lock_file(session))
@@ -206,7 +213,7 @@ class Drafts:
             self._retire(file)
             return
         rival = self._adopted.get(draft.path)
-        if rival is not None and rival.saved >= draft.saved:
+        if rival is not None and _newness(rival) >= _newness(draft):
             self._retire(file)
             return
         if rival is not None:
@@ -234,12 +241,17 @@ class Drafts:
             surplus.unlink(missing_ok=True)
 
 
+def _newness(draft: Draft) -> tuple[int, datetime]:
+    return draft.turn, draft.saved
+
+
 def _as_json(draft: Draft) -> str:
     data = {
         "program": draft.program,
         "path": draft.path,
         "base": draft.base,
         "saved": draft.saved.isoformat(),
+        "turn": draft.turn,
         "text": draft.text,
     }
     return json.dumps(data, indent=1)
@@ -250,12 +262,13 @@ def _from_json(file: Path) -> Draft | None:
     try:
         data: dict[str, Any] = json.loads(file.read_text("utf-8"))
         saved = datetime.fromisoformat(data["saved"])
+        turn = int(data.get("turn", 0))
         program, path, text, base = (data[key] for key in ("program", "path", "text", "base"))
     except (OSError, ValueError, KeyError, TypeError, RecursionError):
         return None
     if saved.tzinfo is None or not all(isinstance(t, str) for t in (program, path, text, base)):
         return None
-    return Draft(program, path, text, base, saved)
+    return Draft(program, path, text, base, saved, turn)
 
 
 def _acquire(file: Path) -> int | None:

@@ -43,3 +43,8 @@ class Frame:
     decisions: tuple[Decision, ...]
     memories: Mapping[str, Value]
     think_milliseconds: float = field(compare=False)
+
+    @property
+    def is_reliable(self) -> bool:
+        """Whether the tick would be the same on any machine: no clock ended a thought in it."""
+        return all(decision.is_reliable for decision in self.decisions)

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 __all__ = ["DEFAULT_LENGTH", "History", "NoSuchTickError"]
 
 DEFAULT_LENGTH = 20_000
-_MOST_BYTES = 200_000_000
+_MOST_BYTES = 100_000_000
 
 
 class NoSuchTickError(LogicalRobotsError):
@@ -41,10 +41,11 @@ class History:
         start: Where the game begins.
         level: The level in which it does.
         length: How many ticks of a course to be able to restore.
-        most_bytes: What may be packed; the other course goes first, then the oldest ticks.
+        most_bytes: What may be kept; the other course goes first, then the oldest ticks.
 
     Attributes:
         turns: How often the present course became another one.
+        dropped: The first tick that was kept when there was no more room for earlier ones, or 0.
         parting: Where the present course and the other one part, or None as far as both are known.
     """
 
@@ -60,6 +61,7 @@ class History:
         self._course = Course(start, level, length)
         self._other: Course | None = None
         self.turns = 0
+        self.dropped = 0
         self.parting: Parting | None = None
 
     @property
@@ -87,6 +89,12 @@ class History:
         """Bytes of all that is packed; the latest ticks are not."""
         packs = sum(map(len, {id(pack): pack for pack in self._packs()}.values()))
         return packs + self._course.levels.packed_bytes
+
+    @property
+    def kept_bytes(self) -> int:
+        """Bytes of all that is kept: packed, and as objects."""
+        other = self._other.loose_weight if self._other is not None else 0
+        return self.packed_bytes + self._course.loose_weight + other
 
     def add(self, frame: Frame, program: Program) -> None:
         """Keep a finished tick; if it was known before, the present course is left for another."""
@@ -150,6 +158,10 @@ class History:
     def is_changed_up_to(self, tick: int) -> bool:
         """Whether anything was changed by hand after the start, up to the end of a tick."""
         return self._course.levels.is_changed_up_to(tick)
+
+    def is_reliable_up_to(self, tick: int) -> bool:
+        """Whether no clock ended a thought up to the end of a tick."""
+        return self._course.is_reliable_up_to(tick)
 
     def known(self, tick: int) -> Known:
         """A tick, to be gone through again.
@@ -242,7 +254,7 @@ class History:
             yield from self._other.packs
 
     def _keep_within_bounds(self) -> None:
-        if self.packed_bytes > self._most_bytes:
+        if self.kept_bytes > self._most_bytes:
             self._other = self.parting = None
-        while self.packed_bytes > self._most_bytes and self._course.forget_pack():
-            pass
+        while self.kept_bytes > self._most_bytes and self._course.forget_pack():
+            self.dropped = self._course.first

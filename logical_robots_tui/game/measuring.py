@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from logical_robots_tui.game.robustness import STARTS, play_through, try_starts
+from logical_robots_tui.game.robustness import STARTS, LateError, play_through, try_starts
 from logical_robots_tui.game.rules import count_rules
 from logical_robots_tui.progress import Measures
 
@@ -32,7 +32,7 @@ _NICENESS = 10
 
 
 class MeasuringError(Exception):
-    """The process ended before it was done."""
+    """The process ended before it was done, or a clock ended a thought."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -73,7 +73,7 @@ async def measure(
         All measures; None if it does not win from the given start.
 
     Raises:
-        MeasuringError: The process came to an early end.
+        MeasuringError: The process came to an early end, or a clock ended a thought in it.
     """
     loop = asyncio.get_running_loop()
     work = _Work(pickle.dumps((level, program, known)))
@@ -146,6 +146,8 @@ class _Work:
             told = json.loads(line)
             if "tried" in told:
                 report(Trial(told["tried"], told["wins"]))
+            elif told["late"]:
+                raise MeasuringError
             else:
                 return Measures(**told["measures"]) if told["measures"] else None
         raise MeasuringError
@@ -165,7 +167,10 @@ def main() -> None:
         sys.stdin.buffer.read(size)
     )
     threading.Thread(target=_end_with_the_game, daemon=True).start()
-    _say(measures=_as_record(_measured(level, program, known)))
+    try:
+        _say(late=False, measures=_as_record(_measured(level, program, known)))
+    except LateError:
+        _say(late=True)
 
 
 def _measured(level: Level, program: Program, known: Measures | None) -> Measures | None:

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import marshal
 import zlib
-from dataclasses import dataclass
-from functools import lru_cache
+from collections import OrderedDict
+from dataclasses import dataclass, field
 from itertools import groupby
 from operator import attrgetter
 from typing import TYPE_CHECKING, Any
@@ -17,12 +17,15 @@ from logical_robots_tui.world import AreaState, RobotState, WorldState
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
+    from logical_robots_tui.game.frame import Frame
     from logical_robots_tui.values import Value
 
 __all__ = ["Moment", "Packed", "laid_out", "moment_in"]
 
 _QUICKEST = 1  # of zlib's levels; from tick to tick so little changes that more is not needed
 _KEPT_OPEN = 4  # for those who step through them
+_BODY_BYTES = 1_000  # of a robot's state and decision
+_HEAVIEST_OPEN = 24_000_000  # bytes of objects in all of these
 
 _BODY = ("x", "y", "angle", "battery_level", "left_engine", "right_engine", "blocked", "dead")
 _body_of = attrgetter(*_BODY)
@@ -38,6 +41,7 @@ class Moment:
         decisions: What was decided in the tick, one per robot in file order; () at the start.
         think_milliseconds: How long thinking took.
         driven: Map units that all robots together have driven since the start.
+        weight: Bytes of objects in it that are not in the moment before, about.
     """
 
     after: WorldState
@@ -45,6 +49,28 @@ class Moment:
     decisions: tuple[Decision, ...]
     think_milliseconds: float
     driven: float
+    weight: int = field(default=0, compare=False)
+
+    @classmethod
+    def of(cls, frame: Frame, driven: float) -> Moment:
+        """What the tick of a frame left behind, and how far all had driven by then."""
+        milliseconds = frame.think_milliseconds
+        return cls(
+            frame.after, frame.memories, frame.decisions, milliseconds, driven, _weight_of(frame)
+        )
+
+    @property
+    def is_reliable(self) -> bool:
+        """Whether the tick would be the same on any machine: no guard ended a thought in it."""
+        return all(decision.is_reliable for decision in self.decisions)
+
+
+def _weight_of(frame: Frame) -> int:
+    """Bytes of objects in a tick that are not in the one before: bodies, and changed memories."""
+    before = frame.memories_before
+    memories = [d.weight for d in frame.decisions if d.memory is not before.get(d.robot_name)]
+    notices = [len(notice.message) for d in frame.decisions for notice in d.notices]
+    return sum(memories) + sum(notices) + _BODY_BYTES * len(frame.decisions)
 
 
 class Packed:
@@ -55,11 +81,17 @@ class Packed:
 
     Args:
         moments: At least one.
+
+    Attributes:
+        first: Tick of the first of them.
+        weight: Bytes of objects in all of them when they are opened, about.
     """
 
-    __slots__ = ("_bytes",)
+    __slots__ = ("_bytes", "first", "weight")
 
     def __init__(self, moments: Sequence[Moment]) -> None:
+        self.first = moments[0].after.tick
+        self.weight = sum(moment.weight for moment in moments)
         self._bytes = zlib.compress(marshal.dumps(laid_out(moments)), _QUICKEST)
 
     def __len__(self) -> int:
@@ -68,7 +100,12 @@ class Packed:
 
     def moment(self, at: int) -> Moment:
         """One of the moments, by its place among them, counted from 0."""
-        return moment_in(_opened(self._bytes), at)
+        return moment_in(_opened.runs(self), at)
+
+    def opened(self) -> list[tuple[Any, ...]]:
+        """The moments as they were packed."""
+        runs: list[tuple[Any, ...]] = marshal.loads(zlib.decompress(self._bytes))  # noqa: S302 - our own bytes
+        return runs
 
 
 def laid_out(moments: Sequence[Moment]) -> list[Any]:
@@ -84,7 +121,7 @@ def moment_in(runs: Sequence[Any], at: int) -> Moment:
     while at >= len(told):
         at -= len(told)
         begin, names, area_names, told, areas, bodies, thoughts = next(rest)
-    won_at, milliseconds, driven, has_decided = told[at]
+    won_at, milliseconds, driven, weight, has_decided = told[at]
     after = WorldState(
         begin + at,
         tuple([RobotState(n, *body[at]) for n, body in zip(names, bodies, strict=True)]),
@@ -103,13 +140,30 @@ def moment_in(runs: Sequence[Any], at: int) -> Moment:
         tuple([_decision(*each) for each in mine]) if has_decided else (),
         milliseconds,
         driven,
+        weight,
     )
 
 
-@lru_cache(maxsize=_KEPT_OPEN)
-def _opened(packed: bytes) -> list[tuple[Any, ...]]:
-    runs: list[tuple[Any, ...]] = marshal.loads(zlib.decompress(packed))  # noqa: S302 - our own bytes
-    return runs
+class _Opened:
+    """The packs that were opened last, as far as they are not heavy."""
+
+    def __init__(self) -> None:
+        self._runs: OrderedDict[Packed, list[tuple[Any, ...]]] = OrderedDict()
+
+    def runs(self, pack: Packed) -> list[tuple[Any, ...]]:
+        """The moments of a pack, as they were packed."""
+        found = self._runs.pop(pack, None)
+        if found is None:
+            found = pack.opened()
+        self._runs[pack] = found
+        while len(self._runs) > _KEPT_OPEN or (
+            self._runs and sum(each.weight for each in self._runs) > _HEAVIEST_OPEN
+        ):
+            self._runs.popitem(last=False)
+        return found
+
+
+_opened = _Opened()
 
 
 def _names_of(moment: Moment) -> tuple[list[str], list[str]]:
@@ -123,7 +177,10 @@ def _run_of(moments: Sequence[Moment]) -> tuple[Any, ...]:
     return (
         first.tick,
         *_names_of(moments[0]),
-        [(m.after.won_at, m.think_milliseconds, m.driven, bool(m.decisions)) for m in moments],
+        [
+            (m.after.won_at, m.think_milliseconds, m.driven, m.weight, bool(m.decisions))
+            for m in moments
+        ],
         [[(area.active, area.visitors) for area in m.after.areas] for m in moments],
         [[_body_of(m.after.robots[i]) for m in moments] for i in range(len(first.robots))],
         [[_thought_of(m, i, robot.name) for m in moments] for i, robot in enumerate(first.robots)],

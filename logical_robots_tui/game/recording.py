@@ -1,8 +1,9 @@
 """Recordings: what the ticks of a run left behind, in memory and on disk.
 
-A file is a digest of the line that follows, that line, which is JSON and holds the length and the
-digest of each piece, and then the pieces. A piece is some moments as packed JSON: text that can do
-nothing, whoever wrote it. What is read is compared with the level before it is given to anybody.
+A file is a digest of the line that follows, that line, which is JSON and holds the length, the
+digest and the number of moments of each piece, and then the pieces. A piece is some moments as
+packed JSON: text that can do nothing, whoever wrote it. What is read is compared with the level
+before it is given to anybody.
 """
 
 from __future__ import annotations
@@ -11,15 +12,19 @@ import hashlib
 import json
 import math
 import zlib
+from bisect import bisect_right
+from dataclasses import dataclass
 from functools import lru_cache
+from operator import attrgetter
 from typing import TYPE_CHECKING, Any, get_args
 
 from logical_robots_tui.caching import CacheFolder, cache_place
 from logical_robots_tui.game.packing import Moment, laid_out, moment_in
 from logical_robots_tui.mind import NoticeKind
+from logical_robots_tui.mind.weight import weight_of_text
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Sequence
+    from collections.abc import Iterable, Iterator, Sequence
 
     from logical_robots_tui.world import Level
 
@@ -32,8 +37,11 @@ MAX_ENTRIES = 200
 MAX_FOLDER_BYTES = 256_000_000
 SUFFIX = ".run"
 
-_TOGETHER = 32  # moments in a piece
-_LARGEST_PIECE = 16_000_000  # bytes, unpacked
+_TOGETHER = 32  # moments in a piece, unless they are heavy
+_HEAVY = 12_000_000  # bytes of objects in what is not packed, unless one moment has more
+_HEAVIEST = (
+    48_000_000  # bytes that the objects of a piece may take at most, unless it is one moment
+)
 _DEEPEST = 200  # that a memory may be nested
 _QUICK = 2  # of zlib's levels
 _KEPT_OPEN = 2  # pieces, for those who go through them
@@ -56,8 +64,7 @@ class Recording:
         self._key = key
         self._level = level
         self._start = start
-        self._pieces: list[bytes] = []
-        self._digests: list[str] = []
+        self._pieces: list[_Piece] = []
         self._loose = [start]
         self._is_new = False
         self._lasting: float = math.inf
@@ -66,11 +73,11 @@ class Recording:
     @property
     def last(self) -> int:
         """The latest tick that is known."""
-        return len(self._pieces) * _TOGETHER + len(self._loose) - 1
+        return self._packed + len(self._loose) - 1
 
     @property
     def lasts(self) -> bool:
-        """Whether every tick would be the same again."""
+        """Whether every tick would be the same again: no guard ended a thought."""
         return self._lasting >= self.last
 
     def moment(self, tick: int) -> Moment:
@@ -79,32 +86,30 @@ class Recording:
         Raises:
             DamagedError: It was read from a file that is damaged or false.
         """
-        piece, place = divmod(tick, _TOGETHER)
-        if piece == len(self._pieces):
-            return self._loose[place]
-        return self._checked(moment_of(self._pieces[piece], self._digests[piece], place), tick)
+        if tick >= self._packed:
+            return self._loose[tick - self._packed]
+        piece = self._pieces[bisect_right(self._pieces, tick, key=_first_of) - 1]
+        return self._checked(_moment_of(piece, tick - piece.first), tick)
 
-    def add(self, moment: Moment, *, lasts: bool = True) -> None:
-        """Take in the next tick.
+    def add(self, moment: Moment) -> None:
+        """Take in what the next tick left behind.
 
-        Args:
-            moment: What it left behind.
-            lasts: Whether it would be the same again; if not, it is kept for this process only, and
-                so are the ticks after it.
+        If a guard ended a thought in it, it may be otherwise on another day: then it is kept for
+        this process only, and so are the ticks after it.
         """
         self._loose.append(moment)
         self._is_new = True
-        if not lasts:
+        if not moment.is_reliable:
             self._lasting = min(self._lasting, self.last - 1)
-        if len(self._loose) == _TOGETHER:
-            self._pack(self._loose)
+        if len(self._loose) >= _TOGETHER or sum(each.weight for each in self._loose) > _HEAVY:
+            self._pieces += _pieces_of(self._loose)
             self._loose = []
 
     def forget(self) -> None:
         """Begin anew with the start, also on disk."""
         if (folder := _folder()) is not None:
             folder.drop(self._key)
-        self._pieces, self._digests, self._loose = [], [], [self._start]
+        self._pieces, self._loose = [], [self._start]
         self._lasting = math.inf
 
     def save(self) -> None:
@@ -113,34 +118,37 @@ class Recording:
         if folder is None or not self._is_new:
             return
         self._is_new = False
-        pieces, digests, loose = self._pieces, self._digests, self._loose
-        if self._lasting < self.last:
-            whole, more = divmod(int(self._lasting) + 1, _TOGETHER)
-            loose = [self.moment(whole * _TOGETHER + at) for at in range(more)]
-            pieces, digests = pieces[:whole], digests[:whole]
-        count = len(pieces) * _TOGETHER + len(loose)
-        if loose:
-            pieces = [*pieces, packed(loose)]
-            digests = [*digests, _digest(pieces[-1])]
-        fits = _number_that_fits(map(len, pieces))
-        if fits < len(pieces):
-            pieces, digests, count = pieces[:fits], digests[:fits], fits * _TOGETHER
+        pieces = _that_fit(self._up_to(min(self._lasting, self.last)))
+        count = sum(piece.count for piece in pieces)
         there = folder.read(self._key, MAX_BYTES)
         if there is not None and _count(there) >= count:
             return
         index = {
             "key": self._key,
             "moments": count,
-            "pieces": [[len(p), d] for p, d in zip(pieces, digests, strict=True)],
+            "pieces": [[len(p.content), p.digest, p.count] for p in pieces],
         }
         line = json.dumps(index).encode()
-        folder.keep(self._key, [_digest(line).encode(), b"\n", line, b"\n", *pieces])
+        contents = [piece.content for piece in pieces]
+        folder.keep(self._key, [_digest(line).encode(), b"\n", line, b"\n", *contents])
 
     # -- inside --------------------------------------------------------------------------------
 
-    def _pack(self, moments: Sequence[Moment]) -> None:
-        self._pieces.append(packed(moments))
-        self._digests.append(_digest(self._pieces[-1]))
+    @property
+    def _packed(self) -> int:
+        """How many moments are packed."""
+        return self._pieces[-1].first + self._pieces[-1].count if self._pieces else 0
+
+    def _up_to(self, last: float) -> Iterator[_Piece]:
+        """All up to a tick in pieces."""
+        for piece in self._pieces:
+            if piece.first + piece.count - 1 > last:
+                few = range(piece.first, int(last) + 1)
+                yield from _pieces_of([self.moment(tick) for tick in few])
+                return
+            yield piece
+        few = range(self._packed, int(last) + 1)
+        yield from _pieces_of([self.moment(tick) for tick in few])
 
     def _read(self) -> None:
         """Take over what is on disk, if that is a recording of this run."""
@@ -150,24 +158,23 @@ class Recording:
             return
         try:
             index, rest = _index(content)
-            lengths = [length for length, _ in index["pieces"]]
-            count, whole = index["moments"], index["moments"] // _TOGETHER
-            if index["key"] != self._key or sum(lengths) != rest or not count > 0:
-                raise DamagedError("another run, or not all of it")
-            if len(lengths) != -(-count // _TOGETHER):
-                raise DamagedError("not as many pieces as that takes")
+            if index["key"] != self._key or not index["moments"] > 0:
+                raise DamagedError("another run")
             at = len(content) - rest
-            for length, digest in index["pieces"]:
-                self._pieces.append(content[at : at + length])
-                self._digests.append(digest)
+            for length, digest, count in index["pieces"]:
+                if not 0 < count <= _TOGETHER:
+                    raise DamagedError("no such piece")
+                piece = _Piece(self._packed, count, content[at : at + length], digest, own=False)
+                self._pieces.append(piece)
                 at += length
+            if at != len(content) or self._packed != index["moments"]:
+                raise DamagedError("not all of it")
             self._loose = []
-            if more := count % _TOGETHER:
-                piece, digest = self._pieces.pop(), self._digests.pop()
+            if self._pieces[-1].count < _TOGETHER:
                 self._loose = [
-                    self._checked(moment_of(piece, digest, at), whole * _TOGETHER + at)
-                    for at in range(more)
+                    self.moment(tick) for tick in range(self._pieces[-1].first, self._packed)
                 ]
+                del self._pieces[-1]
             if self.moment(0) != self._start:
                 raise DamagedError("another start")
         except (ValueError, TypeError, KeyError, OverflowError, RecursionError):
@@ -188,19 +195,62 @@ class Recording:
         return moment
 
 
-def packed(moments: Sequence[Moment]) -> bytes:
-    """Moments as packed JSON."""
-    return zlib.compress(json.dumps(laid_out(moments), separators=(",", ":")).encode(), _QUICK)
+@dataclass(frozen=True, slots=True)
+class _Piece:
+    """Some moments as packed JSON.
+
+    Attributes:
+        first: Tick of the first one.
+        count: How many they are.
+        content: The packed text.
+        digest: Of that.
+        own: Whether this process packed it, so that it is known to hold no more than it may.
+        fits: Whether another process will read it, too.
+    """
+
+    first: int
+    count: int
+    content: bytes
+    digest: str
+    own: bool = True
+    fits: bool = True
 
 
-def moment_of(piece: bytes, digest: str, at: int) -> Moment:
+_first_of = attrgetter("first")
+
+
+def _pieces_of(moments: Sequence[Moment]) -> Iterator[_Piece]:
+    """Moments in as few pieces as can be opened without taking too much memory."""
+    if not moments:
+        return
+    text = _text_of(moments)
+    fits = _may_be_opened(text)
+    if not fits and len(moments) > 1:
+        half = len(moments) // 2
+        yield from _pieces_of(moments[:half])
+        yield from _pieces_of(moments[half:])
+        return
+    content = zlib.compress(text.encode(), _QUICK)
+    yield _Piece(moments[0].after.tick, len(moments), content, _digest(content), fits=fits)
+
+
+def _text_of(moments: Sequence[Moment]) -> str:
+    return json.dumps(laid_out(moments), separators=(",", ":"))
+
+
+def _may_be_opened(text: str) -> bool:
+    """Whether what a text holds surely takes no more memory than that of a piece may."""
+    return len(text) <= _HEAVIEST and weight_of_text(text) <= _HEAVIEST
+
+
+def _moment_of(piece: _Piece, at: int) -> Moment:
     """One of the moments of a piece.
 
     Raises:
         DamagedError: There is none, or the piece is damaged.
     """
     try:
-        return moment_in(_unpacked(piece, digest), at)
+        return moment_in(_unpacked(piece), at)
     except DamagedError:
         raise
     except (ValueError, TypeError, LookupError, StopIteration, RecursionError) as error:
@@ -208,15 +258,15 @@ def moment_of(piece: bytes, digest: str, at: int) -> Moment:
 
 
 @lru_cache(maxsize=_KEPT_OPEN)
-def _unpacked(piece: bytes, digest: str) -> Any:
-    if _digest(piece) != digest:
+def _unpacked(piece: _Piece) -> Any:
+    if _digest(piece.content) != piece.digest:
         raise DamagedError("the piece is damaged")
     unpacking = zlib.decompressobj()
     try:
-        text = unpacking.decompress(piece, _LARGEST_PIECE)
+        text = unpacking.decompress(piece.content, 0 if piece.own else _HEAVIEST).decode()
     except zlib.error as error:
         raise DamagedError("the piece can't be unpacked") from error
-    if not unpacking.eof:
+    if not unpacking.eof or not (piece.own or _may_be_opened(text)):
         raise DamagedError("the piece is too large")
     return json.loads(text)
 
@@ -248,15 +298,15 @@ def _count(content: bytes) -> int:
         return 0
 
 
-def _number_that_fits(lengths: Iterable[int]) -> int:
-    """How many of the first pieces fit into a file, with room for the index."""
-    total, number = 0, 0
-    for length in lengths:
-        total += length + 100
-        if total > MAX_BYTES - 1000:
+def _that_fit(pieces: Iterable[_Piece]) -> list[_Piece]:
+    """Those of the first pieces that fit into a file, with room for the index."""
+    total, found = 0, []
+    for piece in pieces:
+        total += len(piece.content) + 100
+        if total > MAX_BYTES - 1000 or not piece.fits:
             break
-        number += 1
-    return number
+        found.append(piece)
+    return found
 
 
 def _digest(content: bytes) -> str:
@@ -277,6 +327,8 @@ def _is_moment(moment: Moment, tick: int, level: Level) -> bool:
             type(area.active) is bool and set(area.visitors) <= set(names) for area in after.areas
         )
         and _are_numbers(moment.think_milliseconds, moment.driven)
+        and type(moment.weight) is int
+        and moment.weight >= 0
         and list(moment.memories) == names
         and all(_is_value(memory, _DEEPEST) for memory in moment.memories.values())
         and [each.robot_name for each in moment.decisions] == (names if tick else [])

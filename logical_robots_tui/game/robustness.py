@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from logical_robots_tui.values import Value
     from logical_robots_tui.world import Level
 
-__all__ = ["STARTS", "Played", "play_through", "shifted", "try_starts"]
+__all__ = ["STARTS", "LateError", "Played", "play_through", "shifted", "try_starts"]
 
 STARTS = 20
 """From how many shifted starts a program is tried."""
@@ -28,6 +28,10 @@ FARTHEST_SHIFT = 8.0
 
 WIDEST_TURN = 0.2
 """Radians by which a robot may be turned."""
+
+
+class LateError(Exception):
+    """A clock ended a thought: another run might go otherwise, so this one counts for nothing."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -71,6 +75,7 @@ def play_through(
 
     Raises:
         Stopped: `stop` was set.
+        LateError: A clock ended a thought.
     """
     world = World(level)
     visibility = level.visibility
@@ -81,6 +86,8 @@ def play_through(
         before = world.save()
         while world.tick < patience and world.won_at is None:
             decisions = mind.think(world.sense(), memories, stop=stop)
+            if not all(decision.is_reliable for decision in decisions):
+                raise LateError
             world.act({d.robot_name: d.desire for d in decisions if d.desire is not None})
             memories = {d.robot_name: d.memory for d in decisions}
             before, after = world.save(), before
@@ -114,6 +121,7 @@ def try_starts(
 
     Raises:
         Stopped: `stop` was set.
+        LateError: A clock ended a thought.
     """
     wins = 0
     for seed in range(starts):

@@ -81,7 +81,7 @@ class Run:
 
     @property
     def lasts(self) -> bool:
-        """Whether all ticks that were computed would be the same again: none took too long."""
+        """Whether all ticks computed would be the same again: no guard ended a thought."""
         return self._recording.lasts
 
     async def frame(self, tick: int, told: Callable[[int], object] = lambda _tick: None) -> Frame:
@@ -209,16 +209,7 @@ class Run:
         )
         frame = self._latest = step.frame
         before = self._recording.moment(past.tick).driven
-        moment = Moment(
-            frame.after,
-            frame.memories,
-            frame.decisions,
-            frame.think_milliseconds,
-            before + driven(frame.before, frame.after),
-        )
-        # A thought that was cut off for its time may be finished on another day.
-        is_slow = frame.think_milliseconds >= 1000 * self.limits.think_seconds
-        self._recording.add(moment, lasts=not is_slow)
+        self._recording.add(Moment.of(frame, before + driven(frame.before, frame.after)))
 
 
 def run_key(level: Level, program: Program, engine: Engine, limits: Limits) -> str:

@@ -7,8 +7,9 @@ from functools import lru_cache
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from logical_robots_tui.confinement import check_mine
 from logical_robots_tui.errors import InputError
-from logical_robots_tui.paths import is_file, is_folder, real
+from logical_robots_tui.paths import is_file, is_folder, read_ordinary, real
 from logical_robots_tui.shipped import did_you_mean, shipped_folder, shipped_names
 from logical_robots_tui.writing import write_atomically
 
@@ -73,6 +74,7 @@ def load_program(
     """
     path = Path(path_or_name)
     try:
+        check_mine(path)
         if path.exists():
             return _read(path, pipes=pipes)
     except OSError as error:
@@ -122,8 +124,11 @@ def _read(path: Path, *, pipes: bool = False) -> Source:
     if not pipes and path.exists() and not path.is_file():
         raise InputError("is no ordinary file", place=place, hint="A program is a text file.")
     try:
-        with path.open("rb") as file:
-            raw = file.read(MAX_PROGRAM_BYTES + 1)
+        if pipes:
+            with path.open("rb") as file:
+                raw = file.read(MAX_PROGRAM_BYTES + 1)
+        else:
+            raw = read_ordinary(path, MAX_PROGRAM_BYTES + 1)
     except OSError as error:
         raise InputError(f"can't be read: {error.strerror or error}", place=place) from error
     if len(raw) > MAX_PROGRAM_BYTES:

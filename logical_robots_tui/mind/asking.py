@@ -7,13 +7,14 @@ from functools import cache
 from itertools import accumulate
 from typing import TYPE_CHECKING, Any, TypeAlias
 
-from logical_robots_tui.mind.exploring import SQLITE_ERRORS, Explored, failures
-from logical_robots_tui.mind.failures import FailureError
+from logical_robots_tui.mind.exploring import Explored
+from logical_robots_tui.mind.failures import SQLITE_ERRORS, FailureError, failures_in_words
 from logical_robots_tui.mind.machinery import plan_lines
 from logical_robots_tui.mind.program import TRUTH_MARK
 from logical_robots_tui.mind.sqlite.database import TooMuchError, TooSlowError
 from logical_robots_tui.mind.sqlite.lasting import Lasting
 from logical_robots_tui.mind.sqlite.layouts import COLUMNS_LAYOUT, LISTS_LAYOUT
+from logical_robots_tui.mind.sqlite.moment import TooHeavyError
 from logical_robots_tui.mind.sqlite.stored import TooDeepError, from_sql
 from logical_robots_tui.mind.sqlite.tables import PlainTables, TunedTables, UnfitError
 from logical_robots_tui.mind.why.relations import ALIKE, SAME, alike_in_sql, same_in_sql
@@ -34,8 +35,14 @@ __all__ = ["Answer", "Asking"]
 _PLAN = "EXPLAIN QUERY PLAN "
 _MOST_TOGETHER = 20_000  # rows for all views from one query
 
-
-_NO_QUICK_ANSWER = (UnfitError, TooDeepError, TooMuchError, TooSlowError, *SQLITE_ERRORS)
+_NO_QUICK_ANSWER = (
+    UnfitError,
+    TooDeepError,
+    TooHeavyError,
+    TooMuchError,
+    TooSlowError,
+    *SQLITE_ERRORS,
+)
 
 Answer: TypeAlias = "tuple[tuple[str, ...], list[tuple[Value, ...]]]"
 """Column names and rows."""
@@ -180,7 +187,7 @@ class Asking:
         Raises:
             FailureError: It failed, or took too long.
         """
-        with failures(within):
+        with failures_in_words(within):
             columns, rows = self._plain.ask(sql, moment, view, within, parameters)
             return columns, self._read_all(rows, within)
 

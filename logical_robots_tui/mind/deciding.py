@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 from logical_robots_tui.mind.decision import Decision, Notice
 from logical_robots_tui.mind.sqlite.stored import to_json
+from logical_robots_tui.mind.weight import HEAVIEST_CHARACTER, weight_of
 from logical_robots_tui.values import Desire, Value
 
 if TYPE_CHECKING:
@@ -35,6 +36,7 @@ def decide(
     notices: list[Notice],
     limits: Limits,
     size_of: Callable[[Value], int],
+    robots: int,
 ) -> Decision:
     """The decision that follows from the rows of `Robot` for one robot; of several the last.
 
@@ -45,10 +47,11 @@ def decide(
         notices: What is known to be unusual.
         limits: Bounds on its new memory.
         size_of: Tells the bytes of a memory.
+        robots: How many there are, who share what there is to remember.
     """
     notices = list(notices)
     if not rows:
-        if not any(n.kind == "failed" for n in notices):
+        if not any(n.kind in ("failed", "late") for n in notices):
             notices.append(Notice("no row", f"Robot has no row for {name}: engines stop."))
         return Decision(name, None, memory, tuple(notices))
     if len(rows) > 1:
@@ -58,29 +61,23 @@ def decide(
     row = rows[-1]
     if "memory" not in row:
         notices.append(Notice("no memory", "Robot has no memory column: memory stays as it was."))
-    else:
-        memory = _remember(row["memory"], memory, notices, limits, size_of)
-    return Decision(name, _desire(row.get("desire"), notices), memory, tuple(notices))
-
-
-def _remember(
-    new: Value,
-    old: Value,
-    notices: list[Notice],
-    limits: Limits,
-    size_of: Callable[[Value], int],
-) -> Value:
+        return Decision(name, _desire(row.get("desire"), notices), memory, tuple(notices))
+    new = row["memory"]
     size = size_of(new)
-    if size <= limits.memory_bytes:
-        return new
-    notices.append(
-        Notice(
-            "no memory",
-            f"The new memory has {size:,} bytes, more than {limits.memory_bytes:,}: "
-            "memory stays as it was.",
+    most = limits.weight_of_each(robots)
+    weight = size if isinstance(new, str) else size * HEAVIEST_CHARACTER
+    if size > limits.memory_bytes:
+        too_much = f"has {size:,} bytes, more than {limits.memory_bytes:,}"
+    elif weight > most and (weight := weight_of(new, most)) > most:
+        too_much = (
+            f"takes more than the {most:,} bytes that there are for each of {robots} robots, "
+            "counting its records and lists"
         )
-    )
-    return old
+    else:
+        return Decision(name, _desire(row.get("desire"), notices), new, tuple(notices), weight)
+    said = f"The new memory {too_much}: memory stays as it was."
+    notices.append(Notice("no memory", said))
+    return Decision(name, _desire(row.get("desire"), notices), memory, tuple(notices))
 
 
 def _desire(value: Value, notices: list[Notice]) -> Desire | None:

@@ -1,18 +1,13 @@
-"""What one view of a moment shows, to be asked for explanations."""
+"""Asking what one view of a moment shows, in many small queries, for explanations."""
 
 from __future__ import annotations
 
-import sqlite3
-from contextlib import contextmanager
 from typing import TYPE_CHECKING
 
-from logical_robots_tui.mind.failures import FailureError, in_plain_words
-from logical_robots_tui.mind.plain import printable
-from logical_robots_tui.mind.sqlite.database import TooMuchError, TooSlowError
-from logical_robots_tui.mind.sqlite.stored import TooDeepError
+from logical_robots_tui.mind.failures import FailureError, failures_in_words
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Sequence
+    from collections.abc import Sequence
 
     from logical_robots_tui.mind.asking import Answer, Asking
     from logical_robots_tui.mind.sqlite.database import Answer as RawAnswer
@@ -20,9 +15,7 @@ if TYPE_CHECKING:
     from logical_robots_tui.mind.sqlite.moment import Moment, View, Within
     from logical_robots_tui.mind.sqlite.tables import PlainTables
 
-__all__ = ["SQLITE_ERRORS", "Explored", "failures"]
-
-SQLITE_ERRORS = (sqlite3.Error, sqlite3.Warning)
+__all__ = ["Explored"]
 
 
 class Explored:
@@ -33,7 +26,7 @@ class Explored:
         plain: Its plain tables.
         moment: The moment.
         view: The view.
-        within: How long all of it may take, and most rows of a predicate.
+        within: What all of it may use up, and most rows of a predicate.
     """
 
     def __init__(
@@ -64,7 +57,7 @@ class Explored:
         Raises:
             FailureError: It takes too much memory.
         """
-        with failures(self._within):
+        with failures_in_words(self._within):
             self._plain.define(table, columns, rows, self._moment, self._view)
 
     def ask(self, sql: str, parameters: Sequence[Scalar]) -> RawAnswer:
@@ -73,19 +66,5 @@ class Explored:
         Raises:
             FailureError: It failed.
         """
-        with failures(self._within):
+        with failures_in_words(self._within):
             return self._plain.ask(sql, self._moment, self._view, self._within, parameters)
-
-
-@contextmanager
-def failures(within: Within) -> Iterator[None]:
-    """Failures in words for the player."""
-    try:
-        yield
-    except TooSlowError:
-        message = f"thinking took longer than {within.seconds:g} seconds"
-        raise FailureError(message, slow=True) from None
-    except (TooMuchError, TooDeepError) as error:
-        raise FailureError(str(error)) from None
-    except SQLITE_ERRORS as error:
-        raise FailureError(printable(in_plain_words(error))) from None

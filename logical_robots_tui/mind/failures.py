@@ -3,8 +3,24 @@
 from __future__ import annotations
 
 import re
+import sqlite3
+from contextlib import contextmanager
+from typing import TYPE_CHECKING
 
-__all__ = ["FailureError", "in_plain_words"]
+from logical_robots_tui.mind.plain import printable
+from logical_robots_tui.mind.sqlite.database import TooMuchError, TooSlowError
+from logical_robots_tui.mind.sqlite.moment import TooHeavyError
+from logical_robots_tui.mind.sqlite.stored import TooDeepError
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from logical_robots_tui.mind.sqlite.moment import Within
+
+__all__ = ["SQLITE_ERRORS", "FailureError", "failures_in_words", "in_plain_words"]
+
+SQLITE_ERRORS = (sqlite3.Error, sqlite3.Warning)
+"""What a query may raise that is SQLite's."""
 
 
 class FailureError(Exception):
@@ -12,11 +28,41 @@ class FailureError(Exception):
 
     Attributes:
         slow: Whether it took too long, so that trying again would as well.
+        late: Whether it was the clock that ended it.
     """
 
-    def __init__(self, message: str, *, slow: bool = False) -> None:
+    def __init__(self, message: str, *, slow: bool = False, late: bool = False) -> None:
         self.slow = slow
+        self.late = late
         super().__init__(message)
+
+
+@contextmanager
+def failures_in_words(within: Within) -> Iterator[None]:
+    """Turn whatever a query may end with into a `FailureError` for the player.
+
+    Args:
+        within: What the query may use up.
+    """
+    try:
+        yield
+    except TooSlowError:
+        raise _slow(within) from None
+    except TooHeavyError as error:
+        raise FailureError(str(error), slow=True) from None
+    except (TooMuchError, TooDeepError) as error:
+        raise FailureError(str(error)) from None
+    except SQLITE_ERRORS as error:
+        raise FailureError(printable(in_plain_words(error))) from None
+
+
+def _slow(within: Within) -> FailureError:
+    if within.budget.is_late:
+        message = (
+            f"a guard ended it after {within.seconds:g} seconds, elsewhere it may go otherwise"
+        )
+        return FailureError(message, slow=True, late=True)
+    return FailureError(f"thinking took more than {within.steps:,} steps", slow=True)
 
 
 def in_plain_words(error: Exception) -> str:

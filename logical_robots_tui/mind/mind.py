@@ -7,6 +7,7 @@ from time import perf_counter
 from typing import TYPE_CHECKING, Literal
 
 from logical_robots_tui.mind.asking import Asking
+from logical_robots_tui.mind.blaming import blame, cut_offs
 from logical_robots_tui.mind.deciding import decide, note_stranger
 from logical_robots_tui.mind.decision import Decision, Notice
 from logical_robots_tui.mind.diagnostics import QueryError
@@ -17,17 +18,21 @@ from logical_robots_tui.mind.machinery import Machinery
 from logical_robots_tui.mind.sqlite.lasting import Sizes
 from logical_robots_tui.mind.sqlite.moment import Moment, View, Within
 from logical_robots_tui.mind.sqlite.stored import size_of
-from logical_robots_tui.mind.table import Table
+from logical_robots_tui.mind.table import Table, table_of
+from logical_robots_tui.mind.weight import check_room
 from logical_robots_tui.values import SensorRow, Value
 
 if TYPE_CHECKING:
     import threading
+    from collections.abc import Callable
 
     from logical_robots_tui.mind.asking import Answer
     from logical_robots_tui.mind.program import Program, Question
     from logical_robots_tui.mind.why.explainer import Explainer
 
 __all__ = ["Mind"]
+
+_ROOM = 320 * 1024**2  # bytes of address space; what SQLite and all rows may take at most
 
 Memories = Mapping[str, Value]
 
@@ -73,6 +78,7 @@ class Mind:
         # What `Robot` gave at that moment, as far as that is known.
         self._thought: list[tuple[View, Answer]] = []
         self._asking = Asking(program, self.limits, plain=plain, duck=duck, frozen=frozen)
+        self._anew = False  # whether the last thought took too many steps
 
     def think(
         self,
@@ -91,8 +97,24 @@ class Mind:
         Raises:
             Stopped: `stop` was set before the thought was finished.
         """
-        within = Within(self.limits.think_seconds, self.limits.think_rows, stop)
         moment = self._moment_of(rows, memories)
+        within = Within.of_thought(self.limits, stop, anew=self._anew)
+        try:
+            check_room(_ROOM)
+            decisions = self._decisions(moment, memories, within)
+            if within.is_close:
+                within = within.again()
+                decisions = self._decisions(moment, memories, within)
+        except MemoryError:
+            self._thought = []
+            notice = Notice("no room", "There was not enough memory to think: engines stop.")
+            names = moment.names
+            return [Decision(name, None, memories.get(name), (notice,)) for name in names]
+        self._anew = within.anew and within.budget.steps < 0
+        return decisions
+
+    def _decisions(self, moment: Moment, memories: Memories, within: Within) -> list[Decision]:
+        """One decision for each robot of a moment."""
         names = moment.names
         answers: dict[str, list[Mapping[str, Value]]] = {name: [] for name in names}
         strangers: dict[str, list[Notice]] = {}
@@ -101,11 +123,11 @@ class Mind:
         self._thought = []
         for view, answer in self._asking.each("Robot", moment, within):
             if isinstance(answer, FailureError):
-                notice = self._blame(answer, moment, view, within)
+                notice = blame(answer, self._asking, self.program.needed, moment, view, within)
                 failures |= dict.fromkeys(view.viewers, notice)
                 continue
             if self.program.recursions:
-                notices = [*self._cut_off(moment, view, within)]
+                notices = [*cut_offs(self._asking, moment, view, within)]
                 cut_off |= dict.fromkeys(view.viewers, notices)
             columns, found = answer
             mine = frozenset(view.viewers)
@@ -129,6 +151,7 @@ class Mind:
                 else [*strangers.get(name, ()), *cut_off.get(name, ())],
                 self.limits,
                 size_of if self._sizes is None else self._sizes.of,
+                len(names),
             )
             for name in names
         ]
@@ -188,11 +211,14 @@ class Mind:
             Stopped: `stop` was set before the answer was there.
         """
         moment = self._moment_of(rows, memories)
-        within = Within(self.limits.query_seconds, self.limits.rows, stop, cut=True)
-        try:
-            return self._collected(
-                self._asking.question(question, moment, within, in_order=in_order, viewers=viewers)
+
+        def answers(within: Within) -> Iterator[tuple[View, Answer]]:
+            return self._asking.question(
+                question, moment, within, in_order=in_order, viewers=viewers
             )
+
+        try:
+            return self._counted(answers, stop)
         except FailureError as failure:
             what = question.text if question.text.isidentifier() else "This"
             raise QueryError(f"{what} failed: {failure}.") from None
@@ -227,10 +253,10 @@ class Mind:
             if viewers is not None and not any(name in viewers for name in view.viewers):
                 continue
             for name in predicates:
-                within = Within(self.limits.query_seconds, self.limits.rows, stop)
                 try:
+                    within = self._within(self.limits.rows, stop, cut=False)
                     columns, found = self._asking.rows(name, moment, view, within)
-                except FailureError:
+                except (FailureError, QueryError):
                     yield name, None
                 else:
                     yield name, [dict(zip(columns, row, strict=True)) for row in found]
@@ -257,7 +283,7 @@ class Mind:
         view = next((view for view in moment.views if robot in view.viewers), None)
         if view is None:
             raise QueryError(f"There is no robot {robot} at this tick.")
-        within = Within(self.limits.query_seconds, _EXPLAINED_ROWS, stop)
+        within = self._within(_EXPLAINED_ROWS, stop, cut=False)
         relations = Relations(self._asking.explore(moment, view, within))
         return Explainer(self.program, relations, robot, self.limits, within)
 
@@ -285,7 +311,7 @@ class Mind:
         if known is None or predicate not in self.program.statements:
             raise QueryError(known.reason if known else f"The program has no {predicate}.")
         moment = Moment(rows, memories, self.memory, self.sensor)
-        within = Within(self.limits.query_seconds, self.limits.rows, stop, cut=True)
+        within = self._within(self.limits.rows, stop)
         try:
             tuned, plan = self._asking.plan(predicate, moment, moment.views[0], within)
         except FailureError as failure:
@@ -301,6 +327,14 @@ class Mind:
         self._asking.close()
 
     # -- inside --------------------------------------------------------------------------------
+
+    def _within(self, rows: int, stop: threading.Event | None, *, cut: bool = True) -> Within:
+        """What a query may use up."""
+        try:
+            check_room(_ROOM)
+        except MemoryError:
+            raise QueryError("There is not enough memory to look this up.") from None
+        return Within.of_query(self.limits, rows, stop, cut=cut)
 
     def _moment_of(self, rows: Sequence[SensorRow], memories: Memories) -> Moment:
         """What is reasoned over; the last one again where nobody changes it and it is the same."""
@@ -325,75 +359,34 @@ class Mind:
         moment = self._moment_of(rows, memories)
         if predicate == "Robot" and moment is self._moment and self._has_thought(moment):
             return self._collected(self._thought)
-        within = Within(self.limits.query_seconds, self.limits.rows, stop, cut=True)
 
-        def answers() -> Iterator[tuple[View, Answer]]:
+        def answers(within: Within) -> Iterator[tuple[View, Answer]]:
             for view, answer in self._asking.each(predicate, moment, within):
                 if isinstance(answer, FailureError):
                     raise QueryError(f"{predicate} failed: {answer}")
                 yield view, answer
 
-        return self._collected(answers())
+        return self._counted(answers, stop)
+
+    def _counted(
+        self,
+        answers: Callable[[Within], Iterable[tuple[View, Answer]]],
+        stop: threading.Event | None,
+    ) -> Table:
+        """The answers for all views, once more where it takes an exact count to say how many."""
+        within = self._within(self.limits.rows, stop)
+        try:
+            table = self._collected(answers(within))
+        except (QueryError, FailureError):
+            if not within.is_close:
+                raise
+        else:
+            if not within.is_close:
+                return table
+        return self._collected(answers(within.again()))
 
     def _collected(self, answers: Iterable[tuple[View, Answer]]) -> Table:
         """The answers for all views as one table."""
-        columns: tuple[str, ...] = ()
-        rows: list[tuple[Value, ...]] = []
-        viewers: list[str] = []
-        for view, (names, found) in answers:
-            columns = names
-            rows += found
-            viewers += [view.viewers[0]] * len(found)
-        if "logica_value" in columns and "value" not in columns:
-            columns = tuple("value" if c == "logica_value" else c for c in columns)
-        most = self.limits.rows
-        return Table(
-            columns,
-            tuple(rows[:most]),
-            tuple(viewers[:most]) if self._separate else (),
-            truncated=len(rows) > most,
-        )
-
-    @property
-    def _separate(self) -> bool:
-        return not (self.memory == "all" and self.sensor == "all")
-
-    def _blame(self, failure: FailureError, moment: Moment, view: View, within: Within) -> Notice:
-        """Say which predicate failed first, and on whose rows."""
-        whose = " and ".join(view.viewers[:3])
-        if len(view.viewers) > 3:
-            whose += " and others"
-        if failure.slow:
-            return Notice("failed", f"The thought about {whose} failed: {failure}.")
-        culprit, reason = "Robot", str(failure)
-        for predicate in self.program.needed:
-            try:
-                self._asking.rows(predicate, moment, view, within)
-            except FailureError as found:
-                if not found.slow:
-                    culprit, reason = predicate, str(found)
-                break
-        alone = [
-            only.viewers[0]
-            for only in moment.one_by_one(view)
-            if self._fails(culprit, moment, only, within)
-        ]
-        if 0 < len(alone) <= 3:
-            whose = " and ".join(alone)
-        return Notice("failed", f"{culprit} failed on the rows of {whose}: {reason}.")
-
-    def _fails(self, predicate: str, moment: Moment, view: View, within: Within) -> bool:
-        try:
-            self._asking.rows(predicate, moment, view, within)
-        except FailureError:
-            return True
-        return False
-
-    def _cut_off(self, moment: Moment, view: View, within: Within) -> Iterator[Notice]:
-        """A notice for each recursion that was still changing when it reached its last step."""
-        for predicate, steps in self._asking.still_grew(moment, view, within):
-            yield Notice(
-                "recursion",
-                f"The recursion of {predicate} was still growing after {steps} steps, what "
-                f"lies further is missing: @Recursive({predicate}, N) says how far it goes.",
-            )
+        separate = not (self.memory == "all" and self.sensor == "all")
+        by_viewer = ((view.viewers[0], *answer) for view, answer in answers)
+        return table_of(by_viewer, self.limits.rows, separate=separate)

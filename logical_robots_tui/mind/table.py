@@ -6,9 +6,11 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
+    from collections.abc import Iterable, Sequence
+
     from logical_robots_tui.values import Value
 
-__all__ = ["Table"]
+__all__ = ["Table", "table_of"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -26,3 +28,33 @@ class Table:
     rows: tuple[tuple[Value, ...], ...]
     viewers: tuple[str, ...] = ()
     truncated: bool = False
+
+
+def table_of(
+    answers: Iterable[tuple[str, Sequence[str], Sequence[tuple[Value, ...]]]],
+    most: int,
+    *,
+    separate: bool,
+) -> Table:
+    """Several answers as one table.
+
+    Args:
+        answers: In whose reasoning, names of the columns, and rows.
+        most: How many rows to show.
+        separate: Whether it matters in whose reasoning a row holds.
+    """
+    columns: Sequence[str] = ()
+    rows: list[tuple[Value, ...]] = []
+    viewers: list[str] = []
+    for viewer, names, found in answers:
+        columns = names
+        rows += found
+        viewers += [viewer] * len(found)
+    if "logica_value" in columns and "value" not in columns:
+        columns = ["value" if column == "logica_value" else column for column in columns]
+    return Table(
+        tuple(columns),
+        tuple(rows[:most]),
+        tuple(viewers[:most]) if separate else (),
+        truncated=len(rows) > most,
+    )

@@ -16,6 +16,7 @@ from logical_robots_tui.progress import FILE_NAME
 from logical_robots_tui.tui.colours import colours_in
 from logical_robots_tui.tui.commands import use_keys, with_keys
 from logical_robots_tui.tui.dressing import dress_of
+from logical_robots_tui.tui.driver import LARGEST
 from logical_robots_tui.tui.freedoms import Freedoms
 from logical_robots_tui.tui.journal import Journal
 from logical_robots_tui.tui.leaving import leave
@@ -31,7 +32,7 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from textual.binding import BindingType
-    from textual.geometry import Region
+    from textual.geometry import Region, Size
     from textual.theme import Theme
 
     from logical_robots_tui.game import Source
@@ -96,6 +97,7 @@ class LogicalRobotsApp(SparingApp, inherit_bindings=False):
         self.animation_level = "none"
         self._turns = Turns(self)
         self._interrupted_at = float("-inf")
+        self._was_cut = False
         self._event_loop: asyncio.AbstractEventLoop | None = None
 
     def get_theme_variable_defaults(self) -> dict[str, str]:
@@ -139,6 +141,9 @@ class LogicalRobotsApp(SparingApp, inherit_bindings=False):
     async def on_event(self, event: events.Event) -> None:
         """Handle an event; a key or a mouse button is to be answered before all else."""
         typed = None
+        if isinstance(event, events.Resize) and self._is_cut(event.size):
+            columns, lines = LARGEST
+            self.main.warn(f"Only {columns} columns and {lines} lines of this terminal are drawn.")
         if isinstance(event, events.MouseDown | events.MouseMove) and self._is_gone(event):
             return
         if isinstance(event, events.Key | events.Paste) and not event.is_forwarded:
@@ -153,6 +158,25 @@ class LogicalRobotsApp(SparingApp, inherit_bindings=False):
             await super().on_event(event)
             if typed is not None:
                 self._turns.begin(typed)
+
+    def _is_cut(self, size: Size) -> bool:
+        """Whether a terminal is larger than what is drawn, and nobody was told yet."""
+        was_cut, self._was_cut = (
+            self._was_cut,
+            size.width >= LARGEST[0] or size.height >= LARGEST[1],
+        )
+        return self._was_cut and not was_cut
+
+    @property
+    def backlog(self) -> int:
+        """How many keys and other events are not answered yet; may be asked in any thread."""
+        focused = self.focused if self.screen_stack else None
+        queues = [node.message_queue_size for node in (self, focused) if node is not None]
+        return self._turns.waiting + sum(queues)
+
+    def forget_typed(self) -> None:
+        """Answer none of the keys that are held back: nobody types so much."""
+        self._turns.forget()
 
     def _is_gone(self, event: events.MouseEvent) -> bool:
         """Whether the mouse points at what was taken away and not yet painted over.

@@ -42,7 +42,10 @@ class Celebration:
         alone = len(screen.session.level.robots) == 1
         who = "You are there" if alone else "Everybody is there"
         screen.labyrinth.briefing.display = False
-        if is_by_the_book(screen.session):
+        history = screen.session.history
+        if history is not None and not history.is_reliable_up_to(won_at):
+            screen.tell("A thought was ended by the clock on the way: this victory is not kept.")
+        elif is_by_the_book(screen.session):
             screen.journal.won(screen.session)
         else:
             screen.tell("The level was changed by hand: this victory is not kept.")

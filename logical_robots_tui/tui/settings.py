@@ -8,12 +8,14 @@ import tomllib
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
+from logical_robots_tui.paths import read_ordinary
 from logical_robots_tui.shipped import did_you_mean
 from logical_robots_tui.tui.commands import COMMANDS, EDITING, key_name
 from logical_robots_tui.tui.drawing.glyphs import Drawing
 from logical_robots_tui.tui.dress import NIGHT_NAME
 from logical_robots_tui.tui.keys import key_from
 from logical_robots_tui.tui.theme import THEMES
+from logical_robots_tui.world.excess import excess_of_toml
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping, Sequence
@@ -25,6 +27,7 @@ if TYPE_CHECKING:
 __all__ = ["Settings", "as_toml", "read_settings"]
 
 _MOST_FRAMES = 60
+_LONGEST = 100_000  # bytes of the file
 _ONLY_EDITING = ("enter", "tab", "shift+tab", "delete", "backspace")
 """Keys that only commands for editing can have, as key_name writes them."""
 
@@ -59,7 +62,9 @@ def read_settings(path: Path) -> Settings:
         path: The file; a missing one sets nothing.
     """
     try:
-        text = path.read_text("utf-8-sig")
+        text = read_ordinary(path, _LONGEST + 1).decode("utf-8-sig")
+        if len(text) > _LONGEST or excess_of_toml(text):
+            raise ValueError("it is too large")
         found = tomllib.loads(text)
     except FileNotFoundError:
         return Settings()

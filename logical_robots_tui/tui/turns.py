@@ -35,6 +35,15 @@ class Turns:
         self._number = 0  # of the key that is being answered
         self._answering = False
 
+    @property
+    def waiting(self) -> int:
+        """How many events are held back."""
+        return len(self._waiting)
+
+    def forget(self) -> None:
+        """Drop what is held back."""
+        self._waiting.clear()
+
     def must_wait(self, event: events.Key | events.Paste) -> bool:
         """Whether an event is held back; it comes to the app again when its turn has come."""
         if self._answering:

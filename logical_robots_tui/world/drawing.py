@@ -34,6 +34,7 @@ _SHORT = re.compile(r"(?:(\d{1,4})\*\s*)?(\d{1,4}[#.](?:\s*\d{1,4}[#.])*)", re.A
 _NO_KINDS = b"0123456789" + whitespace.encode()
 _ONLY_COUNTS = str.maketrans("#.", "  ")
 _WIDEST_DRAWN = 240  # characters; wider rows are shortened, for nobody draws them by hand
+_LONGEST_ROW = 10 * MOST_SIDE  # characters of a shortened one
 _LARGEST_CELL = 20  # map units; larger ones would leave no room to draw anything new
 _DRAW = "Draw walls as # and free cells as . or space, one row per line, between ''' and '''."
 _SHORTEN = (
@@ -88,9 +89,10 @@ def read_drawing(top: Fields, text: str) -> NDArray[np.bool_]:
     drawing = top.record.get("walls")
     if not isinstance(drawing, str):
         raise top.error("walls", '"walls" must be a text that draws the map.', _DRAW)
+    drawing_lines = drawing.removesuffix("\n").count("\n") + 1
+    if drawing_lines > MOST_SIDE:
+        raise top.error("walls", f"The map has {drawing_lines} rows; {MOST_SIDE} is the most.")
     lines = drawing.removesuffix("\n").split("\n")
-    if len(lines) > MOST_SIDE:
-        raise top.error("walls", f"The map has {len(lines)} rows; {MOST_SIDE} is the most.")
     rows = [_row(line) for line in lines]
     columns = rows[0].columns if rows[0] else 0
     if rows[0] and not columns:
@@ -177,6 +179,8 @@ def _row(line: str) -> _Row | None:
     """Read a line; None if it looks shortened, but can't be read."""
     if not _DIGIT.search(line):
         return _Row(line, 1)
+    if len(line) > _LONGEST_ROW:
+        return None
     found = _SHORT.fullmatch(line.strip())
     if not found or not int(found[1] or 1):
         return None

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from pathlib import Path
 
+from logical_robots_tui.confinement import check_mine
+from logical_robots_tui.paths import read_ordinary
 from logical_robots_tui.shipped import did_you_mean, shipped_folder, shipped_names
 from logical_robots_tui.world.level import Level, LevelError
 from logical_robots_tui.world.limits import MOST_BYTES
@@ -67,12 +69,12 @@ def read_text(path: Path) -> str:
         LevelError: There is no such file, or it can't be read, or it is no text.
     """
     try:
+        check_mine(path)
         if path.is_dir():
             raise LevelError("This is a folder, not a level.", place=str(path), hint=_FORMATS)
         if not path.is_file():
             raise _not_there(path)
-        with path.open("rb") as file:
-            content = file.read(MOST_BYTES + 1)
+        content = read_ordinary(path, MOST_BYTES + 1)
     except (OSError, ValueError) as error:
         reason = getattr(error, "strerror", None) or str(error)
         raise LevelError(f"The file can't be read: {reason}.", place=str(path)) from None

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, TypedDict
 
 from logical_robots_tui.shipped import did_you_mean
 from logical_robots_tui.world.drawing import read_drawing
+from logical_robots_tui.world.excess import excess_of_toml
 from logical_robots_tui.world.fields import Fields, check_robot_names
 from logical_robots_tui.world.level import (
     AREA_COLOR,
@@ -180,6 +181,8 @@ def oddities(level: Level) -> Iterator[Oddity]:
 
 def _parsed(text: str, source: str) -> dict[str, object]:
     hint = "A level of this game is a file of TOML."
+    if found := excess_of_toml(text):
+        raise LevelError(f"The file has {found}.", place=source, hint=hint)
     try:
         return tomllib.loads(text)
     except tomllib.TOMLDecodeError as error:

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from logical_robots_tui.world.excess import excess_of_json
 from logical_robots_tui.world.fields import Fields, check_robot_names
 from logical_robots_tui.world.level import (
     AREA_COLOR,
@@ -64,6 +65,8 @@ def read_web(text: str, name: str, source: str) -> Level:
 
 def _parsed(text: str, source: str) -> dict[str, object]:
     hint = "A level of the web platform is a file of JSON."
+    if found := excess_of_json(text):
+        raise LevelError(f"The file has {found}.", place=source, hint=hint)
     try:
         value = json.loads(text)
     except json.JSONDecodeError as error:

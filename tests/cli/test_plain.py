@@ -152,3 +152,15 @@ def test_goals_of_one_name_are_told_apart(level: Path) -> None:
     entered = replace(start.after, tick=1, areas=(replace(here, visitors=("Pip",)), there))
     told = [*events_between(both, start, replace(start, tick=1, after=entered))]
     assert told == ["Pip enters Door.", "Door: Pip is in."]
+
+
+def test_where_nothing_can_be_kept_no_victory_is_said_to_be_kept(
+    typed: TypedCommand, ahead: Path, tmp_path: Path
+) -> None:
+    typed.program = ahead
+    in_the_way = tmp_path / "in the way"
+    in_the_way.write_text("")
+    data = ("--data-dir", in_the_way / "data")
+    told = typed.play("run", options=(typed._level, ahead, *data)).out
+    assert "The victory counts until you leave" in told
+    assert "is kept in your progress" not in told

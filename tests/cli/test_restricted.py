@@ -9,6 +9,8 @@ from typing import TYPE_CHECKING
 
 import pytest
 
+from logical_robots_tui.cli.fence import MOST_GAMES
+from logical_robots_tui.confinement import MOST_FILES
 from tests.terminal import Terminal
 
 if TYPE_CHECKING:
@@ -36,6 +38,11 @@ attempt("read", lambda: secret.read_text())
 attempt("read by link", lambda: (own / "link.l").read_text())
 attempt("read around a corner", lambda: open(f"{own}/../../{secret.name}"))
 attempt("read by bytes", lambda: os.open(os.fsencode(secret), os.O_RDONLY))
+attempt("read the system's settings", lambda: open("/etc/hostname"))
+attempt("read a program of the system", lambda: open("/usr/bin/env", "rb"))
+attempt("read what is shared", lambda: open("/usr/share/common-licenses/GPL-3"))
+attempt("read what is installed besides", lambda: open("/usr/local/etc/anything"))
+attempt("list what is installed", lambda: os.listdir("/usr"))
 attempt("read a home", lambda: open("/etc/passwd"))
 attempt("read memory", lambda: open("/proc/self/environ"))
 attempt("write", lambda: secret.write_text("mine"))
@@ -74,6 +81,26 @@ attempt("database in memory", lambda: sqlite3.connect(":memory:").execute("selec
 
 from logical_robots_tui import Program, load_level, list_levels
 from logical_robots_tui.game import load_program
+def said(work):
+    try:
+        work()
+        return "nothing"
+    except Exception as error:
+        return getattr(error, "message", repr(error))
+from logical_robots_tui.game.naming import target
+from logical_robots_tui.paths import typed_path
+paths = [
+    secret, secret.with_name("nothing.l"), neighbour, pathlib.Path(json.__file__), own / "link.l",
+    neighbour / "a" / "b.l", pathlib.Path("/proc/self/environ"), pathlib.Path("/x"),
+]
+names = [*map(str, paths), "~root/x", "~nobody-knows/x"]
+answers = {
+    "program": {said(lambda: load_program(path)) for path in paths},
+    "level": {said(lambda: load_level(path)) for path in paths},
+    "typed": {said(lambda: typed_path(name)) for name in names},
+    "target": {said(lambda: target(name, own)) for name in names},
+}
+found["answers"] = {name: sorted(told) for name, told in answers.items()}
 attempt("a level", lambda: load_level(list_levels()[0]))
 attempt("compile", lambda: Program.compile(load_program("first-steps").text))
 print(json.dumps(found))
@@ -102,6 +129,9 @@ def test_a_restricted_process_reaches_its_own_folder_and_the_game_and_nothing_el
         timeout=60,
     )
     found = json.loads(done.stdout)
+    for what, answers in found.pop("answers").items():
+        assert len(answers) == 1, (what, answers)
+        assert "restricted mode allows only your own files" in answers[0]
     expected = {
         name: "done" if name in ALLOWED else REFUSALS.get(name, "PermissionError") for name in found
     }
@@ -141,7 +171,7 @@ def test_a_restricted_game_says_what_is_off(tmp_path: Path) -> None:
             terminal.send(str(path))
             terminal.wait_for(path.name)
             terminal.send("\r")
-            terminal.wait_for(lambda: "restricted mode allows" in unwrapped(terminal.text))
+            terminal.wait_for(lambda: "restricted mode" in unwrapped(terminal.text))
             terminal.send("\x1b")
             terminal.wait_for(lambda: "restricted mode" not in unwrapped(terminal.text))
         terminal.send("q")
@@ -201,3 +231,62 @@ def test_nobody_gets_the_folders_of_all(tmp_path: Path) -> None:
     assert "LOGICAL_ROBOTS_PLAYER=NAME" in done.stderr
     assert played("--restricted", "--player", "ben").returncode == 0
     assert played().returncode == 0
+
+
+def in_lines(folder: Path, script: str, *arguments: str) -> subprocess.CompletedProcess[str]:
+    return subprocess.run(
+        list(map(str, game(folder, "--plain", *arguments))),
+        input=script,
+        capture_output=True,
+        text=True,
+        check=False,
+        timeout=60,
+    )
+
+
+def test_a_folder_that_cant_be_made_is_told_in_a_sentence(tmp_path: Path) -> None:
+    (tmp_path / "players").write_text("in the way")
+    done = in_lines(tmp_path, "")
+    assert done.returncode == 2
+    assert "the player's folder can't be used: " in done.stderr
+    assert "mistake" not in done.stderr
+
+
+def test_a_player_has_so_many_games_and_no_more(tmp_path: Path) -> None:
+    games = [
+        subprocess.Popen(
+            list(map(str, game(tmp_path, "--plain", "02-open-space"))),
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+            text=True,
+        )
+        for _ in range(MOST_GAMES)
+    ]
+    try:
+        for each in games:
+            assert each.stdout is not None
+            while "Type help" not in each.stdout.readline():
+                assert each.poll() is None
+        done = in_lines(tmp_path, "")
+        assert done.returncode == 2
+        assert f"you have {MOST_GAMES} games open" in done.stderr
+        games[0].kill()
+        games[0].wait()
+        assert in_lines(tmp_path, "quit\n").returncode == 0
+    finally:
+        for each in games:
+            each.kill()
+            each.communicate()
+
+
+def test_a_full_folder_is_told_in_a_sentence_and_what_was_there_stays(tmp_path: Path) -> None:
+    programs = tmp_path / "players" / "ada" / "programs"
+    programs.mkdir(parents=True)
+    for number in range(MOST_FILES):
+        (programs / f"p{number}.l").touch()
+    done = in_lines(tmp_path, "save mine\nstep\nquit\n", "02-open-space")
+    assert done.returncode == 0
+    assert f"your folder is full: it holds {MOST_FILES:,} files" in done.stdout
+    assert "Tick 1." in done.stdout
+    assert not (programs / "mine.l").exists()
+    assert len(list(programs.iterdir())) == MOST_FILES

@@ -5,6 +5,8 @@ from __future__ import annotations
 import signal
 from typing import TYPE_CHECKING
 
+import pytest
+
 from tests.cli.running import in_terminal
 
 if TYPE_CHECKING:
@@ -31,6 +33,13 @@ def test_the_json_tells_where_the_robots_are_and_what_they_remember(
     assert abs(pip["x"] - 42) < 6
     assert data["goals"] == [{"area": "Door", "wanted": ["Pip"], "inside": ["Pip"]}]
     assert data["notices"] == {"count": 0, "kinds": {}, "first": []}
+    assert data["reliable"] is True
+
+
+def test_how_long_it_took_is_told_when_asked_for(
+    command: Command, level: Path, ahead: Path
+) -> None:
+    data = command("run", level, ahead, "--times").data
     assert data["milliseconds_per_tick"] > data["think_milliseconds_per_tick"] > 0
 
 
@@ -48,8 +57,9 @@ def test_the_output_is_json_whenever_nobody_is_looking(
     assert command("run", level, ahead).data["won"] is True
 
 
-def test_the_same_run_ends_the_same(command: Command, level: Path, ahead: Path) -> None:
-    first, second = (command("run", level, ahead).data["robots"] for _ in range(2))
+@pytest.mark.parametrize("what", ["run", "trace"])
+def test_equal_runs_are_equal_bytes(what: str, command: Command, level: Path, ahead: Path) -> None:
+    first, second = (command(what, level, ahead).out for _ in range(2))
     assert first == second
 
 

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import json
+
 from hypothesis import given
 from hypothesis import strategies as st
 
-from logical_robots_tui.cli.text import columns, harmless
+from logical_robots_tui.cli.text import columns, harmless, line_of_json
 
 
 @given(st.text())
@@ -21,6 +23,17 @@ def test_what_is_harmless_stays_as_it_is(text: str) -> None:
 
 def test_control_characters_are_shown_by_their_code() -> None:
     assert harmless("a\x1b[2J\nb\u202ec\ud800") == r"a\x1b[2J\nb\u202ec\ud800"
+
+
+@given(st.text())
+def test_json_says_the_same_and_controls_nothing(text: str) -> None:
+    line = line_of_json({"memory": text})
+    assert line.isprintable()
+    assert json.loads(line) == {"memory": text}
+
+
+def test_letters_stay_letters_in_json() -> None:
+    assert line_of_json(["ü\x9b\x07\u202e"]) == r'["ü\u009b\u0007\u202e"]'
 
 
 def test_columns_line_up_and_end_without_blanks() -> None:

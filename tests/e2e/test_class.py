@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 import getpass
+import json
 import os
 import re
+import shutil
 import socket
 import statistics
 import subprocess
+import sys
 from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
@@ -149,6 +152,107 @@ def test_a_class_plays_at_once(
         found = crowd.key_milliseconds(2 * len(names))
         *_, slow = statistics.quantiles(found, n=20)
         assert slow <= milliseconds, found  # 19 of 20 keys are answered sooner
+
+
+BREAKS_OUT = """\
+import json, os, pathlib, socket, subprocess, sys
+port, outside, neighbour, own = int(sys.argv[1]), *map(pathlib.Path, sys.argv[2:])
+found = {}
+def attempt(name, work):
+    try:
+        work()
+        found[name] = "done"
+    except Exception as error:
+        found[name] = type(error).__name__
+attempt("call", lambda: socket.create_connection(("127.0.0.1", port), 5))
+attempt("write", lambda: (outside / "touched").write_text("x"))
+attempt("write into the system", lambda: pathlib.Path("/usr/touched").write_text("x"))
+attempt("read a neighbour's", lambda: neighbour.read_text())
+attempt("mount", lambda: subprocess.run(["mount", "-t", "tmpfs", "x", "/usr"], check=True))
+attempt("remount", lambda: subprocess.run(["mount", "-o", "remount,rw", "/"], check=True))
+attempt("kill", lambda: os.kill(int((outside / "pid").read_text()), 0))
+attempt("many processes", lambda: [subprocess.Popen(["sleep", "5"]) for _ in range(100)])
+attempt("much memory", lambda: bytearray(3 * 1024**3))
+attempt("own file", lambda: (own / "mine.l").write_text("x"))
+found["processes"] = sum(name.isdecimal() for name in os.listdir("/proc")) < 90
+print(json.dumps(found))
+"""
+
+
+def has_walls() -> str:
+    """Why there can be no second wall on this machine, or ""."""
+    bwrap = shutil.which("bwrap")
+    if bwrap is None or shutil.which("prlimit") is None:
+        return "bubblewrap is not installed"
+    done = subprocess.run(
+        [bwrap, "--unshare-all", "--ro-bind", "/", "/", "--proc", "/proc", "true"],
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    return f"the kernel forbids namespaces: {done.stderr.strip()}" if done.returncode else ""
+
+
+@pytest.fixture
+def wall(tmp_path: Path) -> Path:
+    """The script of the recipe, for players in a folder of these tests."""
+    if why := has_walls():
+        pytest.skip(why)
+    script = tmp_path / "robots-session"
+    text = recipe("robots-session").replace("/srv/robots", str(tmp_path / "srv"))
+    # These tests, and the Python that they run in, may be in one of these folders.
+    script.write_text(text.replace("--tmpfs /tmp ", "").replace("--tmpfs /home ", ""))
+    script.chmod(0o755)
+    return script
+
+
+def walled(folder: Path, command: str) -> Server:
+    config = f"PermitUserEnvironment LOGICAL_ROBOTS_PLAYER\nForceCommand {command}\n"
+    keys = 'restrict,pty,environment="LOGICAL_ROBOTS_PLAYER={name}" {key}'
+    return Server(folder, config, NAMES[:2], keys)
+
+
+def test_behind_the_second_wall_the_game_plays_and_keeps_what_is_typed(
+    wall: Path, installed: Installed, tmp_path: Path
+) -> None:
+    folder = tmp_path / "sshd"
+    folder.mkdir()
+    play = f"{wall} {installed.command} play --restricted --data-dir {tmp_path / 'srv'}"
+    with walled(folder, play) as server, School(server, tmp_path).seat(NAMES[0]) as terminal:
+        terminal.wait_for("· applied")
+        terminal.send("\x1b")
+        terminal.wait_for(lambda: "skips the tour" not in terminal.text)
+        terminal.send("n")
+        terminal.wait_for("tick 1 ")
+        terminal.send("q")
+        assert terminal.finish() == 0
+    assert (tmp_path / "srv" / "players" / NAMES[0] / "progress.sqlite").exists()
+
+
+def test_from_behind_the_second_wall_there_is_no_way_out(wall: Path, tmp_path: Path) -> None:
+    folder = tmp_path / "sshd"
+    folder.mkdir()
+    players = tmp_path / "srv" / "players"
+    (players / NAMES[1]).mkdir(parents=True)
+    secret = players / NAMES[1] / "secret.l"
+    secret.write_text("nobody's business")
+    (tmp_path / "pid").write_text(str(os.getpid()))
+    script = tmp_path / "breaks_out.py"
+    script.write_text(BREAKS_OUT)
+    with socket.create_server(("127.0.0.1", 0)) as inside:
+        port = inside.getsockname()[1]
+        tries = f"{sys.executable} {script} {port} {tmp_path} {secret} {players / NAMES[0]}"
+        with walled(folder, f"{wall} {tries}") as server:
+            done = School(server, players).ssh()
+    found = json.loads(done.stdout.splitlines()[-1])
+    if os.geteuid() == 0:  # whose processes nobody counts
+        del found["many processes"], found["processes"]
+        found["processes"] = True
+    allowed = {name: outcome for name, outcome in found.items() if outcome in ("done", True)}
+    assert allowed == {"own file": "done", "processes": True}, found
+    assert (players / NAMES[0] / "mine.l").read_text() == "x"
+    assert secret.read_text() == "nobody's business"
+    assert not (tmp_path / "touched").exists()
 
 
 def leads_anywhere(school: School, option: str, way: str) -> bool:

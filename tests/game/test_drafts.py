@@ -8,6 +8,7 @@ import signal
 import subprocess
 import sys
 import threading
+from datetime import UTC, datetime
 from typing import TYPE_CHECKING
 
 import pytest
@@ -70,6 +71,18 @@ def test_what_a_session_kept_is_adopted_by_the_next(tmp_path: Path) -> None:
     assert second.get("/p/mine.l") == found
     assert Drafts(tmp_path).adopt() == []
     second.close()
+
+
+def test_when_the_clock_goes_backwards_the_draft_kept_last_is_the_newest(tmp_path: Path) -> None:
+    late, early = (datetime(year, 1, 1, tzinfo=UTC) for year in (2040, 2020))
+    for text, saved in (("older", late), ("newest", early)):
+        session = Drafts(tmp_path)
+        session.keep(Draft("mine", "/p/mine.l", text, "0", saved))
+        session.keep(Draft(text, f"/p/{text}.l", text, "0", saved))
+        session.close()
+    found = Drafts(tmp_path).adopt()
+    assert [each.text for each in found if each.path == "/p/mine.l"] == ["newest"]
+    assert [each.path for each in found] == ["/p/newest.l", "/p/mine.l", "/p/older.l"]
 
 
 def test_what_was_adopted_and_not_taken_is_there_for_the_next(tmp_path: Path) -> None:

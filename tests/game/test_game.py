@@ -131,7 +131,7 @@ async def test_a_tick_of_a_run_that_is_over_is_dropped(tmp_path: Path) -> None:
 
 
 async def test_a_runaway_program_leaves_the_loop_free_and_can_be_stopped(tmp_path: Path) -> None:
-    patient = Limits(think_seconds=10 * PATIENCE)
+    patient = Limits(think_steps=10**12, think_seconds=10 * PATIENCE)
     slow = Game(hall(tmp_path), Program.compile(SLOW), limits=patient)
     running = asyncio.create_task(slow.run())
     turns = 0

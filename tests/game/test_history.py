@@ -97,8 +97,8 @@ def after(past: Frame, done: list[Deed], won_at: int | None = None) -> Frame:
 
 
 def as_told(moment: Moment) -> str:
-    """All of a moment but the distance; 1, 1.0 and true are told apart."""
-    return repr(replace(moment, driven=0.0))
+    """All of a moment but the distance and the weight; 1, 1.0 and true are told apart."""
+    return repr(replace(moment, driven=0.0, weight=0))
 
 
 def as_moment(frame: Frame) -> str:
@@ -221,7 +221,7 @@ def test_bytes_are_bounded_and_the_other_course_goes_first() -> None:
     memory = [f"{number:x}" * 8 for number in range(400)]
     deed = [Deed(None, memory, (), 1.0, False)] * 2
     course = [start()]
-    history = History(course[0], LEVEL, most_bytes=4000)
+    history = History(course[0], LEVEL, most_bytes=4000 + 64 * 2000)
     for _ in range(300):
         course.append(after(course[-1], deed))
         history.add(course[-1], NOBODY)
@@ -235,7 +235,8 @@ def test_bytes_are_bounded_and_the_other_course_goes_first() -> None:
         last = after(last, [Deed(None, [str(last.tick), *memory], (), 1.0, False)] * 2)
         history.add(last, NOBODY)
     assert history.other is None
-    assert history.packed_bytes <= 4000
+    assert history.kept_bytes <= 4000 + 64 * 2000
+    assert history.dropped == history.first
     assert as_told(history.around(last.tick)[1]) == as_moment(last)
 
 

@@ -16,7 +16,6 @@ import pytest
 
 from logical_robots_tui.game import Game, Run, load_program, recording, run_key
 from logical_robots_tui.game import run as running
-from logical_robots_tui.game.recording import packed
 from logical_robots_tui.mind import Limits, Mind, Program
 from logical_robots_tui.paths import is_there
 from logical_robots_tui.world import World, load_level
@@ -27,7 +26,6 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from logical_robots_tui.game import Frame
-    from logical_robots_tui.game.packing import Moment
     from logical_robots_tui.world import Level
 
 TICKS = 75  # two pieces and some
@@ -49,9 +47,11 @@ def entry(folder: Path) -> Path:
     return path
 
 
-async def frames(level: Level, ticks: int = TICKS, text: str = COUNTER) -> list[Frame]:
+async def frames(
+    level: Level, ticks: int = TICKS, text: str = COUNTER, limits: Limits | None = None
+) -> list[Frame]:
     """The frames of a run that is opened and closed."""
-    run = Run(level, Program.compile(text))
+    run = Run(level, Program.compile(text), limits=limits)
     try:
         return [frame async for frame in run.each(0, ticks, lambda frame, _mind, _stop: frame)]
     finally:
@@ -220,7 +220,11 @@ async def test_a_damaged_recording_is_dropped(
 
 def forged(key: str, pieces: list[bytes], moments: int) -> bytes:
     """A file that is as it should be, but for what its pieces hold."""
-    told = [[len(piece), hashlib.sha256(piece).hexdigest()] for piece in pieces]
+    counts = [min(32, moments - first) for first in range(0, moments, 32)]
+    told = [
+        [len(piece), hashlib.sha256(piece).hexdigest(), count]
+        for piece, count in zip(pieces, counts, strict=True)
+    ]
     line = json.dumps({"key": key, "moments": moments, "pieces": told}).encode()
     return hashlib.sha256(line).hexdigest().encode() + b"\n" + line + b"\n" + b"".join(pieces)
 
@@ -230,7 +234,7 @@ def content_of(path: Path) -> tuple[str, list[Any], int]:
     _, line, rest = path.read_bytes().split(b"\n", 2)
     index = json.loads(line)
     pieces = []
-    for length, _ in index["pieces"]:
+    for length, _, _ in index["pieces"]:
         pieces.append(json.loads(zlib.decompress(rest[:length])))
         rest = rest[length:]
     return index["key"], pieces, index["moments"]
@@ -357,17 +361,26 @@ async def test_a_shorter_run_never_replaces_a_longer_one(level: Level) -> None:
     assert await known(level) == TICKS
 
 
-async def test_a_thought_that_took_too_long_is_not_kept(level: Level) -> None:
-    endless = "N(x) :- x in Range(3000);\nBig(s? += a * b) distinct :- N(a), N(b), N(c);\n"
-    text = endless + COUNTER.replace(
-        "left_engine: 1,", "left_engine: (if n == 41 then Sum{s :- Big(s:)} else 1),"
-    )
-    run = Run(level, Program.compile(text), limits=Limits(think_seconds=0.2))
-    frame = await run.frame(44)
-    await run.close()
-    assert frame.tick == 44
-    again = Run(level, Program.compile(text), limits=Limits(think_seconds=0.2))
+ENDLESS_AT_41 = (
+    "N(x) :- x in Range(3000);\nBig(s? += a * b) distinct :- N(a), N(b), N(c);\n"
+) + COUNTER.replace("left_engine: 1,", "left_engine: (if n == 41 then Sum{s :- Big(s:)} else 1),")
+
+
+async def test_what_a_guard_ended_is_not_kept_nor_what_follows(level: Level) -> None:
+    limits = Limits(think_seconds=0.2, think_steps=10**12)
+    found = await frames(level, 44, ENDLESS_AT_41, limits)
+    assert [frame.is_reliable for frame in found] == [True] * 41 + [False] * 4
+    again = Run(level, Program.compile(ENDLESS_AT_41), limits=limits)
     assert again.last == 40
+    await again.close()
+
+
+async def test_what_took_too_many_steps_is_kept(level: Level) -> None:
+    limits = Limits(think_steps=1_000_000)
+    found = await frames(level, 44, ENDLESS_AT_41, limits)
+    assert [len(frame.decisions[0].notices) for frame in found[1:]] == [0] * 40 + [1] * 4
+    again = Run(level, Program.compile(ENDLESS_AT_41), limits=limits)
+    assert (again.last, again.lasts) == (44, True)
     await again.close()
 
 
@@ -403,14 +416,22 @@ def test_many_processes_share_a_run(tmp_path: Path, folder: Path, level: Level) 
     assert asyncio.run(known(level)) == 90
 
 
-def test_a_piece_is_text(level: Level) -> None:
-    moments = [*asyncio.run(moments_of(level))]
-    assert json.loads(zlib.decompress(packed(moments)))[0][1] == ["Ada", "Bo"]
+async def test_a_piece_is_text(level: Level, folder: Path) -> None:
+    await frames(level)
+    _, (first, *_), _ = content_of(entry(folder))
+    assert first[0][1] == ["Ada", "Bo"]
 
 
-async def moments_of(level: Level) -> list[Moment]:
-    run = Run(level, Program.compile(COUNTER))
-    await run.frame(3)
-    found = [run._recording.moment(tick) for tick in range(4)]
-    await run.close()
-    return found
+HEAVY = """
+Robot(robot_name:, desire: {left_engine: 1, right_engine: 1},
+      memory: Format("%0900000d", sensor.clock)) :- Sensor(robot_name:, sensor:);
+"""
+
+
+async def test_heavy_ticks_are_kept_in_small_pieces(level: Level, folder: Path) -> None:
+    expected = await frames(level, 20, HEAVY)
+    assert [len(str(memory)) for memory in expected[20].memories.values()] == [900_000] * 2
+    _, pieces, moments = content_of(entry(folder))
+    assert (len(pieces), moments) == (3, 21)
+    assert await known(level, HEAVY) == 20
+    assert await frames(level, 20, HEAVY) == expected

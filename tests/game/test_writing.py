@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import fcntl
 import os
 import threading
 from typing import TYPE_CHECKING
@@ -59,3 +60,19 @@ def test_a_folder_is_left_alone(tmp_path: Path) -> None:
     with pytest.raises(OSError, match=tmp_path.name):
         write_atomically(tmp_path, "one")
     assert list(tmp_path.iterdir()) == []
+
+
+def test_what_a_killed_write_left_is_swept_by_the_next(tmp_path: Path) -> None:
+    file = tmp_path / "mine.l"
+    write_atomically(file, "one")
+    left = [tmp_path / ".mine.l.0123abcd", tmp_path / ".other.l.0123abcd"]
+    held, hidden = tmp_path / ".mine.l.4567cdef", tmp_path / ".mine.l.swp"
+    for each in (*left, held, hidden):
+        each.write_text("half of i")
+    with held.open() as somebody:
+        fcntl.flock(somebody, fcntl.LOCK_EX)  # as long as it writes
+        write_atomically(file, "another")
+    assert not left[0].exists()
+    assert {left[1], held, hidden, file} == {*tmp_path.iterdir()}
+    write_atomically(tmp_path / "other.l", "one")
+    assert {hidden, file, tmp_path / "other.l"} == {*tmp_path.iterdir()}

@@ -9,7 +9,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from logical_robots_tui.tui.driver import Ear, Unmarked
+from logical_robots_tui.tui.driver import Unmarked
+from logical_robots_tui.tui.incoming import Incoming, Pasted
 from logical_robots_tui.tui.line import PATIENCE, Line
 
 
@@ -95,16 +96,18 @@ def test_answers_are_heard_wherever_they_come_in_and_a_paste_around_them_stays_w
     texts: list[str], size: int
 ) -> None:
     came = "\x1b[200~" + "\x1b[12;34R".join(texts) + "\x1b[201~"
-    ear, typed, answers = Ear(), "", 0
+    incoming, answers = Incoming(), 0
+    found: list[str | Pasted] = []
     # A cut right after an escape is left out: that may be the escape key.
     for chunk in re.findall(rf"(?s).{{{size}}}(?:(?<=\x1b).)?|.+", came):
-        more, heard = ear.listen(chunk)
-        typed, answers = typed + more, answers + heard
-    assert (typed, answers) == ("\x1b[200~" + "".join(texts) + "\x1b[201~", len(texts) - 1)
+        more, heard = incoming.take(chunk.encode(), 0.0)
+        found, answers = found + more, answers + heard
+    assert [Pasted] == [type(piece) for piece in found]
+    assert (found, answers) == (["".join(texts)], len(texts) - 1)
 
 
 def test_the_escape_key_is_not_held_back() -> None:
-    assert Ear().listen("a\x1b") == ("a\x1b", 0)
+    assert Incoming().take(b"a\x1b", 0.0) == (["a\x1b"], 0)
 
 
 LINES = "A(x) :- B(x);\r" * 8

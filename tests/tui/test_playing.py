@@ -95,7 +95,7 @@ async def test_plus_and_minus_change_the_speed_up_to_flat_out(data_dir: Path) ->
 async def test_a_slow_thought_leaves_the_keys_alone_and_can_be_stopped(
     data_dir: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    patient = Limits(think_seconds=10 * PATIENCE)
+    patient = Limits(think_steps=10**12, think_seconds=10 * PATIENCE)
     monkeypatch.setattr("logical_robots_tui.game.game.Limits", lambda: patient)
     async with opened(data_dir, text=ENDLESS) as game:
         await game.ready()

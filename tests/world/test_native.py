@@ -234,7 +234,7 @@ def test_toml_that_ends_too_early_is_placed_at_its_end(tmp_path: Path) -> None:
 @pytest.mark.parametrize("value", ["9" * 5000, "2024-02-31", "[" * 100_000])
 def test_toml_that_its_parser_chokes_on_is_refused(tmp_path: Path, value: str) -> None:
     error = refusal(tmp_path, f"title = {value}\n")
-    assert error.message.startswith("This is no valid TOML: ")
+    assert error.message.startswith(("This is no valid TOML: ", "The file has "))
 
 
 BAD_VALUES = [

@@ -185,7 +185,7 @@ def test_broken_json_is_placed_by_line_and_column() -> None:
     assert error.message == "This is no valid JSON: Expecting value."
 
 
-@pytest.mark.parametrize("text", ["9" * 5000, "[" * 100_000])
+@pytest.mark.parametrize("text", ["9" * 5000, "[" * 50_000])
 def test_json_that_its_parser_chokes_on_is_refused(text: str) -> None:
     assert refusal(text).message.startswith("This is no valid JSON: ")
 

@@ -32,6 +32,7 @@ from logical_robots_tui.mind.compiling.signatures import (
 )
 from logical_robots_tui.mind.compiling.spelling import TYPES
 from logical_robots_tui.mind.compiling.typos import typos
+from logical_robots_tui.mind.compiling.verbatim import verbatim
 from logical_robots_tui.mind.program import INPUTS
 from logical_robots_tui.mind.text import diagnostic_for
 
@@ -91,6 +92,7 @@ def check(parsed: Parsed, text: str) -> list[Diagnostic]:
         *collisions(rules, text),
         *wrong_calls(rules, known, text),
         *given_twice(rules, text),
+        *verbatim(rules, known, text),
         *inference.problems,
         *engines(rules, inference, text),
         *typos(rules, text),

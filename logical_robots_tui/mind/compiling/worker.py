@@ -20,7 +20,7 @@ import threading
 import traceback
 from dataclasses import asdict, replace
 from functools import partial
-from time import monotonic
+from time import process_time
 from typing import IO, TYPE_CHECKING, Any
 
 from logical_robots_tui.garbage import collect_seldom
@@ -211,12 +211,12 @@ def _try_out(program: Program) -> None:
     try:
         checks = [("", sql) for _, sql in program.recursions.values()]
         for name, sql in (*program.statements.items(), *checks):
-            began = monotonic()
+            began = process_time()
             try:
                 database.prepare(sql)
             except (sqlite3.Error, sqlite3.Warning) as error:
                 failed[name] = in_plain_words(error)
-            if monotonic() - began > _PREPARE_SECONDS:
+            if process_time() - began > _PREPARE_SECONDS:
                 raise _tangled()
     finally:
         database.close()
@@ -271,12 +271,12 @@ def _prepared(every: dict[str, Tuned]) -> dict[str, Tuned]:
 
 def _is_prepared_soon(database: Database, sql: str, bounds: int = 0) -> bool:
     """Whether SQLite can prepare a query with so many parameters, and without much ado."""
-    began = monotonic()
+    began = process_time()
     try:
         database.prepare(sql, (0,) * bounds)
     except (sqlite3.Error, sqlite3.Warning):
         return False
-    return monotonic() - began < _PREPARE_SECONDS
+    return process_time() - began < _PREPARE_SECONDS
 
 
 def _tangled() -> ProgramError:

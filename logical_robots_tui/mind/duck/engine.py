@@ -11,7 +11,7 @@ from logical_robots_tui.mind.diagnostics import Stopped
 from logical_robots_tui.mind.duck.words import is_harmless
 from logical_robots_tui.mind.sqlite.database import TooMuchError, TooSlowError
 from logical_robots_tui.mind.sqlite.tables import UnfitError
-from logical_robots_tui.mind.sqlite.watch import Work
+from logical_robots_tui.mind.sqlite.watch import Budget, Work
 
 if TYPE_CHECKING:
     import threading
@@ -168,7 +168,9 @@ class DuckTables:
         return seen == [("z", "y", 2.5)]
 
     def _fetch(self, within: Within) -> list[tuple[Any, ...]]:
-        self._work.begin(within.deadline, within.stop)
+        # Half the time: if that is not enough, SQLite has the other half.
+        budget = Budget(0, within.budget.seconds / 2)
+        self._work.begin(budget, within.stop)
         try:
             found = self._connection.execute("EXECUTE thought")
             rows: list[tuple[Any, ...]] = found.fetchmany(within.rows + 1)
@@ -178,6 +180,7 @@ class DuckTables:
             raise
         finally:
             self._work.end()
+            within.budget.seconds -= within.budget.seconds / 2 - budget.seconds
         if self._work.halted:
             raise self._end(within.stop)
         size = sum(len(v.encode()) for row in rows for v in row if v.__class__ is str)

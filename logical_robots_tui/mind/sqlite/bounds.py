@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
+from logical_robots_tui.mind.sqlite.watch import STEPS_OF_A_CALL
+
 if TYPE_CHECKING:
     from collections.abc import Callable
 
@@ -56,6 +58,8 @@ def guarded(
 ) -> Callable[..., Any]:
     """A function that ends when the work does and refuses lists that would take it long.
 
+    Its calls and the characters that pass through it count as steps of the work.
+
     Args:
         function: Python function of SQLite values.
         work: What it is part of, if that can be halted.
@@ -63,15 +67,24 @@ def guarded(
     """
 
     def guarded_function(*arguments: Any) -> Any:
+        steps = STEPS_OF_A_CALL
         for argument in arguments:
             if argument is None:
                 if null_safe:
                     return None
-            elif argument.__class__ is str and len(argument) > _SHORT:
-                check_long(argument)
-        if work is not None and work.halted:
-            raise TooLargeError("the time for thinking is over")
-        return function(*arguments)
+            elif argument.__class__ is str:
+                steps += len(argument)
+                if len(argument) > _SHORT:
+                    check_long(argument)
+        if work is None:
+            return function(*arguments)
+        work.steps -= steps
+        if work.halted or work.steps < 0:
+            raise TooLargeError("the thought is to end")
+        result = function(*arguments)
+        if result.__class__ is str:
+            work.steps -= len(result)
+        return result
 
     return guarded_function
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import secrets
 import sqlite3
-from time import monotonic
+from itertools import count
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 from logical_robots_tui.mind.diagnostics import Stopped
@@ -13,10 +13,10 @@ from logical_robots_tui.mind.sqlite import functions
 from logical_robots_tui.mind.sqlite.allowed import BUILT_IN, NAMED_QUERY
 from logical_robots_tui.mind.sqlite.bounds import MAX_ITEMS
 from logical_robots_tui.mind.sqlite.layouts import PLAIN_LAYOUT
-from logical_robots_tui.mind.sqlite.watch import Work
+from logical_robots_tui.mind.sqlite.moment import Within
+from logical_robots_tui.mind.sqlite.watch import STEPS_AT_ONCE, Work
 
 if TYPE_CHECKING:
-    import threading
     from collections.abc import Callable, Iterable, Sequence
 
     from logical_robots_tui.mind.sqlite.layouts import Layout
@@ -58,7 +58,7 @@ _HALTED_LENGTH = 30  # no text longer than this can be made by a query that is t
 
 
 class TooSlowError(Exception):
-    """A query took longer than it may."""
+    """A query took more steps than it may, or, by the guard, too long."""
 
 
 class TooMuchError(Exception):
@@ -86,6 +86,8 @@ class Database:
             ":memory:", isolation_level=None, check_same_thread=False, cached_statements=512
         )
         self._work = Work(self._halt)
+        self._numbers = count()
+        self._connection.set_progress_handler(self._work.count, STEPS_AT_ONCE)
         functions.install(self._connection, self._work)
         self._connection.executescript(
             f"""
@@ -163,8 +165,7 @@ class Database:
         parameters: Sequence[Scalar] = (),
         *,
         most: int,
-        deadline: float | None = None,
-        stop: threading.Event | None = None,
+        within: Within | None = None,
     ) -> Answer:
         """Column names and at most `most` rows of one query that may only read.
 
@@ -172,33 +173,34 @@ class Database:
             sql: One SELECT.
             parameters: Values of its numbered parameters.
             most: Most rows to fetch.
-            deadline: When to give up, on the clock of `time.monotonic`; by default after
-                `think_seconds` of the limits.
-            stop: Set it from another thread to give up.
+            within: How much it may use up; by default what the limits give a thought.
 
         Raises:
-            Stopped: `stop` was set meanwhile.
-            TooSlowError: It took too long.
+            Stopped: It was stopped meanwhile.
+            TooSlowError: It took too many steps, or too long.
             TooMuchError: It needs too much memory, or its result is too large.
             sqlite3.Error: It failed, or asked for what is not allowed.
         """
+        if within is None:
+            limits = self._limits
+            within = Within(limits.think_steps, limits.think_seconds, most, None)
+        budget, stop = within.budget, within.stop
         if stop is not None and stop.is_set():
             raise Stopped("The program was stopped before it began to think.")
-        now = monotonic()
-        if deadline is None:
-            deadline = now + self._limits.think_seconds
-        if now > deadline:
+        if budget.is_late or budget.steps < 0:
             raise TooSlowError
+        if within.anew:
+            sql = f"/* {next(self._numbers)} */ {sql}"
         self._trusted = False
         self._bytes = 0
         work = self._work
-        work.begin(deadline, stop)
+        work.begin(budget, stop)
         try:
             return self._fetch(sql, parameters, most)
         except (sqlite3.Error, MemoryError) as error:
             if work.halted and work.stopped:
                 raise Stopped("The program was stopped while it was thinking.") from None
-            if work.halted:
+            if work.is_over:
                 raise TooSlowError from None
             if isinstance(error, MemoryError | sqlite3.DataError):
                 raise self._too_much(error) from None

@@ -12,7 +12,8 @@ if TYPE_CHECKING:
 __all__ = ["Lasting", "Sizes"]
 
 _SHORT = 100  # characters; less is read as quickly as it is found
-_ROOM = 500_000  # characters that are read before those not seen meanwhile are forgotten
+_LONG = 100_000  # characters; more is not kept, because the objects take far more
+_ROOM = 400_000  # characters that are read before those not seen meanwhile are forgotten
 
 
 class Lasting:
@@ -32,7 +33,7 @@ class Lasting:
         Raises:
             TooDeepError: As `from_sql` does.
         """
-        if value.__class__ is not str or len(value) < _SHORT or value[0] not in "{[":
+        if value.__class__ is not str or not _SHORT <= len(value) < _LONG or value[0] not in "{[":
             return from_sql(value, deepest)
         found = self._now.get(value)
         if found is None:

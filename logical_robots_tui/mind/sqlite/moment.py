@@ -1,20 +1,22 @@
-"""What is reasoned over in one tick, by whom, and how much time and how many rows that may take."""
+"""What is reasoned over in one tick, by whom, and how many steps and rows that may take."""
 
 from __future__ import annotations
 
 from operator import itemgetter
-from time import monotonic
 from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 
 from logical_robots_tui.mind.diagnostics import Stopped
+from logical_robots_tui.mind.sqlite.watch import Budget
+from logical_robots_tui.mind.weight import weight_of_text
 
 if TYPE_CHECKING:
     import threading
     from collections.abc import Iterator, Mapping, Sequence
 
+    from logical_robots_tui.mind.limits import Limits
     from logical_robots_tui.values import SensorRow, Value
 
-__all__ = ["Moment", "View", "Within"]
+__all__ = ["Moment", "TooHeavyError", "View", "Within"]
 
 
 class View(NamedTuple):
@@ -125,27 +127,109 @@ def _picked(
     return [(n, radar[n]) for n, found in enumerate(objects) if found == kind]
 
 
+class TooHeavyError(Exception):
+    """Rows would take more memory than they may; the message says how much."""
+
+
+_LONG = 10_000  # characters; shorter ones are bounded by the number of rows
+_CLOSE = 0.1  # of all steps; far more than what is counted inexactly
+
+
 class Within:
-    """The time and the rows that several evaluations share.
+    """The steps and the rows that several evaluations share.
 
     Args:
-        seconds: How long they may take together, from now on.
+        steps: How many they may take together, as a `Budget` counts them.
+        seconds: The guard of that.
         rows: Most rows of one evaluation.
         stop: Ends them when it is set.
         cut: Whether more rows are left out, as opposed to being a failure.
+        anew: Whether statements are prepared anew. SQLite counts the steps of a prepared statement
+            on from its last run; only anew is the count the same each time.
+        weight: Most bytes of objects that the rows of all evaluations are made of.
+
+    Attributes:
+        budget: What is left.
     """
 
     def __init__(
-        self, seconds: float, rows: int, stop: threading.Event | None, *, cut: bool = False
+        self,
+        steps: int,
+        seconds: float,
+        rows: int,
+        stop: threading.Event | None,
+        *,
+        cut: bool = False,
+        anew: bool = False,
+        weight: int = 96_000_000,
     ) -> None:
+        self.weight = weight
+        self.steps = steps
         self.seconds = seconds
         self.rows = rows
         self.stop = stop
         self.cut = cut
-        self.deadline = monotonic() + seconds
+        self.anew = anew
+        self.renew()
+
+    @classmethod
+    def of_thought(cls, limits: Limits, stop: threading.Event | None, *, anew: bool) -> Within:
+        """What a thought may use up."""
+        return cls(
+            limits.think_steps,
+            limits.think_seconds,
+            limits.think_rows,
+            stop,
+            anew=anew,
+            weight=limits.think_weight,
+        )
+
+    @classmethod
+    def of_query(
+        cls, limits: Limits, rows: int, stop: threading.Event | None, *, cut: bool = True
+    ) -> Within:
+        """What a query may use up that shows so many rows."""
+        steps, seconds = limits.query_steps, limits.query_seconds
+        return cls(steps, seconds, rows, stop, cut=cut, weight=limits.think_weight)
+
+    @property
+    def is_close(self) -> bool:
+        """Whether so little is left that the count has to be exact to say who took too many."""
+        return not self.anew and self.budget.steps < self.steps * _CLOSE
+
+    def renew(self) -> None:
+        """Let everything begin that may be used up."""
+        self._left = self.weight
+        self.budget = Budget(self.steps, self.seconds)
+
+    def again(self) -> Within:
+        """The same from the beginning, counted exactly."""
+        seconds = max(self.budget.seconds, 0.0)
+        return Within(
+            self.steps,
+            seconds,
+            self.rows,
+            self.stop,
+            cut=self.cut,
+            anew=True,
+            weight=self.weight,
+        )
 
     def each(self, row: Sequence[Any]) -> Sequence[Any]:
-        """The row, unless the work is to end."""
+        """The row, unless the work is to end.
+
+        Raises:
+            Stopped: It was stopped.
+            TooHeavyError: All rows together take too many bytes as objects.
+        """
         if self.stop is not None and self.stop.is_set():
             raise Stopped("The program was stopped while its answer was read.")
+        for value in row:
+            if value.__class__ is str and len(value) > _LONG:
+                is_text = value[0] not in "{["
+                self._left -= len(value) if is_text else weight_of_text(value)
+                if self._left < 0:
+                    raise TooHeavyError(
+                        f"all results together take more than {self.weight:,} bytes"
+                    )
         return row

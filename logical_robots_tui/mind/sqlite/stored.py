@@ -15,6 +15,7 @@ if TYPE_CHECKING:
 __all__ = ["TooDeepError", "from_sql", "size_of", "to_input", "to_json", "to_sql"]
 
 _DEEPEST = 100
+_LONG = 10_000  # characters
 _LARGEST = 2**63
 
 _HIDING = ("\\", '"{', '"[', "Inf")
@@ -48,6 +49,8 @@ def to_input(value: Any) -> str:
 
 def size_of(value: Value) -> int:
     """Bytes of the JSON text of a value; 0 for a number or null."""
+    if isinstance(value, str) and len(value) > _LONG:
+        return len(_encode(value).encode("utf-8", "replace"))  # orjson would crash without memory
     if not isinstance(value, str | list | dict):
         return 0
     try:

@@ -55,9 +55,7 @@ class PlainTables:
             Exception: As `Database.load` and `Database.ask` do.
         """
         self._load(moment, view)
-        return self._database.ask(
-            sql, parameters, most=within.rows + 1, deadline=within.deadline, stop=within.stop
-        )
+        return self._database.ask(sql, parameters, most=within.rows + 1, within=within)
 
     def _load(self, moment: Moment, view: View) -> None:
         """Fill in what a view shows, unless it is there."""
@@ -173,9 +171,7 @@ class TunedTables:
         within: Within,
     ) -> Answer:
         self._fill(moment, tuned.columns)
-        return self._database.ask(
-            sql, bounds, most=most, deadline=within.deadline, stop=within.stop
-        )
+        return self._database.ask(sql, bounds, most=most, within=within)
 
     def _fill(self, moment: Moment, wanted: Mapping[str, tuple[str, ...]]) -> None:
         if self._database.is_empty:

@@ -1,4 +1,4 @@
-"""Ending work in time: one thread looks after every query that is under way."""
+"""Bounding work: steps decide when a query ends, and a thread guards whoever waits for it."""
 
 from __future__ import annotations
 
@@ -10,10 +10,40 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-__all__ = ["Work"]
+__all__ = ["STEPS_AT_ONCE", "STEPS_OF_A_CALL", "Budget", "Work"]
 
+STEPS_AT_ONCE = 20_000
+"""Steps of SQLite's virtual machine that are counted together: a fifth of a millisecond or more."""
+
+STEPS_OF_A_CALL = 10
+"""What a call of a function of ours counts for, and one more for each character."""
+
+_UNCOUNTED = 2**62  # steps of what we do ourselves
 _LOOK_SECONDS = 0.02
+_LONGEST_LOOK = 0.1  # seconds; whoever waited longer had no processor, or was suspended
 _QUIET_LOOKS = 50  # the thread goes to sleep when it has seen nothing to do for this long
+
+
+class Budget:
+    """What several evaluations may use up together.
+
+    The steps are the same on every machine, at every load. The seconds are a guard only.
+
+    Args:
+        steps: Of SQLite's virtual machine, with calls of functions and characters counted in.
+        seconds: Of waiting for it, while this process had a processor.
+
+    Attributes:
+        steps: How many are left; negative when it took too many.
+        is_late: Whether the seconds ended it.
+    """
+
+    __slots__ = ("is_late", "seconds", "steps")
+
+    def __init__(self, steps: int, seconds: float) -> None:
+        self.steps = steps
+        self.seconds = seconds
+        self.is_late = False
 
 
 class Work:
@@ -23,41 +53,58 @@ class Work:
         halt: Ends the work; called in another thread, again and again until the work has ended.
 
     Attributes:
+        steps: How many are left to it.
         halted: Whether the work was told to end since it last began.
     """
 
-    __slots__ = ("_deadline", "_halt", "_stop", "halted")
+    __slots__ = ("_budget", "_halt", "_stop", "halted", "steps")
 
     def __init__(self, halt: Callable[[], None]) -> None:
         self._halt = halt
-        self._deadline = 0.0
+        self._budget = Budget(0, 0.0)
         self._stop: threading.Event | None = None
+        self.steps = _UNCOUNTED
         self.halted = False
 
-    def begin(self, deadline: float, stop: threading.Event | None) -> None:
+    def begin(self, budget: Budget, stop: threading.Event | None) -> None:
         """Start watching.
 
         Args:
-            deadline: On the clock of `time.monotonic`.
+            budget: What it may use up.
             stop: Halts the work when it is set.
         """
-        self._deadline = deadline
+        self._budget = budget
         self._stop = stop
+        self.steps = budget.steps
         self.halted = False
         _watcher.add(self)
 
     def end(self) -> None:
         """Stop watching; when this returns, the work is not halted any more."""
         _watcher.remove(self)
+        self._budget.steps, self.steps = self.steps, _UNCOUNTED
 
     @property
     def stopped(self) -> bool:
-        """Whether somebody asked for the end, as opposed to the time being up."""
+        """Whether somebody asked for the end, as opposed to the budget being used up."""
         return self._stop is not None and self._stop.is_set()
 
-    def look(self) -> None:
-        """Halt the work if that is due."""
-        if self.stopped or monotonic() > self._deadline:
+    @property
+    def is_over(self) -> bool:
+        """Whether the work is to end, or used up its steps."""
+        return self.halted or self.steps < 0
+
+    def count(self) -> bool:
+        """Count some steps of the virtual machine, and say whether it is to end."""
+        self.steps -= STEPS_AT_ONCE
+        return self.steps < 0
+
+    def look(self, seconds: float) -> None:
+        """Halt the work if that is due, so many seconds after the last look."""
+        self._budget.seconds -= seconds
+        if self._budget.seconds < 0:
+            self._budget.is_late = True
+        if self.stopped or self._budget.is_late:
             self.halted = True
             self._halt()
 
@@ -93,14 +140,17 @@ class _Watcher:
 
     def _run(self) -> None:
         quiet = 0
+        last = monotonic()
         while self._awake.wait():
+            now = monotonic()
             with self._lock:
                 quiet = 0 if self._works else quiet + 1
                 for work in self._works:
-                    work.look()
+                    work.look(min(now - last, _LONGEST_LOOK))
                 if quiet > _QUIET_LOOKS:
                     quiet = 0
                     self._awake.clear()
+            last = now
             self._never.wait(_LOOK_SECONDS)
 
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from time import monotonic
 from typing import TYPE_CHECKING
 
 from logical_robots_tui.mind.diagnostics import QueryError
@@ -41,7 +40,7 @@ class Explainer:
         relations: The rows of predicates then.
         robot: Name of the robot.
         limits: Bounds on compiling and on results.
-        within: The time that a question may take, but for taking predicates apart.
+        within: What each question may use up; taking predicates apart does not count.
     """
 
     def __init__(
@@ -113,7 +112,7 @@ class Explainer:
         known = self._program.predicate(function)
         if known is None or not known.is_function:
             raise QueryError(f"{function} is not a function of this program.")
-        self._begin()
+        self._within.renew()
         uses = self._program.uses
         callers = {
             name: [p for p, used in uses.items() if name in used and p != name] for name in uses
@@ -134,28 +133,19 @@ class Explainer:
         Raises:
             QueryError: There is no such part, or how it came about can't be told.
         """
-        self._begin()
+        self._within.renew()
         row = {"robot_name": self._robot}
         return source_of(self._derivations, "Robot", row, "memory", path)
 
-    def _begin(self) -> None:
-        """Let the time for a question begin."""
-        self._within.deadline = monotonic() + self._within.seconds
-
     def _take_apart(self, predicate: str, within: str) -> Probing:
-        """A predicate, taken apart; the time that takes does not count."""
-        began = monotonic()
-        try:
-            stop = self._within.stop
-            return self._program.take_apart(predicate, within, stop=stop, limits=self._limits)
-        finally:
-            self._within.deadline += monotonic() - began
+        stop = self._within.stop
+        return self._program.take_apart(predicate, within, stop=stop, limits=self._limits)
 
     def _about(
         self, predicate: str, given: Mapping[str, Value] | None, within: str
     ) -> Mapping[str, Value]:
         """The values that are asked for, with the robot's name where that goes without saying."""
-        self._begin()
+        self._within.renew()
         probing = self._take_apart(predicate, within)
         given = {} if given is None else given
         if "robot_name" in probing.columns and "robot_name" not in probing.given:

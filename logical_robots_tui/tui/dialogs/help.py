@@ -120,7 +120,10 @@ class Help(Dialog[None]):
         sections["In the timeline"] = _signs([*SIGNS.values(), PARTING, *TRACKS])
         sections["In the inspector"] = _signs([(s, INK.key, said) for s, said in _INSPECTOR_SIGNS])
         sentence, first = _ABOUT[self._about]
-        lines = [Content(""), *(Content.styled(line, INK.text) for line in wrap(sentence, width))]
+        lines = [
+            Content(""),
+            *(Content.styled(line, INK.text) for line in wrap(sentence, max(width, 1))),
+        ]
         for heading in dict.fromkeys((*first, *sections)):
             lines += [_heading(heading), *sections[heading]]
         return Content("\n").join(lines)

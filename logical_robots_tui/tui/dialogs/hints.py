@@ -88,7 +88,7 @@ class Hints(Dialog[None]):
         width = max(self.query_one(VerticalScroll).scrollable_content_region.width, 20)
         lines: list[Content] = []
         for number, hint in enumerate(self._hints[: self._revealed], start=1):
-            first, *rest = wrap(one_line(hint), width - 4) or [""]
+            first, *rest = wrap(one_line(hint), max(width - 4, 1)) or [""]
             if lines:
                 lines.append(Content(""))
             lines.append(Content.assemble((f"{number:>2}. ", INK.key), (first, INK.text)))

@@ -79,6 +79,8 @@ class Travel:
             if history.first <= tick <= history.last:
                 return ""
             kept = f"History holds ticks {history.first} to {history.last}, not {tick}."
+            if history.dropped > tick:
+                kept += " There was no room for more."
             return f"{kept}{self._elsewhere(tick)}"
 
         found = await self._screen.app.push_screen_wait(TickPrompt("Go to tick", here, complaint))

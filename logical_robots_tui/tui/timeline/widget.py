@@ -126,6 +126,8 @@ class Timeline(Widget, can_focus=True):
         said = [part for mark in marks if (part := self._said(mark))]
         if not said:
             text = f"tick {span.tick} of {span.first}-{span.last}"
+            if history is not None and history.dropped and history.dropped <= span.first:
+                text += ", no room for earlier ones"
             return Content.styled(clip(text, width), INK.dim)
         note = Content("  ").join(said)
         return note if note.cell_length <= width else note.truncate(width - 1).append("…")

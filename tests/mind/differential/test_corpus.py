@@ -42,7 +42,7 @@ def test_a_construct_is_answered_the_quick_way(topic: str, rules: str, expressio
     moment = Moment(ROWS, MEMORIES, "own", "own")
     tables = TunedTables(Limits())
     (view,) = moment.views
-    answer = tables.ask(compiled.tuned["Answer"], moment, view, Within(10, 1000, None))
+    answer = tables.ask(compiled.tuned["Answer"], moment, view, Within(10**9, 10, 1000, None))
     assert len(answer[1]) == 1
     tables.close()
 

@@ -92,7 +92,7 @@ def ask(tables: DuckTables, sql: str, within: Within | None = None) -> Any:
     """What a query gives for a crowd."""
     moment = Moment(CROWD * 60, {}, "own", "own")
     duck = Duck(("robot_name",), {"Sensor": ("robot_name",), "Ray": ("distance",)}, own=sql)
-    return tables.ask(duck, moment, within or Within(20, 10_000, None))
+    return tables.ask(duck, moment, within or Within(10**9, 20, 10_000, None))
 
 
 @pytest.mark.parametrize("sql", HOSTILE)
@@ -148,7 +148,7 @@ LONG = "SELECT count(*) FROM Ray AS s1, Ray AS s2, Ray AS s3, Ray AS s4 WHERE s1
 
 def test_a_long_thought_ends_in_time(tables: DuckTables) -> None:
     began = monotonic()
-    moment = Within(0.3, 10_000, None)
+    moment = Within(10**9, 0.3, 10_000, None)
     with pytest.raises(TooSlowError):
         ask(tables, LONG, moment)
     assert monotonic() - began < 3  # a tenth more on a machine that is not busy
@@ -160,7 +160,7 @@ def test_a_thought_can_be_stopped(tables: DuckTables) -> None:
     timer = threading.Timer(0.2, stop.set)
     timer.start()
     with pytest.raises(Stopped):
-        ask(tables, LONG, Within(60, 10_000, stop))
+        ask(tables, LONG, Within(10**9, 60, 10_000, stop))
     timer.join()
 
 
@@ -174,7 +174,9 @@ def test_a_thought_that_is_too_long_is_told_as_with_sqlite(answered: Callable[[]
     program = Program.compile(text)
     assert not why_not_duckdb(program)
     ours, theirs = (
-        decisions(program, CROWD, {}, engine, limits=Limits(think_seconds=0.4))
+        decisions(
+            program, CROWD, {}, engine, limits=Limits(think_steps=10_000_000, think_seconds=4)
+        )
         for engine in ("sqlite", "duckdb")
     )
     assert theirs == ours
@@ -202,7 +204,7 @@ def test_a_query_that_fails_again_and_again_is_not_tried_any_more(tables: DuckTa
 
 def test_no_more_rows_are_fetched_than_a_thought_may_have(tables: DuckTables) -> None:
     query = "SELECT s1.ray, s1.sensor FROM Ray AS s1, Ray AS s2"
-    assert len(ask(tables, query, Within(20, 50, None))) == 51
+    assert len(ask(tables, query, Within(10**9, 20, 50, None))) == 51
 
 
 def test_without_the_package_it_is_said_how_to_get_it(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -240,7 +242,9 @@ def test_hostile_programs_come_to_the_same(
     if why_not_duckdb(program):
         return
     ours, theirs = (
-        decisions(program, CROWD, {}, engine, limits=Limits(think_seconds=0.4))
+        decisions(
+            program, CROWD, {}, engine, limits=Limits(think_steps=10_000_000, think_seconds=4)
+        )
         for engine in ("sqlite", "duckdb")
     )
     assert answered() == 1 or theirs == ours, what

@@ -41,9 +41,23 @@ _TEXTS: list[tuple[str, str, str]] = [
     ("attaches a database", "refused", '@AttachDatabase("a", "touched.db"); ROBOT m = 1;'),
     ("attaches itself", "refused", '@AttachDatabase("logica_test", ":memory:"); ROBOT m = 1;'),
     ("chooses a data set", "refused", '@Dataset("touched"); ROBOT m = 1;'),
-    ("defines a flag", "refused", '@DefineFlag("f", "touched"); ROBOT m = FlagValue("f");'),
+    ("defines a flag", "harmless", '@DefineFlag("f", "touched"); ROBOT m = FlagValue("f");'),
+    (
+        "writes SQL by a flag",
+        "refused",
+        """@DefineFlag("f", "' || upper('abc') || '"); ROBOT m = "${f}";""",
+    ),
+    (
+        "writes SQL by a flag in a flag",
+        "refused",
+        """@DefineFlag("f", "${g}"); @DefineFlag("g", "' || 1 || '"); ROBOT m = FlagValue("f");""",
+    ),
     ("compiles as a function", "refused", "@CompileAsUdf(F); F(x) = x; ROBOT m = F(1);"),
-    ("compiles as a table function", "refused", "@CompileAsTvf(F); F(x) :- x in [1]; ROBOT m = 1;"),
+    (
+        "compiles as a table function",
+        "harmless",
+        "@CompileAsTvf(F); F(x) :- x in [1]; ROBOT m = 1;",
+    ),
     ("resets the flags", "refused", '@ResetFlagValue("logica_default_engine", "x"); ROBOT m = 1;'),
     ("invents an annotation", "refused", '@Shell("touch touched"); ROBOT m = 1;'),
     # SQL
@@ -68,10 +82,26 @@ _TEXTS: list[tuple[str, str, str]] = [
     ("formats into SQL", "bounded", 'ROBOT m = "%s {m} ${m} %%";'),
     ("grounds outside", "bounded", '@Ground(P, "other.table"); P(x) :- x in [1]; ROBOT P(m);'),
     ("grounds a file", "bounded", '@Ground(P, "touched.csv"); P(x) :- x in [1]; ROBOT P(m);'),
-    ("orders by SQL", "bounded", '@OrderBy(P, "(select 1 from sqlite_master)"); P(1); ROBOT P(m);'),
-    ("orders by a write", "bounded", '@OrderBy(P, "1; DROP TABLE Sensor"); P(1); ROBOT P(m);'),
+    ("orders by SQL", "refused", '@OrderBy(P, "(select 1 from sqlite_master)"); P(1); ROBOT P(m);'),
+    ("orders by a write", "refused", '@OrderBy(P, "1; DROP TABLE Sensor"); P(1); ROBOT P(m);'),
     ("limits by SQL", "bounded", '@Limit(P, "1; DROP TABLE Sensor"); P(1); ROBOT P(m);'),
-    ("casts to SQL", "bounded", 'ROBOT m = Cast("1", "INT); DROP TABLE Sensor; --");'),
+    ("casts to SQL", "refused", 'ROBOT m = Cast("1", "INT); DROP TABLE Sensor; --");'),
+    ("casts to SQL by a rule", "refused", 'C(x) = Cast("1", x); ROBOT m = C("INT) || (SELECT 7");'),
+    ("casts to SQL by a name", "refused", 'ROBOT t == "INT) || (SELECT 7", m = Cast("1", t);'),
+    (
+        "casts to SQL by a functor",
+        "refused",
+        'F(x, t) = H(x, t); G := F(H: Cast); ROBOT m = G(1, "INT) || (SELECT 7");',
+    ),
+    (
+        "orders by two columns and SQL",
+        "refused",
+        '@OrderBy(P, "col0, (SELECT 1)"); P(1); ROBOT P(m);',
+    ),
+    ("orders by a function", "refused", '@OrderBy(P, "random()"); P(1); ROBOT P(m);'),
+    ("orders by a column that is not there", "refused", '@OrderBy(P, "rowid"); P(1); ROBOT P(m);'),
+    ("casts to a number", "harmless", 'ROBOT m = Cast("12", "INTEGER");'),
+    ("orders by a column", "harmless", '@OrderBy(P, "col0 desc"); P(1); ROBOT P(m);'),
     ("redefines its sensors", "refused", "Sensor(robot_name: 1, sensor: 2); ROBOT m = 1;"),
     ("redefines its memory", "refused", "Memory(robot_name: 1, memory: 2); ROBOT m = 1;"),
     # functions that are not there
@@ -194,6 +224,137 @@ _TEXTS: list[tuple[str, str, str]] = [
     ),
     ("counts past 64 bits", "bounded", "ROBOT m = 9223372036854775807 + 9223372036854775807;"),
     ("writes a long number", "bounded", f"ROBOT m = {'9' * 5000};"),
+    # objects that take far more than their text
+    ("remembers empty records", "bounded", "ROBOT m = List{{} :- i in Range(20000), j in [1, 2]};"),
+    ("remembers many empty records", "bounded", "ROBOT m = List{{} :- i in Range(20000)};"),
+    ("remembers empty lists", "bounded", "ROBOT m = List{[] :- i in Range(20000)};"),
+    ("remembers records of one field", "bounded", "ROBOT m = List{{a: 1} :- i in Range(20000)};"),
+    ("remembers lists of lists", "bounded", "ROBOT m = List{[[[1]]] :- i in Range(10000)};"),
+    ("remembers empty texts", "bounded", 'ROBOT m = List{"" :- i in Range(20000)};'),
+    ("remembers letters", "bounded", 'ROBOT m = Split(Format("%019999d", 1), "");'),
+    (
+        "remembers wide letters",
+        "bounded",
+        'ROBOT m = Join(List{"\U0001f916" :- i in Range(9999)}, "");',
+    ),
+    ("remembers fractions", "bounded", "ROBOT m = List{i / 7 :- i in Range(19999)};"),
+    ("remembers a long text", "bounded", 'ROBOT m = Format("%0900000d", sensor.clock);'),
+    ("remembers a text too long", "failed", 'ROBOT m = Format("%01900000d", 1);'),
+    (
+        "remembers many names",
+        "bounded",
+        "ROBOT m = AssembleRecord(List{{arg: ToString(i), value: {}} :- i in Range(4000)});",
+    ),
+    (
+        "gives many heavy rows",
+        "failed",
+        "Robot(robot_name:, desire: {left_engine: 0, right_engine: 0}, memory: m) :- "
+        "Sensor(robot_name:), i in Range(400), m = List{[[], [], []] :- j in Range(6000)};",
+    ),
+    (
+        "gives many long rows",
+        "failed",
+        "Robot(robot_name:, desire: {left_engine: 0, right_engine: 0}, memory: m) :- "
+        'Sensor(robot_name:), i in Range(400), m = Format("%0100000d", i);',
+    ),
+    (
+        "remembers what it remembered",
+        "bounded",
+        "ROBOT Memory(robot_name:, memory:), m = [memory, memory, memory, memory];",
+    ),
+    # steps
+    ("counts slowly", "failed", "ROBOT m = Sum{1 :- i in Range(90000), j in Range(90000)};"),
+    (
+        "counts rays slowly",
+        "failed",
+        "ROBOT m = Sum{1 :- a in sensor.radar, b in sensor.radar, c in sensor.radar, "
+        "d in sensor.radar, e in sensor.radar, f in sensor.radar};",
+    ),
+    (
+        "sorts again and again",
+        "failed",
+        "ROBOT m = Sum{Size(Sort(Range(15000 + i))) :- i in Range(4000)};",
+    ),
+    (
+        "splits again and again",
+        "failed",
+        'ROBOT m = Sum{Size(Split(Format("%09999d", i), "")) :- i in Range(90000)};',
+    ),
+    (
+        "joins again and again",
+        "failed",
+        'ROBOT m = Sum{Length(Join(Range(15000 + i), "-")) :- i in Range(4000)};',
+    ),
+    (
+        "hashes again and again",
+        "failed",
+        'ROBOT m = Sum{Fingerprint(Format("%0900000d", i)) :- i in Range(9000)};',
+    ),
+    (
+        "replaces again and again",
+        "failed",
+        'ROBOT m = Sum{Length(Replace(Format("%0900000d", i), "0", "11")) :- i in Range(9000)};',
+    ),
+    (
+        "looks like it again and again",
+        "failed",
+        'ROBOT m = Sum{1 :- i in Range(9000), Like(Format("%0900000d", i), "%0_0%1%")};',
+    ),
+    (
+        "writes large letters again and again",
+        "bounded",
+        'ROBOT m = Sum{Length(Upper(Format("%0900000d", i))) :- i in Range(9000)};',
+    ),
+    (
+        "cuts again and again",
+        "bounded",
+        'ROBOT m = Sum{Length(Substr(Format("%01900000d", i), 1, 1000000)) :- i in Range(9000)};',
+    ),
+    (
+        "takes the least of pairs",
+        "failed",
+        "ROBOT m = ArgMin{[i, j] -> i * j :- i in Range(9000), j in Range(9000)};",
+    ),
+    (
+        "ranks pairs",
+        "bounded",
+        "ROBOT m = ArgMaxK({i -> j :- i in Range(9000), j in Range(9)}, 3);",
+    ),
+    (
+        "compares everything with everything",
+        "failed",
+        "P(x) :- x in Range(9000); ROBOT m = Sum{1 :- P(a), P(b), ~P(a + b)};",
+    ),
+    (
+        "makes all texts different",
+        "bounded",
+        'ROBOT m = Size(Set{Format("%0100d", i) :- i in Range(90000)});',
+    ),
+    (
+        "goes round in circles",
+        "bounded",
+        "@Recursive(N, 30); E(a, b) :- a in Range(40), b in Range(40); N(0); "
+        "N(b) :- N(a), E(a, b); ROBOT m = Sum{x :- N(x)};",
+    ),
+    (
+        "grows in circles",
+        "bounded",
+        '@Recursive(N, 20); N("a"); N(a ++ b) :- N(a), N(b); ROBOT m = Sum{Length(x) :- N(x)};',
+    ),
+    (
+        "counts down in text",
+        "bounded",
+        '@Recursive(N, 25); N(Format("%01000d", 1)); N(a ++ a) :- N(a); ROBOT m = Max{x :- N(x)};',
+    ),
+    (
+        "remembers a growing list",
+        "bounded",
+        "ROBOT Memory(robot_name:, memory:), m = Concat(memory.l, memory.l);",
+    ),
+    ("counts all robots", "bounded", "ROBOT m = Sum{1 :- Sensor(a), Sensor(b), Sensor(c)};"),
+    ("divides by nothing", "bounded", "ROBOT m = List{i / 0 :- i in Range(1000)};"),
+    ("wants a root of less than nothing", "bounded", "ROBOT m = Sqrt(0 - 1);"),
+    ("raises high", "bounded", "ROBOT m = 10 ^ 400;"),
     # the parser
     ("opens brackets", "refused", "ROBOT m = " + "(" * 20_000 + "1" + ")" * 20_000 + ";"),
     ("opens lists", "refused", "ROBOT m = " + "[" * 20_000 + "]" * 20_000 + ";"),

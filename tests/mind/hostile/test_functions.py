@@ -54,7 +54,7 @@ ARGUMENTS = [(), *((v,) for v in VALUES), *itertools.product(PAIRED, repeat=2), 
 
 @pytest.fixture(scope="module")
 def database() -> Iterator[Database]:
-    database = Database(Limits(think_seconds=60))
+    database = Database(Limits(think_steps=10**12, think_seconds=60))
     database.load(list(VALUES.items()), [])
     yield database
     database.close()

@@ -1,0 +1,97 @@
+"""Where a player's files may be on a shared machine, and how many: for the whole process.
+
+Without `confine` everything is allowed.
+"""
+
+from __future__ import annotations
+
+import os
+from dataclasses import dataclass
+from errno import EACCES, EDQUOT
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+    from pathlib import Path
+
+__all__ = ["MOST_BYTES", "MOST_FILES", "WHY", "check_mine", "check_quota", "confine", "is_confined"]
+
+MOST_FILES = 2_000
+MOST_BYTES = 200 * 2**20
+"""Of all files in a player's folder."""
+
+WHY = "restricted mode allows only your own files"
+
+
+@dataclass(frozen=True, slots=True)
+class _Confinement:
+    own: str
+    readable: tuple[str, ...]
+
+
+_confined: list[_Confinement] = []
+
+
+def confine(own: Path, *readable: Path) -> None:
+    """Let files that a player names be in these folders only, for good.
+
+    Args:
+        own: The player's folder.
+        readable: What else may be read.
+    """
+    folders = tuple(os.path.realpath(folder) for folder in readable)
+    _confined.append(_Confinement(os.path.realpath(own), folders))
+
+
+def is_confined() -> bool:
+    """Whether the player's files are confined to a folder."""
+    return bool(_confined)
+
+
+def check_mine(path: str | Path) -> None:
+    """Refuse what is neither the player's nor came with the game, be it there or not.
+
+    Raises:
+        PermissionError: It is neither; that says nothing about whether it exists.
+    """
+    where = os.path.realpath(path)
+    for confined in _confined:
+        folders = (confined.own, *confined.readable)
+        if not any(where == folder or where.startswith(folder + os.sep) for folder in folders):
+            raise PermissionError(EACCES, WHY, str(path))
+
+
+def check_quota(path: Path, size: int) -> None:
+    """Refuse to write a file for which there is no room.
+
+    Args:
+        path: The file.
+        size: Its bytes afterwards.
+
+    Raises:
+        OSError: The player's folder would hold too many files or bytes.
+    """
+    for confined in _confined:
+        sizes = {found.path: found.stat().st_size for found in _files(confined.own)}
+        before = sizes.get(os.path.realpath(path))
+        if before is None and len(sizes) >= MOST_FILES:
+            said = f"your folder is full: it holds {MOST_FILES:,} files, and that is the most"
+            raise OSError(EDQUOT, said, str(path))
+        if size > (before or 0) and sum(sizes.values()) - (before or 0) + size > MOST_BYTES:
+            said = f"your folder is full: {MOST_BYTES // 2**20} MB are the most"
+            raise OSError(EDQUOT, said, str(path))
+
+
+def _files(folder: str) -> Iterator[os.DirEntry[str]]:
+    """The files in a folder and in those within it, as far as they can be looked at."""
+    folders = [folder]
+    while folders:
+        try:
+            with os.scandir(folders.pop()) as entries:
+                for entry in entries:
+                    if entry.is_dir(follow_symlinks=False):
+                        folders.append(entry.path)
+                    elif entry.is_file(follow_symlinks=False):
+                        yield entry
+        except OSError:
+            continue

@@ -1,0 +1,152 @@
+"""What comes in from a terminal, sorted: its answers, pastes, and keys; junk is dropped."""
+
+from __future__ import annotations
+
+import re
+from codecs import getincrementaldecoder
+from collections import deque
+from functools import cache
+from typing import TYPE_CHECKING
+
+from textual import events
+from textual._ansi_sequences import ANSI_SEQUENCES_KEYS
+from textual._xterm_parser import XTermParser
+from textual.keys import Keys
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Iterator
+
+__all__ = ["MOST_PASTED", "CarefulParser", "Incoming", "Pasted"]
+
+MOST_PASTED = 1_000_000
+"""Characters of one paste; more is left out. A program may have a fifth of that."""
+
+_LONGEST = 40  # characters of a control sequence; the longest that means anything has 32
+_FORSAKEN = 1.0  # seconds of silence after which a single key ends a paste that was never ended
+_ONE_KEY = 8  # bytes at most
+
+_ANSWER = re.compile(r"\x1b\[\d{1,6};\d{1,6}R")
+_TOO_LONG = re.compile(rf"\x1b\[[0-?]{{{_LONGEST},}}[ -/]*[@-~]?")
+_REST = re.compile(r"[0-?]*[ -/]*[@-~]?")
+_BEGUN = re.compile(rf"\x1b\[[0-?]{{0,{_LONGEST}}}\Z")
+_STRING = re.compile(r"\x1b[]P^_X][^\x07\x1b]+(?:\x07|\x1b\\)")
+"""What a terminal says of its colours or its version, and no key does."""
+
+_PASTE_BEGIN, _PASTE_END = "\x1b[200~", "\x1b[201~"
+
+_SEQUENCE = re.compile(r"\x1b\[[0-?]*[ -/]*[@-~]\Z")
+
+
+class Pasted(str):
+    """A text that was pasted, as far as it is not too long; what was begun before it is over."""
+
+    __slots__ = ()
+
+
+class Incoming:
+    """Takes apart what comes in, in time that grows with its length and with bounded memory.
+
+    A terminal answers at once, even if a paste comes in at that moment.
+    """
+
+    def __init__(self) -> None:
+        self._decode = getincrementaldecoder("utf-8")(errors="replace").decode
+        self._begun = ""  # of a sequence
+        self._is_skipping = False  # the rest of a sequence that is too long
+        self._paste: deque[str] | None = None
+        self._pasted = 0
+        self._is_escape_last = False
+        self._last = 0.0
+
+    def take(self, data: bytes, now: float) -> tuple[list[str | Pasted], int]:
+        """What was typed and pasted, in order, and how many answers came in between.
+
+        Args:
+            data: What came in; whatever has only begun is kept for the next time.
+            now: When, in seconds.
+        """
+        is_forsaken = now - self._last > _FORSAKEN and len(data) <= _ONE_KEY
+        self._last = now
+        text = self._whole(self._decode(data))
+        text, answers = _ANSWER.subn("", text)
+        found: list[str | Pasted] = []
+        if self._paste is not None and is_forsaken and text and _PASTE_END not in text:
+            found.append(self._finished())
+        found += self._split(text)
+        return found, answers
+
+    def _whole(self, text: str) -> str:
+        """The text without sequences that are too long, or have only begun."""
+        text, self._begun = self._begun + text, ""
+        if self._is_skipping:
+            rest = _REST.match(text)
+            end = rest.end() if rest else 0
+            self._is_skipping = end == len(text) and not "@" <= text[-1:] <= "~"
+            text = text[end:]
+        if found := [*_TOO_LONG.finditer(text)]:
+            self._is_skipping = found[-1].end() == len(text) and not "@" <= text[-1:] <= "~"
+            text = _TOO_LONG.sub("", text)
+        if begun := _BEGUN.search(text):
+            text, self._begun = text[: begun.start()], begun[0]
+        return text
+
+    def _split(self, text: str) -> Iterator[str | Pasted]:
+        if self._paste is None and self._is_escape_last and text.startswith(_PASTE_BEGIN[1:]):
+            text = f"\x1b{text}"
+        self._is_escape_last = self._paste is None and text.endswith("\x1b")
+        while text:
+            if self._paste is None:
+                keys, begin, text = text.partition(_PASTE_BEGIN)
+                if keys := _STRING.sub("", keys):
+                    yield keys
+                if begin:
+                    self._paste, self._pasted = deque(), 0
+            else:
+                inside, end, text = text.partition(_PASTE_END)
+                self._keep(inside)
+                if end:
+                    yield self._finished()
+
+    def _keep(self, text: str) -> None:
+        assert self._paste is not None
+        if text.endswith("\x1b"):
+            text, self._begun = text[:-1], f"\x1b{self._begun}"
+        if room := MOST_PASTED - self._pasted:
+            self._paste.append(text[:room])
+            self._pasted += len(text[:room])
+
+    def _finished(self) -> Pasted:
+        assert self._paste is not None
+        text, self._paste = "".join(self._paste), None
+        return Pasted(text.replace("\0", ""))
+
+
+class CarefulParser(XTermParser):
+    """Textual's parser of keys, which drops what it can't understand.
+
+    By itself it raises an error for a key beyond Unicode, and takes any other sequence that it does
+    not know for the keys of its characters.
+    """
+
+    def _sequence_to_key_events(self, sequence: str, alt: bool = False) -> Iterable[events.Key]:
+        try:
+            found = [*super()._sequence_to_key_events(sequence, alt)]
+        except (ValueError, OverflowError):
+            return [_ignored(sequence)]
+        if found or not _SEQUENCE.match(sequence) or sequence in _beginnings():
+            return found
+        mouse = re.match(r"\x1b\[(<?[-\d;]+[mM]|M)", sequence)
+        is_report = re.match(r"\x1b\[\?\d+;\d+\$y", sequence)
+        return [] if mouse or is_report else [_ignored(sequence)]
+
+
+def _ignored(sequence: str) -> events.Key:
+    return events.Key(Keys.Ignore, sequence)
+
+
+@cache
+def _beginnings() -> frozenset[str]:
+    """With what known sequences begin that are longer."""
+    return frozenset(
+        sequence[:end] for sequence in ANSI_SEQUENCES_KEYS for end in range(2, len(sequence))
+    )

@@ -1,0 +1,109 @@
+"""No clock decides what robots do: a run on a busy machine is the run on an idle one."""
+
+from __future__ import annotations
+
+import signal
+import subprocess
+import sys
+from contextlib import suppress
+from typing import TYPE_CHECKING
+
+import pytest
+
+from logical_robots_tui import Game, Program, list_levels, load_level
+from logical_robots_tui.game.robustness import LateError, play_through
+from logical_robots_tui.mind import Decision, Notice
+from tests.short import AHEAD, LEVEL
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from logical_robots_tui.game import Frame
+
+DIGEST = """if True:
+    import asyncio, hashlib, sys
+    from logical_robots_tui import Game, Program, load_level
+    from logical_robots_tui.game import load_program
+
+    async def digest(name, ticks):
+        level = load_level(name)
+        game = Game(level, Program.compile(load_program(level.solution).text))
+        found = hashlib.sha256()
+        while game.frame.tick < ticks and game.won_at is None:
+            frame = await game.step()
+            found.update(repr((frame.after, frame.decisions, frame.memories)).encode())
+        await game.close()
+        return found.hexdigest(), game.frame.tick
+
+    for name in sys.argv[2:]:
+        print(name, *asyncio.run(digest(name, int(sys.argv[1]))), flush=True)
+"""
+
+ON, OFF = 0.005, 0.045  # seconds
+
+
+def told(ticks: int, *names: str, starved: bool = False) -> str:
+    """What the ticks of levels come to, in a process that may have a tenth of a processor."""
+    command = [sys.executable, "-c", DIGEST, str(ticks), *names]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as process:
+        assert process.stdout is not None
+        first = process.stdout.readline()  # compiled and under way
+        while starved and process.poll() is None:
+            for sign, seconds in ((signal.SIGSTOP, OFF), (signal.SIGCONT, ON)):
+                process.send_signal(sign)
+                with suppress(subprocess.TimeoutExpired):
+                    process.wait(seconds)
+        return first + process.stdout.read()
+
+
+@pytest.mark.proof
+@pytest.mark.parametrize("name", [name for name in list_levels() if load_level(name).solution])
+def test_with_a_tenth_of_a_processor_a_shipped_pair_plays_the_same(name: str) -> None:
+    first = "01-first-steps"
+    assert told(1000, first, name, starved=True) == told(1000, first, name)
+
+
+def test_with_a_tenth_of_a_processor_a_run_is_the_same() -> None:
+    names = ("01-first-steps", "03-the-long-hall")
+    assert told(60, *names, starved=True) == told(60, *names)
+
+
+@pytest.fixture
+def late(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The clock ends the thought in tick 3."""
+    from logical_robots_tui.mind.mind import Mind
+
+    think = Mind.think
+
+    def late_once(self: Mind, rows: list[object], *rest: object, **more: object) -> list[Decision]:
+        decisions = think(self, rows, *rest, **more)  # type: ignore[arg-type]  # passed on as it is
+        if rows[0]["sensor"]["clock"] != 3:  # type: ignore[index]  # a sensor row
+            return decisions
+        return [Decision(d.robot_name, None, d.memory, (Notice("late", "x"),)) for d in decisions]
+
+    monkeypatch.setattr(Mind, "think", late_once)
+
+
+@pytest.mark.usefixtures("late")
+async def test_from_the_tick_on_in_which_the_clock_ended_a_thought_nothing_is_reliable(
+    tmp_path: Path,
+) -> None:
+    path = tmp_path / "short.toml"
+    path.write_text(LEVEL)
+    game = Game(load_level(path), Program.compile(AHEAD))
+    frame: Frame = await game.run_until(tick=5)
+    assert frame.is_reliable
+    history = game.history
+    assert [history.is_reliable_up_to(tick) for tick in range(6)] == [True] * 3 + [False] * 3
+    game.go_to(2)
+    game.forget_future()
+    assert history.is_reliable_up_to(2)
+    await game.close()
+
+
+@pytest.mark.usefixtures("late")
+def test_no_measure_is_taken_from_a_run_in_which_the_clock_ended_a_thought(tmp_path: Path) -> None:
+    path = tmp_path / "short.toml"
+    path.write_text(LEVEL)
+    with pytest.raises(LateError):
+        play_through(load_level(path), Program.compile(AHEAD), 100)

@@ -1,0 +1,119 @@
+"""What a game holds is bounded, as the process holds it, whatever the program remembers."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+
+import pytest
+
+from logical_robots_tui.mind import Limits, Mind, Program
+from logical_robots_tui.mind.weight import HEAVIEST_CHARACTER, weight_of, weight_of_text
+from tests.mind.rows import ROBOT, row
+
+MOST = 600 * 1024  # KiB that the whole process may hold, with room for the screen
+SCREEN = 60 * 1024  # KiB that the screen needs besides
+ADDRESSES = 2 * 1024**3  # bytes, as in restricted mode
+
+PLAYS = """if True:
+    import asyncio, re, resource, sys
+    from logical_robots_tui import Game, Program, load_level
+    from logical_robots_tui.mind import cache
+    level, text, ticks, addresses = sys.argv[1:]
+    program = Program.compile(text)
+    resource.setrlimit(resource.RLIMIT_AS, (int(addresses),) * 2)
+
+    async def play():
+        game = Game(load_level(level), program)
+        said = set()
+        while game.frame.tick < int(ticks):
+            frame = await game.step()
+            said |= {n.kind for d in frame.decisions for n in d.notices}
+            assert len(frame.decisions) == len(frame.after.robots)
+        game.go_to(game.history.first)
+        assert game.frame_at(game.history.last).tick == int(ticks)
+        await game.close()
+        return said
+
+    said = asyncio.run(play())
+    status = open("/proc/self/status").read()
+    most = re.search(r"VmHWM:\\s+(\\d+)", status)[1]
+    print(most, *sorted(kind.replace(" ", "_") for kind in said))
+"""
+
+HUNGRY = {
+    "long texts that change": 'm = Format("%0900000d", sensor.clock)',
+    "short enough long texts": 'm = Format("%0400000d", sensor.clock)',
+    "empty records": "m = {clock: sensor.clock, list: List{{} :- i in Range(20000)}}",
+    "empty lists": "m = {clock: sensor.clock, list: List{[] :- i in Range(20000)}}",
+    "many numbers": "m = List{sensor.clock * i / 7 :- i in Range(19000)}",
+    "what can't be packed": "m = List{NaturalHash(ToString(sensor.clock * i)) :- i in Range(9000)}",
+    "all that was": 'Memory(robot_name:, memory:), m = [memory, Format("%090000d", sensor.clock)]',
+}
+
+
+def played(level: str, text: str, ticks: int, addresses: int = ADDRESSES) -> tuple[int, set[str]]:
+    """The most KiB that a game held, and the kinds of notices that it gave."""
+    command = [sys.executable, "-c", PLAYS, level, text, str(ticks), str(addresses)]
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, (done.returncode, done.stderr[-2000:])
+    most, *kinds = done.stdout.split()
+    return int(most), set(kinds)
+
+
+@pytest.mark.parametrize("what", HUNGRY)
+def test_one_robot_s_memories_stay_within_bounds(what: str) -> None:
+    most, _ = played("01-first-steps", ROBOT + HUNGRY[what] + ";", 130)
+    assert most < MOST - SCREEN
+
+
+@pytest.mark.parametrize(
+    "what",
+    [
+        name if name.startswith("long") else pytest.param(name, marks=pytest.mark.proof)
+        for name in HUNGRY
+    ],
+)
+def test_the_memories_of_a_hundred_stay_within_bounds(what: str) -> None:
+    most, kinds = played("12-swarm", ROBOT + HUNGRY[what] + ";", 25)
+    assert most < MOST - SCREEN
+    assert kinds <= {"no_memory", "failed"}
+
+
+def test_without_room_a_thought_is_a_notice_and_the_game_goes_on() -> None:
+    _, kinds = played("01-first-steps", ROBOT + "m = sensor.clock;", 40, 420 * 1024**2)
+    assert kinds == {"no_room"}
+
+
+@pytest.mark.parametrize(
+    "value",
+    [
+        [{} for _ in range(5000)],
+        [[] for _ in range(5000)],
+        [{"a": 1} for _ in range(3000)],
+        [{"": 1} for _ in range(3000)],
+        [1.5] * 9000,
+        [[[[[[1]]]]]] * 3000,
+        "x" * 100_000,
+        ["ä" * 10] * 3000,
+        [1] * 9000,
+    ],
+)
+def test_what_text_says_of_objects_is_never_too_little(value: object) -> None:
+    import orjson
+
+    text = orjson.dumps(value).decode()
+    weight = weight_of(value, 10**9)  # type: ignore[arg-type]  # values of many shapes
+    assert weight <= min(weight_of_text(text), len(text) * HEAVIEST_CHARACTER)
+    assert weight_of(value, 1000) > 1000  # type: ignore[arg-type]  # the same
+
+
+def test_a_memory_too_heavy_as_objects_is_told_and_the_old_one_kept() -> None:
+    program = Program.compile(ROBOT + "m = List{{} :- i in Range(9000)};")
+    mind = Mind(program, limits=Limits(memory_weight=500_000))
+    (decision,) = mind.think([row("Ada")], {"Ada": "kept"})
+    mind.close()
+    (notice,) = decision.notices
+    assert (decision.memory, notice.kind) == ("kept", "no memory")
+    assert "more than the 500,000 bytes" in notice.message
+    assert decision.is_reliable

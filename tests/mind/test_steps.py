@@ -1,0 +1,83 @@
+"""Steps decide when a thought is ended; the clock is a guard, and marks what it ends."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import pytest
+
+from logical_robots_tui.mind import Limits, Mind, Program
+from logical_robots_tui.mind.sqlite.watch import STEPS_AT_ONCE, Budget, Work
+from tests.mind.rows import ROBOT, row
+
+COUNTS = (
+    "WITH RECURSIVE t_0_N(n) AS (SELECT 1 UNION ALL SELECT n + 1 FROM t_0_N LIMIT {}) "
+    "SELECT robot_name, max(n) AS memory FROM Sensor, t_0_N"
+)
+
+
+@pytest.fixture(scope="module")
+def program() -> Program:
+    return Program.compile(ROBOT + "m = 1;")
+
+
+def ends(mind: Mind) -> str:
+    (decision,) = mind.think([row("Ada")], {"Ada": "kept"})
+    return "failed" if any("steps" in n.message for n in decision.notices) else "thought"
+
+
+def test_a_thought_near_its_bound_ends_the_same_whatever_was_thought_before(
+    program: Program,
+) -> None:
+    counts = replace(program, statements={"Robot": COUNTS.format(30_000)}, tuned={})
+    verdicts = set()
+    for extra in range(0, 10 * STEPS_AT_ONCE, STEPS_AT_ONCE // 2):
+        mind = Mind(counts, limits=Limits(think_steps=29 * STEPS_AT_ONCE + extra))
+        found = {ends(mind) for _ in range(7)}
+        mind.close()
+        assert len(found) == 1, extra
+        verdicts |= found
+    assert verdicts == {"failed", "thought"}
+
+
+def test_between_two_thoughts_nothing_is_counted_or_ended() -> None:
+    work = Work(lambda: None)
+    budget = Budget(STEPS_AT_ONCE, 1.0)
+    work.begin(budget, None)
+    assert [work.count(), work.count()] == [False, True]
+    work.end()
+    assert budget.steps == -STEPS_AT_ONCE
+    assert not work.count()
+
+
+def test_calls_of_functions_and_what_passes_through_them_are_counted(program: Program) -> None:
+    text = "SELECT 'Ada' AS robot_name, natural_hash(printf('%1000000s', 'x')) AS memory"
+    forced = replace(program, statements={"Robot": text}, tuned={})
+    for steps, wanted in ((900_000, "failed"), (1_100_000, "thought")):
+        mind = Mind(forced, limits=Limits(think_steps=steps))
+        assert ends(mind) == wanted
+        mind.close()
+
+
+def test_what_the_clock_ends_is_marked(program: Program) -> None:
+    slow = replace(program, statements={"Robot": COUNTS.format(10**9)}, tuned={})
+    mind = Mind(slow, limits=Limits(think_steps=10**12, think_seconds=0.1))
+    (decision,) = mind.think([row("Ada")], {"Ada": "kept"})
+    mind.close()
+    (notice,) = decision.notices
+    assert (notice.kind, decision.memory, decision.is_reliable) == ("late", "kept", False)
+    assert "after 0.1 seconds" in notice.message
+
+
+def test_the_guard_counts_no_time_in_which_it_could_not_look() -> None:
+    halted: list[bool] = []
+    work = Work(lambda: halted.append(True))
+    budget = Budget(1, 1.0)
+    work.begin(budget, None)
+    work.end()
+    for _ in range(9):
+        work.look(0.1)
+    assert not halted
+    work.look(0.2)
+    assert halted
+    assert budget.is_late

@@ -1,0 +1,117 @@
+"""A real terminal that sends junk, or claims to be huge: the game answers the next key."""
+
+from __future__ import annotations
+
+import os
+import re
+import select
+import signal
+import struct
+import sys
+import termios
+from fcntl import ioctl
+from pathlib import Path
+from time import monotonic
+
+import pytest
+
+from tests.terminal import Terminal
+
+PATIENT = 60.0  # seconds for the game to take in all of it
+FLOODS = {
+    "keys beyond Unicode": b"\x1b[1114112u\x1b[99999999999u\x1b[97;1:9;1114112u",
+    "a number without end": b"\x1b[" + b"1" * 5_000_000,
+    "a paste of six million letters": b"\x1b[200~" + b"x" * 6_000_000 + b"\x1b[201~",
+    "answers that nobody asked for": b"\x1b[1;1R" * 200_000,
+    "what is no UTF-8": b"\xff\xfe\xc3" * 200_000,
+    "keys": b"[]{}" * 200_000,
+}
+
+
+def memory_of(terminal: Terminal) -> int:
+    """KiB that the game holds."""
+    status = Path(f"/proc/{terminal.process.pid}/status").read_text()
+    found = re.search(r"VmRSS:\s+(\d+)", status)
+    assert found
+    return int(found[1])
+
+
+def flood(terminal: Terminal, data: bytes) -> None:
+    """Send without reading what comes back, but for making room."""
+    fileno = terminal.fileno()
+    os.set_blocking(fileno, False)
+    deadline = monotonic() + PATIENT
+    while data:
+        assert monotonic() < deadline, f"{len(data):,} bytes are left"
+        assert terminal.process.poll() is None
+        readable, writable, _ = select.select([fileno], [fileno], [], 1)
+        if readable:
+            os.read(fileno, 65536)
+        if writable:
+            data = data[os.write(fileno, data[:65536]) :]
+    os.set_blocking(fileno, True)
+
+
+def resize(terminal: Terminal, columns: int, lines: int) -> None:
+    ioctl(terminal.fileno(), termios.TIOCSWINSZ, struct.pack("HHHH", lines, columns, 0, 0))
+    os.kill(terminal.process.pid, signal.SIGWINCH)
+
+
+@pytest.mark.parametrize("what", FLOODS)
+def test_after_a_flood_a_key_is_answered_and_no_memory_is_lost(what: str, tmp_path: Path) -> None:
+    game = [sys.executable, "-m", "logical_robots_tui", "play", "01-first-steps", "--restricted"]
+    with Terminal([*game, "--data-dir", tmp_path]) as terminal:
+        terminal.wait_for("· applied")
+        before = memory_of(terminal)
+        flood(terminal, FLOODS[what])
+        terminal.wait_for_quiet(0.5)
+        terminal.send("\x1b")
+        terminal.wait_for_quiet(0.5)
+        terminal.send("\x12")
+        terminal.send("\x1bn" if what == "keys" else "n")
+        if what != "keys":  # which may have gone anywhere
+            terminal.wait_for("tick 1 ")
+        assert memory_of(terminal) - before < 50 * 1024
+        assert terminal.process.poll() is None
+
+
+def test_of_a_huge_terminal_so_much_is_drawn_and_the_player_is_told(tmp_path: Path) -> None:
+    game = [sys.executable, "-m", "logical_robots_tui", "play", "01-first-steps"]
+    with Terminal([*game, "--data-dir", tmp_path]) as terminal:
+        terminal.wait_for("· applied")
+        begun = terminal.traffic
+        resize(terminal, 10_000, 10_000)
+        deadline = monotonic() + PATIENT
+        while not terminal.has_received("Only 1000 columns", begun):
+            terminal.read_for(0.2)
+            assert memory_of(terminal) < 600 * 1024
+            assert monotonic() < deadline
+        resize(terminal, 100, 40)
+        assert terminal.process.poll() is None
+        assert memory_of(terminal) < 600 * 1024
+
+
+FAILS = """if True:
+    import sys
+    from logical_robots_tui.cli.main import main
+    from logical_robots_tui.tui import driver
+
+    def take(*_):
+        raise LookupError("made by a test")
+
+    driver.Incoming.take = take
+    sys.exit(main(sys.argv[1:]))
+"""
+
+
+def test_a_mistake_of_ours_in_the_thread_that_reads_ends_the_game_in_order(tmp_path: Path) -> None:
+    game = [sys.executable, "-c", FAILS, "play", "01-first-steps", "--data-dir", tmp_path]
+    home = {"HOME": str(tmp_path), "XDG_STATE_HOME": str(tmp_path / "state")}
+    with Terminal(game, env=home) as terminal:
+        terminal.wait_to_receive("\x1b[?1049h")
+        terminal.send("n")
+        assert terminal.finish() == 70
+        assert "\x1b[?1049l" in terminal.everything
+        assert "Traceback" not in terminal.everything
+    logs = [path for path in (tmp_path / "state").rglob("*") if path.is_file()]
+    assert any("made by a test" in path.read_text(errors="replace") for path in logs)

@@ -1,0 +1,145 @@
+"""Whatever comes in from a terminal is taken apart in time, and no input is an error."""
+
+from __future__ import annotations
+
+import random
+import tracemalloc
+from time import process_time
+
+import pytest
+
+from logical_robots_tui.tui.incoming import MOST_PASTED, CarefulParser, Incoming, Pasted
+
+CHUNK = 4096
+
+
+class Input:
+    """Takes in bytes as the driver does, and remembers what they come to."""
+
+    def __init__(self) -> None:
+        self.incoming, self.parser = Incoming(), CarefulParser()
+        self.keys: list[str] = []
+        self.pasted: list[int] = []
+        self.answers = 0
+        self.now = 0.0
+
+    def take(self, data: bytes) -> Input:
+        for begin in range(0, len(data), CHUNK):
+            pieces, answers = self.incoming.take(data[begin : begin + CHUNK], self.now)
+            self.answers += answers
+            for piece in pieces:
+                if isinstance(piece, Pasted):
+                    self.pasted.append(len(piece))
+                    self.parser = CarefulParser()
+                else:
+                    self.keys += [getattr(m, "key", str(m)) for m in self.parser.feed(piece)]
+        return self
+
+
+@pytest.mark.parametrize(
+    "junk",
+    [
+        b"\x1b[1114112u",
+        b"\x1b[99999999999u",
+        b"\x1b[97;1:9;1114112u",
+        b"\x1b[5;5z",
+        b"\x1b[>0;276;0c",
+        b"\x1b[?62;22c",
+        b"\x1b]11;rgb:1e1e/1e1e/1e1e\x1b\\",
+        b"\x1b]11;rgb:1e1e/1e1e/1e1e\x07",
+        b"\x1bP1$r0m\x1b\\",
+        b"\x1b[" + b"7" * 50 + b"u",
+        b"\x1b[" + b"7" * 10_000 + b"u",
+    ],
+)
+def test_what_cant_be_understood_is_dropped_and_the_next_key_is_heard(junk: bytes) -> None:
+    assert Input().take(junk + b"n").keys == ["n"]
+
+
+@pytest.mark.parametrize(
+    ("sent", "key"),
+    [
+        (b"\x1b[A", "up"),
+        (b"\x1b[[A", "f1"),
+        (b"\x1b[1;5A", "ctrl+up"),
+        (b"\x1b[3~", "delete"),
+        (b"\x1b[97;5u", "ctrl+a"),
+        (b"\x1bOP", "f1"),
+        ("ü".encode(), "ü"),
+    ],
+)
+def test_keys_are_what_they_were(sent: bytes, key: str) -> None:
+    assert Input().take(sent).keys == [key]
+
+
+def test_a_number_that_goes_on_for_five_million_digits_is_dropped_in_time() -> None:
+    began = process_time()
+    found = Input().take(b"\x1b[" + b"1" * 5_000_000).take(b"un")
+    assert process_time() - began < 2
+    assert found.keys == ["n"]
+
+
+def test_of_a_long_paste_as_much_is_taken_as_is_of_use() -> None:
+    found = Input().take(b"\x1b[200~" + b"x" * 6_000_000 + b"\x1b[201~n")
+    assert (found.pasted, found.keys) == ([MOST_PASTED], ["n"])
+
+
+def test_a_paste_that_is_never_ended_is_ended_by_a_key_after_a_silence() -> None:
+    found = Input().take(b"\x1b[200~" + b"x" * 3_000_000)
+    assert (found.pasted, found.keys) == ([], [])
+    found.now += 0.5
+    assert found.take(b"y").keys == []
+    found.now += 3.0
+    found.take(b"\x1b[A")
+    assert (found.pasted, found.keys) == ([MOST_PASTED], ["up"])
+
+
+def test_a_paste_whose_mark_comes_in_two_parts_is_one() -> None:
+    found = Input().take(b"\x1b").take(b"[200~abc\x1b").take(b"[201~n")
+    assert (found.pasted, found.keys) == ([3], ["n"])
+
+
+def test_answers_that_nobody_asked_for_are_counted_and_nothing_else() -> None:
+    found = Input().take(b"\x1b[1;1R" * 200_000)
+    assert (found.answers, found.keys) == (200_000, [])
+
+
+def hostile(size: int, seed: int) -> bytes:
+    """Random bytes, sequences that are known and changed, and pieces of them."""
+    chance = random.Random(seed)
+    known = [
+        *(b"\x1b[200~", b"\x1b[201~", b"\x1b[A", b"\x1b[1;5A", b"\x1b[97;5u", b"\x1b[<0;5;5M"),
+        *(b"\x1b[M !!", b"\x1b[48;24;80;1;1t", b"\x1b[?2026;2$y", b"\x1b[12;34R", b"\x1b]0;x\x07"),
+    ]
+    parts = bytearray()
+    while len(parts) < size:
+        kind = chance.randrange(4)
+        part = bytearray(chance.choice(known))
+        if kind == 0:
+            part = bytearray(chance.randbytes(chance.randrange(1, 40)))
+        elif kind == 1:
+            part[chance.randrange(len(part))] = chance.randrange(256)
+        elif kind == 2:
+            del part[chance.randrange(len(part)) :]
+        parts += part
+    return bytes(parts[:size])
+
+
+@pytest.mark.parametrize(
+    ("size", "seed"),
+    [(40_000, 1), (40_000, 2), pytest.param(10_000_000, 3, marks=pytest.mark.proof)],
+)
+def test_ten_million_hostile_bytes_are_no_error_and_take_no_memory(size: int, seed: int) -> None:
+    found = Input()
+    data = hostile(size, seed)
+    tracemalloc.start()
+    for begin in range(0, size, CHUNK):
+        found.take(data[begin : begin + CHUNK])
+        found.keys.clear()
+    used, _ = tracemalloc.get_traced_memory()
+    tracemalloc.stop()
+    assert used < 50_000_000
+    for key in (b"\x1b[201~", b"\x1b[A", b"\x1b[A", b"n"):
+        found.now += 5
+        found.take(key)
+    assert found.keys[-1:] == ["n"]

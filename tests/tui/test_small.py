@@ -1,0 +1,85 @@
+"""In a terminal of any size nothing fails: every dialog, resized while it is open."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import pytest
+
+from logical_robots_tui.tui.commands import COMMANDS, EDITING
+from tests.tui.conftest import opened
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from tests.tui.conftest import Opened
+
+# Columns and lines, so that neighbours in the list differ much in both.
+SIZES = [
+    *((columns, 10 if columns % 2 else 1 + columns // 2) for columns in range(1, 21)),
+    *((1 if lines % 2 else 20, lines) for lines in range(1, 11)),
+    *((1, 1), (2, 1), (3, 2), (120, 40), (80, 2), (2, 60), (20, 10)),
+]
+FEW = [(1, 1), (4, 3), (20, 10), (7, 1), (3, 10), (12, 5), (80, 24)]
+
+NAMES = [entry.id for entry in COMMANDS if entry.id not in ("quit", "external")]
+
+
+async def through_all(game: Opened, sizes: list[tuple[int, int]]) -> None:
+    for size in sizes:
+        await game.pilot.resize_terminal(*size)
+        assert game.app._exception is None, size
+
+
+@pytest.mark.parametrize("size", FEW)
+async def test_the_game_opens_in(size: tuple[int, int], data_dir: Path, short: Path) -> None:
+    async with opened(data_dir, level=short, size=size, welcome=True) as game:
+        await game.until(lambda: game.session.state.phase == "applied")
+        await game.press("n")
+        await game.until(lambda: game.tick == 1)
+        await through_all(game, SIZES)
+
+
+async def give(game: Opened, command: str, sizes: list[tuple[int, int]]) -> None:
+    await game.pilot.resize_terminal(*sizes[0])
+    await game.app.run_action(f"screen.command('{command}')")
+    await game.pilot.pause(0)
+    await through_all(game, sizes)
+    await game.press("tab", "down", "a", "escape", "escape", "escape")
+    assert game.app._exception is None, command
+
+
+@pytest.mark.parametrize("part", range(4))
+async def test_each_command_may_be_given_and_answered_at_any_size(
+    part: int, data_dir: Path, short: Path
+) -> None:
+    async with opened(data_dir, level=short) as game:
+        await game.ready()
+        for command in NAMES[part::4]:
+            await give(game, command, FEW)
+
+
+@pytest.mark.proof
+@pytest.mark.parametrize("command", NAMES)
+async def test_a_command_is_answered_at_every_small_size(
+    command: str, data_dir: Path, short: Path
+) -> None:
+    async with opened(data_dir, level=short) as game:
+        await game.ready()
+        await give(game, command, SIZES)
+        await give(game, command, SIZES[::-1])
+
+
+async def test_editing_a_level_goes_on_at_any_size(data_dir: Path, short: Path) -> None:
+    async with opened(data_dir, level=short) as game:
+        await game.ready()
+        await game.app.run_action("screen.command('edit_level')")
+        await game.until(lambda: game.main.editing.is_on)
+        for entry in EDITING:
+            await game.app.run_action(f"screen.command('{entry.id}')")
+            await through_all(game, FEW)
+            await game.press("down", "escape")
+            assert game.app._exception is None, entry.id
+            if not game.main.editing.is_on:
+                await game.app.run_action("screen.command('edit_level')")
+                await game.until(lambda: game.main.editing.is_on)

@@ -1,0 +1,93 @@
+"""Reading a file takes little time and memory, and ends with a level or a reason."""
+
+from __future__ import annotations
+
+import json
+import os
+import subprocess
+import sys
+from typing import TYPE_CHECKING
+
+import pytest
+
+from logical_robots_tui.errors import InputError
+from logical_robots_tui.game import load_program
+from logical_robots_tui.world import LevelError, load_level
+from tests.world.hostile import FILES
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+SECONDS = 2.0  # of a processor, for each file
+BYTES = 300 * 1024  # KiB that the process may grow by
+ADDRESSES = 1024**3
+
+READS = """if True:
+    import re, resource, sys, time
+    from logical_robots_tui.world import LevelError, load_level
+    resource.setrlimit(resource.RLIMIT_AS, (int(sys.argv[1]),) * 2)
+
+    def most():
+        return int(re.search(r"VmHWM:\\s+(\\d+)", open("/proc/self/status").read())[1])
+
+    for path in sys.argv[2:]:
+        with open("/proc/self/clear_refs", "w") as file:
+            file.write("5")
+        before, began = most(), time.process_time()
+        try:
+            said = load_level(path).title and "loaded"
+        except LevelError as error:
+            said = str(error)
+        print(json.dumps([said, time.process_time() - began, most() - before]), flush=True)
+"""
+
+
+@pytest.mark.parametrize("part", range(4))
+def test_a_hostile_level_file_is_refused_in_time_and_in_little_memory(
+    part: int, tmp_path: Path
+) -> None:
+    names = list(FILES)[part::4]
+    paths = []
+    for number, name in enumerate(names):
+        ending, content = FILES[name]
+        path = tmp_path / f"{number}{ending}"
+        path.write_text(content(), encoding="utf-8", newline="")
+        paths.append(str(path))
+    done = subprocess.run(
+        [sys.executable, "-c", "import json\n" + READS, str(ADDRESSES), *paths],
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert done.returncode == 0, done.stderr
+    told = [json.loads(line) for line in done.stdout.splitlines()]
+    for name, (said, seconds, grown) in zip(names, told, strict=True):
+        assert seconds < SECONDS, (name, seconds)
+        assert grown < BYTES, (name, grown)
+        assert said == "loaded" or len(said) < 600, name
+
+
+def test_there_are_enough_of_them() -> None:
+    assert len(FILES) >= 60
+
+
+@pytest.mark.parametrize("path", ["/proc/self/environ", "/proc/kmsg", "/dev/zero", "/dev/tty"])
+def test_files_of_the_kernel_are_no_levels_and_no_programs(path: str) -> None:
+    with pytest.raises(LevelError, match=r"no ordinary file|no such file"):
+        load_level(path)
+    with pytest.raises(InputError):
+        load_program(path)
+
+
+def test_a_pipe_is_no_level_and_is_not_waited_for(tmp_path: Path) -> None:
+    pipe = tmp_path / "level.toml"
+    os.mkfifo(pipe)
+    with pytest.raises(LevelError, match="no ordinary file"):
+        load_level(pipe)
+
+
+def test_a_way_to_the_kernel_through_a_link_is_none(tmp_path: Path) -> None:
+    link = tmp_path / "level.toml"
+    link.symlink_to("/proc/self/status")
+    with pytest.raises(LevelError, match="no ordinary file"):
+        load_level(link)
