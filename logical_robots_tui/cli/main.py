@@ -62,11 +62,11 @@ examples:
                                        tell every tick as JSON
   logical-robots query 01-first-steps first-steps --tick 90 Robot
                                        ask anything about a tick
-  logical-robots when 01-first-steps first-steps 'Sensor(sensor:), sensor.forward_distance < 60'
+  logical-robots when 01-first-steps first-steps Robot
                                        say in which ticks something holds
   logical-robots why 01-first-steps first-steps --tick 90 --robot Ada --tree
                                        say why a robot did what it did
-  logical-robots origin 06-breadcrumbs breadcrumbs --tick 300 --robot Crow --value memory.visited
+  logical-robots origin 06-breadcrumbs breadcrumbs --tick 300 --robot Crow
                                        say where a value comes from
   logical-robots diagnose 01-first-steps first-steps
                                        look through a run for mistakes

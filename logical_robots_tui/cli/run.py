@@ -35,9 +35,9 @@ DEFAULT_TICKS = 5000
 
 EPILOG = """\
 examples:
-  logical-robots run 01-first-steps first-steps             say how it went, in words
-  logical-robots run 01-first-steps first-steps --json      say it as one JSON object
-  logical-robots run 01-first-steps first-steps | jq .won   piped, it is always JSON
+  logical-robots run 01-first-steps first-steps            say how it went
+  logical-robots run 01-first-steps first-steps --json     say it as JSON
+  logical-robots run 01-first-steps first-steps | jq .won  piped, it is JSON
   logical-robots run my-level.toml my-program.l --ticks 900
 
 exit status: 0 won, 1 not won within the ticks, 2 bad level or program

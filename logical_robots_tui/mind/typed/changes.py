@@ -202,6 +202,13 @@ def _rounded(made: exp.Anonymous, kinds: Sequence[Kind], found: Kind) -> Kind:
     return found
 
 
+def _cut(made: exp.Anonymous, kinds: Sequence[Kind], found: Kind) -> Kind:
+    if found is Plain.REAL and kinds[0] is Plain.WHOLE:
+        _replace(made, cast(made, "REAL"))
+        return found
+    return _rounded(made, kinds, found)
+
+
 def _total(made: exp.Anonymous, _: Sequence[Kind], found: Kind) -> Kind:
     if isinstance(found, Decimal):
         _replace(made, call("ROUND", made.copy(), exp.Literal.number(found.scale)))
@@ -232,10 +239,10 @@ _CHANGES = {
     "arg_max_k": _best,
     "arg_min": _best,
     "arg_min_k": _best,
-    "ceil": _rounded,
-    "ceiling": _rounded,
+    "ceil": _cut,
+    "ceiling": _cut,
     "coalesce": _choice,
-    "floor": _rounded,
+    "floor": _cut,
     "greatest": _choice,
     "if": _choice,
     "ifnull": _choice,

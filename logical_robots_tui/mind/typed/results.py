@@ -111,6 +111,11 @@ def _rounded(kinds: Sequence[Kind]) -> Kind:
     return Plain.WHOLE if isinstance(kinds[0], Decimal) else sum_of(kinds[:1])
 
 
+def _cut(kinds: Sequence[Kind]) -> Kind:
+    """That of a floor or a ceiling: DuckDB has one of whole numbers as a real number."""
+    return Plain.REAL if kinds[0] is Plain.WHOLE else _rounded(kinds)
+
+
 def _chosen(kinds: Sequence[Kind]) -> Kind:
     return common(kinds[1:])
 
@@ -134,7 +139,7 @@ def _concatenated(kinds: Sequence[Kind]) -> Kind:
 
 
 _MADE: dict[str, Callable[[Sequence[Kind]], Kind]] = {
-    **dict.fromkeys(_ROUNDING, _rounded),
+    **dict.fromkeys(_ROUNDING, _cut),
     "arg_max_k": _collected,
     "arg_max_k_of_nested": _collected,
     "arg_min_k": _collected,
