@@ -195,13 +195,6 @@ def test_a_thousand_random_programs_mean_the_same(
     check(expressions, tmp_path)
 
 
-# Always the same ones here: what is new is looked for in the proof.
-@settings(max_examples=8, deadline=None, suppress_health_check=relaxed, derandomize=True)
-@given(programs())
-def test_random_robot_programs_mean_the_same(tmp_path: Path, text: str) -> None:
-    check_whole(text, tmp_path)
-
-
 @pytest.mark.proof
 @settings(max_examples=400, deadline=None, suppress_health_check=relaxed)
 @given(programs())
