@@ -1,5 +1,6 @@
-"""Why a robot did what it did: each rule taken apart, part by part.
+"""Why a row is there, or none: one derivation of it, or where each rule ends.
 
-Like compiling, taking apart is done in the compile process: `building` makes one query for every
-beginning of a rule's body. `explaining` asks these queries at a tick.
+Like compiling, taking apart is done in the compile process: `clauses` makes one query for the
+derivations of each body. `derivations` asks these queries at a tick, `deriving` and `refuting` tell
+what they gave, and `sourcing` follows a value through them.
 """

@@ -8,7 +8,7 @@ that are shown, so everything that is told about a derivation is from one row.
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING, Literal, TypeAlias
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -27,6 +27,7 @@ __all__ = [
     "Span",
     "Step",
     "Term",
+    "TermKind",
     "with_given",
 ]
 
@@ -41,6 +42,22 @@ LOWER = "WhyLower_"
 
 DECIDED_BY_ONE = frozenset({"AnyValue", "ArgMax", "ArgMin", "Max", "Min"})
 """Aggregates whose result is that of one of their elements."""
+
+
+TermKind: TypeAlias = Literal[
+    "literal",
+    "variable",
+    "value",
+    "field",
+    "record",
+    "cast",
+    "truth",
+    "if",
+    "coalesce",
+    "call",
+    "aggregate",
+]
+"""The kinds of expressions; see `Term`."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -129,19 +146,7 @@ class Term:
         body: What it aggregates.
     """
 
-    kind: Literal[
-        "literal",
-        "variable",
-        "value",
-        "field",
-        "record",
-        "cast",
-        "truth",
-        "if",
-        "coalesce",
-        "call",
-        "aggregate",
-    ]
+    kind: TermKind
     span: Span
     column: str = ""
     parts: tuple[Term, ...] = ()

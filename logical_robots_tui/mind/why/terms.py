@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Any
 
 from logical_robots_tui.mind.compiling.rules import COMPARISONS, JUNCTIONS
 
@@ -10,24 +10,12 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
 
     from logical_robots_tui.mind.compiling.rules import Rule
+    from logical_robots_tui.mind.why.probing import TermKind
 
 __all__ = ["chain_root", "chains", "kind_of", "names_of", "parts_of"]
 
-Kind = Literal[
-    "literal",
-    "variable",
-    "value",
-    "field",
-    "record",
-    "cast",
-    "truth",
-    "if",
-    "coalesce",
-    "aggregate",
-]
 
-
-def kind_of(tree: Rule) -> Kind:
+def kind_of(tree: Rule) -> TermKind:
     """Of which kind an expression is."""
     if "literal" in tree and "the_list" not in tree["literal"]:
         return "literal"
@@ -47,7 +35,7 @@ def kind_of(tree: Rule) -> Kind:
     return "truth" if name in COMPARISONS | JUNCTIONS | {"!"} else "value"
 
 
-def parts_of(tree: Rule, kind: Kind) -> list[Rule]:
+def parts_of(tree: Rule, kind: TermKind) -> list[Rule]:
     """The parts of an expression that tell where its value comes from."""
     if kind == "if":
         implication = tree["implication"]
@@ -69,7 +57,7 @@ def parts_of(tree: Rule, kind: Kind) -> list[Rule]:
     return list(_inside(tree)) if kind == "value" else []
 
 
-def names_of(tree: Rule, kind: Kind) -> tuple[str, ...]:
+def names_of(tree: Rule, kind: TermKind) -> tuple[str, ...]:
     """The names of the fields of a record, or the way that is read into one."""
     if kind == "record":
         return tuple(str(f["field"]) for f in _fields(tree) if "expression" in f["value"])
