@@ -92,13 +92,13 @@ def start(options: argparse.Namespace) -> int:
         if options.restricted:
             _fence_in(options, "logical_robots_tui.cli.plain")
         return _play_in_lines(options)
-    from logical_robots_tui.tui.outline import OUTLINE
+    from logical_robots_tui.tui.app.outline import OUTLINE
 
     try:
         if _is_sure_to_open(options):
             OUTLINE.show(options.data_dir)
         if options.restricted:
-            _fence_in(options, "logical_robots_tui.tui.play")
+            _fence_in(options, "logical_robots_tui.tui.app.play")
         return _play_on_screen(options)
     finally:
         OUTLINE.clear()
@@ -149,7 +149,7 @@ def _prepare_screen() -> None:
             "the game needs a terminal.",
             hint="Without one: logical-robots play --plain, or: logical-robots run LEVEL PROGRAM",
         )
-    from logical_robots_tui.tui.terminal import assume_colours
+    from logical_robots_tui.tui.terminal.capabilities import assume_colours
 
     assume_colours(os.environ)
     # The terminal knows its size better than a shell that once exported it.
@@ -161,8 +161,8 @@ def _prepare_screen() -> None:
 
 
 def _play_on_screen(options: argparse.Namespace) -> int:
-    from logical_robots_tui.tui.freedoms import Freedoms
-    from logical_robots_tui.tui.play import play
+    from logical_robots_tui.tui.app.permissions import Freedoms
+    from logical_robots_tui.tui.app.play import play
 
     free = not options.restricted
     freedoms = Freedoms(programs=free, clipboard=free or options.allow_clipboard)

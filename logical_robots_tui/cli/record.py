@@ -75,7 +75,7 @@ def declare(commands: Commands) -> None:
 def start(options: argparse.Namespace) -> int:
     """Record the run and say what became of it."""
     level, program = opened(options)
-    from logical_robots_tui.tui.film import film
+    from logical_robots_tui.tui.terminal.film import film
 
     lines: list[str] = []
     frame = asyncio.run(

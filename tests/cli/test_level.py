@@ -14,7 +14,7 @@ import pytest
 from logical_robots_tui import load_level
 from logical_robots_tui.editing.delta import alike
 from logical_robots_tui.shipped import shipped_folder
-from logical_robots_tui.tui.drawing import image
+from logical_robots_tui.tui.labyrinth.drawing import image
 from tests.cli.running import in_terminal
 
 if TYPE_CHECKING:

@@ -17,8 +17,8 @@ from rich.style import Style
 from textual.geometry import Region
 from textual.strip import Strip
 
-from logical_robots_tui.tui.difference import Difference
-from logical_robots_tui.tui.reduction import reduced
+from logical_robots_tui.tui.terminal.cell_diff import Difference
+from logical_robots_tui.tui.theme.color_reduction import reduced
 from tests.terminal import looks
 
 if TYPE_CHECKING:

@@ -10,9 +10,9 @@ import pytest
 
 from logical_robots_tui.progress import FILE_NAME, Progress
 from logical_robots_tui.progress.glance import facts_in
-from logical_robots_tui.tui.dress import NIGHT, dress_from
-from logical_robots_tui.tui.outline import ENTER, LEAVE, colours_of, drawn
-from logical_robots_tui.tui.places import DRESS, THEME
+from logical_robots_tui.tui.app.dress import NIGHT, dress_from
+from logical_robots_tui.tui.app.facts import DRESS, THEME
+from logical_robots_tui.tui.app.outline import ENTER, LEAVE, colours_of, drawn
 from tests.terminal import Terminal, looks
 
 if TYPE_CHECKING:
@@ -24,7 +24,7 @@ TERM = {"TERM": "xterm-256color", "COLORTERM": "truecolor"}
 
 WITHOUT_SCREEN = """
 import os, signal, sys, time, types
-sys.modules["logical_robots_tui.tui.play"] = game = types.ModuleType("play")
+sys.modules["logical_robots_tui.tui.app.play"] = game = types.ModuleType("play")
 def ended(*_): os.kill(os.getpid(), signal.SIGTERM); time.sleep(60)
 def failed(*_): raise RuntimeError("not this time")
 game.play = {}
