@@ -37,7 +37,6 @@ _HOMES = {
     "levels": "listing",
     "programs": "listing",
     "level": "level.command",
-    "bench": "bench",
     "config": "config",
     "record": "record",
     "doctor": "doctor",
@@ -74,7 +73,6 @@ examples:
                                        record a run as an asciicast
   logical-robots help ArgMin           explain a function of the language
   logical-robots level new maze.toml   make a level
-  logical-robots bench                 say how fast this machine is
   logical-robots config                show settings and keys
   logical-robots doctor                say what was found on this machine
 

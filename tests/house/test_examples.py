@@ -28,7 +28,6 @@ if TYPE_CHECKING:
 
 NOT_RUN = {"asciinema play run.cast": "it is another program, which need not be there"}
 QUICKER = {
-    "bench": ["--seconds", "0.01"],
     "record 01-first-steps first-steps -o run.cast": ["--ticks", "100"],
     "diagnose 01-first-steps first-steps": ["--ticks", "100"],
 }
