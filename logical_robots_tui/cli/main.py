@@ -38,7 +38,6 @@ _HOMES = {
     "programs": "listing",
     "level": "level.command",
     "config": "config",
-    "record": "record",
     "doctor": "doctor",
     "completion": "completion",
 }
@@ -69,8 +68,6 @@ examples:
                                        say where a value comes from
   logical-robots diagnose 01-first-steps first-steps
                                        look through a run for mistakes
-  logical-robots record 01-first-steps first-steps -o run.cast
-                                       record a run as an asciicast
   logical-robots help ArgMin           explain a function of the language
   logical-robots level new maze.toml   make a level
   logical-robots config                show settings and keys

@@ -16,7 +16,6 @@ from logical_robots_tui.tui.arrangement import Arrangement
 from logical_robots_tui.tui.background import in_background
 from logical_robots_tui.tui.bar import CommandBar, CommandChosen, PaneTabs
 from logical_robots_tui.tui.bookmark import Bookmark
-from logical_robots_tui.tui.capture import Capture
 from logical_robots_tui.tui.celebration import Celebration
 from logical_robots_tui.tui.commands import EDITING, bindings, command
 from logical_robots_tui.tui.editing.door import EditingDoor
@@ -124,7 +123,6 @@ class MainScreen(Screen[None]):
         self.bookmark = Bookmark(self, data_dir / "places")
         self.offers = Offers(self)
         self.guide = Guide(self)
-        self.capture = Capture(self, data_dir / "screens")
         self.scribe = Scribe(self, data_dir / "copied.txt")
         self._text_to_begin_with = source.text if text is None else text
         self._watch = FileWatch(lambda: self.session.source, self.library.take_from_disk)
@@ -183,7 +181,6 @@ class MainScreen(Screen[None]):
 
     async def on_unmount(self) -> None:
         """Bring the text to safety and stop all work."""
-        self.capture.close()
         self.keeper.close()
         self.editing.close()
         self.bookmark.close()
