@@ -40,7 +40,6 @@ from logical_robots_tui.tui.program.pane import ProgramPane
 from logical_robots_tui.tui.recovery.bookmark import Bookmark
 from logical_robots_tui.tui.recovery.offers import Offers
 from logical_robots_tui.tui.recovery.program_drafts import Keeper
-from logical_robots_tui.tui.terminal.capture import Capture
 from logical_robots_tui.tui.theme.safe_text import one_line
 from logical_robots_tui.tui.timeline.controller import Travel
 from logical_robots_tui.tui.timeline.widget import Timeline
@@ -124,7 +123,6 @@ class MainScreen(Screen[None]):
         self.bookmark = Bookmark(self, data_dir / "places")
         self.offers = Offers(self)
         self.guide = Guide(self)
-        self.capture = Capture(self, data_dir / "screens")
         self.scribe = Scribe(self, data_dir / "copied.txt")
         self._text_to_begin_with = source.text if text is None else text
         self._watch = FileWatch(lambda: self.session.source, self.library.take_from_disk)
@@ -183,7 +181,6 @@ class MainScreen(Screen[None]):
 
     async def on_unmount(self) -> None:
         """Bring the text to safety and stop all work."""
-        self.capture.close()
         self.keeper.close()
         self.editing.close()
         self.bookmark.close()

@@ -242,13 +242,6 @@ LOOKING: tuple[Command, ...] = (
         _HELP,
         (),
     ),
-    Command(
-        "record",
-        "Record the screen",
-        "Begin to record the screen as an asciicast in the data folder, or end that.",
-        _HELP,
-        (),
-    ),
     Command("tour", "Guided tour", "Walk once round the parts of the screen.", _HELP, ()),
     Command("redraw", "Redraw", "Paint the whole screen again.", _HELP, ("ctrl+l",)),
     Command(

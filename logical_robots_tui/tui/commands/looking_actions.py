@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from datetime import datetime
 from functools import cached_property
 from typing import TYPE_CHECKING
 
@@ -9,6 +10,7 @@ from logical_robots_tui.tui.app.quitting import leave
 from logical_robots_tui.tui.commands.screen_actions import ScreenActions
 from logical_robots_tui.tui.labyrinth.drawing.glyphs import Drawing
 from logical_robots_tui.tui.terminal.diff_app import SparingApp
+from logical_robots_tui.writing import write_atomically
 
 if TYPE_CHECKING:
     from logical_robots_tui.tui.commands.help import Subject
@@ -226,11 +228,22 @@ class LookingActions(ScreenActions):
 
     def screenshot(self) -> None:
         """Save what is shown, once the palette is gone."""
-        self._screen.call_after_refresh(self._screen.capture.picture)
+        self._screen.call_after_refresh(self._save_picture)
 
-    def record(self) -> None:
-        """Begin to record the screen, or end it."""
-        self._screen.capture.toggle_recording()
+    def _save_picture(self) -> None:
+        screen = self._screen
+        path = screen.data_dir / "screens" / f"{datetime.now():%Y%m%d-%H%M%S-%f}.svg"
+        # Textual has no public way to see all layers of a screen.
+        strips = screen.app.screen._compositor.render_strips()[: screen.app.size.height]
+        try:
+            path.parent.mkdir(parents=True, exist_ok=True)
+            write_atomically(path, screen.app.export_screenshot())
+            text = "".join(f"{strip.text.rstrip()}\n" for strip in strips)
+            write_atomically(path.with_suffix(".txt"), text)
+        except OSError as error:
+            screen.warn(f"The picture could not be saved: {error.strerror}.")
+        else:
+            screen.tell(f"Saved {path} and .txt.")
 
     def redraw(self) -> None:
         """Paint the whole screen again."""
