@@ -11,7 +11,6 @@ from tomlkit.exceptions import TOMLKitError
 from tomlkit.items import AoT, Array, Item
 
 from logical_robots_tui.editing.blocks import Block, Blocks
-from logical_robots_tui.editing.delta import alike
 from logical_robots_tui.editing.native_text import (
     block_text,
     needs_leniency,
@@ -21,7 +20,7 @@ from logical_robots_tui.editing.native_text import (
 from logical_robots_tui.editing.records import Record, Thing, record_of, words_of
 from logical_robots_tui.editing.things import KINDS, Kind, kind_of
 from logical_robots_tui.world.drawing import coarsest_cell, draw_rows, expresses, find_drawing
-from logical_robots_tui.world.level import LevelError
+from logical_robots_tui.world.level import LevelError, alike
 from logical_robots_tui.world.native import read_native
 
 if TYPE_CHECKING:

@@ -6,27 +6,23 @@ from typing import TYPE_CHECKING
 
 from logical_robots_tui.errors import InputError
 from logical_robots_tui.game.reference import is_shipped, level_key
-from logical_robots_tui.game.rules import count_rules
 from logical_robots_tui.game.source import (
     DEFAULT_PROGRAM,
     Source,
     load_program,
     shipped_texts,
 )
-from logical_robots_tui.progress import Measures
 from logical_robots_tui.world import list_levels
 
 if TYPE_CHECKING:
     from pathlib import Path
 
-    from logical_robots_tui.game.history import History
     from logical_robots_tui.progress import Progress
     from logical_robots_tui.world import Level
 
 __all__ = [
     "keep_if_own",
     "level_to_begin_with",
-    "measured_at_victory",
     "note_level",
     "program_to_begin_with",
 ]
@@ -76,10 +72,3 @@ def keep_if_own(progress: Progress, key: str, text: str) -> None:
     """Keep a program with the level of that key, unless it came with the game."""
     if text not in shipped_texts().values():
         progress.keep(key, text)
-
-
-def measured_at_victory(history: History, text: str, tick: int) -> Measures | None:
-    """Measures of a victory at that tick; None if other programs decided on the way, too."""
-    if not history.is_all_by(text, tick):
-        return None
-    return Measures(tick, count_rules(text), history.driven(tick))

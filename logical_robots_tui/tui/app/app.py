@@ -16,8 +16,6 @@ from logical_robots_tui.progress import FILE_NAME
 from logical_robots_tui.tui.app.dressing import dress_of
 from logical_robots_tui.tui.app.main_screen import MainScreen
 from logical_robots_tui.tui.app.outline import colours_of
-from logical_robots_tui.tui.app.permissions import Freedoms
-from logical_robots_tui.tui.app.quitting import leave
 from logical_robots_tui.tui.app.settings import Settings
 from logical_robots_tui.tui.commands.table import use_keys, with_keys
 from logical_robots_tui.tui.library.journal import Journal
@@ -37,6 +35,7 @@ if TYPE_CHECKING:
 
     from logical_robots_tui.game import Source
     from logical_robots_tui.mind import Engine
+    from logical_robots_tui.tui.app.permissions import Freedoms
     from logical_robots_tui.world import Level
 
 __all__ = ["LogicalRobotsApp"]
@@ -91,9 +90,15 @@ class LogicalRobotsApp(SparingApp, inherit_bindings=False):
         use_keys(self._settings.keys)
         journal = journal or Journal(data_dir / FILE_NAME)
         self.main = MainScreen(
-            level, source, data_dir, journal, text=text, welcome=welcome, engine=engine
+            level,
+            source,
+            data_dir,
+            journal,
+            text=text,
+            welcome=welcome,
+            engine=engine,
+            freedoms=freedoms,
         )
-        self.main.freedoms = freedoms or Freedoms()
         self.animation_level = "none"
         self._turns = Turns(self)
         self._interrupted_at = float("-inf")
@@ -233,6 +238,6 @@ class LogicalRobotsApp(SparingApp, inherit_bindings=False):
         """Leave at the second ^C in a row; the first may have been meant for something else."""
         now = monotonic()
         if now - self._interrupted_at < _TWICE:
-            leave(self.main)
+            self.main.quit()
         self._interrupted_at = now
         self.notify("Press ^C again to leave the game.", markup=False, timeout=_TWICE)

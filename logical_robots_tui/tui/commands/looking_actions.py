@@ -6,7 +6,6 @@ from datetime import datetime
 from functools import cached_property
 from typing import TYPE_CHECKING
 
-from logical_robots_tui.tui.app.quitting import leave
 from logical_robots_tui.tui.commands.screen_actions import ScreenActions
 from logical_robots_tui.tui.labyrinth.drawing.glyphs import Drawing
 from logical_robots_tui.tui.terminal.diff_app import SparingApp
@@ -253,4 +252,4 @@ class LookingActions(ScreenActions):
 
     def quit(self) -> None:
         """Leave the game."""
-        leave(self._screen)
+        self._screen.quit()

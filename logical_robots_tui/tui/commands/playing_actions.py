@@ -3,25 +3,16 @@
 from __future__ import annotations
 
 from functools import partial
-from typing import TYPE_CHECKING
 
 from logical_robots_tui.tui.commands.screen_actions import ScreenActions
 from logical_robots_tui.tui.theme.safe_text import one_line
 from logical_robots_tui.tui.timeline.controller import TEN
-from logical_robots_tui.tui.timeline.search import Search
-
-if TYPE_CHECKING:
-    from logical_robots_tui.tui.app.main_screen import MainScreen
 
 __all__ = ["PlayingActions"]
 
 
 class PlayingActions(ScreenActions):
     """One method for each command of time, programs, levels and learning."""
-
-    def __init__(self, screen: MainScreen) -> None:
-        super().__init__(screen)
-        self._search = Search(screen)
 
     def run(self) -> None:
         """Run or pause."""
@@ -76,15 +67,15 @@ class PlayingActions(ScreenActions):
 
     def seek(self) -> None:
         """Ask for a question, and go to the next tick in which it holds."""
-        self._screen.spawn(self._search.ask, "seek", exclusive=True)
+        self._screen.spawn(self._screen.travel.search.ask, "seek", exclusive=True)
 
     def seek_next(self) -> None:
         """Go to the next tick in which the question holds."""
-        self._screen.spawn(partial(self._search.go, 1), "seek", exclusive=True)
+        self._screen.spawn(partial(self._screen.travel.search.go, 1), "seek", exclusive=True)
 
     def seek_previous(self) -> None:
         """Go to the last tick before in which the question holds."""
-        self._screen.spawn(partial(self._search.go, -1), "seek", exclusive=True)
+        self._screen.spawn(partial(self._screen.travel.search.go, -1), "seek", exclusive=True)
 
     def breakpoints(self) -> None:
         """Show the breakpoints."""
@@ -105,7 +96,6 @@ class PlayingActions(ScreenActions):
     def restart(self) -> None:
         """Begin the level again."""
         self._screen.session.restart()
-        self._screen.celebration.forget()
 
     def faster(self) -> None:
         """Choose the next higher speed."""
@@ -162,11 +152,7 @@ class PlayingActions(ScreenActions):
 
     def new_level(self) -> None:
         """Make a level."""
-        from logical_robots_tui.tui.level_editor.new_level import make_level
-
-        screen = self._screen
-        work = partial(make_level, screen, screen.editing.own)
-        screen.spawn(work, "library", exclusive=True)
+        self._screen.spawn(self._screen.editing.make_level, "library", exclusive=True)
 
     def next_level(self) -> None:
         """Go on to the next level."""
@@ -182,7 +168,7 @@ class PlayingActions(ScreenActions):
 
     def revert(self) -> None:
         """Put the text of the file into the editor again."""
-        self._screen.replace_text(self._screen.session.source.text)
+        self._screen.program.put(self._screen.session.source.text)
 
     def versions(self) -> None:
         """Bring an earlier version of the program back."""

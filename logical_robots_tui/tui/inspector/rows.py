@@ -108,7 +108,7 @@ class RowCommands:
         """Stop when the predicate that is inspected changes, or when the question asked holds."""
         inspector = self._screen.inspector
         if inspector.inspected == ASK and inspector.pages.asking.asked:
-            self._screen.add_breakpoint(Breakpoint("rows", inspector.pages.asking.asked))
+            self._screen.travel.add_breakpoint(Breakpoint("rows", inspector.pages.asking.asked))
             return
         known = {p.name for p in self._screen.session.predicates if p.has_rows}
         if inspector.inspected not in known:
@@ -117,7 +117,7 @@ class RowCommands:
         has_focus = inspector.pages.table.has_focus
         column = inspector.pages.table.column if has_focus else ""
         robot = inspector.pages.table.how.robot
-        self._screen.add_breakpoint(Breakpoint("change", inspector.inspected, robot, column))
+        self._screen.travel.add_breakpoint(Breakpoint("change", inspector.inspected, robot, column))
 
     def pin(self) -> None:
         """Pin what the cursor is on, or unpin it."""

@@ -6,7 +6,7 @@ from dataclasses import replace
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
-from logical_robots_tui.tui.commands.table import editing_commands, with_keys
+from logical_robots_tui.tui.commands.table import with_keys
 from logical_robots_tui.tui.level_editor.tools import Tool
 
 if TYPE_CHECKING:
@@ -98,7 +98,7 @@ class EditActions:
 
     def use(self) -> None:
         """Use the tool at the cursor."""
-        self._mode.pointer.use()
+        self._mode.view.use()
 
     # -- changes -------------------------------------------------------------------------------
 
@@ -106,12 +106,12 @@ class EditActions:
         """Undo a step, or the stroke under way."""
         if not self._editor.cancel():
             what = self._editor.undo()
-            self._mode.screen.tell(f"Undone: {what}." if what else "There is nothing to undo.")
+            self._mode.ui.tell(f"Undone: {what}." if what else "There is nothing to undo.")
 
     def redo(self) -> None:
         """Do again what was undone."""
         what = self._editor.redo()
-        self._mode.screen.tell(f"Done again: {what}." if what else "There is nothing to do again.")
+        self._mode.ui.tell(f"Done again: {what}." if what else "There is nothing to do again.")
 
     def next_thing(self) -> None:
         """Select the next thing."""
@@ -146,15 +146,15 @@ class EditActions:
         ref = self._editor.selected
         if ref is None or self._editor.thing is None:
             what = with_keys("Select a thing first: click it, or press {next_thing}.")
-            self._mode.screen.warn(what)
+            self._mode.ui.warn(what)
         else:
-            self._mode.screen.app.push_screen(ThingForm(self._mode.editor, ref), self._closed)
+            self._mode.ui.show(ThingForm(self._mode.editor, ref), self._closed)
 
     def level_properties(self) -> None:
         """Change the properties of the level."""
         from logical_robots_tui.tui.level_editor.level_form import LevelForm
 
-        self._mode.screen.app.push_screen(LevelForm(self._mode.editor), self._closed)
+        self._mode.ui.show(LevelForm(self._mode.editor), self._closed)
 
     def findings(self) -> None:
         """List what looks wrong."""
@@ -195,25 +195,13 @@ class EditActions:
 
     def test(self) -> None:
         """Play the level from its start."""
-        mode = self._mode
-        mode.leave()
-        mode.is_testing = True
-        mode.screen.labyrinth.note(f"test: {editing_commands()['test'].key_name} ends it")
-        mode.screen.celebration.forget()
-        mode.screen.session.restart()
-        mode.screen.session.run()
-
-    def end_test(self) -> None:
-        """Come back from playing."""
-        self._mode.screen.session.restart()
-        self._mode.screen.celebration.forget()
-        self._mode.enter()
+        self._mode.begin_test()
 
     # -- inside --------------------------------------------------------------------------------
 
     def _select(self, steps: int) -> None:
         self._editor.select_next(steps)
-        self._mode.pointer.go_to(self._editor.cursor)
+        self._mode.view.go_to(self._editor.cursor)
 
     def _closed(self, _: object) -> None:
         self._mode.redraw()
@@ -222,19 +210,19 @@ class EditActions:
         async def done() -> None:
             await work()
 
-        self._mode.screen.spawn(done, "library", exclusive=True)
+        self._mode.ui.spawn(done, "library", exclusive=True)
 
     async def _choose_finding(self) -> None:
         from logical_robots_tui.tui.level_editor.finding_list import FindingList
 
         mode = self._mode
         if mode.findings is None:
-            mode.screen.tell("The level is being looked through.")
+            mode.ui.tell("The level is being looked through.")
             return
         if not mode.findings:
-            mode.screen.tell("Nothing looks wrong.")
+            mode.ui.tell("Nothing looks wrong.")
             return
-        finding = await mode.screen.app.push_screen_wait(FindingList(mode.findings))
+        finding = await mode.ui.ask(FindingList(mode.findings))
         if finding is not None and finding.x is not None and finding.y is not None:
-            mode.pointer.go_to((finding.x, finding.y))
+            mode.view.go_to((finding.x, finding.y))
         mode.redraw()
