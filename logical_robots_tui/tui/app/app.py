@@ -19,7 +19,8 @@ from logical_robots_tui.tui.app.outline import colours_of
 from logical_robots_tui.tui.app.permissions import Freedoms
 from logical_robots_tui.tui.app.quitting import leave
 from logical_robots_tui.tui.app.settings import Settings
-from logical_robots_tui.tui.commands.table import use_keys, with_keys
+from logical_robots_tui.tui.commands.keymap import KEY_MAP, KeyMap, with_keys
+from logical_robots_tui.tui.commands.table import COMMANDS
 from logical_robots_tui.tui.library.journal import Journal
 from logical_robots_tui.tui.terminal.capabilities import drawing_for
 from logical_robots_tui.tui.terminal.diff_app import SparingApp
@@ -88,7 +89,7 @@ class LogicalRobotsApp(SparingApp, inherit_bindings=False):
             self.set_reactive(LogicalRobotsApp.ansi_color, False)
         self._settings = settings or Settings()
         self._first_theme = self._settings.theme or theme
-        use_keys(self._settings.keys)
+        KEY_MAP.set(KeyMap(COMMANDS, self._settings.keys))
         journal = journal or Journal(data_dir / FILE_NAME)
         self.main = MainScreen(
             level, source, data_dir, journal, text=text, welcome=welcome, engine=engine

@@ -10,9 +10,7 @@ from textual.containers import Vertical, VerticalScroll
 from textual.content import Content
 from textual.widgets import Static
 
-from logical_robots_tui.tui.commands.editing import WHILE_EDITING
-from logical_robots_tui.tui.commands.table import GROUPS, commands, editing_commands
-from logical_robots_tui.tui.commands.writing import WRITING, WRITING_GROUP
+from logical_robots_tui.tui.commands.keymap import commands
 from logical_robots_tui.tui.labyrinth.drawing.glyphs import Drawing, legend
 from logical_robots_tui.tui.layout.dialog import Dialog
 from logical_robots_tui.tui.theme.themes import INK, hex_colour, palette_of
@@ -41,19 +39,19 @@ _ABOUT: dict[Subject, tuple[str, tuple[str, ...]]] = {
     "labyrinth": (
         "The labyrinth shows the world at the tick on the screen. Arrows or a drag move the view, "
         "the wheel zooms, a click chooses a robot. Single letters are commands here.",
-        ("Running", "Looking", "In the labyrinth"),
+        ("Running", "View", "In the labyrinth"),
     ),
     "editing": (
         "The level is edited here, by mouse or with a cursor that arrows move, further with shift. "
         "A tool acts at a press of enter or of the mouse button; what changes is undone by one "
         "key. The robots may run meanwhile.",
-        (WHILE_EDITING, "Making levels", "In the labyrinth"),
+        ("In the level editor", "Making levels", "In the labyrinth"),
     ),
     "editor": (
         "The program is edited here; letters are text, so commands have Ctrl or function keys. "
         "What you type is kept. A line with ✗ holds a mistake, one with ! looks odd; behind it, "
         "where there is room, and below the text stands why.",
-        (WRITING_GROUP, "Program and level"),
+        ("In the program", "Program and level"),
     ),
     "inspector": (
         "The inspector shows what the program found at the tick on the screen. Choose a page or "
@@ -110,8 +108,11 @@ class Help(Dialog[None]):
         self.query_one("#help", Static).update(self._content(width))
 
     def _content(self, width: int) -> Content:
-        sections = {group: _commands_of(group, width) for group in GROUPS}
-        sections[WRITING_GROUP] = _commands_of(WRITING_GROUP, width)
+        sections: dict[str, list[Content]] = {}
+        for entry in commands():
+            keys = entry.key_names or entry.key_name
+            lines = _entry(keys, entry.title, entry.help, width)
+            sections.setdefault(entry.group, []).extend(lines)
         palette = palette_of(self.app.current_theme)
         signs = [
             (sign, hex_colour(rgb), said) for sign, rgb, said in legend(self._drawing, palette)
@@ -120,23 +121,13 @@ class Help(Dialog[None]):
         sections["In the timeline"] = _signs([*SIGNS.values(), PARTING, *TRACKS])
         sections["In the inspector"] = _signs([(s, INK.key, said) for s, said in _INSPECTOR_SIGNS])
         sentence, first = _ABOUT[self._about]
-        lines = [
+        content = [
             Content(""),
             *(Content.styled(line, INK.text) for line in wrap(sentence, max(width, 1))),
         ]
         for heading in dict.fromkeys((*first, *sections)):
-            lines += [_heading(heading), *sections[heading]]
-        return Content("\n").join(lines)
-
-
-def _commands_of(group: str, width: int) -> list[Content]:
-    known = (*commands(), *editing_commands().values(), *WRITING)
-    found = [entry for entry in known if entry.group == group]
-    return [
-        line
-        for entry in found
-        for line in _entry(entry.key_names or entry.key_name, entry.title, entry.help, width)
-    ]
+            content += [_heading(heading), *sections[heading]]
+        return Content("\n").join(content)
 
 
 def _signs(signs: Iterable[tuple[str, str, str]]) -> list[Content]:
