@@ -42,6 +42,8 @@ if TYPE_CHECKING:
 
 __all__ = ["LogicalRobotsApp"]
 
+_COMPLAINTS = 3  # of the configuration that are told; `logical-robots config` tells all
+
 _TWICE = 2.0  # seconds between two presses that are meant as one wish
 
 
@@ -122,9 +124,16 @@ class LogicalRobotsApp(SparingApp, inherit_bindings=False):
         """Do as the settings say, and tell what in them can't be used."""
         if not self.main.freedoms.programs:
             signal.signal(signal.SIGTSTP, signal.SIG_IGN)
-        self.main.follow(self._settings)
+        self._follow(self._settings)
         self.theme_changed_signal.subscribe(self, self._keep_theme)
         self.call_after_refresh(self._keep_dress)
+
+    def _follow(self, settings: Settings) -> None:
+        self.main.redrawing.tempo.frames = settings.frames
+        view = self.main.labyrinth.view
+        view.rays, view.trails = settings.cones, settings.trails
+        for complaint in settings.complaints[:_COMPLAINTS]:
+            self.main.warn(complaint)
 
     def _keep_dress(self) -> None:
         colours = colours_of(os.environ)

@@ -55,13 +55,11 @@ if TYPE_CHECKING:
     from logical_robots_tui.game import Breakpoint, Frame, Source
     from logical_robots_tui.mind import Engine
     from logical_robots_tui.tui.app.background import Work
-    from logical_robots_tui.tui.app.settings import Settings
     from logical_robots_tui.tui.library.journal import Journal
     from logical_robots_tui.world import Level
 
 __all__ = ["MainScreen"]
 
-_COMPLAINTS = 3  # of the configuration that are told; `logical-robots config` tells all
 _HEARTBEAT = 0.25  # seconds between two looks at a clock that runs
 _READABLE = 0.2  # seconds that a number is to stand while robots run
 
@@ -185,14 +183,6 @@ class MainScreen(Screen[None]):
         self.bookmark.close()
         await self.session.close()
         await self.journal.close()
-
-    def follow(self, settings: Settings) -> None:
-        """Do as the player has set once for all, and tell what of it can't be used."""
-        self.redrawing.tempo.frames = settings.frames
-        view = self.labyrinth.view
-        view.rays, view.trails = settings.cones, settings.trails
-        for complaint in settings.complaints[:_COMPLAINTS]:
-            self.warn(complaint)
 
     # -- for the parts -------------------------------------------------------------------------
 

@@ -7,6 +7,8 @@ from typing import TYPE_CHECKING
 from logical_robots_tui.tui.commands.command import Group
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from logical_robots_tui.tui.app.main_screen import MainScreen
 
 __all__ = ["looking"]
@@ -119,33 +121,21 @@ def hide(screen: MainScreen) -> None:
     screen.go_to(screen.arrangement.hide(screen.arrangement.active))
 
 
-def _resize(screen: MainScreen, columns: int = 0, rows: int = 0) -> None:
-    screen.arrangement.change(columns, rows)
-    screen.arrangement.show()
+def _resizing(columns: int, rows: int) -> Callable[[MainScreen], None]:
+    def act(screen: MainScreen) -> None:
+        screen.arrangement.change(columns, rows)
+        screen.arrangement.show()
+
+    return act
 
 
-@looking.command("Wider program", "D")
-def wider_program(screen: MainScreen) -> None:
-    """Give the program more columns."""
-    _resize(screen, columns=4)
-
-
-@looking.command("Wider labyrinth", "L")
-def wider_labyrinth(screen: MainScreen) -> None:
-    """Give the labyrinth more columns."""
-    _resize(screen, columns=-4)
-
-
-@looking.command("Taller inspector", "I")
-def taller_inspector(screen: MainScreen) -> None:
-    """Give the inspector more rows."""
-    _resize(screen, rows=2)
-
-
-@looking.command("Taller labyrinth", "G")
-def taller_labyrinth(screen: MainScreen) -> None:
-    """Give the labyrinth more rows."""
-    _resize(screen, rows=-2)
+for _id, _title, _key, _help, _columns, _rows in (
+    ("wider_program", "Wider program", "D", "Give the program more columns.", 4, 0),
+    ("wider_labyrinth", "Wider labyrinth", "L", "Give the labyrinth more columns.", -4, 0),
+    ("taller_inspector", "Taller inspector", "I", "Give the inspector more rows.", 0, 2),
+    ("taller_labyrinth", "Taller labyrinth", "G", "Give the labyrinth more rows.", 0, -2),
+):
+    looking.add(_id, _title, _help, _resizing(_columns, _rows), _key)
 
 
 @looking.command("Cones", "y")

@@ -180,11 +180,17 @@ def copy(screen: MainScreen) -> None:
         screen.tell("Select something to copy first.")
 
 
-@writing.command("Delete to the end of the line", "ctrl+k")
+@writing.command("Delete to line end", "ctrl+k")
 def delete_to_end(screen: MainScreen) -> None:
     """Delete what follows the cursor in its line."""
     delete = _editor(screen).action_delete_to_end_of_line_or_delete_line
     screen.spawn(delete, "writing", exclusive=False)
+
+
+@writing.command("Delete to line start", "ctrl+u")
+def delete_to_start(screen: MainScreen) -> None:
+    """Delete what precedes the cursor in its line."""
+    _editor(screen).action_delete_to_start_of_line()
 
 
 def _doing(action: str) -> Callable[[MainScreen], None]:
@@ -198,8 +204,11 @@ for _id, _title, _key, _action, _help in (
     ("undo_edit", "Undo in the program", "ctrl+z", "undo", "Undo the last edit."),
     ("redo_edit", "Redo in the program", "ctrl+y", "redo", "Redo the edit undone last."),
     (
-        *("comment", "Comment or uncomment", "ctrl+underscore", "toggle_comment"),
-        "Turn the selected lines into comments, or back.",
+        "comment",
+        "Comment lines",
+        "ctrl+underscore",
+        "toggle_comment",
+        "Comment or uncomment lines.",
     ),
     ("indent", "Indent", "tab", "indent", "Indent the selected lines."),
     ("dedent", "Unindent", "shift+tab", "dedent", "Unindent the selected lines."),
@@ -209,12 +218,11 @@ for _id, _title, _key, _action, _help in (
     ("text_start", "Start of the program", "ctrl+home", "go_to_start", "Go to the first line."),
     ("text_end", "End of the program", "ctrl+end", "go_to_end", "Go to the last line."),
     (
-        *("delete_to_start", "Delete to the start of the line", "ctrl+u"),
-        *("delete_to_start_of_line", "Delete what precedes the cursor in its line."),
-    ),
-    (
-        *("delete_word", "Delete the word", "ctrl+w", "delete_word_left"),
-        "Delete the word before the cursor.",
+        "delete_word",
+        "Delete the word",
+        "ctrl+w",
+        "delete_word_left",
+        "Delete the word on the left.",
     ),
 ):
     writing.add(_id, _title, _help, _doing(_action), _key)
