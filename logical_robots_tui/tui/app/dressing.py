@@ -8,7 +8,7 @@ from rich.console import COLOR_SYSTEMS
 from textual.color import Color
 
 from logical_robots_tui.tui.app.dress import Dress
-from logical_robots_tui.tui.commands.table import command
+from logical_robots_tui.tui.commands.keymap import command
 from logical_robots_tui.tui.terminal.cell_diff import codes_of
 from logical_robots_tui.tui.theme.themes import hex_colour, palette_of
 

@@ -12,14 +12,13 @@ from textual.screen import Screen
 from textual.widgets import Input, Static, TextArea
 
 from logical_robots_tui.garbage import collect_seldom
+from logical_robots_tui.tui.app.background import ScreenUi
 from logical_robots_tui.tui.app.permissions import Freedoms
 from logical_robots_tui.tui.app.quitting import leave
 from logical_robots_tui.tui.app.redrawing import Redrawing
 from logical_robots_tui.tui.app.session import Session
 from logical_robots_tui.tui.app.session_listener import SessionListener
-from logical_robots_tui.tui.app.ui import ScreenUi
-from logical_robots_tui.tui.commands.actions import Actions
-from logical_robots_tui.tui.commands.table import EDITING, bindings, command
+from logical_robots_tui.tui.commands.keymap import KEY_MAP, command
 from logical_robots_tui.tui.inspector.choice import DECISION, ROBOTS, WATCH, WHY
 from logical_robots_tui.tui.inspector.pages.robots import RobotsView
 from logical_robots_tui.tui.inspector.pane import InspectorPane
@@ -44,6 +43,7 @@ from logical_robots_tui.tui.recovery.bookmark import Bookmark
 from logical_robots_tui.tui.recovery.offers import Offers
 from logical_robots_tui.tui.recovery.program_drafts import Keeper
 from logical_robots_tui.tui.timeline.controller import Travel
+from logical_robots_tui.tui.timeline.search import Search
 from logical_robots_tui.tui.timeline.widget import Timeline
 
 if TYPE_CHECKING:
@@ -56,7 +56,6 @@ if TYPE_CHECKING:
 
     from logical_robots_tui.game import Frame, Source
     from logical_robots_tui.mind import Engine
-    from logical_robots_tui.tui.app.settings import Settings
     from logical_robots_tui.tui.level_editor.mode import EditMode
     from logical_robots_tui.tui.level_editor.panel import EditPanel
     from logical_robots_tui.tui.library.journal import Journal
@@ -64,8 +63,6 @@ if TYPE_CHECKING:
 
 __all__ = ["MainScreen"]
 
-_COMPLAINTS = 3  # of the configuration that are told; `logical-robots config` tells all
-_EDITING_IDS = {entry.id for entry in EDITING}
 _HEARTBEAT = 0.25  # seconds between two looks at a clock that runs
 _READABLE = 0.2  # seconds that a number is to stand while robots run
 
@@ -103,7 +100,7 @@ class MainScreen(Screen[None], SessionListener):
     ) -> None:
         super().__init__(id="main")
         # As a class variable they would be the same for every player; a keymap can't take one away.
-        self._bindings = BindingsMap.merge([self._bindings, BindingsMap(bindings())])
+        self._bindings = BindingsMap.merge([self._bindings, BindingsMap(KEY_MAP.get().bindings())])
         self.freedoms = freedoms or Freedoms()
         self.data_dir, self.journal = data_dir, journal
         self.ui = ScreenUi(self)
@@ -121,7 +118,6 @@ class MainScreen(Screen[None], SessionListener):
         self.inspector = InspectorPane(self.session)
         self.arrangement = Arrangement((self.labyrinth, self.program, self.inspector))
         self._make_controllers()
-        self._actions = Actions(self)
         self._focus_before: Widget | None = None
         self._drawn: tuple[Level, Frame, bool] | None = None
         self._lines_drawn_at = float("-inf")
@@ -162,9 +158,9 @@ class MainScreen(Screen[None], SessionListener):
         self._watch = FileWatch(lambda: session.source, self.library.take_from_disk)
         self.tours = TourGuide(self, self.arrangement, self.point_at, journal.tour_seen)
         self.travel = Travel(session, ui, lambda: self.labyrinth.view.selected)
-        self.celebration = Celebration(
-            self.labyrinth, journal, self.tell, lambda: self.arrangement.covers(self.labyrinth)
-        )
+        self.search = Search(session, ui, self.travel.go_to)
+        is_covered = partial(self.arrangement.covers, self.labyrinth)
+        self.celebration = Celebration(session, self.labyrinth, journal, self.tell, is_covered)
         session.listeners += [self.editing, journal, self.celebration, self.travel, self]
 
     def _panel(self, mode: EditMode) -> EditPanel:
@@ -174,15 +170,9 @@ class MainScreen(Screen[None], SessionListener):
             mode,
             self.labyrinth,
             enter=lambda: self.go_to(self.labyrinth),
-            switched=self._editing_switched,
+            switched=self.celebration.hold,
             changed=self.redraw_lines,
         )
-
-    def _editing_switched(self, is_on: bool) -> None:
-        if is_on:
-            self.celebration.is_held = True
-        else:
-            self.celebration.release(is_won=self.session.won_at is not None)
 
     def compose(self) -> ComposeResult:
         """Status line, tabs, panes, timeline, command bar."""
@@ -227,14 +217,6 @@ class MainScreen(Screen[None], SessionListener):
         self.bookmark.close()
         await self.session.close()
         await self.journal.close()
-
-    def follow(self, settings: Settings) -> None:
-        """Do as the player has set once for all, and tell what of it can't be used."""
-        self.redrawing.tempo.frames = settings.frames
-        view = self.labyrinth.view
-        view.rays, view.trails = settings.cones, settings.trails
-        for complaint in settings.complaints[:_COMPLAINTS]:
-            self.warn(complaint)
 
     # -- for the parts -------------------------------------------------------------------------
 
@@ -352,7 +334,7 @@ class MainScreen(Screen[None], SessionListener):
 
     @on(Editor.Leave)
     def _editor_left(self) -> None:
-        self._actions.leave()
+        self.action_command("leave")
 
     @on(Editor.Copied)
     def _text_copied(self, event: Editor.Copied) -> None:
@@ -392,7 +374,7 @@ class MainScreen(Screen[None], SessionListener):
 
     def on_value_table_opened(self) -> None:
         """Look into the value under the cursor; by its name, because to name the class loads it."""
-        self._actions.open_value()
+        self.action_command("open_value")
 
     on_decision_view_opened = on_why_view_opened = on_value_table_opened
 
@@ -406,7 +388,8 @@ class MainScreen(Screen[None], SessionListener):
 
     def action_command(self, command_id: str) -> None:
         """Do what a command says."""
-        if command_id in _EDITING_IDS:
+        entry = command(command_id)
+        if entry.scope == "level":
             self.editing.do(command_id)
         else:
-            getattr(self._actions, command_id)()
+            entry.run(self, self.spawn)

@@ -20,6 +20,7 @@ from logical_robots_tui.game.victory import victory_of
 from logical_robots_tui.mind import ProgramError, why_not_duckdb
 from logical_robots_tui.tui.app.movement import Movement
 from logical_robots_tui.tui.app.open_level import OpenLevel
+from logical_robots_tui.tui.app.ui import nothing
 from logical_robots_tui.tui.program.state import ProgramState
 
 if TYPE_CHECKING:
@@ -28,10 +29,12 @@ if TYPE_CHECKING:
     from logical_robots_tui.game import Breakpoint, Hit, Place, Source
     from logical_robots_tui.game.history import History
     from logical_robots_tui.mind import Engine, Predicate, Program, Table
-    from logical_robots_tui.tui.app.background import Spawn, Work
     from logical_robots_tui.tui.app.session_listener import SessionListener
+    from logical_robots_tui.tui.app.ui import Spawn, Work
     from logical_robots_tui.world import Level
     from logical_robots_tui.world.changing import Pose
+
+    Going = Callable[[Game], Coroutine[Any, Any, object]]
 
 __all__ = ["Session"]
 
@@ -51,7 +54,7 @@ class Session:
     Attributes:
         levels: The level at hand: in its file, edited, and on the screen.
         listeners: Who is told what happens.
-        movement: What the robots do by themselves.
+        movement: What the robots do.
     """
 
     def __init__(
@@ -165,7 +168,7 @@ class Session:
     def apply(self, text: str) -> None:
         """Compile a text in the background and use it; an older compilation is given up."""
         if self._program is not None and self._program.text == text:
-            self._spawn(_nothing, "compile", exclusive=True)
+            self._spawn(nothing, "compile", exclusive=True)
             self._use(self._program)
             return
         self.state = self.state.compiling(text)
@@ -194,7 +197,7 @@ class Session:
         if self.game is not None:
             self.game.pause()
         if self.movement.thinks:
-            self._spawn(_nothing, "move", exclusive=True)
+            self._spawn(nothing, "move", exclusive=True)
         self.movement = Movement()
         self._changed()
 
@@ -219,7 +222,7 @@ class Session:
         """
         ends = [(await compile_program(text), end) for text, end in place.stretches()]
         self.restart()
-        self._spawn(_nothing, "compile", exclusive=True)
+        self._spawn(nothing, "compile", exclusive=True)
         self._use(ends[0][0])
         self._begin(Movement("until"), partial(self._replay, ends))
 
@@ -247,7 +250,7 @@ class Session:
         """
         self.pause()
         if self.game is not None:
-            self._spawn(_nothing, "compile", exclusive=True)
+            self._spawn(nothing, "compile", exclusive=True)
             self.game.change_course()
             self._think_with(self.game.program)
             self._changed()
@@ -359,18 +362,14 @@ class Session:
         for listener in self.listeners:
             what(listener)
 
-    def _begin(
-        self, movement: Movement, work: Callable[[Game], Coroutine[Any, Any, object]]
-    ) -> None:
+    def _begin(self, movement: Movement, work: Going) -> None:
         """Go on in the background by something that pausing ends."""
         if self.game is not None:
             self.movement = movement
             move = partial(self._move, self.game, work, movement)
             self._spawn(move, "move", exclusive=True)
 
-    async def _move(
-        self, game: Game, work: Callable[[Game], Coroutine[Any, Any, object]], movement: Movement
-    ) -> None:
+    async def _move(self, game: Game, work: Going, movement: Movement) -> None:
         try:
             await work(game)
             if game is self.game and (hits := self._hits(game)):
@@ -399,7 +398,3 @@ class Session:
     def _hits(self, game: Game) -> tuple[Hit, ...]:
         """The breakpoints that stop the robots at the present tick."""
         return tuple(hit for hit in game.hits if self.breakpoints.is_on(hit.breakpoint))
-
-
-async def _nothing() -> None:
-    """Take the place of work that is to end."""

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from textual.content import Content
 from textual.style import Style
 
-from logical_robots_tui.tui.commands.table import command
+from logical_robots_tui.tui.commands.keymap import command
 from logical_robots_tui.tui.labyrinth.overlay import Overlay
 from logical_robots_tui.tui.labyrinth.results import results_lines
 from logical_robots_tui.tui.theme.safe_text import clip

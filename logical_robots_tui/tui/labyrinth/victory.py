@@ -12,6 +12,7 @@ if TYPE_CHECKING:
 
     from logical_robots_tui.game.victory import Victory
     from logical_robots_tui.progress import Measures
+    from logical_robots_tui.tui.app.session import Session
     from logical_robots_tui.tui.labyrinth.pane import LabyrinthPane
     from logical_robots_tui.tui.library.journal import Journal
     from logical_robots_tui.world import Level
@@ -23,25 +24,25 @@ class Celebration(SessionListener):
     """Tells of each victory once; after the recorder has kept it.
 
     Args:
+        session: Where it happened.
         pane: Where the banner is.
         journal: Knows the measures.
         tell: Says something in passing.
         is_hidden: Tells whether something else has the place of the labyrinth.
-
-    Attributes:
-        is_held: Whether to wait with the news, as while the level is edited.
     """
 
     def __init__(
         self,
+        session: Session,
         pane: LabyrinthPane,
         journal: Journal,
         tell: Callable[[str], None],
         is_hidden: Callable[[], bool],
     ) -> None:
-        self._pane, self._journal, self._tell, self._is_hidden = pane, journal, tell, is_hidden
+        self._session, self._pane, self._journal = session, pane, journal
+        self._tell, self._is_hidden = tell, is_hidden
         self._waiting: Victory | None = None
-        self.is_held = False
+        self._is_held = False
 
     def level_opened(self, level: Level) -> None:
         """Take the banner away."""
@@ -55,13 +56,16 @@ class Celebration(SessionListener):
     def won(self, victory: Victory) -> None:
         """Tell of a victory, now or when the level is no longer edited."""
         self._waiting = victory
-        if not self.is_held:
+        if not self._is_held:
             self._announce()
 
-    def release(self, *, is_won: bool) -> None:
-        """Wait no longer; a victory meanwhile is news if the robots have still won."""
-        self.is_held = False
-        if is_won:
+    def hold(self, is_held: bool) -> None:
+        """Wait with the news, as while the level is edited, or no longer.
+
+        A victory meanwhile is news if the robots have still won.
+        """
+        self._is_held = is_held
+        if not is_held and self._session.won_at is not None:
             self._announce()
 
     def measured(self, level: Level, found: Measures, *, is_here: bool) -> None:

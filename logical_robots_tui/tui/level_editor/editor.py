@@ -95,6 +95,11 @@ class LevelEditor:
         """The selected thing, where it stands."""
         return None if self.selected is None else thing_of(self.standing, self.selected)
 
+    def configure(self, **values: Any) -> None:
+        """Change the settings of tools; a stroke under way ends."""
+        self.finish()
+        self.settings = replace(self.settings, **values)
+
     # -- strokes -------------------------------------------------------------------------------
 
     def press(self, x: float, y: float, units: float) -> None:

@@ -7,8 +7,8 @@ from time import perf_counter
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from logical_robots_tui.tui.app.background import Spawn
     from logical_robots_tui.tui.app.session import Session
+    from logical_robots_tui.tui.app.ui import Spawn
     from logical_robots_tui.tui.level_editor.editor import LevelEditor
 
 __all__ = ["Live"]

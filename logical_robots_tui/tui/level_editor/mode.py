@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import asyncio
-from dataclasses import replace
 from pathlib import Path
 from secrets import token_hex
 from typing import TYPE_CHECKING, Literal, Protocol
@@ -128,7 +127,7 @@ class EditMode:
         if not self._has_begun:
             self._has_begun = True
             grid = min(coarsest_cell(self.levels.edited.walls), _COARSEST)
-            self.editor.settings = replace(self.editor.settings, grid=grid)
+            self.editor.configure(grid=grid)
             self._bring_back()
         self._look_through()
         self.redraw()
@@ -140,7 +139,7 @@ class EditMode:
         self.is_on = False
         self.view.leave(is_testing=self.is_testing)
 
-    def begin_test(self) -> None:
+    def test(self) -> None:
         """Play the level from its start, for a moment."""
         self.is_testing = True
         self.leave()

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from logical_robots_tui.tui.commands.table import command, editing_commands
-from logical_robots_tui.tui.level_editor.actions import EditActions
+from logical_robots_tui.tui.commands.keymap import command, commands
 from logical_robots_tui.tui.level_editor.lines import InfoLine, ToolLine
 from logical_robots_tui.tui.level_editor.mode import EditView
 from logical_robots_tui.tui.level_editor.overlay import mark
@@ -48,7 +47,6 @@ class EditPanel(EditView):
     ) -> None:
         self._mode, self._pane = mode, pane
         self._enter, self._switched, self._changed = enter, switched, changed
-        self._actions = EditActions(mode)
         self.pointer = Pointer(
             mode.editor,
             pane.view,
@@ -58,9 +56,8 @@ class EditPanel(EditView):
         )
         self._tools = ToolLine(mode.editor)
         self._info = InfoLine(mode.editor)
-        known = editing_commands().values()
         self._ids = dict.fromkeys(command("edit_level").keys, "stop_editing")
-        self._ids |= {key: entry.id for entry in known for key in entry.keys}
+        self._ids |= {key: entry.id for entry in commands("level") for key in entry.keys}
 
     # -- in and out ----------------------------------------------------------------------------
 
@@ -81,7 +78,7 @@ class EditPanel(EditView):
         """Let keys and mouse play."""
         self._tools.display = self._info.display = False
         self._pane.view.overlay = None
-        key = editing_commands()["test"].key_name
+        key = command("test").key_name
         self._pane.note(f"test: {key} ends it" if is_testing else "")
         self._pane.view.redraw()
         self._switched(False)
@@ -113,7 +110,7 @@ class EditPanel(EditView):
     def do(self, command_id: str) -> None:
         """Do a command."""
         if self._mode.is_on:
-            getattr(self._actions, command_id)()
+            command(command_id).run(self._mode, self._mode.ui.spawn)
             self._mode.redraw()
 
     def use(self) -> None:

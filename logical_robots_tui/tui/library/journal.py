@@ -15,6 +15,7 @@ from logical_robots_tui.progress import NEW, Progress
 from logical_robots_tui.tui.app.dress import stamp_for
 from logical_robots_tui.tui.app.facts import DRESS, THEME, TOUR
 from logical_robots_tui.tui.app.session_listener import SessionListener
+from logical_robots_tui.tui.app.ui import nothing
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -25,8 +26,8 @@ if TYPE_CHECKING:
     from logical_robots_tui.game.victory import Victory
     from logical_robots_tui.mind import Program
     from logical_robots_tui.progress import Bests, LevelRecord, Measures, Version
-    from logical_robots_tui.tui.app.background import Spawn
     from logical_robots_tui.tui.app.dress import Dress
+    from logical_robots_tui.tui.app.ui import Spawn
     from logical_robots_tui.world import Level
 
 __all__ = ["Journal"]
@@ -197,7 +198,7 @@ class Journal(SessionListener):
         """Stop trying shifted starts at the level at hand; False if nothing is under way."""
         if self._trials.pop(self._key, None) is None:
             return False
-        self._spawn(_nothing, f"measure {self._key}", exclusive=True)
+        self._spawn(nothing, f"measure {self._key}", exclusive=True)
         self._changed()
         return True
 
@@ -254,7 +255,3 @@ class Journal(SessionListener):
         if key in self._trials:
             self._trials[key] = (text, trial)
             self._changed()
-
-
-async def _nothing() -> None:
-    """Take the place of work that is to end."""

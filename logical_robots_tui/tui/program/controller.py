@@ -102,7 +102,7 @@ class Scribe:
         """Go to the next place of what was looked for last; ask for it if nothing was."""
         editor = self._pane.editor
         if not self._wanted:
-            self._ui.spawn(self.find, "library", exclusive=True)
+            self._ui.spawn(self.find, "dialog", exclusive=True)
             return
         selection, begin = editor.selection, min(editor.selection)
         found = find_after(editor.text, self._wanted, begin, there=True)
@@ -140,7 +140,7 @@ class Scribe:
     def edit_elsewhere(self) -> None:
         """Hand the terminal to the player's own editor until that ends, and take its text."""
         if not self._freedoms().programs:
-            self._ui.warn("Other editors are off here; this one is all there is.")
+            self._ui.warn("External editors are disabled here.")
             return
         self._session.pause()
         try:

@@ -10,7 +10,6 @@ from typing import TYPE_CHECKING, Literal
 from logical_robots_tui.game import NoSuchTickError
 from logical_robots_tui.tui.app.session_listener import SessionListener
 from logical_robots_tui.tui.theme.safe_text import one_line
-from logical_robots_tui.tui.timeline.search import Search
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -33,14 +32,10 @@ class Travel(SessionListener):
         session: Whose ticks.
         ui: Where to say and ask.
         selected: Tells which robot the player has selected, if any.
-
-    Attributes:
-        search: Goes to ticks in which a question holds.
     """
 
     def __init__(self, session: Session, ui: Ui, selected: Callable[[], str | None]) -> None:
         self._session, self._ui, self._selected = session, ui, selected
-        self.search = Search(session, ui, self.go_to)
 
     @property
     def _history(self) -> History | None:
