@@ -156,7 +156,7 @@ class MainScreen(Screen[None], SessionListener):
             suspend=lambda: self.app.suspend(),
         )
         self._watch = FileWatch(lambda: session.source, self.library.take_from_disk)
-        self.tours = TourGuide(self, self.arrangement, self.point_at, journal.tour_seen)
+        self.tours = TourGuide(self.mount, self.arrangement, self.point_at, journal.tour_seen)
         self.travel = Travel(session, ui, lambda: self.labyrinth.view.selected)
         self.search = Search(session, ui, self.travel.go_to)
         is_covered = partial(self.arrangement.covers, self.labyrinth)

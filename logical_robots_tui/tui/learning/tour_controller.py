@@ -7,8 +7,6 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from textual.screen import Screen
-
     from logical_robots_tui.tui.layout.arrangement import Arrangement
     from logical_robots_tui.tui.layout.pane import Pane
     from logical_robots_tui.tui.learning.tour import Tour
@@ -20,7 +18,7 @@ class TourGuide:
     """Shows what the tour speaks of.
 
     Args:
-        screen: Where the tour is shown.
+        mount: Shows the tour.
         arrangement: The panes that it passes.
         point_at: Brings a pane to sight.
         ended: Called when it is over.
@@ -28,12 +26,12 @@ class TourGuide:
 
     def __init__(
         self,
-        screen: Screen[None],
+        mount: Callable[[Tour], object],
         arrangement: Arrangement,
         point_at: Callable[[Pane], None],
         ended: Callable[[], None],
     ) -> None:
-        self._screen, self._arrangement = screen, arrangement
+        self._mount, self._arrangement = mount, arrangement
         self._point_at, self._ended = point_at, ended
         self._tour: Tour | None = None
 
@@ -44,7 +42,7 @@ class TourGuide:
         self._remove()
         if not self._arrangement.is_tiny:
             self._tour = Tour(moved=self._show, ended=self._come_home)
-            self._screen.mount(self._tour)
+            self._mount(self._tour)
 
     def place(self) -> None:
         """Put the box where it belongs, such as after the screen has another size."""
@@ -52,9 +50,8 @@ class TourGuide:
             return
         if self._arrangement.is_tiny:
             self._come_home()
-            return
-        part = self._screen.query_one(f"#{self._tour.stop.place}")
-        self._tour.place(part.region, self._screen.region)
+        else:
+            self._tour.place()
 
     def end(self) -> None:
         """The player went on without it: leave everything as it is."""
@@ -77,7 +74,7 @@ class TourGuide:
             pane.set_class(is_it, "-pointed")
             if is_it:
                 self._point_at(pane)
-        self._screen.call_after_refresh(self.place)
+        self._tour.call_after_refresh(self.place)
 
     def _remove(self) -> None:
         tour, self._tour = self._tour, None
