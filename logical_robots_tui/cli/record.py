@@ -86,7 +86,6 @@ def start(options: argparse.Namespace) -> int:
             size=options.size,
             ticks=options.ticks,
             speed=options.speed,
-            engine=options.engine,
         )
     )
     try:

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
     from logical_robots_tui.game import Frame
-    from logical_robots_tui.mind import Engine, Program
+    from logical_robots_tui.mind import Program
     from logical_robots_tui.world import Level
 
 __all__ = ["film"]
@@ -38,7 +38,6 @@ async def film(
     ticks: int,
     speed: float,
     look: Look | None = None,
-    engine: Engine = "sqlite",
 ) -> Frame:
     """Run until the level is won or the ticks are over, and film it as an asciicast.
 
@@ -50,14 +49,13 @@ async def film(
         ticks: How many ticks to film at most.
         speed: Ticks a second.
         look: How to draw.
-        engine: What the robots think with.
 
     Returns:
         The last frame.
     """
     cast = Cast(write, *size, one_line(level.title))
     studio = _Studio(level, size, look or Look())
-    game = Game(level, program, history=1, engine=engine)
+    game = Game(level, program, history=1)
     every = max(1, round(speed / _PICTURES))
 
     def shoot(frame: Frame) -> None:

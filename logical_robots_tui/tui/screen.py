@@ -54,7 +54,6 @@ if TYPE_CHECKING:
     from textual.widget import Widget
 
     from logical_robots_tui.game import Breakpoint, Frame, Source
-    from logical_robots_tui.mind import Engine
     from logical_robots_tui.tui.background import Work
     from logical_robots_tui.tui.journal import Journal
     from logical_robots_tui.tui.settings import Settings
@@ -78,7 +77,6 @@ class MainScreen(Screen[None]):
         journal: Where progress is kept.
         text: What the player made of the program, or None.
         welcome: Whether to begin with the tour.
-        engine: What the robots think with.
 
     Attributes:
         data_dir: Where drafts and the player's programs are.
@@ -95,7 +93,6 @@ class MainScreen(Screen[None]):
         *,
         text: str | None = None,
         welcome: bool = False,
-        engine: Engine = "sqlite",
     ) -> None:
         super().__init__(id="main")
         # As a class variable they would be the same for every player; a keymap can't take one away.
@@ -111,7 +108,6 @@ class MainScreen(Screen[None]):
             changed=self.redrawing.soon,
             used=journal.used,
             stopped=lambda hits: self.travel.tell_hits(hits),
-            engine=engine,
         )
         self.keeper = Keeper(
             data_dir / "drafts",
