@@ -36,7 +36,6 @@ if TYPE_CHECKING:
     from textual.theme import Theme
 
     from logical_robots_tui.game import Source
-    from logical_robots_tui.mind import Engine
     from logical_robots_tui.world import Level
 
 __all__ = ["LogicalRobotsApp"]
@@ -54,7 +53,6 @@ class LogicalRobotsApp(SparingApp, inherit_bindings=False):
         journal: Where progress is kept, if that is open already.
         text: What the player made of the program, or None.
         welcome: Whether to begin with the tour.
-        engine: What the robots think with.
         settings: What the player has set once for all.
         theme: The theme to begin with where the settings name none; "" is what suits the terminal.
         freedoms: What the player may do with the machine; by default everything.
@@ -77,7 +75,6 @@ class LogicalRobotsApp(SparingApp, inherit_bindings=False):
         journal: Journal | None = None,
         text: str | None = None,
         welcome: bool = False,
-        engine: Engine = "sqlite",
         settings: Settings | None = None,
         theme: str = "",
         freedoms: Freedoms | None = None,
@@ -90,9 +87,7 @@ class LogicalRobotsApp(SparingApp, inherit_bindings=False):
         self._first_theme = self._settings.theme or theme
         use_keys(self._settings.keys)
         journal = journal or Journal(data_dir / FILE_NAME)
-        self.main = MainScreen(
-            level, source, data_dir, journal, text=text, welcome=welcome, engine=engine
-        )
+        self.main = MainScreen(level, source, data_dir, journal, text=text, welcome=welcome)
         self.main.freedoms = freedoms or Freedoms()
         self.animation_level = "none"
         self._turns = Turns(self)

@@ -53,7 +53,6 @@ if TYPE_CHECKING:
     from textual.widget import Widget
 
     from logical_robots_tui.game import Breakpoint, Frame, Source
-    from logical_robots_tui.mind import Engine
     from logical_robots_tui.tui.app.background import Work
     from logical_robots_tui.tui.app.settings import Settings
     from logical_robots_tui.tui.library.journal import Journal
@@ -77,7 +76,6 @@ class MainScreen(Screen[None]):
         journal: Where progress is kept.
         text: What the player made of the program, or None.
         welcome: Whether to begin with the tour.
-        engine: What the robots think with.
 
     Attributes:
         data_dir: Where drafts and the player's programs are.
@@ -94,7 +92,6 @@ class MainScreen(Screen[None]):
         *,
         text: str | None = None,
         welcome: bool = False,
-        engine: Engine = "sqlite",
     ) -> None:
         super().__init__(id="main")
         # As a class variable they would be the same for every player; a keymap can't take one away.
@@ -110,7 +107,6 @@ class MainScreen(Screen[None]):
             changed=self.redrawing.soon,
             used=journal.used,
             stopped=lambda hits: self.travel.tell_hits(hits),
-            engine=engine,
         )
         self.keeper = Keeper(
             data_dir / "drafts",

@@ -17,7 +17,7 @@ from logical_robots_tui.game import (
     mistake_in,
     start_frame,
 )
-from logical_robots_tui.mind import ProgramError, why_not_duckdb
+from logical_robots_tui.mind import ProgramError
 from logical_robots_tui.tui.program.state import ProgramState
 
 if TYPE_CHECKING:
@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 
     from logical_robots_tui.game import Breakpoint, Hit, Place, Source
     from logical_robots_tui.game.history import History
-    from logical_robots_tui.mind import Engine, Predicate, Program, Table
+    from logical_robots_tui.mind import Predicate, Program, Table
     from logical_robots_tui.tui.app.background import Spawn, Work
     from logical_robots_tui.world import Level
     from logical_robots_tui.world.changing import Pose
@@ -48,7 +48,6 @@ class Session:
         changed: Called after everything that the screen may want to show.
         used: Called with each program that the robots begin to think with.
         stopped: Called with the breakpoints at which the robots have stopped.
-        engine: What they think with.
     """
 
     def __init__(
@@ -60,7 +59,6 @@ class Session:
         changed: Callable[[], None],
         used: Callable[[Program], None],
         stopped: Callable[[tuple[Hit, ...]], None],
-        engine: Engine = "sqlite",
     ) -> None:
         self.level = self.opened = level
         self.source = source
@@ -73,7 +71,6 @@ class Session:
         self._changed = changed
         self._used = used
         self._stopped = stopped
-        self._engine = engine
         self._program: Program | None = None
         self._run_when_ready = False
         self._stepping: object = None
@@ -314,9 +311,7 @@ class Session:
         self._think_with(program)
         self._used(program)
         if self.game is None:
-            game = self.game = Game(
-                self.level, program, engine=self._engine, breakpoints=self.breakpoints
-            )
+            game = self.game = Game(self.level, program, breakpoints=self.breakpoints)
             game.pace = self.pace
             game.listen(lambda frame: self._show(game, frame))
             self.frame = game.frame
@@ -329,8 +324,7 @@ class Session:
 
     def _think_with(self, program: Program) -> None:
         self._program = program
-        no_duckdb = why_not_duckdb(program) if self._engine == "duckdb" else ()
-        self.state = ProgramState.of_applied(program.text, (*program.warnings, *no_duckdb))
+        self.state = ProgramState.of_applied(program.text, program.warnings)
 
     def _show(self, game: Game, frame: Frame) -> None:
         if game is self.game:
