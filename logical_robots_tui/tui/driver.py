@@ -15,7 +15,6 @@ from textual.drivers.linux_driver import LinuxDriver
 from textual.geometry import Size
 
 from logical_robots_tui.tui.incoming import CarefulParser, Incoming, Pasted
-from logical_robots_tui.tui.outline import ENTER, OUTLINE
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -71,11 +70,6 @@ class ListeningDriver(LinuxDriver):
         self._asked = 0
         self._under_way = 0
         self._all_answered = threading.Condition()
-
-    def write(self, data: str) -> None:
-        """Write to the terminal, but do not go where the outline has gone already."""
-        if data != ENTER or not OUTLINE.hand_over():
-            super().write(data)
 
     def ask(self, text: str) -> None:
         """Write something that ends in a question to the terminal."""

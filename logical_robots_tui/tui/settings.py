@@ -12,8 +12,8 @@ from logical_robots_tui.paths import read_ordinary
 from logical_robots_tui.shipped import did_you_mean
 from logical_robots_tui.tui.commands import COMMANDS, EDITING, key_name
 from logical_robots_tui.tui.drawing.glyphs import Drawing
-from logical_robots_tui.tui.dress import NIGHT_NAME
 from logical_robots_tui.tui.keys import key_from
+from logical_robots_tui.tui.places import NIGHT_NAME
 from logical_robots_tui.tui.theme import THEMES
 from logical_robots_tui.world.excess import excess_of_toml
 

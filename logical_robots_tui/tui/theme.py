@@ -11,7 +11,7 @@ from textual.theme import BUILTIN_THEMES, Theme
 
 from logical_robots_tui.tui.colours import colours_in
 from logical_robots_tui.tui.drawing.palette import DARK, LIGHT, Palette, mix, parse
-from logical_robots_tui.tui.dress import NIGHT_NAME
+from logical_robots_tui.tui.places import NIGHT_NAME
 
 if TYPE_CHECKING:
     from rich.style import Style as RichStyle
