@@ -7,18 +7,16 @@ import os
 import re
 import sys
 from importlib import import_module
-from pathlib import Path
 from typing import TYPE_CHECKING
 
 from logical_robots_tui.cli.command import add_data_dir, new_command
 from logical_robots_tui.cli.folders import folder_of
 from logical_robots_tui.errors import InputError
 from logical_robots_tui.garbage import collect_later
-from logical_robots_tui.paths import is_file, is_folder
-from logical_robots_tui.shipped import shipped_names
+from logical_robots_tui.paths import is_folder
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from pathlib import Path
 
     from logical_robots_tui.cli.command import Commands
 
@@ -90,16 +88,9 @@ def start(options: argparse.Namespace) -> int:
         if options.restricted:
             _fence_in(options, "logical_robots_tui.cli.plain")
         return _play_in_lines(options)
-    from logical_robots_tui.tui.app.outline import OUTLINE
-
-    try:
-        if _is_sure_to_open(options):
-            OUTLINE.show(options.data_dir)
-        if options.restricted:
-            _fence_in(options, "logical_robots_tui.tui.app.play")
-        return _play_on_screen(options)
-    finally:
-        OUTLINE.clear()
+    if options.restricted:
+        _fence_in(options, "logical_robots_tui.tui.app.play")
+    return _play_on_screen(options)
 
 
 def _refuse_everybodys(folder: Path) -> None:
@@ -114,16 +105,6 @@ def _refuse_everybodys(folder: Path) -> None:
             place=str(folder),
             hint="Add --player NAME, or LOGICAL_ROBOTS_PLAYER=NAME to the environment.",
         )
-
-
-def _is_sure_to_open(options: argparse.Namespace) -> bool:
-    """Whether all that was named is there: if not, that is told without opening anything."""
-    levels, programs = shipped_names("levels", ".toml"), shipped_names("programs", ".l")
-    return _is_there(options.level, levels) and _is_there(options.program, programs)
-
-
-def _is_there(name: str | None, shipped: Sequence[str]) -> bool:
-    return name is None or name in shipped or is_file(Path(name))
 
 
 def _fence_in(options: argparse.Namespace, game: str) -> None:

@@ -24,7 +24,6 @@ MUST_NOT_LOAD = {
     f"{EDITING}.edits": {MIND, PROGRESS, GAME, TUI, CLI, "logica", "sqlite3"} | SCREEN,
     GAME: {TUI, CLI, "logica", "sqlglot"} | SCREEN,
     "logical_robots_tui.tui.app.play": {CLI},
-    "logical_robots_tui.tui.app.outline": {WORLD, MIND, GAME, CLI, "numpy", "asyncio"} | SCREEN,
     "logical_robots_tui.cli.main": {WORLD, MIND, GAME, TUI, "numpy", "logica", "sqlite3"} | SCREEN,
 }
 

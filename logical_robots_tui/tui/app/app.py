@@ -13,9 +13,7 @@ from textual.binding import Binding
 from textual.errors import NoWidget
 
 from logical_robots_tui.progress import FILE_NAME
-from logical_robots_tui.tui.app.dressing import dress_of
 from logical_robots_tui.tui.app.main_screen import MainScreen
-from logical_robots_tui.tui.app.outline import colours_of
 from logical_robots_tui.tui.app.permissions import Freedoms
 from logical_robots_tui.tui.app.quitting import leave
 from logical_robots_tui.tui.app.settings import Settings
@@ -118,18 +116,10 @@ class LogicalRobotsApp(SparingApp, inherit_bindings=False):
             signal.signal(signal.SIGTSTP, signal.SIG_IGN)
         self.main.follow(self._settings)
         self.theme_changed_signal.subscribe(self, self._keep_theme)
-        self.call_after_refresh(self._keep_dress)
-
-    def _keep_dress(self) -> None:
-        colours = colours_of(os.environ)
-        dress = dress_of(self, colours)
-        if dress is not None:
-            self.main.journal.keep_dress(dress, colours)
 
     def _keep_theme(self, theme: Theme) -> None:
         if not self._settings.theme:
             self.main.journal.choose_theme(theme.name)
-            self._keep_dress()
         elif theme.name != self._settings.theme:
             self.main.tell(f"Next time {self._settings.theme} again: the configuration says so.")
 

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from rich.style import Style
     from textual.geometry import Region
 
-__all__ = ["Cell", "Difference", "Look", "codes_of", "look_of"]
+__all__ = ["Cell", "Difference", "Look", "look_of"]
 
 _CLOSE = 3
 """Cells that are the same, between two that differ, up to which writing them again is shorter."""
@@ -220,13 +220,13 @@ class _Looks(dict[int, Look]):
             self.clear()
         attributes, ink, paper = "1" if packed & BOLD else "", "", ""
         if self._colours is not None:
-            ink = codes_of(colour_of(packed >> 24 & PAPER), self._colours, is_ink=True)
-            paper = codes_of(colour_of(packed & PAPER), self._colours, is_ink=False)
+            ink = _codes_of(colour_of(packed >> 24 & PAPER), self._colours, is_ink=True)
+            paper = _codes_of(colour_of(packed & PAPER), self._colours, is_ink=False)
         self[packed] = look = _same(Look(attributes, ink, paper))
         return look
 
 
-def codes_of(color: Color, colours: ColorSystem, *, is_ink: bool) -> str:
+def _codes_of(color: Color, colours: ColorSystem, *, is_ink: bool) -> str:
     """Return what chooses a colour, as the terminal has it, between ``ESC [`` and ``m``."""
     return ";".join(reduced(color, colours).get_ansi_codes(foreground=is_ink))
 
@@ -276,9 +276,9 @@ def look_of(style: Style | None, colours: ColorSystem | None) -> Look:
     ink = paper = ""
     if colours is not None:
         if style.color is not None and not style.color.is_default:
-            ink = codes_of(style.color, colours, is_ink=True)
+            ink = _codes_of(style.color, colours, is_ink=True)
         if style.bgcolor is not None and not style.bgcolor.is_default:
-            paper = codes_of(style.bgcolor, colours, is_ink=False)
+            paper = _codes_of(style.bgcolor, colours, is_ink=False)
     return _same(Look(codes, ink, paper))
 
 

@@ -9,7 +9,7 @@ from textual._context import active_app
 from textual.style import Style
 from textual.theme import BUILTIN_THEMES, Theme
 
-from logical_robots_tui.tui.app.dress import NIGHT_NAME
+from logical_robots_tui.tui.app.facts import NIGHT_NAME
 from logical_robots_tui.tui.labyrinth.drawing.palette import DARK, LIGHT, Palette, mix, parse
 from logical_robots_tui.tui.theme.colours import colours_in
 
