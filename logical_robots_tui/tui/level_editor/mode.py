@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from logical_robots_tui.game.drafts import Drafts
     from logical_robots_tui.tui.app.main_screen import MainScreen
     from logical_robots_tui.tui.labyrinth.drawing.cells import Cells
-    from logical_robots_tui.tui.labyrinth.drawing.look import Look
+    from logical_robots_tui.tui.labyrinth.drawing.glyphs import Look
     from logical_robots_tui.tui.labyrinth.drawing.viewport import Viewport
     from logical_robots_tui.world import Level
 

@@ -8,16 +8,15 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from logical_robots_tui.tui.labyrinth.drawing.areas import blend
 from logical_robots_tui.tui.labyrinth.drawing.cells import BOLD, Cells
-from logical_robots_tui.tui.labyrinth.drawing.dots import split
-from logical_robots_tui.tui.labyrinth.drawing.fitting import fitted
+from logical_robots_tui.tui.labyrinth.drawing.discs import blend
+from logical_robots_tui.tui.labyrinth.drawing.dots import fitted, split
 from logical_robots_tui.tui.labyrinth.drawing.glyphs import Drawing
 from logical_robots_tui.tui.labyrinth.drawing.lettering import robot_colour, write
+from logical_robots_tui.tui.labyrinth.drawing.name_labels import fit_name
 from logical_robots_tui.tui.labyrinth.drawing.palette import RGB, mix, packed
-from logical_robots_tui.tui.labyrinth.drawing.plates import fit_name
 from logical_robots_tui.tui.labyrinth.drawing.rays import Fan, fans, shine
-from logical_robots_tui.tui.labyrinth.drawing.threads import draw_ray, draw_ring
+from logical_robots_tui.tui.labyrinth.drawing.thin_lines import draw_ray, draw_ring
 from logical_robots_tui.tui.labyrinth.drawing.viewport import Raster, Viewport
 from logical_robots_tui.world.sensing import SENSOR_RANGE
 
@@ -27,7 +26,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from logical_robots_tui.game.frame import Frame
-    from logical_robots_tui.tui.labyrinth.drawing.look import Look
+    from logical_robots_tui.tui.labyrinth.drawing.glyphs import Look
     from logical_robots_tui.world.level import Level
 
 __all__ = ["draw_senses", "tiles"]
