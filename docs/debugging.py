@@ -177,17 +177,18 @@ def page() -> str:
     return f"""\
 # Find a mistake
 
-When a robot does something stupid, the cause is often many ticks back. Each question below brings
-you one step nearer: from what you see to the decision, from the decision to a value, from the value
-to the tick and the rule that made it. All are asked about one case, in the game or on the command
-line; [a table](#which-question-for-which-symptom) at the end says which one fits which symptom.
+When a robot does something stupid, the cause often lies many ticks back. Each question below brings
+you one step closer: from what you see to the decision, from the decision to a value, from the value
+to the tick and the rule that made it. All of them are asked about one case, in the game or on the
+command line. [A table](#which-question-for-which-symptom) at the end says which question fits which
+symptom.
 
 ```
 logical-robots play {FILES}
 ```
 
-Dot carries a parcel. A sign beside the start says `left`: at the far end of the hall the way to the
-office is to the left. Dot sees the sign only while it passes, so it has to remember the word.
+Dot carries a parcel. A sign near the start says `left`: at the far end of the hall the office is to
+the left. Dot sees the sign only while passing it, so it has to remember the word.
 
 ```prolog
 {program}
@@ -195,84 +196,82 @@ office is to the left. Dot sees the sign only while it passes, so it has to reme
 
 ## The symptom
 
-`U` and `{found.wrong}` run until that tick. At the fork Dot has turned to the right, away from the
-office. `a` selects Dot: a card tells its engines and its memory, and the timeline marks where that
-memory changed.
+`U` and `{found.wrong}` run until that tick. At the fork Dot has turned right, away from the office.
+`a` selects Dot: a card shows its engines and its memory, and the timeline marks where that memory
+changed.
 
 ## Where do I begin? Diagnosis
 
-`^P` and “Diagnosis” open a page that looks through the whole run for
-[what stands out](diagnose.md): rules that never gave a row, conditions that never changed, memories
-that were lost.
+`^P` and “Diagnosis” open a page that scans the whole run for [likely mistakes](diagnose.md): rules
+that never produced a row, conditions that never changed, memories that were lost.
 
 {pictures["1"]}
 
-`word` was never `"left"`, though the sign says so. `Enter` goes to the first tick of a finding. The
-same without a screen:
+`word` was never `"left"`, although the sign says so. `Enter` goes to the first tick of a finding. The
+same on the command line:
 
 {diagnosis}
 
-Dot does arrive, but late: in tick {won[1]}, after a long detour.
+Dot does arrive, but late: at tick {won[1]}, after a long detour.
 
 ## Why did it do that? Why
 
-`w` proves the decision at tick {found.turned}: the rule that gave it, with the values of this one
-derivation, and what it called. `→` and `←` open and close. A wall is near, so `Drive` turns; `Turn`
-was asked with `lamp`, and for every word but `left` it goes to the right. `Turn` does what it says;
-the word is wrong. The program shows the place of the line that the cursor is on.
+`w` proves the decision at tick {found.turned}: the rule that produced it, with the values of this one
+derivation, and what it called. `→` and `←` open and close lines. A wall is near, so `Drive` turns.
+`Turn` was called with `lamp`, and for every word but `left` it turns right. So `Turn` is correct, and
+the word is wrong. The program highlights the place of the line under the cursor.
 
 {pictures["2"]}
 
-`Enter` asks the same of a call, here of `Mind`, which gave the word. So does `--predicate`, and
+`Enter` asks the same about a call, here `Mind`, which supplied the word. So does `--predicate`, and
 `--tree` follows every call down to what was sensed and remembered:
 
 {told(f"logical-robots why {at} --predicate Mind --tree")}
 
-The word was in the memory before. That `Sign` has no row here is explained, too: of each rule that
-gives nothing, the first part is shown that nothing gets past.
+The word was already in memory. The proof also explains why `Sign` has no row here: for each rule that
+produced none, it shows the first part that nothing satisfies.
 
 ## Where does the value come from? Origin
 
-`origin` goes back over all ticks that only kept a value, also through the memories of other robots,
-to the tick and the rule that made it, and to what it was made from:
+`origin` skips all ticks that only kept the value, also through the memories of other robots, and finds
+the tick and the rule that made it, and what it was made from:
 
 {origin}
 
-So the word was last read in tick {made[1]}, {found.turned - int(made[1])} ticks before the turn,
-from a lamp, by the rule that is to read signs. In the game `<` tells the same of
-the part of a memory that the cursor is on; `Enter` goes to the tick that made it.
+So the word was last read at tick {made[1]}, {found.turned - int(made[1])} ticks before the turn,
+from a lamp, by the rule that should read signs. In the game `<` shows the same for
+the part of a memory under the cursor; `Enter` goes to the tick that made it.
 
 ## When does it happen? Search
 
 `(` goes to the start. `Q` asks for any question in Logica, here `{SOUGHT}`, and goes to
-the next tick in which it holds; `;` and `:` go on to the one after and before.
+the next tick in which it holds; `;` and `:` go to the following and the previous one.
 
 {pictures["3"]}
 
-On the command line one sees all of them at once:
+The command line shows all of them at once:
 
 {told(f"logical-robots when {FILES} '{SOUGHT}'")}
 
-`*` makes a question a breakpoint: a run stops where it begins to hold. `B` lists all that a run
-stops at.
+`*` makes a question a breakpoint: a run stops where it begins to hold. `B` lists all breakpoints.
 
 ## When did it change? Watch
 
-`@` pins a question, a number of rows, or a value under the cursor, here the word in Dot's memory.
-`V` shows what is pinned, with a line of the ticks around. `←` and `→` go to where a value changes:
-the `┼` stands where `left` became `lamp`.
+`@` pins a question, a number of rows, or the value under the cursor, here the word in Dot's memory.
+`V` shows the pinned values, each with a line of the surrounding ticks. `←` and `→` go to where a value
+changes: the `┼` marks where `left` became `lamp`.
 
 {pictures["4"]}
 
-## What happened in that tick?
+## What happened at that tick?
 
-`w` again, and `Enter` on `Mind` and on `Sign`, down to the ray that was taken. The labyrinth shows
-the ray that the cursor is on.
+Press `w` again, and `Enter` on `Mind` and on `Sign`, down to the ray that was chosen. The labyrinth
+shows the ray under the cursor.
 
 {pictures["5"]}
 
-Everything that is asked of it holds: it ends at a beacon, and near. Nothing asks what stands there.
-`/` answers any question about this tick, here which beacons are in sight:
+Every condition on it holds: it ends at a beacon, and close by. No condition checks what is written
+there. `/` answers any question about this tick, here which beacons are in sight:
 
 ```prolog
 {QUERY}
@@ -280,28 +279,29 @@ Everything that is asked of it holds: it ends at a beacon, and near. Nothing ask
 
 ## Why not? The nearest miss
 
-And one tick before? Then `Sign` has no row. Of a rule that gave nothing `why` shows the first part
-that nothing gets past, and which one change would have given it a row; each change was tried.
+One tick earlier, `Sign` has no row. For a rule that produced none, `why` shows the first part that
+nothing satisfies, and which single change would have produced a row. Each change was tested.
 
 {told(f"logical-robots why {before} --predicate Sign")}
 
-So nothing but its distance kept Dot from reading a lamp.
+So only the distance kept Dot from reading a lamp.
 
-## Mend it: two futures
+## Fix it: two futures
 
-`p` steps back, to before the memory was lost. `2` goes to the program; let `Sign` read signs only:
+`p` steps back to before the memory was lost. `2` goes to the program. Let `Sign` read only signs:
 
 ```prolog
   Sensor(robot_name:, sensor:), ray in sensor.radar, ray.object == "beacon", {END[:-1]}{MENDED}
 ```
 
-`^R` applies it, `esc` leaves the editor. Going on from here Dot keeps its word, turns to the left
-and wins.
+`^R` applies it, `esc` leaves the editor. From here on Dot remembers the right word, turns left and
+wins.
 
 {pictures["6"]}
 
 The old future is still there, dotted on the timeline. `C` goes to the first tick in which the two
-differ, says in what, and which derivation differs first; `F` goes over to the other one and back.
+differ, says how, and names the first derivation that differs; `F` switches to the other future and
+back.
 
 {pictures["7"]}
 
@@ -311,16 +311,16 @@ differ, says in what, and which derivation differs first; `F` goes over to the o
 |---|---|---|---|
 | it goes wrong somewhere | what stands out in the run? | Diagnosis, in `^P` | `diagnose` |
 | it does the wrong thing now | why? | `w` | `why --tree` |
-| it doesn't do what it should | why not? | `w`, on a rule that gave nothing | `why --predicate P` |
-| a rule nearly holds | what would have to differ? | `w`, below that rule | `why --predicate P` |
+| it doesn't do what it should | why not? | `w`, on a rule without a row | `why --predicate P` |
+| a rule almost holds | what would have to change? | `w`, below that rule | `why --predicate P` |
 | a value is wrong | where does it come from? | `<` | `origin` |
 | it happens now and then | in which ticks? | `Q`, then `;` `:` | `when` |
 | it happens too late to wait for | stop there | `*`, `B` | `when` |
 | a value comes and goes | when does it change? | `@`, `V` | `trace --predicates P` |
-| you wonder about one tick | any question in Logica | `/` | `query` |
+| you have a question about one tick | any question in Logica | `/` | `query` |
 | a record or a list is too long to read | what is in it? | `X`, enter on a value | `query --json` |
-| two programs behave differently | where do they part? | `C`, `F` | |
-| you don't know your way in a program | what uses what? | `R` | |
+| two programs behave differently | where do they diverge? | `C`, `F` | |
+| you don't know a program | what uses what? | `R` | |
 | it thinks slowly | what does each predicate cost? | `K` | |
 """
 

@@ -25,18 +25,24 @@ PICTURES = "lessons"
 HEAD = """\
 # The course
 
-One lesson for each level, with the Logica that it needs. Each is best read beside the game: play
-the level until you are stuck, read on, try again. The game tells the same, bit by bit: the briefing
-beside the labyrinth, `h` for a hint, `t` for the lesson.
+One lesson for each level, with the Logica that it needs. Read it next to the game: play the level
+until you are stuck, read on, try again. The game shows the same text bit by bit: the briefing beside
+the labyrinth, `h` for a hint, `t` for the lesson.
 """
 
 SEES = {
-    ("own", "own"): "A robot sees its own memory and sensor only.",
-    ("seen", "own"): "A robot sees its own sensor, and the memory of robots on its radar too.",
-    ("all", "own"): "A robot sees its own sensor, and the memory of all.",
-    ("own", "all"): "A robot sees its own memory, and the sensor of all.",
-    ("seen", "all"): "A robot sees the sensor of all, and the memory of robots on its radar too.",
-    ("all", "all"): "A robot sees the memory and the sensor of all.",
+    ("own", "own"): "A robot sees only its own memory and sensor.",
+    (
+        "seen",
+        "own",
+    ): "A robot sees its own sensor, and the memories of itself and of the robots on its radar.",
+    ("all", "own"): "A robot sees its own sensor, and the memories of all robots.",
+    ("own", "all"): "A robot sees its own memory, and the sensors of all robots.",
+    (
+        "seen",
+        "all",
+    ): "A robot sees all sensors, and the memories of itself and of the robots on its radar.",
+    ("all", "all"): "A robot sees the memories and sensors of all robots.",
 }
 
 FLOOR, WALL, ROBOT, BEACON, AREA = "#f4f1ea", "#4a4e5f", "#e8590c", "#b8860b", "#868e96"

@@ -12,11 +12,11 @@ if TYPE_CHECKING:
 
 TARGET = Path(__file__).with_name("reference.md")
 HEAD = """\
-# What a program can use
+# Functions
 
-The same help is told by `logical-robots help`. An aggregate is used with braces, as in
+`logical-robots help` shows the same text. An aggregate is written with braces, as in
 `Sum{x :- P(x)}`, or in the head of a rule, as in `P(name, total? Sum= x) distinct :- Q(name, x);`.
-Null stands for "no value"; almost everything of null is null. Truth is shown as 1 and 0.
+Null means "no value"; almost every operation on null gives null. Booleans are shown as 1 and 0.
 """
 
 

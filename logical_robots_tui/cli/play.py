@@ -9,7 +9,7 @@ import sys
 from importlib import import_module
 from typing import TYPE_CHECKING
 
-from logical_robots_tui.cli.command import add_data_dir, add_engine, check_engine, new_command
+from logical_robots_tui.cli.command import add_data_dir, new_command
 from logical_robots_tui.cli.folders import folder_of
 from logical_robots_tui.errors import InputError
 from logical_robots_tui.garbage import collect_later
@@ -51,7 +51,6 @@ def declare(commands: Commands) -> None:
         action="store_true",
         help="no screen: type commands, and read a line for each event",
     )
-    add_engine(command)
     add_data_dir(command)
     command.add_argument(
         "--player",
@@ -77,12 +76,11 @@ def start(options: argparse.Namespace) -> int:
     """Open the game.
 
     Raises:
-        InputError: There is no terminal, no such engine, nobody is named where all have folders, or
-            the level or program can't be used.
+        InputError: There is no terminal, nobody is named where all have folders, or the level or
+            program can't be used.
     """
     if not options.plain:
         _prepare_screen()
-    check_engine(options)
     if options.restricted and not options.player:
         _refuse_everybodys(folder_of(options.data_dir))
     options.data_dir = folder_of(options.data_dir, options.player)
@@ -91,7 +89,7 @@ def start(options: argparse.Namespace) -> int:
             _fence_in(options, "logical_robots_tui.cli.plain")
         return _play_in_lines(options)
     if options.restricted:
-        _fence_in(options, "logical_robots_tui.tui.play")
+        _fence_in(options, "logical_robots_tui.tui.app.play")
     return _play_on_screen(options)
 
 
@@ -130,7 +128,7 @@ def _prepare_screen() -> None:
             "the game needs a terminal.",
             hint="Without one: logical-robots play --plain, or: logical-robots run LEVEL PROGRAM",
         )
-    from logical_robots_tui.tui.terminal import assume_colours
+    from logical_robots_tui.tui.terminal.capabilities import assume_colours
 
     assume_colours(os.environ)
     # The terminal knows its size better than a shell that once exported it.
@@ -142,18 +140,18 @@ def _prepare_screen() -> None:
 
 
 def _play_on_screen(options: argparse.Namespace) -> int:
-    from logical_robots_tui.tui.freedoms import Freedoms
-    from logical_robots_tui.tui.play import play
+    from logical_robots_tui.tui.app.permissions import Freedoms
+    from logical_robots_tui.tui.app.play import play
 
     free = not options.restricted
     freedoms = Freedoms(programs=free, clipboard=free or options.allow_clipboard)
-    return play(options.level, options.program, options.data_dir, options.engine, freedoms)
+    return play(options.level, options.program, options.data_dir, freedoms)
 
 
 def _play_in_lines(options: argparse.Namespace) -> int:
     from logical_robots_tui.cli.plain import play_in_lines
 
-    return play_in_lines(options.level, options.program, options.data_dir, options.engine)
+    return play_in_lines(options.level, options.program, options.data_dir)
 
 
 def _player(text: str) -> str:

@@ -37,20 +37,21 @@ ALSO_FINE = {"run": 1, "trace": 1, "why": 1, "diagnose": 1}
 OF_A_TERMINAL = {"play", "doctor"}
 FALSE = ("mistake in the game itself", "uses something that robots may not use", "Traceback")
 
+DOCS = CHECKOUT / "docs"
 HELPS = {f"{PROGRAM} {name}".strip(): in_help(parser) for name, parser in commands().items()}
 TEXTS = {page.relative_to(CHECKOUT).as_posix(): in_page(page) for page in PAGES}
 EXAMPLES = {text: lines for text, lines in (HELPS | TEXTS).items() if lines}
 
 
 def _write_level(folder: Path, name: str) -> None:
-    """The level of the README, as somebody's own."""
-    (level,) = (b.text for b in blocks(PAGES[0]) if "[[robots]]" in b.text)
+    """The level of the page on making levels, as somebody's own."""
+    (level,) = (b.text for b in blocks(DOCS / "level-editor.md") if b.language == "toml")
     (folder / name).write_text(level, "utf-8")
 
 
 def _write_gate(folder: Path) -> None:
-    """The level of the page on levels."""
-    (level,) = (b.text for b in blocks(CHECKOUT / "docs/levels.md") if b.language == "toml")
+    """The level of the page on the format."""
+    (level,) = (b.text for b in blocks(DOCS / "levels.md") if b.language == "toml")
     (folder / "gate.toml").write_text(level, "utf-8")
 
 
@@ -87,9 +88,9 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     monkeypatch.setenv("COLUMNS", "100")
     folder = tmp_path / "here"
     folder.mkdir()
-    (folder / "docs").symlink_to(CHECKOUT / "docs")
+    (folder / "docs").symlink_to(DOCS)
     _write_level(folder, "my-level.toml")
-    (program,) = (b.text for b in blocks(PAGES[0]) if b.language == "prolog")
+    (program,) = (b.text for b in blocks(DOCS / "programs.md") if b.language == "prolog")
     (folder / "my-program.l").write_text(program, "utf-8")
     monkeypatch.chdir(folder)
     return folder

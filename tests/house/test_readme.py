@@ -1,4 +1,4 @@
-"""What the README says is so."""
+"""The README is short and true, and so are the pages for players."""
 
 from __future__ import annotations
 
@@ -13,22 +13,19 @@ import pytest
 from logical_robots_tui import Program, list_levels, load_level
 from logical_robots_tui.cli.main import main
 from logical_robots_tui.cli.main import parser as command_parser
-from logical_robots_tui.tui.commands import COMMANDS
-from logical_robots_tui.tui.settings import read_settings
+from logical_robots_tui.tui.app.settings import read_settings
+from logical_robots_tui.tui.commands.table import COMMANDS
+from tests.house.examples import PAGES, blocks
 from tests.installed import CHECKOUT
 
 if TYPE_CHECKING:
     from pathlib import Path
 
 README = CHECKOUT / "README.md"
+DOCS = CHECKOUT / "docs"
+PLAYING = DOCS / "playing.md"
 KEYS = ("<!-- keys: made from the commands of the game -->\n", "<!-- end of keys -->\n")
 LEVELS = ("<!-- levels: made from the files of the levels -->\n", "<!-- end of levels -->\n")
-
-
-def blocks(language: str) -> list[str]:
-    """The code blocks of a language."""
-    every = re.finditer(r"^```(\w*)\n(.*?)^```$", README.read_text(), re.MULTILINE | re.DOTALL)
-    return [block[2] for block in every if block[1] == language]
 
 
 def keys_table() -> str:
@@ -57,18 +54,27 @@ def levels_table() -> str:
 def test_a_table_is_what_the_game_has(
     marks: tuple[str, str], wanted: str, pytestconfig: pytest.Config
 ) -> None:
-    before, begin, rest = README.read_text().partition(marks[0])
+    before, begin, rest = PLAYING.read_text().partition(marks[0])
     table, end, after = rest.partition(marks[1])
     assert begin
     assert end
     if pytestconfig.getoption("--update-snapshots"):
-        README.write_text(before + begin + wanted + end + after)
+        PLAYING.write_text(before + begin + wanted + end + after)
     else:
         assert table == wanted
 
 
-@pytest.mark.parametrize("line", [line for b in blocks("") for line in b.splitlines()])
-def test_every_command_exists(line: str) -> None:
+def code(page: Path, language: str) -> list[str]:
+    """The code blocks of a language in a page."""
+    return [block.text for block in blocks(page) if block.language == language]
+
+
+def test_the_readme_is_short() -> None:
+    assert len(README.read_text().splitlines()) <= 200
+
+
+@pytest.mark.parametrize("line", [line for b in code(README, "") for line in b.splitlines()])
+def test_every_command_in_the_readme_exists(line: str) -> None:
     name, *arguments = shlex.split(line)
     if name == "make":
         assert re.search(rf"^{arguments[0]}:", (CHECKOUT / "Makefile").read_text(), re.MULTILINE)
@@ -84,12 +90,12 @@ def test_the_run_that_is_shown_wins(monkeypatch: pytest.MonkeyPatch, tmp_path: P
 
 
 def test_the_program_compiles() -> None:
-    (text,) = blocks("prolog")
+    (text,) = code(DOCS / "programs.md", "prolog")
     assert Program.compile(text).predicate("Robot")
 
 
 def test_the_settings_can_be_used(tmp_path: Path) -> None:
-    _, text = blocks("toml")
+    (text,) = code(DOCS / "settings.md", "toml")
     path = tmp_path / "config.toml"
     path.write_text(text)
     found = read_settings(path)
@@ -98,22 +104,39 @@ def test_the_settings_can_be_used(tmp_path: Path) -> None:
 
 
 def test_the_level_loads(tmp_path: Path) -> None:
-    text, _ = blocks("toml")
+    (text,) = code(DOCS / "level-editor.md", "toml")
     path = tmp_path / "level.toml"
     path.write_text(text)
     assert load_level(path).areas[0].victory_robots == ("Ada",)
 
 
 def test_the_python_runs() -> None:
-    text, *_ = blocks("python")
+    text, *_ = code(DOCS / "python.md", "python")
     out = io.StringIO()
     with contextlib.redirect_stdout(out):
-        exec(compile(text, "README.md", "exec"), {})
+        exec(compile(text, "python.md", "exec"), {})
     assert re.match(r"10 [\d.]+ \{'Ada': 10\} False\n", out.getvalue())
 
 
-@pytest.mark.parametrize("document", sorted(path.name for path in CHECKOUT.glob("*.md")))
-def test_links_to_files_lead_somewhere(document: str) -> None:
-    text = (CHECKOUT / document).read_text()
-    for target in re.findall(r"\]\((?!https?://)([^)#]+)", text):
-        assert (CHECKOUT / target).exists(), target
+def anchors(page: Path) -> set[str]:
+    """What a link can name in a page: its headings, as GitHub spells them."""
+    headings = re.findall(r"^#+ (.*)$", page.read_text(), re.MULTILINE)
+    return {re.sub(r"[^\w -]", "", heading.lower()).replace(" ", "-") for heading in headings}
+
+
+@pytest.mark.parametrize(
+    "page",
+    [*sorted(CHECKOUT.glob("*.md")), *PAGES[1:]],
+    ids=lambda page: page.relative_to(CHECKOUT).as_posix(),
+)
+def test_links_to_files_lead_somewhere(page: Path) -> None:
+    for target, anchor in re.findall(r"\]\((?!https?://)([^)#]*)#?([^)]*)\)", page.read_text()):
+        there = page.parent / target if target else page
+        assert there.exists(), target
+        assert not anchor or anchor in anchors(there), anchor
+
+
+def test_the_index_lists_every_page() -> None:
+    index = (DOCS / "README.md").read_text()
+    for page in PAGES[1:]:
+        assert page.name == "README.md" or f"]({page.name})" in index, page.name

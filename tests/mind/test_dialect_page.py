@@ -21,11 +21,11 @@ NOTHING = "x in Range(0)"
         ("`60 / 100` is `0.6`", "60 / 100", "", 0.6),
         ("A number divided by zero is infinite", "1 / 0 > 10 ^ 300", "", 1),
         ("Null goes in, null comes out", "Sqrt(null) is null", "", 1),
-        ("`Greatest` pass over nulls", "Greatest(null, 2)", "", 2),
+        ("`Greatest` ignore nulls", "Greatest(null, 2)", "", 2),
         ("An aggregate over nothing is null", f"Max{{x :- {NOTHING}}} is null", "", 1),
         ("so is `List{...}` of nothing", f"List{{x :- {NOTHING}}} is null", "", 1),
         ("`Count` of nothing is 0", f"Count{{x :- {NOTHING}}}", "", 0),
-        ("tell capitals from small letters", '"a" == "A" || Like("a", "A")', "", 0),
+        ("`Like` are case-sensitive", '"a" == "A" || Like("a", "A")', "", 0),
         ("may be written with a space before the brace", "WeightedAverage {1 -> 2}", "", 2),
         ("`memory.count` is null while the memory is still", "memory.count is null", "", 1),
         (
@@ -66,7 +66,7 @@ def test_a_statement_of_the_page_holds(
 @pytest.mark.parametrize(("asked", "depth"), [("", 32), ("@Recursive(Far, 1000);", 1000)])
 def test_recursion_goes_as_deep_as_the_page_says(asked: str, depth: int) -> None:
     assert "at most 32 steps after the first one, or as many as `@Recursive(P, depth)` says" in PAGE
-    assert "1,000 is the most" in PAGE
+    assert "(at most 1,000)" in PAGE
     rules = f"{asked} Far(x) distinct :- x in [0]; Far(x + 1) distinct :- Far(x);"
     (decision,) = think(f"{rules} {ROBOT} m = Max{{x :- Far(x)}};", [row("Ada")], {})
     assert decision.memory == depth

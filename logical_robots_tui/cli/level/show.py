@@ -51,7 +51,7 @@ def start(options: argparse.Namespace) -> int:
 
     level = load_level(options.level)
     if options.svg is not None:
-        from logical_robots_tui.tui.drawing.svg import svg
+        from logical_robots_tui.tui.labyrinth.svg import svg
 
         write(options.svg, svg(level))
         print(harmless(f"Wrote {options.svg}."))
@@ -64,8 +64,8 @@ def _print(level: Level, *, plain: bool) -> None:
     """Print a level as large as the terminal allows; without colours in plain characters."""
     from rich.console import Console
 
-    from logical_robots_tui.tui.drawing import DARK, Drawing
-    from logical_robots_tui.tui.levels.miniature import draw_miniature
+    from logical_robots_tui.tui.labyrinth.drawing import DARK, Drawing
+    from logical_robots_tui.tui.library.miniature import draw_miniature
 
     size = shutil.get_terminal_size((100, 40))
     console = Console(width=size.columns)

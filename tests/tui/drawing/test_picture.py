@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from rich.cells import cell_len
 
 from logical_robots_tui.game.frame import Frame
-from logical_robots_tui.tui.drawing import DARK, LIGHT, Drawing, Look, Picture, Viewport
+from logical_robots_tui.tui.labyrinth.drawing import DARK, LIGHT, Drawing, Look, Picture, Viewport
 from logical_robots_tui.world import (
     Area,
     AreaState,
