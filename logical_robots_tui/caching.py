@@ -11,7 +11,6 @@ import hashlib
 import os
 import tempfile
 from dataclasses import dataclass
-from importlib import metadata
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -125,6 +124,8 @@ def digest_of_code(folders: Iterable[Path], packages: Iterable[str]) -> bytes:
         folders: All Python files in them count.
         packages: Their versions count, of those that are installed.
     """
+    from importlib import metadata  # slow to load, and most processes don't need it
+
     digest = hashlib.sha256()
     for package in packages:
         with contextlib.suppress(metadata.PackageNotFoundError):

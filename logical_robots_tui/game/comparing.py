@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from logical_robots_tui.game.advancing import known_frame
 from logical_robots_tui.game.differing import condition_of, first_difference
-from logical_robots_tui.game.game import Superseded
+from logical_robots_tui.game.frame import Superseded
 from logical_robots_tui.game.thinker import Thinker
 from logical_robots_tui.game.worlds import Worlds
 from logical_robots_tui.mind import QueryError

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from logical_robots_tui.errors import LogicalRobotsError
 from logical_robots_tui.game.advancing import Known
 from logical_robots_tui.game.course import Course
+from logical_robots_tui.game.frame import NoSuchTickError
 from logical_robots_tui.game.parting import parting
 
 if TYPE_CHECKING:
@@ -20,16 +20,10 @@ if TYPE_CHECKING:
     from logical_robots_tui.mind import Program
     from logical_robots_tui.world import Level
 
-__all__ = ["DEFAULT_LENGTH", "History", "NoSuchTickError"]
+__all__ = ["DEFAULT_LENGTH", "History"]
 
 DEFAULT_LENGTH = 20_000
 _MOST_BYTES = 100_000_000
-
-
-class NoSuchTickError(LogicalRobotsError):
-    """A tick was asked for that history does not hold."""
-
-    title = "No such tick"
 
 
 class History:

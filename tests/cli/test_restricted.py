@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from logical_robots_tui.cli.fence import MOST_GAMES
+from logical_robots_tui.cli.restricted import MOST_GAMES
 from logical_robots_tui.confinement import MOST_FILES
 from tests.terminal import Terminal
 
@@ -19,13 +19,13 @@ if TYPE_CHECKING:
 
 ATTEMPTS = """\
 import ctypes, io, json, os, pathlib, shutil, socket, sqlite3, subprocess, sys
-from logical_robots_tui.cli.fence import fence_in
+from logical_robots_tui.cli.restricted import restrict
 
 secret, neighbour, own = map(pathlib.Path, sys.argv[1:])
 own.mkdir(parents=True, exist_ok=True)
 (own / "link.l").symlink_to(secret)
 (own / "folder").symlink_to(neighbour)
-fence_in(own)
+restrict(own)
 found = {}
 def attempt(name, work):
     try:
