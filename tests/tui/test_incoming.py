@@ -57,6 +57,12 @@ def test_what_cant_be_understood_is_dropped_and_the_next_key_is_heard(junk: byte
     assert Input().take(junk + b"n").keys == ["n"]
 
 
+@pytest.mark.parametrize("size", [b"0;0;0;0", b"24;80;0;0", b"0;0;400;800"])
+def test_a_terminal_that_says_it_has_no_size_may_have_a_mouse(size: bytes) -> None:
+    resized, moved = b"\x1b[48;" + size + b"t", b"\x1b[<35;7;5M\x1b[<0;7;5M"
+    assert Input().take(resized + moved + moved + b"n").keys[-1] == "n"
+
+
 @pytest.mark.parametrize(
     ("sent", "key"),
     [
