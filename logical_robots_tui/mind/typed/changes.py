@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from sqlglot import exp
@@ -18,6 +19,7 @@ from logical_robots_tui.mind.typed.kinds import (
     is_known,
     is_nested,
     is_number,
+    is_whole,
     spelled,
 )
 
@@ -195,15 +197,15 @@ def _rounded(made: exp.Anonymous, kinds: Sequence[Kind], found: Kind) -> Kind:
         made.set("this", "round_to")
         if not isinstance(digits, exp.Neg):
             return Plain.REAL if isinstance(kinds[0], Decimal) else found
-    elif isinstance(kinds[0], Decimal) and digits.name != "0":
-        return Decimal(min(kinds[0].scale, int(digits.name)))
-    if found is Plain.WHOLE:
+    elif isinstance(kinds[0], Decimal):
+        return replace(kinds[0], scale=min(kinds[0].scale, int(digits.name)))
+    if is_whole(found):
         _replace(made, cast(made, "INTEGER"))
     return found
 
 
 def _cut(made: exp.Anonymous, kinds: Sequence[Kind], found: Kind) -> Kind:
-    if found is Plain.REAL and kinds[0] is Plain.WHOLE:
+    if found is Plain.REAL and is_whole(kinds[0]):
         _replace(made, cast(made, "REAL"))
         return found
     return _rounded(made, kinds, found)
