@@ -40,7 +40,8 @@ _MAKERS = frozenset({"json", "json_array", "json_extract", "json_group_array", "
 
 _PASSING_ON = frozenset({"coalesce", "ifnull", "iif", "if", "nullif"})
 
-_EXACT_DIGITS = 15  # that SQLite writes of a number in JSON
+_EXACT_DIGITS = 15
+"""That SQLite writes of a number in JSON; DuckDB takes a decimal of no more for a real number."""
 
 
 def compared(node: exp.Expr, left: Kind, right: Kind) -> None:
@@ -110,6 +111,8 @@ def _as_json(value: exp.Expr, kind: Kind) -> None:
         _replace(value, _truth(value))
     elif kind is Plain.REAL and not _is_short(value):
         _replace(value, call("JSON", call("real_as_json", value.copy())))
+    elif isinstance(kind, Decimal) and not kind.scale and kind.whole > _EXACT_DIGITS:
+        _replace(value, cast(value, "INTEGER"))
     elif is_nested(kind) and not _is_json(value):
         _replace(value, call("JSON", value.copy()))
     elif kind is Plain.ANY:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from typing import TYPE_CHECKING, Any
 
 import pytest
@@ -166,7 +167,7 @@ Robot(robot_name:, desire:, memory: kept) :-
   kept = {{
     number: {number}, text: {text}, truth: {truth}, best: Best(sensor.radar),
     written: ToString({left}) ++ "," ++ ToString({truth}),
-    json: "a" ++ RecordAsJson({{x: {right}, y: {truth}, z: {{w: [{{t: {text}}}]}}}}),
+    json: "a" ++ RecordAsJson({{x: {right}, y: {truth}, z: {{w: {{t: {text}}}}}}}),
     before: Kept(), doubled: F(total)
   }};
 """
@@ -176,7 +177,16 @@ def check_whole(text: str, folder: Path) -> None:
     """Compare the row of `Robot` here, decided both ways, with that of DuckDB."""
     asked = f"{text}\nAnswer(desire:, memory:) :- Robot(robot_name:, desire:, memory:);"
     ours, theirs = here(asked), there(asked, folder)
-    assert same(ours, theirs), f"{text}\nhere {ours}\non DuckDB {theirs}"
+    assert same(_shorter(ours), _shorter(theirs)), f"{text}\nhere {ours}\non DuckDB {theirs}"
+
+
+def _shorter(value: Any) -> Any:
+    """A value with no more than one zero at the end of decimals in texts: DuckDB writes more."""
+    if isinstance(value, dict):
+        return {name: _shorter(of) for name, of in value.items()}
+    if isinstance(value, list | tuple):
+        return [_shorter(of) for of in value]
+    return re.sub(r"(\.\d+?)0+\b", r"\1", value) if isinstance(value, str) else value
 
 
 columns = st.fixed_dictionaries(
