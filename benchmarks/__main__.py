@@ -26,6 +26,7 @@ from benchmarks.machine import machine
 from benchmarks.measure import Effort, Measurement
 from benchmarks.mind import compiling, thinking
 from benchmarks.proofs import proofs
+from benchmarks.schemas import schemas
 from benchmarks.ssh import processor, ssh
 from benchmarks.swarm import swarms
 from benchmarks.whole_game import whole_game
@@ -41,6 +42,7 @@ BENCHMARKS = {
     "crowds": crowds,
     "compile": compiling,
     "think": thinking,
+    "schemas": schemas,
     "swarms": swarms,
     "game": whole_game,
     "breakpoints": breakpoints,
