@@ -1,4 +1,4 @@
-"""Where rays meet circles: other robots, beacons and solid areas."""
+"""Intersections of rays with circles: other robots, beacons and solid areas."""
 
 from __future__ import annotations
 
@@ -25,25 +25,25 @@ if TYPE_CHECKING:
 __all__ = ["FEW", "FEWEST", "Circles", "Pairs", "take_nearer_circles"]
 
 FEWEST = 80
-"""Pairs of robot and circle that are quicker looked at one by one."""
+"""Up to this many pairs of robot and circle are faster tested one by one."""
 
 FEWEST_NEAR = 10
-"""Of these, as many may be within reach."""
+"""Of these, at most so many may be within reach."""
 
 FEW = 200
-"""Pairs of robot and circle within reach of which it is quicker to try all rays."""
+"""Up to this many pairs within reach it is faster to try all rays."""
 
 _PAIRS_AT_ONCE = 4096  # bounds the memory for robots that crowd around each other
 _THREE = np.arange(3.0)[:, None]
 
 
 class Circles(NamedTuple):
-    """What rays can meet; all of shape (circles,).
+    """The circles that rays can hit; all of shape (circles,).
 
     Attributes:
-        number: To tell them apart, ascending. The robots, in file order, have the first ones.
-        x: Centres in map units; infinite for what is not there.
-        y: The same, but finite.
+        number: Identifies the circle; ascending, the robots first, in file order.
+        x: Centres in map units; infinite for absent circles.
+        y: The same, but always finite.
         radius: Map units.
     """
 
@@ -53,7 +53,7 @@ class Circles(NamedTuple):
     radius: NDArray[np.float64]
 
     def around(self, rays: Rays) -> Circles:
-        """Return those of the circles that could be in reach of any of the rays."""
+        """Return the circles that could be within reach of any of the rays."""
         far = self.radius + SENSOR_RANGE
         near = (self.x + far >= rays.x.min()) & (self.x - far <= rays.x.max())
         near &= (self.y + far >= rays.y.min()) & (self.y - far <= rays.y.max())
@@ -64,11 +64,11 @@ class Pairs(NamedTuple):
     """Robots and circles that may be within reach of their rays; all of shape (pairs,).
 
     Attributes:
-        robot: Place of the robot among those that cast.
-        circle: Place of the circle among those that are met.
+        robot: Index of the robot among those that cast rays.
+        circle: Index of the circle among those that can be hit.
         dx: From the robot to the centre, map units.
         dy: The same.
-        squared: The square of how far that is.
+        squared: The square of that distance.
         radius: Of the circle.
     """
 
@@ -80,7 +80,7 @@ class Pairs(NamedTuple):
     radius: NDArray[np.float64]
 
     def some(self, which: NDArray[np.intp]) -> Pairs:
-        """Return some of them, by their places."""
+        """Return some of them, by index."""
         return Pairs(
             self.robot[which],
             self.circle[which],
@@ -92,13 +92,13 @@ class Pairs(NamedTuple):
 
 
 class Chords(NamedTuple):
-    """Rays that may cross a circle, behind their start, too; all of shape (chords,).
+    """Rays that may cross a circle, possibly behind their start; all of shape (chords,).
 
     Attributes:
-        pair: Place of robot and circle among pairs.
-        ray: Place of the ray among all of all robots.
+        pair: Index of robot and circle among the pairs.
+        ray: Index of the ray among all rays of all robots.
         along: From the robot to the middle of the chord, map units; negative behind it.
-        half_squared: The square of half its length, and a little more.
+        half_squared: The square of half its length, plus a small margin.
     """
 
     pair: NDArray[np.intp]
@@ -108,14 +108,14 @@ class Chords(NamedTuple):
 
 
 def take_nearer_circles(hits: NDArray[np.int64], codes: int, rays: Rays, circles: Circles) -> None:
-    """Lower hits where a circle is met before what was hit so far.
+    """Lower hits where a circle is closer than what was hit so far.
 
     Args:
         hits: ``distance * codes + code`` of shape (robots, rays), changed in place. The code of a
             circle is its number plus 1.
-        codes: How many codes there are.
-        rays: What is cast.
-        circles: What is met, the robots that cast among them. No robot meets itself.
+        codes: The number of codes.
+        rays: The rays to cast.
+        circles: The circles to hit, including the robots that cast. No robot hits itself.
     """
     possible = len(rays.robot) * len(circles.number)
     if possible == 1 or (
@@ -133,7 +133,7 @@ def take_nearer_circles(hits: NDArray[np.int64], codes: int, rays: Rays, circles
     if len(pairs.robot) <= _PAIRS_AT_ONCE:
         _take(hits, codes, rays, circles, pairs, _between_tangents(hits, least, rays, pairs))
         return
-    # The nearest first: in a crowd they hide most of the others.
+    # Nearest first: in a crowd they hide most of the others.
     order = least.argsort()
     pairs, least = pairs.some(order), least[order]
     for start in range(0, len(order), _PAIRS_AT_ONCE):
@@ -144,7 +144,7 @@ def take_nearer_circles(hits: NDArray[np.int64], codes: int, rays: Rays, circles
 
 
 def _within_reach(hits: NDArray[np.int64], codes: int, rays: Rays, circles: Circles) -> Pairs:
-    """Return who may meet what is not hidden by a wall."""
+    """Return the pairs of robots and circles that are not hidden by a wall."""
     to_x = circles.x - rays.x[:, None]
     to_y = circles.y - rays.y[:, None]
     squared = to_x * to_x
@@ -165,7 +165,7 @@ def _within_reach(hits: NDArray[np.int64], codes: int, rays: Rays, circles: Circ
 
 
 def _of_all_rays(rays: Rays, pairs: Pairs) -> Chords:
-    """Return all chords of all pairs."""
+    """Return the chords of all rays and all pairs."""
     cos, sin = rays.cos.take(pairs.robot, axis=0), rays.sin.take(pairs.robot, axis=0)
     dx, dy = pairs.dx[:, None], pairs.dy[:, None]
     along = dx * cos
@@ -182,28 +182,28 @@ def _of_all_rays(rays: Rays, pairs: Pairs) -> Chords:
 def _between_tangents(
     hits: NDArray[np.int64], least: NDArray[np.int64], rays: Rays, pairs: Pairs
 ) -> Chords:
-    """Return all chords ahead of rays that have not hit something nearer than that.
+    """Return the chords ahead of rays that have not hit something closer.
 
     Args:
         hits: As for `take_nearer_circles`.
-        least: No hit of a pair is less; of shape (pairs,).
-        rays: What is cast.
-        pairs: Who may meet what.
+        least: Lower bound of the hits of a pair; of shape (pairs,).
+        rays: The rays to cast.
+        pairs: The candidates.
     """
     dx, dy, robot = pairs.dx, pairs.dy, pairs.robot
     cos, sin = rays.cos[robot, FORWARD], rays.sin[robot, FORWARD]
     ahead, right = dx * cos + dy * sin, dy * cos - dx * sin
     sine = pairs.radius / np.maximum(np.hypot(ahead, right), 1e-300)
-    # Counted in rays of the radar. From within a circle, and from its very rim, all rays may meet
+    # In units of radar rays. From inside a circle, and exactly from its edge, all rays may hit
     # it.
     center = np.arctan2(right, ahead) * PER_RADIAN + MIDDLE
     half = np.arcsin(np.minimum(sine, 1.0)) * PER_RADIAN
     half[sine > 1 - 1e-9] = np.inf
-    # More than rounding can amount to; the headings of the rays of a great angle are coarse.
+    # More than any rounding error; the headings of rays with large angles are imprecise.
     half += (1e-13 * np.abs(rays.angle) + 1e-3)[robot]
     first = np.ceil(np.minimum(np.maximum(center - half, 0.0), RADAR_RAYS)).astype(np.intp)
     last = np.floor(np.minimum(np.maximum(center + half, -1.0), RADAR_RAYS - 1)).astype(np.intp)
-    # The forward ray stands behind the middle one.
+    # The forward ray comes after the middle one.
     first += first >= FORWARD
     last += last >= FORWARD - 1
     count = last - first + 1
@@ -222,9 +222,9 @@ def _between_tangents(
 
 
 def _widened(pairs: Pairs) -> NDArray[np.float64]:
-    """Return the squares of the radius of circles that are larger by more than rounding matters.
+    """Return the squared radii of circles enlarged by more than any rounding error.
 
-    So no grazed circle is lost; a chord becomes longer by far less than a step.
+    So no grazed circle is missed; a chord becomes longer by far less than a step.
     """
     squared = pairs.radius * pairs.radius
     return squared + 1e-9 * pairs.radius + 1e-14 * (pairs.squared + squared)
@@ -240,8 +240,8 @@ def _take(
 ) -> None:
     """Lower hits where rays enter circles.
 
-    A chord tells within less than a step where that is; whether a step is inside is then decided
-    by the distance itself, at the three steps around there.
+    A chord gives the entry to within less than a step; the exact distance then decides which of
+    the three steps around it are inside.
     """
     pair, ray, along, half_squared = chords
     if not len(pair):
@@ -269,7 +269,7 @@ def _is_nearer(
 ) -> NDArray[np.bool_]:
     """Return where ``math.hypot(dx, dy) < radius``; the last axis is that of ``radius``.
 
-    Squares decide all but what lies on the rim within rounding.
+    Squares decide everything except points on the edge to within rounding.
     """
     limit = radius * radius
     over = dx * dx

@@ -1,4 +1,4 @@
-"""Where rays meet a handful of circles: one after the other is quicker than with numpy."""
+"""Intersections of rays with a handful of circles, which is faster without numpy."""
 
 from __future__ import annotations
 
@@ -24,17 +24,17 @@ _ALL_RAYS = range(RADAR_RAYS + 1)
 def take_singly(
     hits: NDArray[np.int64], codes: int, rays: Rays, circles: Circles, most: int
 ) -> bool:
-    """Lower hits where robots meet circles, as `take_nearer_circles` does it at once.
+    """Do the same as `take_nearer_circles`, one circle at a time.
 
     Args:
         hits: As there.
         codes: As there.
         rays: As there.
         circles: As there.
-        most: Pairs of a robot and a circle within its reach; with more nothing is done.
+        most: The largest number of pairs of a robot and a circle within its reach.
 
     Returns:
-        Whether it was done.
+        False if there were more pairs; nothing was done then.
     """
     found = hits.tolist()
     each = list(zip(*(part.tolist() for part in circles), strict=True))
@@ -68,21 +68,21 @@ def take_singly(
 
 
 def _between_tangents(ahead: float, right: float, radius: float, angle: float) -> Iterable[int]:
-    """The rays that may meet a circle whose centre lies so far ahead and to the right."""
+    """Return the rays that may hit a circle, given its centre ahead and to the right."""
     away = math.hypot(ahead, right)
     if radius >= away * (1 - 1e-9):
         return _ALL_RAYS
     center = math.atan2(right, ahead) * PER_RADIAN + MIDDLE
-    # As far as rounding can matter.
+    # More than any rounding error.
     half = math.asin(radius / away) * PER_RADIAN + 1e-13 * abs(angle) + 1e-3
     first = math.ceil(max(center - half, 0.0))
     last = math.floor(min(center + half, RADAR_RAYS - 1.0))
-    # The forward ray stands behind the middle one.
+    # The forward ray comes after the middle one.
     return range(first + (first >= FORWARD), last + (last >= FORWARD - 1) + 1)
 
 
 def _steps_around_entry(along: float, aside: float, radius: float) -> Iterable[int]:
-    """The steps of which one is the first inside the circle, if any is."""
+    """Return the steps among which is the first one inside the circle, if there is one."""
     half_squared = radius * radius - aside * aside
     half_squared += 1e-9 * radius + 1e-14 * (along * along + radius * radius)
     if half_squared < 0:
