@@ -15,8 +15,8 @@ from benchmarks.measure import Effort, Measurement, median_of
 from logical_robots_tui.editing.edits import Edits
 from logical_robots_tui.editing.walls import paint
 from logical_robots_tui.game import Frame, load_program
-from logical_robots_tui.tui.app import LogicalRobotsApp
-from logical_robots_tui.tui.drawing import Look, Picture, Viewport
+from logical_robots_tui.tui.app.app import LogicalRobotsApp
+from logical_robots_tui.tui.labyrinth.drawing import Look, Picture, Viewport
 from logical_robots_tui.world import AreaState, RobotState, WorldState
 
 if TYPE_CHECKING:

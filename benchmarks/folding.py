@@ -11,9 +11,9 @@ from textual.app import App, ComposeResult
 
 from benchmarks.measure import Effort, Measurement
 from logical_robots_tui.mind import Node
-from logical_robots_tui.tui.colours import colours_in
-from logical_robots_tui.tui.inspector.why import WhyView
-from logical_robots_tui.tui.theme import NIGHT
+from logical_robots_tui.tui.inspector.pages.why import WhyView
+from logical_robots_tui.tui.theme.colours import colours_in
+from logical_robots_tui.tui.theme.themes import NIGHT
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import asyncio
 import re
 import statistics
 import sys
@@ -12,9 +11,9 @@ from time import perf_counter
 from typing import TYPE_CHECKING
 
 from benchmarks.measure import Effort, Measurement
+from benchmarks.whole_game import ticks_per_second
 from logical_robots_tui import Program, load_level
 from logical_robots_tui.game import load_program
-from logical_robots_tui.game.speed import measure_speed
 from tests.terminal import Terminal
 
 if TYPE_CHECKING:
@@ -41,7 +40,7 @@ def with_screen(effort: Effort) -> Iterator[Measurement]:
     seconds = SECONDS * effort.ticks
     shares, keys = [], []
     for _ in range(effort.repeats):
-        alone = asyncio.run(measure_speed(level, program, seconds)).ticks_per_second
+        alone = ticks_per_second(level, program, seconds)
         with _running() as terminal:
             shares.append(100 * _ticks_per_second(terminal, seconds) / alone)
             keys += _key_milliseconds(terminal, effort.ticks // 4)

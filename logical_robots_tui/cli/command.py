@@ -13,10 +13,8 @@ if TYPE_CHECKING:
 __all__ = [
     "Commands",
     "add_data_dir",
-    "add_engine",
     "add_json",
     "add_level_and_program",
-    "check_engine",
     "new_command",
     "number_from",
     "opened",
@@ -66,7 +64,6 @@ def add_level_and_program(command: argparse.ArgumentParser) -> None:
     """Add what is to be run, and the options that go with it; `opened` reads them."""
     command.add_argument("level", metavar="LEVEL", help="a level's name or file")
     command.add_argument("program", metavar="PROGRAM", help="a program's name or file")
-    add_engine(command)
     add_data_dir(command)
 
 
@@ -83,7 +80,6 @@ def opened(options: argparse.Namespace) -> tuple[Level, Program]:
     from logical_robots_tui.mind import Program, ProgramError
     from logical_robots_tui.world import load_level
 
-    check_engine(options)
     level = load_level(options.level)
     source = load_program(options.program, own_programs(options.data_dir), pipes=True)
     try:
@@ -116,29 +112,6 @@ def add_data_dir(command: argparse.ArgumentParser) -> None:
         metavar="FOLDER",
         help="where your own programs, progress and unsaved texts are kept",
     )
-
-
-def add_engine(command: argparse.ArgumentParser) -> None:
-    """Add the option that says what robots think with."""
-    command.add_argument(
-        "--engine",
-        choices=("sqlite", "duckdb"),
-        default="sqlite",
-        help="what the robots think with; duckdb is quicker for 200 and more (default: "
-        "%(default)s)",
-    )
-
-
-def check_engine(options: argparse.Namespace) -> None:
-    """Make sure that what the robots are to think with is there.
-
-    Raises:
-        InputError: It is not installed.
-    """
-    if options.engine == "duckdb":
-        from logical_robots_tui.mind import check_installed
-
-        check_installed()
 
 
 def add_json(command: argparse.ArgumentParser) -> None:

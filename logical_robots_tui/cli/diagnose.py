@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 
     from logical_robots_tui.cli.command import Commands
     from logical_robots_tui.game.diagnosing import Diagnosis
-    from logical_robots_tui.mind import Engine, Program
+    from logical_robots_tui.mind import Program
     from logical_robots_tui.mind.diagnosis.finding import Finding
     from logical_robots_tui.world import Level
 
@@ -70,7 +70,7 @@ def declare(commands: Commands) -> None:
 def start(options: argparse.Namespace) -> int:
     """Run the program, and say what stands out."""
     level, program = opened(options)
-    found = asyncio.run(_diagnose(level, program, options.ticks, options.engine))
+    found = asyncio.run(_diagnose(level, program, options.ticks))
     if prefers_json(options):
         print(line_of_json(_data(found)))
     else:
@@ -78,11 +78,11 @@ def start(options: argparse.Namespace) -> int:
     return FOUND if any(each.severity == "warning" for each in found.findings) else NOTHING
 
 
-async def _diagnose(level: Level, program: Program, ticks: int, engine: Engine) -> Diagnosis:
+async def _diagnose(level: Level, program: Program, ticks: int) -> Diagnosis:
     from logical_robots_tui.game import Game
     from logical_robots_tui.game.diagnosing import diagnose
 
-    game = Game(level, program, history=ticks, engine=engine)
+    game = Game(level, program, history=ticks)
     try:
         await game.run_until(tick=ticks)
         return await diagnose(game, report=_report if sys.stderr.isatty() else _be_silent)

@@ -25,8 +25,7 @@ if TYPE_CHECKING:
 __all__ = ["declare"]
 
 FINE, TROUBLE = 0, 1
-PACKAGES = ("logica", "textual", "rich", "numpy", "orjson", "sqlglot", "duckdb")
-OPTIONAL = ("duckdb",)
+PACKAGES = ("logica", "textual", "rich", "numpy", "orjson", "sqlglot")
 
 EPILOG = """\
 examples:
@@ -89,8 +88,12 @@ def _terminal() -> Iterator[Finding]:
     """What is known of the terminal without asking it."""
     from rich.console import Console
 
-    from logical_robots_tui.tui.layout import LEAST_HEIGHT, LEAST_WIDTH
-    from logical_robots_tui.tui.terminal import assume_colours, drawing_for, may_use_mouse
+    from logical_robots_tui.tui.layout.layout import LEAST_HEIGHT, LEAST_WIDTH
+    from logical_robots_tui.tui.terminal.capabilities import (
+        assume_colours,
+        drawing_for,
+        may_use_mouse,
+    )
 
     environ = dict(os.environ)
     assume_colours(environ)
@@ -140,8 +143,7 @@ def _versions() -> Iterator[Finding]:
         try:
             yield Finding("versions", package, version(package))
         except PackageNotFoundError:
-            trouble = "" if package in OPTIONAL else "the game can't do without it"
-            yield Finding("versions", package, "not installed", trouble)
+            yield Finding("versions", package, "not installed", "the game can't do without it")
 
 
 def _places(data_dir: Path | None) -> Iterator[Finding]:
@@ -149,8 +151,8 @@ def _places(data_dir: Path | None) -> Iterator[Finding]:
     from platformdirs import user_data_path
 
     from logical_robots_tui.mind import cache
-    from logical_robots_tui.tui.places import settings_path
-    from logical_robots_tui.tui.settings import read_settings
+    from logical_robots_tui.tui.app.facts import settings_path
+    from logical_robots_tui.tui.app.settings import read_settings
 
     data = data_dir or user_data_path("logical-robots", appauthor=False)
     yield _place("data", data, "what you write can't be kept")

@@ -37,9 +37,7 @@ _HOMES = {
     "levels": "listing",
     "programs": "listing",
     "level": "level.command",
-    "bench": "bench",
     "config": "config",
-    "record": "record",
     "doctor": "doctor",
     "completion": "completion",
 }
@@ -70,11 +68,8 @@ examples:
                                        say where a value comes from
   logical-robots diagnose 01-first-steps first-steps
                                        look through a run for mistakes
-  logical-robots record 01-first-steps first-steps -o run.cast
-                                       record a run as an asciicast
   logical-robots help ArgMin           explain a function of the language
   logical-robots level new maze.toml   make a level
-  logical-robots bench                 say how fast this machine is
   logical-robots config                show settings and keys
   logical-robots doctor                say what was found on this machine
 

@@ -10,13 +10,13 @@ if TYPE_CHECKING:
     from collections.abc import Iterable
 
     from logical_robots_tui.game import Frame
-    from logical_robots_tui.mind import Engine, Program
+    from logical_robots_tui.mind import Program
     from logical_robots_tui.world import Level
 
 __all__ = ["check_name", "frame_at"]
 
 
-async def frame_at(level: Level, program: Program, tick: int, engine: Engine) -> Frame:
+async def frame_at(level: Level, program: Program, tick: int) -> Frame:
     """The frame of a tick of a run from the start; a victory on the way does not end it.
 
     Ticks that an earlier process has computed are not computed again.
@@ -25,12 +25,11 @@ async def frame_at(level: Level, program: Program, tick: int, engine: Engine) ->
         level: Where it happens.
         program: What the robots think.
         tick: Which tick; 0 is the start.
-        engine: What the robots think with.
     """
     from logical_robots_tui.cli.patience import Patience
     from logical_robots_tui.game import Run
 
-    run = Run(level, program, engine=engine)
+    run = Run(level, program)
     with Patience(level.title, tick) as show:
         try:
             return await run.frame(tick, show)

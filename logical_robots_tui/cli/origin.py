@@ -86,7 +86,7 @@ async def _search(level: Level, program: Program, options: argparse.Namespace) -
     from logical_robots_tui.cli.patience import Patience
     from logical_robots_tui.game import Run, origin_in_run
 
-    run = Run(level, program, engine=options.engine)
+    run = Run(level, program)
     with Patience(level.title, options.tick) as show:
         try:
             await run.frame(options.tick, show)

@@ -7,18 +7,16 @@ import os
 import re
 import sys
 from importlib import import_module
-from pathlib import Path
 from typing import TYPE_CHECKING
 
-from logical_robots_tui.cli.command import add_data_dir, add_engine, check_engine, new_command
+from logical_robots_tui.cli.command import add_data_dir, new_command
 from logical_robots_tui.cli.folders import folder_of
 from logical_robots_tui.errors import InputError
 from logical_robots_tui.garbage import collect_later
-from logical_robots_tui.paths import is_file, is_folder
-from logical_robots_tui.shipped import shipped_names
+from logical_robots_tui.paths import is_folder
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from pathlib import Path
 
     from logical_robots_tui.cli.command import Commands
 
@@ -53,7 +51,6 @@ def declare(commands: Commands) -> None:
         action="store_true",
         help="no screen: type commands, and read a line for each event",
     )
-    add_engine(command)
     add_data_dir(command)
     command.add_argument(
         "--player",
@@ -79,12 +76,11 @@ def start(options: argparse.Namespace) -> int:
     """Open the game.
 
     Raises:
-        InputError: There is no terminal, no such engine, nobody is named where all have folders, or
-            the level or program can't be used.
+        InputError: There is no terminal, nobody is named where all have folders, or the level or
+            program can't be used.
     """
     if not options.plain:
         _prepare_screen()
-    check_engine(options)
     if options.restricted and not options.player:
         _refuse_everybodys(folder_of(options.data_dir))
     options.data_dir = folder_of(options.data_dir, options.player)
@@ -92,16 +88,9 @@ def start(options: argparse.Namespace) -> int:
         if options.restricted:
             _fence_in(options, "logical_robots_tui.cli.plain")
         return _play_in_lines(options)
-    from logical_robots_tui.tui.outline import OUTLINE
-
-    try:
-        if _is_sure_to_open(options):
-            OUTLINE.show(options.data_dir)
-        if options.restricted:
-            _fence_in(options, "logical_robots_tui.tui.play")
-        return _play_on_screen(options)
-    finally:
-        OUTLINE.clear()
+    if options.restricted:
+        _fence_in(options, "logical_robots_tui.tui.app.play")
+    return _play_on_screen(options)
 
 
 def _refuse_everybodys(folder: Path) -> None:
@@ -116,16 +105,6 @@ def _refuse_everybodys(folder: Path) -> None:
             place=str(folder),
             hint="Add --player NAME, or LOGICAL_ROBOTS_PLAYER=NAME to the environment.",
         )
-
-
-def _is_sure_to_open(options: argparse.Namespace) -> bool:
-    """Whether all that was named is there: if not, that is told without opening anything."""
-    levels, programs = shipped_names("levels", ".toml"), shipped_names("programs", ".l")
-    return _is_there(options.level, levels) and _is_there(options.program, programs)
-
-
-def _is_there(name: str | None, shipped: Sequence[str]) -> bool:
-    return name is None or name in shipped or is_file(Path(name))
 
 
 def _fence_in(options: argparse.Namespace, game: str) -> None:
@@ -149,7 +128,7 @@ def _prepare_screen() -> None:
             "the game needs a terminal.",
             hint="Without one: logical-robots play --plain, or: logical-robots run LEVEL PROGRAM",
         )
-    from logical_robots_tui.tui.terminal import assume_colours
+    from logical_robots_tui.tui.terminal.capabilities import assume_colours
 
     assume_colours(os.environ)
     # The terminal knows its size better than a shell that once exported it.
@@ -161,18 +140,18 @@ def _prepare_screen() -> None:
 
 
 def _play_on_screen(options: argparse.Namespace) -> int:
-    from logical_robots_tui.tui.freedoms import Freedoms
-    from logical_robots_tui.tui.play import play
+    from logical_robots_tui.tui.app.permissions import Freedoms
+    from logical_robots_tui.tui.app.play import play
 
     free = not options.restricted
     freedoms = Freedoms(programs=free, clipboard=free or options.allow_clipboard)
-    return play(options.level, options.program, options.data_dir, options.engine, freedoms)
+    return play(options.level, options.program, options.data_dir, freedoms)
 
 
 def _play_in_lines(options: argparse.Namespace) -> int:
     from logical_robots_tui.cli.plain import play_in_lines
 
-    return play_in_lines(options.level, options.program, options.data_dir, options.engine)
+    return play_in_lines(options.level, options.program, options.data_dir)
 
 
 def _player(text: str) -> str:

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     import argparse
 
     from logical_robots_tui.cli.command import Commands
-    from logical_robots_tui.mind import Engine, Program, Table
+    from logical_robots_tui.mind import Program, Table
     from logical_robots_tui.world import Level
 
 __all__ = ["declare"]
@@ -70,7 +70,7 @@ def start(options: argparse.Namespace) -> int:
     if options.robot is not None:
         check_name("robot", options.robot, (robot.name for robot in level.robots))
     try:
-        table = asyncio.run(_ask(level, program, options.query, options.tick, options.engine))
+        table = asyncio.run(_ask(level, program, options.query, options.tick))
     except ProgramError as error:
         raise ProgramFileError("query", error) from error
     viewers = table.viewers or ("",) * len(table.rows)
@@ -100,11 +100,11 @@ def start(options: argparse.Namespace) -> int:
     return FOUND if found else NOTHING
 
 
-async def _ask(level: Level, program: Program, query: str, tick: int, engine: Engine) -> Table:
+async def _ask(level: Level, program: Program, query: str, tick: int) -> Table:
     from logical_robots_tui.game import Inquiry
 
     await asyncio.to_thread(program.question, query)  # a mistake in it is told before the run
-    frame = await frame_at(level, program, tick, engine)
+    frame = await frame_at(level, program, tick)
     inquiry = Inquiry(level)
     try:
         return await inquiry.ask(program, query, frame)

@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from logical_robots_tui.cli.command import Commands
     from logical_robots_tui.cli.outcome import Outcome
     from logical_robots_tui.game import Frame
-    from logical_robots_tui.mind import Engine, Program
+    from logical_robots_tui.mind import Program
     from logical_robots_tui.world import Level
 
 __all__ = ["declare", "play_out"]
@@ -70,12 +70,8 @@ def declare(commands: Commands) -> None:
 def start(options: argparse.Namespace) -> int:
     """Run the program in the level and say how it went."""
     level, program = opened(options)
-    if options.engine == "duckdb":
-        _say_if_not_used(program)
     with _progress(level.title, options.ticks) as show:
-        outcome = asyncio.run(
-            play_out(level, program, options.program, options.ticks, show, engine=options.engine)
-        )
+        outcome = asyncio.run(play_out(level, program, options.program, options.ticks, show))
     print(outcome.as_json(times=options.times) if prefers_json(options) else outcome.in_words())
     return WON if outcome.won_at is not None else NOT_WON
 
@@ -86,8 +82,6 @@ async def play_out(
     program_name: str,
     ticks: int,
     show: Callable[[int], object] = lambda _tick: None,
-    *,
-    engine: Engine = "sqlite",
 ) -> Outcome:
     """Run until the level is won or the ticks are over.
 
@@ -97,12 +91,11 @@ async def play_out(
         program_name: What to call it in the outcome.
         ticks: How many ticks to try.
         show: Told each finished tick.
-        engine: What the robots think with.
     """
     from logical_robots_tui.cli.outcome import Outcome, Tally
     from logical_robots_tui.game import Game
 
-    game = Game(level, program, history=1, engine=engine)
+    game = Game(level, program, history=1)
     tally = Tally()
 
     def look(frame: Frame) -> None:
@@ -116,13 +109,6 @@ async def play_out(
     finally:
         await game.close()
     return Outcome(level, program_name, frame, tally, perf_counter() - began)
-
-
-def _say_if_not_used(program: Program) -> None:
-    from logical_robots_tui.mind import why_not_duckdb
-
-    for warning in why_not_duckdb(program):
-        print(f"logical-robots: {warning.message}. {warning.hint}", file=sys.stderr)
 
 
 def _progress(title: str, ticks: int) -> AbstractContextManager[Callable[[int], object]]:

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
     from logical_robots_tui.cli.command import Commands
     from logical_robots_tui.game import Frame
-    from logical_robots_tui.mind import Engine, Mind, Program, QueryError, Table
+    from logical_robots_tui.mind import Mind, Program, QueryError, Table
     from logical_robots_tui.world import Level
 
     _Tables: TypeAlias = dict[str, Table | QueryError]
@@ -83,13 +83,11 @@ def start(options: argparse.Namespace) -> int:
         check_name("predicate", name, (p.name for p in program.predicates if p.has_rows))
     if options.robot is not None:
         check_name("robot", options.robot, (robot.name for robot in level.robots))
-    won = asyncio.run(_trace(level, program, options, options.engine))
+    won = asyncio.run(_trace(level, program, options))
     return WON if won else NOT_WON
 
 
-async def _trace(
-    level: Level, program: Program, options: argparse.Namespace, engine: Engine
-) -> bool:
+async def _trace(level: Level, program: Program, options: argparse.Namespace) -> bool:
     from logical_robots_tui.game import Run
     from logical_robots_tui.mind import QueryError
 
@@ -102,7 +100,7 @@ async def _trace(
                 tables[name] = error
         return frame, tables
 
-    run = Run(level, program, engine=engine)
+    run = Run(level, program)
     won, reliable = False, True
     try:
         async for frame, tables in run.each(1, options.ticks, ask, to_victory=True):

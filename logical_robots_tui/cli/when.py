@@ -99,7 +99,7 @@ async def _search(
     from logical_robots_tui.cli.patience import Patience
     from logical_robots_tui.game import Run, when_it_holds
 
-    run = Run(level, program, engine=options.engine)
+    run = Run(level, program)
     with Patience(level.title, options.ticks) as show:
         try:
             return await when_it_holds(run, question, options.ticks, options.robot or "", show)

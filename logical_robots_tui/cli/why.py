@@ -121,7 +121,7 @@ async def _explain(
     """The explanation, what to show of it, whether that is all, and what would have to differ."""
     from logical_robots_tui.game import Inquiry
 
-    frame = await frame_at(level, program, options.tick, options.engine)
+    frame = await frame_at(level, program, options.tick)
     inquiry = Inquiry(level)
     given, within = dict(options.given) or None, options.within
     robot, predicate = options.robot, options.predicate

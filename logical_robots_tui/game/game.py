@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from logical_robots_tui.game.advancing import Advance, Known
     from logical_robots_tui.game.breakpoints import Hit
     from logical_robots_tui.game.frame import Frame
-    from logical_robots_tui.mind import Engine, Program, Table
+    from logical_robots_tui.mind import Program, Table
     from logical_robots_tui.world import Level
     from logical_robots_tui.world.changing import Pose
 
@@ -72,7 +72,6 @@ class Game:
         program: What the robots think.
         limits: Bounds on thinking.
         history: How many ticks can be gone back.
-        engine: What robots think with, as `Mind` has it.
         breakpoints: What `run` and `run_until` stop at; may change at any time.
     """
 
@@ -83,7 +82,6 @@ class Game:
         *,
         limits: Limits | None = None,
         history: int = DEFAULT_LENGTH,
-        engine: Engine = "sqlite",
         breakpoints: Breakpoints | None = None,
     ) -> None:
         self.program = program
@@ -92,7 +90,7 @@ class Game:
         self.pace = Pace()
         self.breakpoints = Breakpoints() if breakpoints is None else breakpoints
         self._listeners: list[Callable[[Frame], None]] = []
-        self._thinker = Thinker("think", engine)
+        self._thinker = Thinker("think")
         self._asker = Thinker("ask")
         self._running = False
         self._closed = False

@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from collections.abc import AsyncGenerator, Callable
 
     from logical_robots_tui.game.frame import Frame
-    from logical_robots_tui.mind import Engine, Mind, Program
+    from logical_robots_tui.mind import Mind, Program
     from logical_robots_tui.world import Level
 
 __all__ = ["Run", "run_key"]
@@ -49,7 +49,6 @@ class Run:
     Args:
         level: Where it happens.
         program: What the robots think.
-        engine: What they think with, as `Mind` has it.
         limits: Bounds on thinking.
 
     Attributes:
@@ -61,17 +60,16 @@ class Run:
         level: Level,
         program: Program,
         *,
-        engine: Engine = "sqlite",
         limits: Limits | None = None,
     ) -> None:
         self.level = level
         self.program = program
         self.limits = limits or Limits()
-        self._thinker = Thinker("run", engine)
+        self._thinker = Thinker("run")
         self._worlds = Worlds(level)
         self._latest: Frame = start_frame(level, self._worlds.of(level))
         start = Moment(self._latest.after, self._latest.memories, (), 0.0, 0.0)
-        self.key = run_key(level, program, engine, self.limits)
+        self.key = run_key(level, program, self.limits)
         self._recording = Recording(self.key, level, start)
 
     @property
@@ -212,13 +210,12 @@ class Run:
         self._recording.add(Moment.of(frame, before + driven(frame.before, frame.after)))
 
 
-def run_key(level: Level, program: Program, engine: Engine, limits: Limits) -> str:
+def run_key(level: Level, program: Program, limits: Limits) -> str:
     """What stands for a run: everything on which its ticks depend, down to the code.
 
     Args:
         level: Where it happens.
         program: What the robots think.
-        engine: What they think with.
         limits: Bounds on thinking.
     """
     told = {
@@ -229,7 +226,6 @@ def run_key(level: Level, program: Program, engine: Engine, limits: Limits) -> s
         "areas": [asdict(area) for area in level.areas],
         "visibility": asdict(level.visibility),
         "program": program.text,
-        "engine": engine,
         "limits": asdict(limits),
     }
     digest = hashlib.sha256(_simulation())
@@ -241,5 +237,5 @@ def run_key(level: Level, program: Program, engine: Engine, limits: Limits) -> s
 def _simulation() -> bytes:
     """What stands for everything that computes a run, as it is now."""
     folders = [_CODE / part for part in ("world", "mind", "game")]
-    code = digest_of_code(folders, ("logica", "numpy", "sqlglot", "duckdb"))
+    code = digest_of_code(folders, ("logica", "numpy", "sqlglot"))
     return code + f"{sqlite3.sqlite_version} {platform.python_version()}".encode()

@@ -12,7 +12,7 @@ from logical_robots_tui.mind import Stopped
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from logical_robots_tui.mind import Engine, Limits, Mind, Program
+    from logical_robots_tui.mind import Limits, Mind, Program
     from logical_robots_tui.world import Level, Visibility
 
 __all__ = ["Thinker"]
@@ -23,8 +23,7 @@ T = TypeVar("T")
 class Thinker:
     """One thread with one mind at a time; what runs in it can be stopped."""
 
-    def __init__(self, name: str, engine: Engine = "sqlite") -> None:
-        self._engine = engine
+    def __init__(self, name: str) -> None:
         self._pool = ThreadPoolExecutor(max_workers=1, thread_name_prefix=f"logical-robots-{name}")
         self._stop = threading.Event()
         self._mind: Mind | None = None
@@ -47,7 +46,6 @@ class Thinker:
                 memory=visibility.memory,
                 sensor=visibility.sensor,
                 limits=limits,
-                engine=self._engine,
                 frozen=True,
             )
         return self._mind

@@ -3,18 +3,14 @@
 from __future__ import annotations
 
 import re
-import struct
-import zlib
 from typing import TYPE_CHECKING
 from xml.etree import ElementTree as ET
 
-import numpy as np
 import pytest
 
 from logical_robots_tui import load_level
 from logical_robots_tui.editing.delta import alike
 from logical_robots_tui.shipped import shipped_folder
-from logical_robots_tui.tui.drawing import image
 from tests.cli.running import in_terminal
 
 if TYPE_CHECKING:
@@ -215,50 +211,6 @@ def test_a_drawing_is_well_formed_and_shows_everything(
     assert walls is not None
     sizes = re.findall(r"h(\d+)v(\d+)", walls)
     assert sum(int(w) * int(h) for w, h in sizes) == load_level(level).walls.sum()
-
-
-def test_an_image_is_a_whole_png(command: Command, level: Path, tmp_path: Path) -> None:
-    path = tmp_path / "short.png"
-    assert command("level", "show", level, "--png", path, "--pixels", 240).status == 0
-    pixels = decoded(path.read_bytes())
-    assert pixels.shape == (100, 240, 3)
-    wall, floor, robot = pixels[4, 4], pixels[30, 120], pixels[50, 40]
-    assert len({tuple(colour.tolist()) for colour in (wall, floor, robot)}) == 3
-
-
-def decoded(png: bytes) -> np.ndarray[tuple[int, ...], np.dtype[np.uint8]]:
-    """The pixels of a PNG whose rows are not filtered."""
-    assert png[:8] == b"\x89PNG\r\n\x1a\n"
-    chunks, rest = {}, png[8:]
-    while rest:
-        (length,) = struct.unpack(">I", rest[:4])
-        kind, data, check = rest[4:8], rest[8 : 8 + length], rest[8 + length : 12 + length]
-        assert struct.unpack(">I", check)[0] == zlib.crc32(kind + data)
-        chunks[kind] = data
-        rest = rest[12 + length :]
-    assert list(chunks) == [b"IHDR", b"IDAT", b"IEND"]
-    width, height, *how = struct.unpack(">IIBBBBB", chunks[b"IHDR"])
-    assert how == [8, 2, 0, 0, 0]
-    rows = np.frombuffer(zlib.decompress(chunks[b"IDAT"]), np.uint8).reshape(height, -1)
-    assert not rows[:, 0].any()
-    return rows[:, 1:].reshape(height, width, 3)
-
-
-def test_an_image_that_is_painted_in_strips_has_no_seams(monkeypatch: pytest.MonkeyPatch) -> None:
-    level = load_level("05-lighthouse")
-    in_strips = image.draw_pixels(level, 600)
-    assert len(in_strips) > image._STRIP
-    monkeypatch.setattr(image, "_STRIP", 10_000)
-    assert (image.draw_pixels(level, 600) == in_strips).all()
-
-
-@pytest.mark.parametrize("pixels", ["0", "4001", "many"])
-def test_a_number_of_pixels_out_of_bounds_is_refused(
-    pixels: str, command: Command, level: Path, tmp_path: Path
-) -> None:
-    told = command("level", "show", level, "--png", tmp_path / "a.png", "--pixels", pixels)
-    assert told.status == 2
-    assert "is no number of pixels up to 4000" in told.err
 
 
 def test_a_picture_that_can_not_be_written_says_so(

@@ -174,20 +174,17 @@ async def test_all_that_a_run_depends_on_is_in_its_key(
     program = Program.compile(COUNTER)
     ada, *others = level.robots
     keys = [
-        run_key(level, program, "sqlite", Limits()),
-        run_key(level, program, "duckdb", Limits()),
-        run_key(level, program, "sqlite", Limits(think_rows=9)),
-        run_key(level, Program.compile(BACKWARDS), "sqlite", Limits()),
-        run_key(replace(level, walls=~level.walls), program, "sqlite", Limits()),
-        run_key(replace(level, areas=()), program, "sqlite", Limits()),
-        run_key(
-            replace(level, robots=(replace(ada, x=41.0), *others)), program, "sqlite", Limits()
-        ),
+        run_key(level, program, Limits()),
+        run_key(level, program, Limits(think_rows=9)),
+        run_key(level, Program.compile(BACKWARDS), Limits()),
+        run_key(replace(level, walls=~level.walls), program, Limits()),
+        run_key(replace(level, areas=()), program, Limits()),
+        run_key(replace(level, robots=(replace(ada, x=41.0), *others)), program, Limits()),
     ]
     monkeypatch.setattr(running, "_simulation", lambda: b"as it will be")
-    keys.append(run_key(level, program, "sqlite", Limits()))
+    keys.append(run_key(level, program, Limits()))
     assert len(set(keys)) == len(keys)
-    assert run_key(replace(level, title="New"), program, "sqlite", Limits()) == keys[-1]
+    assert run_key(replace(level, title="New"), program, Limits()) == keys[-1]
 
 
 async def test_a_recording_by_other_code_is_not_looked_at(

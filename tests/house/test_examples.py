@@ -26,10 +26,7 @@ from tests.terminal import Terminal
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-NOT_RUN = {"asciinema play run.cast": "it is another program, which need not be there"}
 QUICKER = {
-    "bench": ["--seconds", "0.01"],
-    "record 01-first-steps first-steps -o run.cast": ["--ticks", "100"],
     "diagnose 01-first-steps first-steps": ["--ticks", "100"],
 }
 """What is added, so that the tests take no longer than they need."""
@@ -110,8 +107,6 @@ def test_the_examples_of_a_text_do_what_they_say(
         BEFORE[text](folder)
         capsys.readouterr()
     for line in EXAMPLES[text]:
-        if line in NOT_RUN:
-            continue
         status, said = _run(line, capsys, monkeypatch)
         told = f"{line}\nends with {status} and says:\n{said[:4000]}"
         assert not any(each in said for each in FALSE), told
@@ -180,11 +175,6 @@ def test_every_command_has_an_example() -> None:
     every = "\n".join(line for lines in EXAMPLES.values() for line in lines)
     for name in commands():
         assert re.search(rf"^(.*\| )?{PROGRAM} {name}\b".strip(), every, re.MULTILINE), name
-
-
-def test_what_is_not_run_is_still_an_example() -> None:
-    every = {line for lines in EXAMPLES.values() for line in lines}
-    assert set(NOT_RUN) <= every
 
 
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)

@@ -23,8 +23,7 @@ MUST_NOT_LOAD = {
     PROGRESS: {WORLD, MIND, GAME, TUI, CLI, "numpy", "logica"} | SCREEN,
     f"{EDITING}.edits": {MIND, PROGRESS, GAME, TUI, CLI, "logica", "sqlite3"} | SCREEN,
     GAME: {TUI, CLI, "logica", "sqlglot"} | SCREEN,
-    "logical_robots_tui.tui.play": {CLI},
-    "logical_robots_tui.tui.outline": {WORLD, MIND, GAME, CLI, "numpy", "asyncio"} | SCREEN,
+    "logical_robots_tui.tui.app.play": {CLI},
     "logical_robots_tui.cli.main": {WORLD, MIND, GAME, TUI, "numpy", "logica", "sqlite3"} | SCREEN,
 }
 

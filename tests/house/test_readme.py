@@ -13,8 +13,8 @@ import pytest
 from logical_robots_tui import Program, list_levels, load_level
 from logical_robots_tui.cli.main import main
 from logical_robots_tui.cli.main import parser as command_parser
-from logical_robots_tui.tui.commands import COMMANDS
-from logical_robots_tui.tui.settings import read_settings
+from logical_robots_tui.tui.app.settings import read_settings
+from logical_robots_tui.tui.commands.table import COMMANDS
 from tests.house.examples import PAGES, blocks
 from tests.installed import CHECKOUT
 

@@ -13,10 +13,10 @@ import pytest
 from textual import events
 
 from logical_robots_tui.game import Source, load_program
-from logical_robots_tui.tui.app import LogicalRobotsApp
+from logical_robots_tui.tui.app.app import LogicalRobotsApp
 from logical_robots_tui.tui.inspector.pane import InspectorPane
+from logical_robots_tui.tui.layout.status_line import StatusLine
 from logical_robots_tui.tui.program.editor import Editor
-from logical_robots_tui.tui.status import StatusLine
 from logical_robots_tui.world import load_level
 from tests.waiting import a_moment
 
@@ -25,10 +25,9 @@ if TYPE_CHECKING:
 
     from textual.pilot import Pilot
 
-    from logical_robots_tui.mind import Engine
-    from logical_robots_tui.tui.screen import MainScreen
-    from logical_robots_tui.tui.session import Session
-    from logical_robots_tui.tui.settings import Settings
+    from logical_robots_tui.tui.app.main_screen import MainScreen
+    from logical_robots_tui.tui.app.session import Session
+    from logical_robots_tui.tui.app.settings import Settings
 
 CHARACTERS = {
     "space": " ",
@@ -225,7 +224,6 @@ async def opened(
     size: tuple[int, int] = (120, 40),
     name: str = "mine",
     welcome: bool = False,
-    engine: Engine = "sqlite",
     settings: Settings | None = None,
 ) -> AsyncIterator[Opened]:
     """Open the game with a program in the player's folder."""
@@ -237,7 +235,6 @@ async def opened(
         source,
         data_dir=data_dir,
         welcome=welcome,
-        engine=engine,
         settings=settings,
     )
     async with app.run_test(size=size, notifications=True) as pilot:

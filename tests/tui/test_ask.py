@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING
 
 from textual.widgets import Static
 
-from logical_robots_tui.tui.inspector.asking import QueryLine
-from logical_robots_tui.tui.inspector.table import ValueTable
+from logical_robots_tui.tui.inspector.pages.ask import QueryLine
+from logical_robots_tui.tui.inspector.widgets.table import ValueTable
 from tests.short import AHEAD
 from tests.tui.conftest import opened
 

@@ -11,15 +11,15 @@ from hypothesis import given
 from hypothesis import strategies as st
 from textual import events
 
-from logical_robots_tui.tui.camera import ZOOMS, Camera, Sight
-from logical_robots_tui.tui.drawing import Viewport
+from logical_robots_tui.tui.labyrinth.camera import ZOOMS, Camera, Sight
+from logical_robots_tui.tui.labyrinth.drawing import Viewport
 from tests.tui.conftest import opened
 from tests.tui.drawing.scenes import room
 
 if TYPE_CHECKING:
     from pathlib import Path
 
-    from logical_robots_tui.tui.labyrinth import LabyrinthView
+    from logical_robots_tui.tui.labyrinth.view import LabyrinthView
 
 LEVEL = room(800, 400)
 _cameras = st.builds(

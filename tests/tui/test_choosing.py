@@ -10,9 +10,9 @@ import pytest
 from textual.widgets import Input, OptionList
 
 from logical_robots_tui.game import list_programs, load_program, save_program
-from logical_robots_tui.tui.dialogs.chooser import Chooser
-from logical_robots_tui.tui.dialogs.save import SaveAs
-from logical_robots_tui.tui.levels.screen import LevelScreen
+from logical_robots_tui.tui.library.chooser import Chooser
+from logical_robots_tui.tui.library.level_screen import LevelScreen
+from logical_robots_tui.tui.library.save_dialog import SaveAs
 from logical_robots_tui.world import list_levels, load_level
 from tests.tui.conftest import LEVELS, PAPER, PATIENCE, STILL, opened, source_of
 from tests.tui.dialogs import complaint, dialog, fill
@@ -154,7 +154,7 @@ async def test_who_is_in_a_hurry_saves_once_and_takes_nothing_back(
         begun.append(path)
         assert go_on.wait(PATIENCE)
 
-    monkeypatch.setattr("logical_robots_tui.tui.dialogs.save.save_program", save_slowly)
+    monkeypatch.setattr("logical_robots_tui.tui.library.save_dialog.save_program", save_slowly)
     async with opened(data_dir) as game:
         await game.press("2", "x", "f2")
         await game.until(lambda: isinstance(game.app.screen, SaveAs))

@@ -10,19 +10,19 @@ from textual.binding import Binding
 from textual.widgets import Static, TextArea
 from textual.widgets.text_area import Selection
 
-from logical_robots_tui.tui.actions import Actions
-from logical_robots_tui.tui.bar import CommandBar
-from logical_robots_tui.tui.commands import COMMANDS, EDITING, GROUPS, bindings, key_name
-from logical_robots_tui.tui.drawing.glyphs import Drawing
-from logical_robots_tui.tui.labyrinth import LabyrinthView
+from logical_robots_tui.tui.commands.actions import Actions
+from logical_robots_tui.tui.commands.table import COMMANDS, EDITING, GROUPS, bindings, key_name
+from logical_robots_tui.tui.commands.writing import WRITING, WRITING_GROUP
+from logical_robots_tui.tui.labyrinth.drawing.glyphs import Drawing
+from logical_robots_tui.tui.labyrinth.view import LabyrinthView
+from logical_robots_tui.tui.layout.command_bar import CommandBar
 from logical_robots_tui.tui.program.editor import Editor
-from logical_robots_tui.tui.writing_commands import WRITING, WRITING_GROUP
 from tests.tui.conftest import PAPER, opened
 
 if TYPE_CHECKING:
     from pathlib import Path
 
-    from logical_robots_tui.tui.commands import Command
+    from logical_robots_tui.tui.commands.table import Command
 
 ONLY_IN_THE_PALETTE = {
     *(

@@ -10,7 +10,7 @@ from tests.tui.conftest import opened
 if TYPE_CHECKING:
     from pathlib import Path
 
-    from logical_robots_tui.tui.inspector.diagnosis import DiagnosisPage
+    from logical_robots_tui.tui.inspector.pages.diagnosis import DiagnosisPage
     from tests.tui.conftest import Opened
 
 LATE = """\

@@ -10,13 +10,13 @@ from textual import events
 from textual.widgets import Input, OptionList
 
 from logical_robots_tui.game import load_program
-from logical_robots_tui.tui.dialogs.chooser import Chooser
-from logical_robots_tui.tui.dialogs.hints import Hints
-from logical_robots_tui.tui.dialogs.question import Question
-from logical_robots_tui.tui.dialogs.save import SaveAs
-from logical_robots_tui.tui.dialogs.shelves import ProgramShelf
-from logical_robots_tui.tui.listing import Listing
-from logical_robots_tui.tui.palette import Palette
+from logical_robots_tui.tui.commands.palette import Palette
+from logical_robots_tui.tui.layout.listing import Listing
+from logical_robots_tui.tui.layout.question import Question
+from logical_robots_tui.tui.learning.hints import Hints
+from logical_robots_tui.tui.library.chooser import Chooser
+from logical_robots_tui.tui.library.save_dialog import SaveAs
+from logical_robots_tui.tui.library.shelves import ProgramShelf
 from tests.tui.conftest import PAPER, PATIENCE, opened
 from tests.tui.dialogs import dialog, fill
 
@@ -38,7 +38,7 @@ async def test_a_save_that_ends_under_another_dialog_leaves_no_dialog_that_stays
         assert go_on.wait(PATIENCE)
         path.write_text(text)
 
-    monkeypatch.setattr("logical_robots_tui.tui.dialogs.save.save_program", save_slowly)
+    monkeypatch.setattr("logical_robots_tui.tui.library.save_dialog.save_program", save_slowly)
     async with opened(data_dir) as game:
         await dialog(game, "s", SaveAs)
         await fill(game, "other")

@@ -17,8 +17,7 @@ from rich.style import Style
 from textual.geometry import Region
 from textual.strip import Strip
 
-from logical_robots_tui.tui.difference import Difference
-from logical_robots_tui.tui.reduction import reduced
+from logical_robots_tui.tui.terminal.cell_diff import Difference, reduced
 from tests.terminal import looks
 
 if TYPE_CHECKING:

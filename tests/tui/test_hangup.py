@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 STUCK = """\
 import signal, sys, threading
 from pathlib import Path
-from logical_robots_tui.tui.crash import end_on_hangup
+from logical_robots_tui.tui.terminal.crash_report import end_on_hangup
 
 signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGHUP})
 end_on_hangup(lambda: Path(sys.argv[1]).write_text("kept"), lambda: None)

@@ -8,7 +8,12 @@ from time import process_time
 
 import pytest
 
-from logical_robots_tui.tui.incoming import MOST_PASTED, CarefulParser, Incoming, Pasted
+from logical_robots_tui.tui.terminal.input_filter import (
+    MOST_PASTED,
+    CarefulParser,
+    Incoming,
+    Pasted,
+)
 
 CHUNK = 4096
 

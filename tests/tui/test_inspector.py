@@ -8,8 +8,8 @@ import pytest
 from textual.widgets import OptionList
 
 from logical_robots_tui.tui.inspector.choice import DECISION, ROBOTS
-from logical_robots_tui.tui.inspector.lines import LinesView
-from logical_robots_tui.tui.inspector.table import ValueTable
+from logical_robots_tui.tui.inspector.widgets.lines import LinesView
+from logical_robots_tui.tui.inspector.widgets.table import ValueTable
 from tests.tui.conftest import PAPER, SLOW, opened
 
 if TYPE_CHECKING:

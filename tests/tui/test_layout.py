@@ -10,10 +10,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 from textual.widgets.text_area import Selection
 
-from logical_robots_tui.tui.bar import PaneTabs
-from logical_robots_tui.tui.labyrinth import LabyrinthView
-from logical_robots_tui.tui.layout import Layout, Shares, grid_for, layout_for
-from logical_robots_tui.tui.pane import Pane
+from logical_robots_tui.tui.labyrinth.view import LabyrinthView
+from logical_robots_tui.tui.layout.command_bar import PaneTabs
+from logical_robots_tui.tui.layout.layout import Layout, Shares, grid_for, layout_for
+from logical_robots_tui.tui.layout.pane import Pane
 from tests.tui.conftest import PAPER, opened
 
 if TYPE_CHECKING:

@@ -9,10 +9,10 @@ from textual.widgets import OptionList, Static
 
 from logical_robots_tui.game import load_program
 from logical_robots_tui.progress import FILE_NAME, Measures, Progress
-from logical_robots_tui.tui.dialogs.chooser import Chooser
-from logical_robots_tui.tui.dialogs.hints import Hints
-from logical_robots_tui.tui.dialogs.question import Question
-from logical_robots_tui.tui.dialogs.reader import Reader
+from logical_robots_tui.tui.layout.question import Question
+from logical_robots_tui.tui.learning.hints import Hints
+from logical_robots_tui.tui.learning.reader import Reader
+from logical_robots_tui.tui.library.chooser import Chooser
 from logical_robots_tui.world import list_levels
 from tests.short import AHEAD
 from tests.tui.conftest import PAPER, STILL, opened

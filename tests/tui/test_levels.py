@@ -14,12 +14,12 @@ from rich.cells import cell_len
 from textual.widgets import Input
 
 from logical_robots_tui.progress import FILE_NAME, Bests, LevelRecord, Measures, Progress
-from logical_robots_tui.tui.drawing import DARK, Drawing
-from logical_robots_tui.tui.levels import screen
-from logical_robots_tui.tui.levels.card import LINES_AROUND, LevelCard, card_strips
-from logical_robots_tui.tui.levels.cards import LevelCards
-from logical_robots_tui.tui.levels.miniature import draw_miniature
-from logical_robots_tui.tui.levels.screen import LevelScreen
+from logical_robots_tui.tui.labyrinth.drawing import DARK, Drawing
+from logical_robots_tui.tui.library import level_screen as screen
+from logical_robots_tui.tui.library.card import LINES_AROUND, LevelCard, card_strips
+from logical_robots_tui.tui.library.cards import LevelCards
+from logical_robots_tui.tui.library.level_screen import LevelScreen
+from logical_robots_tui.tui.library.miniature import draw_miniature
 from logical_robots_tui.world import list_levels, load_level
 from tests.tui.conftest import PATIENCE, opened
 

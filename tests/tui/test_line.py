@@ -9,9 +9,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from logical_robots_tui.tui.driver import Unmarked
-from logical_robots_tui.tui.incoming import Incoming, Pasted
-from logical_robots_tui.tui.line import PATIENCE, Line
+from logical_robots_tui.tui.terminal.driver import Unmarked
+from logical_robots_tui.tui.terminal.flow_control import PATIENCE, Line
+from logical_robots_tui.tui.terminal.input_filter import Incoming, Pasted
 
 
 def watch(rate: float, way: float, frame: int, seconds: float = 20.0) -> tuple[float, float]:

@@ -13,9 +13,9 @@ from logical_robots_tui.game.origin import Link, Origin
 from logical_robots_tui.mind.why.probing import Span
 from logical_robots_tui.mind.why.sourcing import Read
 from logical_robots_tui.tui.inspector.choice import DECISION, ORIGIN, ROBOTS, WHY
-from logical_robots_tui.tui.inspector.links import LinksView, link_lines
 from logical_robots_tui.tui.inspector.remembered import Remembered, remembered
-from logical_robots_tui.tui.inspector.tree import ValueTree
+from logical_robots_tui.tui.inspector.widgets.links import LinksView, link_lines
+from logical_robots_tui.tui.inspector.widgets.tree import ValueTree
 from tests.tui.conftest import opened
 
 if TYPE_CHECKING:

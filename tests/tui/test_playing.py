@@ -9,7 +9,7 @@ from textual import events
 from textual.widgets._toast import Toast
 
 from logical_robots_tui.mind.limits import Limits
-from logical_robots_tui.tui.banner import VictoryBanner
+from logical_robots_tui.tui.labyrinth.banner import VictoryBanner
 from tests.game.playing import SLOW as ENDLESS
 from tests.tui.conftest import PAPER, PATIENCE, SLOW, STILL, WRONG, opened
 

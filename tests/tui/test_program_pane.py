@@ -11,7 +11,7 @@ from textual import events
 from textual.widgets.text_area import Selection
 
 from logical_robots_tui.mind import Program
-from logical_robots_tui.tui.freedoms import Freedoms
+from logical_robots_tui.tui.app.permissions import Freedoms
 from logical_robots_tui.tui.program.pane import ProgramPane
 from tests.tui.conftest import PAPER, STILL, WRONG, opened
 
@@ -187,7 +187,7 @@ async def test_the_text_that_the_robots_think_with_overtakes_one_that_is_compile
 
     async with opened(data_dir, text=STILL) as game:
         await game.ready()
-        monkeypatch.setattr("logical_robots_tui.tui.session.compile_program", compile_slowly)
+        monkeypatch.setattr("logical_robots_tui.tui.app.session.compile_program", compile_slowly)
         await game.write(PAPER)
         await game.until(begun.is_set)
         await game.press("2", "ctrl+z", "ctrl+r")
@@ -323,14 +323,6 @@ async def test_keys_that_arrive_at_once_are_obeyed_in_their_order(data_dir: Path
         line = PAPER.splitlines()[2]
         assert game.editor.document.get_line(2) == line[:-2] + "abx"
         assert game.editor.document.get_line(3) == "yc"
-
-
-async def test_who_has_chosen_duckdb_is_told_when_a_program_can_not_use_it(data_dir: Path) -> None:
-    async with opened(data_dir, text=REMEMBERS, engine="duckdb") as game:
-        await game.ready()
-        await game.press("2")
-        await game.until(lambda: game.shows("applied, 1 warning"))
-        assert game.shows("DuckDB can't compute Robot")
 
 
 async def test_what_is_copied_or_cut_is_in_a_file_too(data_dir: Path) -> None:

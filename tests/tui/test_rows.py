@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import pytest
 from textual.widgets import Input
 
-from logical_robots_tui.tui.inspector.arranging import (
+from logical_robots_tui.tui.inspector.widgets.arranging import (
     Arrangement,
     Rows,
     arranged,
@@ -17,7 +17,7 @@ from logical_robots_tui.tui.inspector.arranging import (
     as_json,
     changed_cells,
 )
-from logical_robots_tui.tui.inspector.table import ValueTable
+from logical_robots_tui.tui.inspector.widgets.table import ValueTable
 from tests.short import AHEAD
 from tests.tui.conftest import opened
 

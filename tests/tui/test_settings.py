@@ -7,11 +7,11 @@ from typing import TYPE_CHECKING
 import pytest
 from textual.widgets import Static
 
-from logical_robots_tui.tui.bar import CommandBar
-from logical_robots_tui.tui.commands import COMMANDS, EDITING, use_keys, with_keys
-from logical_robots_tui.tui.drawing.glyphs import Drawing
-from logical_robots_tui.tui.keys import key_from
-from logical_robots_tui.tui.settings import Settings, as_toml, read_settings
+from logical_robots_tui.tui.app.settings import Settings, as_toml, read_settings
+from logical_robots_tui.tui.commands.keys import key_from
+from logical_robots_tui.tui.commands.table import COMMANDS, EDITING, use_keys, with_keys
+from logical_robots_tui.tui.labyrinth.drawing.glyphs import Drawing
+from logical_robots_tui.tui.layout.command_bar import CommandBar
 from tests.tui.conftest import STILL, opened
 
 if TYPE_CHECKING:

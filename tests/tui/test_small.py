@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from logical_robots_tui.tui.commands import COMMANDS, EDITING
+from logical_robots_tui.tui.commands.table import COMMANDS, EDITING
 from tests.tui.conftest import opened
 
 if TYPE_CHECKING:

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 from textual import events
 
-from logical_robots_tui.tui import sparing
+from logical_robots_tui.tui.terminal import diff_app as sparing
 from tests.tui.conftest import opened
 
 if TYPE_CHECKING:
@@ -27,7 +27,7 @@ async def test_what_waits_for_the_line_to_be_measured_is_sent_without_an_answer(
         )
         monkeypatch.setattr(sparing, "ListeningDriver", driver)
         monkeypatch.setattr(sparing, "PATIENCE", 0.01)
-        monkeypatch.setattr("logical_robots_tui.tui.line.PATIENCE", 0.0)
+        monkeypatch.setattr("logical_robots_tui.tui.terminal.flow_control.PATIENCE", 0.0)
         game.app.refresh()
         await game.until(lambda: len(asked) == 1)
         game.app.post_message(events.CursorPosition(0, 0))

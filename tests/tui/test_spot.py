@@ -8,9 +8,9 @@ from hypothesis import strategies as st
 from rich.color import ColorSystem
 from textual.geometry import Region
 
-from logical_robots_tui.tui.difference import Difference
-from logical_robots_tui.tui.drawing.cells import BOLD, CONTINUED, Cells, text_id
-from logical_robots_tui.tui.spot import Spot
+from logical_robots_tui.tui.labyrinth.drawing.cells import BOLD, CONTINUED, Cells, text_id
+from logical_robots_tui.tui.terminal.cell_diff import Difference
+from logical_robots_tui.tui.terminal.direct_paint import Spot
 from tests.terminal import looks
 
 COLUMNS, ROWS = 14, 6

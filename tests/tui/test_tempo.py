@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from logical_robots_tui.tui.tempo import Tempo, processor_times
+from logical_robots_tui.tui.app.frame_scheduler import Tempo, processor_times
 
 PICTURE = 0.006  # seconds of computing
 GENTLY, MOST = 2.5, 12.0  # seconds waited per second of computing: some others, very many

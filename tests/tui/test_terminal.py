@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from logical_robots_tui.tui.drawing import Drawing
-from logical_robots_tui.tui.terminal import assume_colours, drawing_for, may_use_mouse
+from logical_robots_tui.tui.labyrinth.drawing import Drawing
+from logical_robots_tui.tui.terminal.capabilities import assume_colours, drawing_for, may_use_mouse
 from tests.terminal import Terminal
 
 if TYPE_CHECKING:

@@ -11,11 +11,11 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from logical_robots_tui.game import Goal
-from logical_robots_tui.tui.inspector.cells import cell, written
-from logical_robots_tui.tui.inspector.overview import radar_strip
-from logical_robots_tui.tui.plain import clip, one_line, visible
+from logical_robots_tui.tui.inspector.pages.overview import radar_strip
+from logical_robots_tui.tui.inspector.widgets.cells import cell, written
+from logical_robots_tui.tui.layout.status_line import Status, fit
 from logical_robots_tui.tui.program.lexer import LineStates, pieces, state_after
-from logical_robots_tui.tui.status import Status, fit
+from logical_robots_tui.tui.theme.safe_text import clip, one_line, visible
 
 if TYPE_CHECKING:
     from logical_robots_tui.values import Value

@@ -10,11 +10,11 @@ from textual.color import Color
 from textual.theme import BUILTIN_THEMES
 
 from logical_robots_tui.progress import FILE_NAME
-from logical_robots_tui.tui.colours import colours_in, contrast
+from logical_robots_tui.tui.app.facts import THEME
 from logical_robots_tui.tui.inspector.choice import Choice
-from logical_robots_tui.tui.journal import Journal
-from logical_robots_tui.tui.places import THEME
-from logical_robots_tui.tui.theme import NIGHT, palette_of
+from logical_robots_tui.tui.library.journal import Journal
+from logical_robots_tui.tui.theme.colours import colours_in, contrast
+from logical_robots_tui.tui.theme.themes import NIGHT, palette_of
 from tests.tui.conftest import opened
 
 if TYPE_CHECKING:

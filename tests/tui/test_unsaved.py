@@ -16,13 +16,13 @@ from textual.widgets import Button, Input
 
 from logical_robots_tui.game import load_program
 from logical_robots_tui.game.drafts import Drafts
-from logical_robots_tui.tui.actions import Actions
-from logical_robots_tui.tui.crash import OwnMistake
-from logical_robots_tui.tui.dialogs.help import Help
-from logical_robots_tui.tui.dialogs.question import Question
-from logical_robots_tui.tui.dialogs.save import SaveAs
-from logical_robots_tui.tui.editing.door import EditingDoor
-from logical_robots_tui.tui.keeper import Keeper
+from logical_robots_tui.tui.commands.actions import Actions
+from logical_robots_tui.tui.commands.help import Help
+from logical_robots_tui.tui.layout.question import Question
+from logical_robots_tui.tui.level_editor.controller import EditingDoor
+from logical_robots_tui.tui.library.save_dialog import SaveAs
+from logical_robots_tui.tui.recovery.program_drafts import Keeper
+from logical_robots_tui.tui.terminal.crash_report import OwnMistake
 from tests.terminal import Terminal
 from tests.tui.conftest import CHARACTERS, LEVELS, PAPER, PATIENCE, opened
 from tests.waiting import until
@@ -39,7 +39,7 @@ SOON = 10.0  # seconds; two are promised, the rest is for a machine that is busy
 PLAY = """
 import sys
 from pathlib import Path
-from logical_robots_tui.tui.play import play
+from logical_robots_tui.tui.app.play import play
 sys.exit(play(sys.argv[1], sys.argv[2], Path(sys.argv[3])))
 """
 

@@ -11,9 +11,9 @@ from textual.widgets import Tree
 
 from logical_robots_tui.game import Pin
 from logical_robots_tui.tui.inspector.choice import WATCH
-from logical_robots_tui.tui.inspector.sparkline import BARS, Sample, sparkline
-from logical_robots_tui.tui.inspector.table import ValueTable
-from logical_robots_tui.tui.inspector.watch import WatchView
+from logical_robots_tui.tui.inspector.pages.watch import WatchView
+from logical_robots_tui.tui.inspector.widgets.sparkline import BARS, Sample, sparkline
+from logical_robots_tui.tui.inspector.widgets.table import ValueTable
 from tests.tui.conftest import PAPER, opened
 
 if TYPE_CHECKING:

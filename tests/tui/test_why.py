@@ -9,13 +9,13 @@ from typing import TYPE_CHECKING
 import pytest
 
 from logical_robots_tui.mind import Ask, Node
-from logical_robots_tui.tui.drawing.look import Highlight
 from logical_robots_tui.tui.inspector.choice import ASK, WHY
-from logical_robots_tui.tui.inspector.folds import Folds, Line
+from logical_robots_tui.tui.inspector.pages.why import WhyView
 from logical_robots_tui.tui.inspector.questions import Questions
-from logical_robots_tui.tui.inspector.tree import ValueTree
-from logical_robots_tui.tui.inspector.why import WhyView
-from logical_robots_tui.tui.inspector.why_lines import line_content
+from logical_robots_tui.tui.inspector.widgets.folds import Folds, Line
+from logical_robots_tui.tui.inspector.widgets.proof_lines import line_content
+from logical_robots_tui.tui.inspector.widgets.tree import ValueTree
+from logical_robots_tui.tui.labyrinth.drawing.glyphs import Highlight
 from tests.short import AHEAD
 from tests.tui.conftest import SLOW, opened
 

@@ -10,6 +10,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from logical_robots_tui.tui.program.controller import edited
 from logical_robots_tui.tui.program.searching import find_after, rename
 from logical_robots_tui.tui.program.words import (
     call_before,
@@ -18,7 +19,6 @@ from logical_robots_tui.tui.program.words import (
     word_around,
     words_for,
 )
-from logical_robots_tui.tui.scribe import edited
 from tests.terminal import Terminal
 from tests.tui.conftest import PAPER, STILL, WRONG, opened
 from tests.tui.test_program_pane import ODD

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import argparse
 import shutil
 import sys
 from pathlib import Path
@@ -13,20 +12,19 @@ from logical_robots_tui.cli.level.files import write
 from logical_robots_tui.cli.text import harmless
 
 if TYPE_CHECKING:
+    import argparse
+
     from logical_robots_tui.cli.command import Commands
     from logical_robots_tui.world import Level
 
 __all__ = ["declare"]
 
-MOST_PIXELS = 4000
-
 EPILOG = """\
 examples:
   logical-robots level show 05-lighthouse
   logical-robots level show my-level.toml --svg my-level.svg
-  logical-robots level show my-level.toml --png my-level.png --pixels 2000
 
-Into a pipe it prints plain characters. A PNG is without names; an SVG has them.
+Into a pipe it prints plain characters.
 
 exit status: 0, or 2 if the level can't be read or the picture not be written
 """
@@ -39,19 +37,11 @@ def declare(commands: Commands) -> None:
         "show",
         start=start,
         summary="draw a level",
-        description="Draw a level at its start, in the terminal or into files.",
+        description="Draw a level at its start, in the terminal or into a file.",
         epilog=EPILOG,
     )
     command.add_argument("level", metavar="LEVEL", help="a level's name or file")
-    command.add_argument("--svg", type=Path, metavar="FILE", help="write a drawing of SVG")
-    command.add_argument("--png", type=Path, metavar="FILE", help="write an image of PNG")
-    command.add_argument(
-        "--pixels",
-        type=_pixels,
-        default=1600,
-        metavar="N",
-        help="of the longer side of the PNG (default: %(default)s)",
-    )
+    command.add_argument("--svg", type=Path, metavar="FILE", help="write an SVG file instead")
     command.add_argument("--ascii", action="store_true", help="draw with plain characters")
 
 
@@ -61,16 +51,11 @@ def start(options: argparse.Namespace) -> int:
 
     level = load_level(options.level)
     if options.svg is not None:
-        from logical_robots_tui.tui.drawing.svg import svg
+        from logical_robots_tui.tui.labyrinth.svg import svg
 
         write(options.svg, svg(level))
         print(harmless(f"Wrote {options.svg}."))
-    if options.png is not None:
-        from logical_robots_tui.tui.drawing.image import draw_pixels, png
-
-        write(options.png, png(draw_pixels(level, options.pixels)))
-        print(harmless(f"Wrote {options.png}."))
-    if options.svg is None and options.png is None:
+    else:
         _print(level, plain=options.ascii)
     return 0
 
@@ -79,8 +64,8 @@ def _print(level: Level, *, plain: bool) -> None:
     """Print a level as large as the terminal allows; without colours in plain characters."""
     from rich.console import Console
 
-    from logical_robots_tui.tui.drawing import DARK, Drawing
-    from logical_robots_tui.tui.levels.miniature import draw_miniature
+    from logical_robots_tui.tui.labyrinth.drawing import DARK, Drawing
+    from logical_robots_tui.tui.library.miniature import draw_miniature
 
     size = shutil.get_terminal_size((100, 40))
     console = Console(width=size.columns)
@@ -95,13 +80,3 @@ def _print(level: Level, *, plain: bool) -> None:
         for segment in cells.strip(row):
             console.print(segment.text, style=segment.style, end="", markup=False, highlight=False)
         console.print()
-
-
-def _pixels(text: str) -> int:
-    try:
-        pixels = int(text)
-    except ValueError:
-        pixels = 0
-    if not 1 <= pixels <= MOST_PIXELS:
-        raise argparse.ArgumentTypeError(f"{text!r} is no number of pixels up to {MOST_PIXELS}")
-    return pixels

@@ -15,7 +15,7 @@ from textual.widgets import OptionList, Static
 
 from logical_robots_tui.game import Superseded
 from logical_robots_tui.mind import QueryError, Table
-from logical_robots_tui.tui.background import in_background
+from logical_robots_tui.tui.app.background import in_background
 from logical_robots_tui.tui.inspector.answers import NO_PROGRAM, counted, shown_rows
 from logical_robots_tui.tui.inspector.choice import (
     ASK,
@@ -27,12 +27,12 @@ from logical_robots_tui.tui.inspector.choice import (
     WHY,
     Choice,
 )
+from logical_robots_tui.tui.inspector.pages.robots import RobotsView
 from logical_robots_tui.tui.inspector.pointing import Sighted, definition
 from logical_robots_tui.tui.inspector.questions import Questions
-from logical_robots_tui.tui.inspector.robots import RobotsView
-from logical_robots_tui.tui.pane import Pane
-from logical_robots_tui.tui.plain import one_line
-from logical_robots_tui.tui.theme import INK
+from logical_robots_tui.tui.layout.pane import Pane
+from logical_robots_tui.tui.theme.safe_text import one_line
+from logical_robots_tui.tui.theme.themes import INK
 
 if TYPE_CHECKING:
     from textual.message import Message
@@ -40,14 +40,14 @@ if TYPE_CHECKING:
     from textual.worker import Worker
 
     from logical_robots_tui.game import Frame
-    from logical_robots_tui.tui.inspector.arranging import Arrangement
-    from logical_robots_tui.tui.inspector.origin import OriginPage
-    from logical_robots_tui.tui.inspector.pages import Pages
+    from logical_robots_tui.tui.app.session import Session
+    from logical_robots_tui.tui.inspector.page_loader import Pages
+    from logical_robots_tui.tui.inspector.pages.origin import OriginPage
+    from logical_robots_tui.tui.inspector.pages.watch import WatchView
     from logical_robots_tui.tui.inspector.questions import Survey
     from logical_robots_tui.tui.inspector.remembered import Remembered
-    from logical_robots_tui.tui.inspector.table import ValueTable
-    from logical_robots_tui.tui.inspector.watch import WatchView
-    from logical_robots_tui.tui.session import Session
+    from logical_robots_tui.tui.inspector.widgets.arranging import Arrangement
+    from logical_robots_tui.tui.inspector.widgets.table import ValueTable
 
 __all__ = ["InspectorPane"]
 
@@ -99,7 +99,7 @@ class InspectorPane(Pane):
     def pages(self) -> Pages:
         """The pages besides that of the robots."""
         if self._pages is None:
-            from logical_robots_tui.tui.inspector.pages import Pages
+            from logical_robots_tui.tui.inspector.page_loader import Pages
 
             self._pages = Pages(self._session, self.questions)
             self._pages.asking.knows(self._session.predicates)
@@ -109,7 +109,7 @@ class InspectorPane(Pane):
     async def _load_pages(self) -> None:
         """Have the pages ready before they are wanted; keys are answered meanwhile."""
         await asyncio.sleep(_AT_LEISURE)
-        await asyncio.to_thread(import_module, "logical_robots_tui.tui.inspector.pages")
+        await asyncio.to_thread(import_module, "logical_robots_tui.tui.inspector.page_loader")
         _ = self._views.is_attached and self.pages  # the player may have left meanwhile
 
     @property

@@ -6,14 +6,14 @@ from typing import TYPE_CHECKING
 
 from logical_robots_tui.game import ROBOT_COLUMNS, Pin, pin_of_cell
 from logical_robots_tui.tui.inspector.choice import ASK, DECISION, ROBOTS, WHY
-from logical_robots_tui.tui.inspector.tree import Branch
+from logical_robots_tui.tui.inspector.widgets.tree import Branch
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from logical_robots_tui.game import Frame
     from logical_robots_tui.mind import Node
-    from logical_robots_tui.tui.inspector.table import ValueTable
+    from logical_robots_tui.tui.inspector.widgets.table import ValueTable
 
 __all__ = ["branches_here", "branches_of", "pin_here"]
 

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from logical_robots_tui.game import Frame, Pin, Reading
     from logical_robots_tui.mind import Ask, Explanation, Machinery, Program, Proof
     from logical_robots_tui.mind.diagnosis.nearest import Suggestion
-    from logical_robots_tui.tui.session import Session
+    from logical_robots_tui.tui.app.session import Session
     from logical_robots_tui.world import Level
 
 __all__ = ["MOST_ROBOTS", "Questions", "Survey"]

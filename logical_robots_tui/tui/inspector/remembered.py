@@ -11,8 +11,8 @@ from logical_robots_tui.tui.inspector.pinning import pin_here
 
 if TYPE_CHECKING:
     from logical_robots_tui.game import Frame, Path
+    from logical_robots_tui.tui.inspector.pages.why import WhyView
     from logical_robots_tui.tui.inspector.pane import InspectorPane
-    from logical_robots_tui.tui.inspector.why import WhyView
 
 __all__ = ["Remembered", "remembered", "remembered_here"]
 

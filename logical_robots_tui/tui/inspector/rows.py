@@ -7,20 +7,20 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from logical_robots_tui.game import Breakpoint, Pin, Superseded
-from logical_robots_tui.tui.commands import with_keys
+from logical_robots_tui.tui.commands.table import with_keys
 from logical_robots_tui.tui.inspector.answers import NO_PROGRAM
-from logical_robots_tui.tui.inspector.arranging import as_csv, as_json
 from logical_robots_tui.tui.inspector.choice import ASK
 from logical_robots_tui.tui.inspector.pinning import branches_here, branches_of, pin_here
 from logical_robots_tui.tui.inspector.remembered import remembered, remembered_here
-from logical_robots_tui.tui.plain import one_line
+from logical_robots_tui.tui.inspector.widgets.arranging import as_csv, as_json
+from logical_robots_tui.tui.theme.safe_text import one_line
 from logical_robots_tui.writing import write_atomically
 
 if TYPE_CHECKING:
     from pathlib import Path
 
-    from logical_robots_tui.tui.inspector.table import ValueTable
-    from logical_robots_tui.tui.screen import MainScreen
+    from logical_robots_tui.tui.app.main_screen import MainScreen
+    from logical_robots_tui.tui.inspector.widgets.table import ValueTable
 
 __all__ = ["RowCommands"]
 
@@ -73,7 +73,7 @@ class RowCommands:
 
     async def search(self) -> None:
         """Show only rows with a text."""
-        from logical_robots_tui.tui.dialogs.line import LinePrompt
+        from logical_robots_tui.tui.layout.line_dialog import LinePrompt
 
         if (table := self._table()) is not None:
             question = "Only rows with this text; nothing shows all"
@@ -138,7 +138,7 @@ class RowCommands:
 
     def open_value(self) -> None:
         """Open the value under the cursor, or what a decision came from, as a tree."""
-        from logical_robots_tui.tui.inspector.tree import ValueTree
+        from logical_robots_tui.tui.inspector.widgets.tree import ValueTree
 
         inspector, frame = self._screen.inspector, self._screen.session.frame
         view = inspector.pages.reasons.view
@@ -180,7 +180,7 @@ class RowCommands:
 
     async def graph(self) -> None:
         """Show which predicate uses which, and open the one that is chosen there."""
-        from logical_robots_tui.tui.inspector.graph import Graph
+        from logical_robots_tui.tui.inspector.pages.graph import Graph
 
         screen, program = self._screen, self._screen.session.program
         if program is None:
@@ -197,8 +197,8 @@ class RowCommands:
 
     async def machinery(self) -> None:
         """Show how the predicate that is inspected is computed, and what all of them cost."""
-        from logical_robots_tui.tui.dialogs.reader import Reader
-        from logical_robots_tui.tui.inspector.machinery import machinery_text
+        from logical_robots_tui.tui.inspector.pages.sql import machinery_text
+        from logical_robots_tui.tui.learning.reader import Reader
 
         inspector, frame = self._screen.inspector, self._screen.session.frame
         try:

@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 from textual.content import Content
 
-from logical_robots_tui.tui.plain import one_line
-from logical_robots_tui.tui.theme import INK
+from logical_robots_tui.tui.theme.safe_text import one_line
+from logical_robots_tui.tui.theme.themes import INK
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Coroutine

@@ -8,11 +8,11 @@ from time import perf_counter
 from typing import TYPE_CHECKING
 
 from logical_robots_tui.game import NoSuchTickError, Superseded
-from logical_robots_tui.tui.background import in_background
-from logical_robots_tui.tui.drawing.glyphs import Drawing
-from logical_robots_tui.tui.inspector.samples import Samples
-from logical_robots_tui.tui.inspector.watch import WatchView
-from logical_robots_tui.tui.labyrinth import LabyrinthView
+from logical_robots_tui.tui.app.background import in_background
+from logical_robots_tui.tui.inspector.pages.watch import WatchView
+from logical_robots_tui.tui.inspector.widgets.samples import Samples
+from logical_robots_tui.tui.labyrinth.drawing.glyphs import Drawing
+from logical_robots_tui.tui.labyrinth.view import LabyrinthView
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -20,8 +20,8 @@ if TYPE_CHECKING:
     from textual.worker import Worker
 
     from logical_robots_tui.game import Frame, Pin, Reading
+    from logical_robots_tui.tui.app.session import Session
     from logical_robots_tui.tui.inspector.questions import Questions
-    from logical_robots_tui.tui.session import Session
 
 __all__ = ["Watching"]
 

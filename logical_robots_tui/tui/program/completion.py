@@ -8,9 +8,9 @@ from textual.content import Content
 from textual.geometry import Offset
 from textual.widgets.option_list import Option
 
-from logical_robots_tui.tui.listing import Listing
-from logical_robots_tui.tui.plain import clip
-from logical_robots_tui.tui.theme import INK
+from logical_robots_tui.tui.layout.listing import Listing
+from logical_robots_tui.tui.theme.safe_text import clip
+from logical_robots_tui.tui.theme.themes import INK
 
 if TYPE_CHECKING:
     from logical_robots_tui.tui.program.words import Word

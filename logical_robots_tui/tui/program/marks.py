@@ -9,7 +9,7 @@ from rich.segment import Segment
 from rich.style import Style
 from textual.strip import Strip
 
-from logical_robots_tui.tui.plain import clip, one_line
+from logical_robots_tui.tui.theme.safe_text import clip, one_line
 
 if TYPE_CHECKING:
     from collections.abc import Mapping

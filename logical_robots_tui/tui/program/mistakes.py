@@ -8,8 +8,8 @@ from textual.content import Content
 from textual.message import Message
 from textual.widgets import Static
 
-from logical_robots_tui.tui.plain import clip, one_line
-from logical_robots_tui.tui.theme import INK
+from logical_robots_tui.tui.theme.safe_text import clip, one_line
+from logical_robots_tui.tui.theme.themes import INK
 
 if TYPE_CHECKING:
     from logical_robots_tui.mind import Diagnostic

@@ -11,17 +11,17 @@ from textual.content import Content
 from textual.widgets import OptionList, Static
 from textual.widgets.option_list import Option
 
-from logical_robots_tui.tui.dialogs.dialog import Dialog
-from logical_robots_tui.tui.listing import Listing
-from logical_robots_tui.tui.plain import one_line
-from logical_robots_tui.tui.theme import INK
+from logical_robots_tui.tui.layout.dialog import Dialog
+from logical_robots_tui.tui.layout.listing import Listing
+from logical_robots_tui.tui.theme.safe_text import one_line
+from logical_robots_tui.tui.theme.themes import INK
 from logical_robots_tui.tui.timeline.form import BreakpointForm
 
 if TYPE_CHECKING:
     from textual.app import ComposeResult
 
     from logical_robots_tui.game import Breakpoint
-    from logical_robots_tui.tui.session import Session
+    from logical_robots_tui.tui.app.session import Session
 
 __all__ = ["BreakpointList"]
 

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 from textual.content import Content
 
 from logical_robots_tui.game import MARK_KINDS, MarkKind
-from logical_robots_tui.tui.theme import INK
+from logical_robots_tui.tui.theme.themes import INK
 
 if TYPE_CHECKING:
     from collections.abc import Callable

@@ -13,9 +13,9 @@ from textual.widgets import Input, OptionList, Static
 from textual.widgets.option_list import Option
 
 from logical_robots_tui.game import EVENTS, Breakpoint, Event, mistake_in, subjects
-from logical_robots_tui.tui.dialogs.dialog import Dialog
-from logical_robots_tui.tui.listing import Listing
-from logical_robots_tui.tui.plain import one_line
+from logical_robots_tui.tui.layout.dialog import Dialog
+from logical_robots_tui.tui.layout.listing import Listing
+from logical_robots_tui.tui.theme.safe_text import one_line
 from logical_robots_tui.tui.timeline.question import QuestionCheck
 
 if TYPE_CHECKING:

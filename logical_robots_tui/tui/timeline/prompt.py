@@ -10,8 +10,8 @@ from textual.containers import Vertical
 from textual.content import Content
 from textual.widgets import Input, Static
 
-from logical_robots_tui.tui.dialogs.dialog import Dialog
-from logical_robots_tui.tui.plain import one_line
+from logical_robots_tui.tui.layout.dialog import Dialog
+from logical_robots_tui.tui.theme.safe_text import one_line
 
 if TYPE_CHECKING:
     from collections.abc import Callable

@@ -10,9 +10,9 @@ from textual.content import Content
 from textual.widgets import Input, Static
 
 from logical_robots_tui.game import mistake_in_question
-from logical_robots_tui.tui.background import in_background
-from logical_robots_tui.tui.dialogs.dialog import Dialog
-from logical_robots_tui.tui.plain import one_line
+from logical_robots_tui.tui.app.background import in_background
+from logical_robots_tui.tui.layout.dialog import Dialog
+from logical_robots_tui.tui.theme.safe_text import one_line
 
 if TYPE_CHECKING:
     from collections.abc import Callable

@@ -7,12 +7,12 @@ from typing import TYPE_CHECKING, Literal
 
 from logical_robots_tui.game import Superseded, seek
 from logical_robots_tui.mind import ProgramError
-from logical_robots_tui.tui.commands import with_keys
-from logical_robots_tui.tui.plain import one_line
+from logical_robots_tui.tui.commands.table import with_keys
+from logical_robots_tui.tui.theme.safe_text import one_line
 
 if TYPE_CHECKING:
     from logical_robots_tui.game import Game, Sought
-    from logical_robots_tui.tui.screen import MainScreen
+    from logical_robots_tui.tui.app.main_screen import MainScreen
 
 __all__ = ["Search"]
 

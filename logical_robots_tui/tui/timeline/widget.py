@@ -9,9 +9,9 @@ from textual.content import Content
 from textual.message import Message
 from textual.widget import Widget
 
-from logical_robots_tui.tui.plain import clip, one_line
-from logical_robots_tui.tui.spot import repaint
-from logical_robots_tui.tui.theme import INK
+from logical_robots_tui.tui.terminal.direct_paint import repaint
+from logical_robots_tui.tui.theme.safe_text import clip, one_line
+from logical_robots_tui.tui.theme.themes import INK
 from logical_robots_tui.tui.timeline.drawing import SIGNS, Scale, Span, track
 
 if TYPE_CHECKING:
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
     from logical_robots_tui.game import Mark
     from logical_robots_tui.game.history import History
-    from logical_robots_tui.tui.session import Session
+    from logical_robots_tui.tui.app.session import Session
 
 __all__ = ["Timeline"]
 

@@ -3,9 +3,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from logical_robots_tui.tui.drawing.cells import BOLD, CONTINUED, Cells, text_id
-from logical_robots_tui.tui.drawing.dots import BLOCKS, fit, pack, split
-from logical_robots_tui.tui.drawing.viewport import Floats
+from logical_robots_tui.tui.labyrinth.drawing.cells import BOLD, CONTINUED, Cells, text_id
+from logical_robots_tui.tui.labyrinth.drawing.dots import BLOCKS, fit, pack, split
+from logical_robots_tui.tui.labyrinth.drawing.viewport import Floats
 
 
 def put_word(cells: Cells, row: int, column: int, word: str, ink: int, paper: int) -> None:

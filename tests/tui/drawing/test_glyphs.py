@@ -4,9 +4,9 @@ import math
 import pytest
 from rich.cells import cell_len
 
-from logical_robots_tui.tui.drawing import DARK, LIGHT, Drawing, legend
-from logical_robots_tui.tui.drawing.dots import BLOCKS
-from logical_robots_tui.tui.drawing.glyphs import GlyphSet
+from logical_robots_tui.tui.labyrinth.drawing import DARK, LIGHT, Drawing, legend
+from logical_robots_tui.tui.labyrinth.drawing.dots import BLOCKS
+from logical_robots_tui.tui.labyrinth.drawing.glyphs import GlyphSet
 
 
 def characters(glyphs: GlyphSet) -> str:

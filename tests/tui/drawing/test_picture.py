@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from rich.cells import cell_len
 
 from logical_robots_tui.game.frame import Frame
-from logical_robots_tui.tui.drawing import DARK, LIGHT, Drawing, Look, Picture, Viewport
+from logical_robots_tui.tui.labyrinth.drawing import DARK, LIGHT, Drawing, Look, Picture, Viewport
 from logical_robots_tui.world import (
     Area,
     AreaState,
@@ -31,7 +31,7 @@ _names = st.one_of(
     st.text(max_size=12),
     st.sampled_from(("機械人形", "👩\u200d🚀", "a\x1b[2J", "\u202eabc", "é" * 30)),
 )
-_colours = st.sampled_from(("red", "#fff", "#12345678", "", "not a colour", "auto", "hsl(10,50%,50%)"))
+_colours = st.sampled_from(("red", "#fff", "#12345678", "", "no colour", "auto", "hsl(10,50%,50%)"))
 _looks = st.builds(
     Look,
     drawing=st.sampled_from(Drawing),

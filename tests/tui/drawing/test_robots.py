@@ -3,8 +3,8 @@ from dataclasses import replace
 
 import pytest
 
-from logical_robots_tui.tui.drawing import DARK, Drawing, Viewport
-from logical_robots_tui.tui.drawing.palette import luminance
+from logical_robots_tui.tui.labyrinth.drawing import DARK, Drawing, Viewport
+from logical_robots_tui.tui.labyrinth.drawing.palette import luminance
 from logical_robots_tui.world import Level, Robot
 from tests.tui.drawing.scenes import BARE, Drawn, apart, room, start, with_robot
 

@@ -1,6 +1,6 @@
 import pytest
 
-from logical_robots_tui.tui.drawing import Viewport
+from logical_robots_tui.tui.labyrinth.drawing import Viewport
 from tests.tui.drawing.scenes import BARE, Drawn, apart, room
 
 

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import pytest
 from textual import events
 
-from logical_robots_tui.tui.drawing.viewport import CELL_ASPECT
+from logical_robots_tui.tui.labyrinth.drawing.viewport import CELL_ASPECT
 from tests.short import AHEAD
 from tests.tui.conftest import opened
 
@@ -17,8 +17,8 @@ if TYPE_CHECKING:
     from collections.abc import AsyncIterator
     from pathlib import Path
 
-    from logical_robots_tui.tui.editing.editor import LevelEditor
-    from logical_robots_tui.tui.editing.mode import EditMode
+    from logical_robots_tui.tui.level_editor.editor import LevelEditor
+    from logical_robots_tui.tui.level_editor.mode import EditMode
     from logical_robots_tui.world import Level
     from tests.tui.conftest import Opened
 

@@ -15,8 +15,8 @@ from hypothesis import strategies as st
 from logical_robots_tui.editing.checks import refusals
 from logical_robots_tui.editing.delta import alike
 from logical_robots_tui.editing.files import save_level
-from logical_robots_tui.tui.editing.editor import LevelEditor
-from logical_robots_tui.tui.editing.tools import GRIDS, WIDTHS, Tool
+from logical_robots_tui.tui.level_editor.editor import LevelEditor
+from logical_robots_tui.tui.level_editor.tools import GRIDS, WIDTHS, Tool
 from logical_robots_tui.world import Beacon, World, load_level
 from logical_robots_tui.world.changing import changed_state
 from tests.editing.making import room

@@ -10,12 +10,12 @@ import pytest
 from textual.widgets import Checkbox, Input, Select, TextArea
 
 from logical_robots_tui.editing.files import save_level
-from logical_robots_tui.tui.celebration import is_by_the_book
-from logical_robots_tui.tui.editing.finding_list import FindingList
-from logical_robots_tui.tui.editing.form import Ticks
-from logical_robots_tui.tui.editing.forms import ThingForm
-from logical_robots_tui.tui.editing.level_form import LevelForm
-from logical_robots_tui.tui.levels.screen import LevelScreen
+from logical_robots_tui.tui.labyrinth.victory import is_by_the_book
+from logical_robots_tui.tui.level_editor.finding_list import FindingList
+from logical_robots_tui.tui.level_editor.form import Ticks
+from logical_robots_tui.tui.level_editor.forms import ThingForm
+from logical_robots_tui.tui.level_editor.level_form import LevelForm
+from logical_robots_tui.tui.library.level_screen import LevelScreen
 from logical_robots_tui.world import Visibility, load_level
 from tests.tui.conftest import PATIENCE, STILL, opened
 from tests.tui.editing.conftest import ROOM, studio
@@ -210,7 +210,7 @@ async def test_a_save_is_finished_whatever_is_asked_for_meanwhile(
     data_dir: Path, room_file: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     saving = SlowSaving()
-    monkeypatch.setattr("logical_robots_tui.tui.editing.saving.save_level", saving)
+    monkeypatch.setattr("logical_robots_tui.tui.level_editor.saving.save_level", saving)
     async with studio(data_dir, room_file) as s:
         game = s.game
         await game.until(lambda: s.mode.findings == [])
@@ -230,7 +230,7 @@ async def test_a_save_under_way_when_the_level_is_left_keeps_what_was_done_since
     data_dir: Path, room_file: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     saving = SlowSaving()
-    monkeypatch.setattr("logical_robots_tui.tui.editing.saving.save_level", saving)
+    monkeypatch.setattr("logical_robots_tui.tui.level_editor.saving.save_level", saving)
     async with studio(data_dir, room_file) as s:
         game = s.game
         await s.drag((200, 30), (180, 30))

@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 
 from logical_robots_tui.editing.things import Ref
-from logical_robots_tui.tui.bar import CommandBar
-from logical_robots_tui.tui.editing.lines import InfoLine, ToolLine
-from logical_robots_tui.tui.editing.tools import Tool
+from logical_robots_tui.tui.layout.command_bar import CommandBar
+from logical_robots_tui.tui.level_editor.lines import InfoLine, ToolLine
+from logical_robots_tui.tui.level_editor.tools import Tool
 from tests.tui.editing.conftest import studio
 
 if TYPE_CHECKING:

@@ -7,7 +7,7 @@ from logical_robots_tui.game.comparing import Comparison
 from logical_robots_tui.game.differing import Differing
 from logical_robots_tui.mind import Ask, Node
 from logical_robots_tui.mind.why.probing import Span
-from logical_robots_tui.tui.timeline.parting import derivation, told
+from logical_robots_tui.tui.timeline.divergence import derivation, told
 from logical_robots_tui.values import Desire
 
 

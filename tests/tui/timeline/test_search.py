@@ -9,8 +9,8 @@ from textual.widgets import Input, OptionList
 
 from logical_robots_tui.game import Breakpoint, Pin
 from logical_robots_tui.mind import Mind
-from logical_robots_tui.tui.inspector.asking import QueryLine
-from logical_robots_tui.tui.inspector.watch import WatchView
+from logical_robots_tui.tui.inspector.pages.ask import QueryLine
+from logical_robots_tui.tui.inspector.pages.watch import WatchView
 from logical_robots_tui.tui.timeline.breakpoints import BreakpointList
 from logical_robots_tui.tui.timeline.form import BreakpointForm
 from logical_robots_tui.tui.timeline.question import QuestionPrompt

@@ -1,0 +1,223 @@
+"""The app: theme, the main screen, and an orderly end."""
+
+from __future__ import annotations
+
+import asyncio
+import os
+import signal
+from time import monotonic
+from typing import TYPE_CHECKING, ClassVar
+
+from textual import events
+from textual.binding import Binding
+from textual.errors import NoWidget
+
+from logical_robots_tui.progress import FILE_NAME
+from logical_robots_tui.tui.app.main_screen import MainScreen
+from logical_robots_tui.tui.app.permissions import Freedoms
+from logical_robots_tui.tui.app.quitting import leave
+from logical_robots_tui.tui.app.settings import Settings
+from logical_robots_tui.tui.commands.table import use_keys, with_keys
+from logical_robots_tui.tui.library.journal import Journal
+from logical_robots_tui.tui.terminal.capabilities import drawing_for
+from logical_robots_tui.tui.terminal.diff_app import SparingApp
+from logical_robots_tui.tui.terminal.driver import LARGEST
+from logical_robots_tui.tui.terminal.key_queue import Turns
+from logical_robots_tui.tui.theme.colours import colours_in
+from logical_robots_tui.tui.theme.themes import NIGHT
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from textual.binding import BindingType
+    from textual.geometry import Region, Size
+    from textual.theme import Theme
+
+    from logical_robots_tui.game import Source
+    from logical_robots_tui.world import Level
+
+__all__ = ["LogicalRobotsApp"]
+
+_TWICE = 2.0  # seconds between two presses that are meant as one wish
+
+
+class LogicalRobotsApp(SparingApp, inherit_bindings=False):
+    """The game in a terminal.
+
+    Args:
+        level: Where to begin.
+        source: The program to begin with.
+        data_dir: Where drafts, the player's programs and progress are.
+        journal: Where progress is kept, if that is open already.
+        text: What the player made of the program, or None.
+        welcome: Whether to begin with the tour.
+        settings: What the player has set once for all.
+        theme: The theme to begin with where the settings name none; "" is what suits the terminal.
+        freedoms: What the player may do with the machine; by default everything.
+    """
+
+    TITLE = "Logical Robots"
+    CSS_PATH = "main_screen.tcss"
+    ENABLE_COMMAND_PALETTE = False
+    BINDINGS: ClassVar[list[BindingType]] = [
+        Binding("ctrl+c", "interrupt", "Leave", show=False, system=True),
+        Binding("ctrl+z", "suspend_process", "Suspend", show=False, system=True),
+    ]
+
+    def __init__(
+        self,
+        level: Level,
+        source: Source,
+        *,
+        data_dir: Path,
+        journal: Journal | None = None,
+        text: str | None = None,
+        welcome: bool = False,
+        settings: Settings | None = None,
+        theme: str = "",
+        freedoms: Freedoms | None = None,
+    ) -> None:
+        super().__init__()
+        if self.no_color:
+            # The terminal's own colours would stand among greys; they become greys, too.
+            self.set_reactive(LogicalRobotsApp.ansi_color, False)
+        self._settings = settings or Settings()
+        self._first_theme = self._settings.theme or theme
+        use_keys(self._settings.keys)
+        journal = journal or Journal(data_dir / FILE_NAME)
+        self.main = MainScreen(level, source, data_dir, journal, text=text, welcome=welcome)
+        self.main.freedoms = freedoms or Freedoms()
+        self.animation_level = "none"
+        self._turns = Turns(self)
+        self._interrupted_at = float("-inf")
+        self._was_cut = False
+        self._event_loop: asyncio.AbstractEventLoop | None = None
+
+    def get_theme_variable_defaults(self) -> dict[str, str]:
+        """Variables that our style sheets use in every theme."""
+        return colours_in(self.current_theme)
+
+    def get_default_screen(self) -> MainScreen:
+        """The main screen."""
+        return self.main
+
+    def on_load(self) -> None:
+        """Dress up before the first picture."""
+        self._event_loop = asyncio.get_running_loop()
+        self.register_theme(NIGHT)
+        wanted = self._first_theme
+        if not wanted and self.console.color_system == "standard" and not self.no_color:
+            wanted = "ansi-dark"  # of dark colours among 16 there would be only black
+        self.theme = wanted if wanted in self.available_themes else NIGHT.name
+
+    def on_mount(self) -> None:
+        """Do as the settings say, and tell what in them can't be used."""
+        if not self.main.freedoms.programs:
+            signal.signal(signal.SIGTSTP, signal.SIG_IGN)
+        self.main.follow(self._settings)
+        self.theme_changed_signal.subscribe(self, self._keep_theme)
+
+    def _keep_theme(self, theme: Theme) -> None:
+        if not self._settings.theme:
+            self.main.journal.choose_theme(theme.name)
+        elif theme.name != self._settings.theme:
+            self.main.tell(f"Next time {self._settings.theme} again: the configuration says so.")
+
+    async def on_event(self, event: events.Event) -> None:
+        """Handle an event; a key or a mouse button is to be answered before all else."""
+        typed = None
+        if isinstance(event, events.Resize) and self._is_cut(event.size):
+            columns, lines = LARGEST
+            self.main.warn(f"Only {columns} columns and {lines} lines of this terminal are drawn.")
+        if isinstance(event, events.MouseDown | events.MouseMove) and self._is_gone(event):
+            return
+        if isinstance(event, events.Key | events.Paste) and not event.is_forwarded:
+            if self._turns.must_wait(event) or self.main.offers.overhears(event):
+                return
+            typed = event
+        if isinstance(event, events.Key | events.MouseDown | events.Paste):
+            self.main.session.pace.give_way()
+            self.main.redrawing.hasten()
+        key = event.key if isinstance(event, events.Key) and self.screen is self.main else ""
+        if not self.main.goes_there(key):
+            await super().on_event(event)
+            if typed is not None:
+                self._turns.begin(typed)
+
+    def _is_cut(self, size: Size) -> bool:
+        """Whether a terminal is larger than what is drawn, and nobody was told yet."""
+        was_cut, self._was_cut = (
+            self._was_cut,
+            size.width >= LARGEST[0] or size.height >= LARGEST[1],
+        )
+        return self._was_cut and not was_cut
+
+    @property
+    def backlog(self) -> int:
+        """How many keys and other events are not answered yet; may be asked in any thread."""
+        focused = self.focused if self.screen_stack else None
+        queues = [node.message_queue_size for node in (self, focused) if node is not None]
+        return self._turns.waiting + sum(queues)
+
+    def forget_typed(self) -> None:
+        """Answer none of the keys that are held back: nobody types so much."""
+        self._turns.forget()
+
+    def _is_gone(self, event: events.MouseEvent) -> bool:
+        """Whether the mouse points at what was taken away and not yet painted over.
+
+        Textual would look for what that is a part of, to begin or go on with a selection there.
+        """
+        if not self.screen_stack:
+            return True
+        try:
+            widget, _ = self.screen.get_widget_at(event.x, event.y)
+        except NoWidget:
+            return False
+        return widget.parent is None and self.mouse_captured is None
+
+    def moving_picture(self) -> Region | None:
+        """The labyrinth, unless something lies over it."""
+        return self.main.labyrinth.view.region if self.screen is self.main else None
+
+    def suit_terminal(self) -> None:
+        """Draw the labyrinth in the way that suits the terminal of this process."""
+        self.main.labyrinth.view.drawing = self._settings.drawing or drawing_for(
+            os.environ,
+            self.console.color_system,
+            self.console.encoding,
+            colourless=self.no_color,
+        )
+
+    def last_words(self) -> None:
+        """Write what was typed to its draft, and where the game stands."""
+        self.main.keeper.flush()
+        self.main.editing.flush()
+        self.main.bookmark.flush()
+
+    def leave_soon(self) -> None:
+        """Ask the app to end; may be called on any thread or in a signal handler."""
+        if self._event_loop is not None:
+            self._event_loop.call_soon_threadsafe(self.exit)
+
+    def action_suspend_process(self) -> None:
+        """Go to the background, to the shell that the game was started from."""
+        if self.main.freedoms.programs:
+            super().action_suspend_process()
+        else:
+            self.main.warn(with_keys("There is no shell to go to here; {quit} leaves the game."))
+
+    def copy_to_clipboard(self, text: str) -> None:
+        """Keep a text to be pasted; the terminal's clipboard gets it where that is allowed."""
+        if self.main.freedoms.clipboard:
+            super().copy_to_clipboard(text)
+        else:
+            self._clipboard = text
+
+    def action_interrupt(self) -> None:
+        """Leave at the second ^C in a row; the first may have been meant for something else."""
+        now = monotonic()
+        if now - self._interrupted_at < _TWICE:
+            leave(self.main)
+        self._interrupted_at = now
+        self.notify("Press ^C again to leave the game.", markup=False, timeout=_TWICE)

@@ -1,0 +1,210 @@
+"""What a player has set once for all, in a TOML file."""
+
+from __future__ import annotations
+
+import json
+import re
+import tomllib
+from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING, Any
+
+from logical_robots_tui.paths import read_ordinary
+from logical_robots_tui.shipped import did_you_mean
+from logical_robots_tui.tui.app.facts import NIGHT_NAME
+from logical_robots_tui.tui.commands.keys import key_from
+from logical_robots_tui.tui.commands.table import COMMANDS, EDITING, key_name
+from logical_robots_tui.tui.labyrinth.drawing.glyphs import Drawing
+from logical_robots_tui.tui.theme.themes import THEMES
+from logical_robots_tui.world.excess import excess_of_toml
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Mapping, Sequence
+    from pathlib import Path
+    from typing import TypeAlias
+
+    Complain: TypeAlias = Callable[[str, str], None]
+
+__all__ = ["Settings", "as_toml", "read_settings"]
+
+_MOST_FRAMES = 60
+_LONGEST = 100_000  # bytes of the file
+_ONLY_EDITING = ("enter", "tab", "shift+tab", "delete", "backspace")
+"""Keys that only commands for editing can have, as key_name writes them."""
+
+
+@dataclass(frozen=True)
+class Settings:
+    """Choices from the configuration file; the rest is as the game comes.
+
+    Attributes:
+        theme: Name of a theme, or "" for the one chosen in the game.
+        drawing: How to draw the labyrinth, or None for what suits the terminal.
+        frames: Pictures a second, at most.
+        cones: Whether the light of the robots' radars is shown.
+        trails: Whether trails are shown.
+        keys: The keys of those commands that get others, as Textual names them, by id.
+        complaints: What could not be used, each with its place.
+    """
+
+    theme: str = ""
+    drawing: Drawing | None = None
+    frames: int = 30
+    cones: bool = True
+    trails: bool = True
+    keys: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
+    complaints: tuple[str, ...] = ()
+
+
+def read_settings(path: Path) -> Settings:
+    """Return what a file sets; of what is wrong there it only complains.
+
+    Args:
+        path: The file; a missing one sets nothing.
+    """
+    try:
+        text = read_ordinary(path, _LONGEST + 1).decode("utf-8-sig")
+        if len(text) > _LONGEST or excess_of_toml(text):
+            raise ValueError("it is too large")
+        found = tomllib.loads(text)
+    except FileNotFoundError:
+        return Settings()
+    except (OSError, ValueError, RecursionError) as error:
+        said = _refusal(error)
+        return Settings(complaints=(f"{path}: {said}. Nothing of it is used.",))
+    complaints: list[str] = []
+
+    def complain(name: str, said: str) -> None:
+        complaints.append(f"{path}{_line_of(name, text)}: {said}{'' if said[-1] in '.?' else '.'}")
+
+    return replace(_settings(found, complain), complaints=tuple(complaints))
+
+
+def _refusal(error: Exception) -> str:
+    """Why nothing of a file can be used."""
+    if isinstance(error, OSError):
+        return error.strerror or str(error)
+    if isinstance(error, UnicodeDecodeError):
+        return "it is no text in UTF-8"
+    return "it is nested too deeply" if isinstance(error, RecursionError) else str(error)
+
+
+def _settings(found: dict[str, Any], complain: Complain) -> Settings:
+    """What can be used of a file."""
+    readers: dict[str, Callable[[Any], Any]] = {
+        "theme": lambda value: _one_of(value, THEMES),
+        "drawing": lambda value: Drawing(_one_of(value, [way.value for way in Drawing])),
+        "frames": _frames,
+        "cones": _truth,
+        "trails": _truth,
+        "keys": lambda value: _keys(value, complain),
+    }
+    taken: dict[str, Any] = {}
+    for name, value in found.items():
+        if name not in readers:
+            hint = did_you_mean(name, readers) or f"There are {', '.join(readers)}."
+            complain(name, f'there is no setting "{name}". {hint}')
+            continue
+        try:
+            taken[name] = readers[name](value)
+        except ValueError as error:
+            complain(name, f"{name}: {error}")
+    return Settings(**taken)
+
+
+def _one_of(value: object, known: Sequence[str]) -> str:
+    if value not in known:
+        hint = did_you_mean(str(value), known) or f"There are {', '.join(known)}"
+        raise ValueError(f"{value!r} is not known. {hint}")
+    return str(value)
+
+
+def _frames(value: object) -> int:
+    if not isinstance(value, int) or isinstance(value, bool) or not 1 <= value <= _MOST_FRAMES:
+        raise ValueError(f"{value!r} is not a whole number from 1 to {_MOST_FRAMES}")
+    return value
+
+
+def _truth(value: object) -> bool:
+    if not isinstance(value, bool):
+        raise ValueError(f"{value!r} is neither true nor false")
+    return value
+
+
+def _keys(found: object, complain: Complain) -> dict[str, tuple[str, ...]]:
+    """The keys of the commands that the file names.
+
+    A key goes to one command only, and to another one while a level is edited.
+    """
+    if not isinstance(found, dict):
+        raise ValueError("this is to be a table, [keys]")
+    given = {entry.id: entry.keys for entry in (*COMMANDS, *EDITING)}
+    all_owners = [
+        {key: entry.id for entry in known if entry.id not in found for key in entry.keys}
+        for known in (COMMANDS, EDITING)
+    ]
+    edits = {entry.id for entry in EDITING}
+    chosen: dict[str, tuple[str, ...]] = {}
+    for name, value in found.items():
+        if name not in given:
+            hint = did_you_mean(name, given) or "logical-robots config lists all."
+            complain(f"keys.{name}", f'keys: there is no command "{name}". {hint}')
+            continue
+        owners = all_owners[name in edits]
+        keys = []
+        for text in value if isinstance(value, list) else [value]:
+            try:
+                keys.append(_taken(text, name, owners, edits=name in edits))
+            except ValueError as error:
+                complain(f"keys.{name}", f"keys.{name}: {error}")
+        if keys or value == []:
+            chosen[name] = tuple(keys)
+    for name in found.keys() & given.keys() - chosen.keys():
+        owners = all_owners[name in edits]
+        chosen[name] = tuple(key for key in given[name] if key not in owners)
+    return chosen
+
+
+def _taken(text: object, name: str, owners: dict[str, str], *, edits: bool) -> str:
+    """The key that a command takes, if no other has it."""
+    key = text if edits and isinstance(text, str) and text in _ONLY_EDITING else key_from(text)
+    other = owners.setdefault(key, name)
+    if other != name:
+        raise ValueError(
+            f"{key_name(key)} is the key of {other}. Give that another key, or none: {other} = []"
+        )
+    return key
+
+
+def _line_of(name: str, text: str) -> str:
+    """Where a name, such as ``keys.run``, stands in a file, as ``:3``; "" if it can't be told."""
+    table, _, last = name.rpartition(".")
+    lines = text.splitlines()
+    begins = re.compile(rf"""\s*["']?{re.escape(last)}["']?\s*[=.]""")
+    heads = (number for number, line in enumerate(lines) if line.strip() == f"[{table}]")
+    first = next(heads, 0)
+    numbers = (n for n, line in enumerate(lines[first:], start=first + 1) if begins.match(line))
+    return next((f":{number}" for number in numbers), "")
+
+
+def as_toml(settings: Settings) -> str:
+    """Return a file that sets the same, with every command and its keys."""
+    lines = [
+        _set("theme", settings.theme, NIGHT_NAME),
+        _set("drawing", settings.drawing and settings.drawing.value, "quadrants"),
+        _set("frames", settings.frames),
+        _set("cones", settings.cones),
+        _set("trails", settings.trails),
+        "",
+        "[keys]",
+    ]
+    for entry in (*COMMANDS, *EDITING):
+        keys = settings.keys.get(entry.id, entry.keys)
+        lines.append(f"{_set(entry.id, [key_name(key) for key in keys]):<40}  # {entry.title}")
+    return "\n".join(lines)
+
+
+def _set(name: str, value: object, example: str = "") -> str:
+    """A line that sets something, or the example of one as a comment where it is not set."""
+    if not value and example:
+        return f"# {_set(name, example)}"
+    return f"{name} = {json.dumps(value, ensure_ascii=False)}"

@@ -1,1 +1,0 @@
-"""Boxes over the game that ask or tell something."""

@@ -1,0 +1,189 @@
+"""What a robot's decision came from, on one page."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from itertools import zip_longest
+from typing import TYPE_CHECKING, ClassVar
+
+from textual.binding import Binding
+from textual.content import Content
+from textual.message import Message
+
+from logical_robots_tui.mind import Table
+from logical_robots_tui.tui.inspector.widgets.cells import cell, written
+from logical_robots_tui.tui.inspector.widgets.lines import LinesView
+from logical_robots_tui.tui.inspector.widgets.polar import polar
+from logical_robots_tui.tui.theme.safe_text import clip, one_line
+from logical_robots_tui.tui.theme.themes import INK
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from logical_robots_tui.game import Frame
+    from logical_robots_tui.mind import Program
+    from logical_robots_tui.tui.inspector.questions import Survey
+    from logical_robots_tui.values import Value
+
+__all__ = ["DecisionView", "decision_lines"]
+
+_RADAR_ROWS = 8
+_ROOM_FOR_RADAR = 90  # columns from which on the radar is drawn
+_LONGEST = 400
+
+
+class DecisionView(LinesView):
+    """Shows what a robot's decision came from; enter looks into the values."""
+
+    BINDINGS: ClassVar[list[Binding | tuple[str, str] | tuple[str, str, str]]] = [
+        Binding("enter", "open", show=False),
+    ]
+
+    class Opened(Message):
+        """The player wants to look into the values."""
+
+    def __init__(self) -> None:
+        super().__init__(id="decision")
+        self._shown: tuple[Program | None, Frame, str, Survey | None] | None = None
+
+    def show(
+        self, program: Program | None, frame: Frame, robot: str, survey: Survey | None
+    ) -> None:
+        """Show a tick, as `decision_lines` has it."""
+        self._shown = (program, frame, robot, survey)
+        self._draw()
+
+    def on_resize(self) -> None:
+        """Use the width there is now."""
+        self._draw()
+
+    def action_open(self) -> None:
+        """Look into the values."""
+        self.post_message(self.Opened())
+
+    def _draw(self) -> None:
+        if self._shown is not None and self.columns > 0:
+            self.paint(decision_lines(*self._shown, self.columns))
+
+
+def decision_lines(
+    program: Program | None, frame: Frame, robot: str, survey: Survey | None, width: int
+) -> list[Content]:
+    """The page for a robot at a tick.
+
+    Args:
+        program: What it thinks with, if that is known.
+        frame: The tick.
+        robot: Its name.
+        survey: The rows of every predicate at that tick, if they are known.
+        width: Columns to fill.
+    """
+    number = next(i for i, row in enumerate(frame.sensors) if row["robot_name"] == robot)
+    sensor = frame.sensors[number]["sensor"]
+    picture = polar(sensor["radar"], _RADAR_ROWS) if width >= _ROOM_FOR_RADAR else []
+    room = width - (4 * _RADAR_ROWS + 2 if picture else 0)
+    lines = [line for each in _told(program, frame, number, survey) for line in each.wrap(room)]
+    return [
+        line.pad_right(max(0, room + 2 - line.cell_length)).append(drawn)
+        if drawn is not None
+        else line
+        for line, drawn in zip_longest(lines, picture, fillvalue=None)
+        for line in (line or Content(""),)
+    ]
+
+
+def _told(
+    program: Program | None, frame: Frame, number: int, survey: Survey | None
+) -> Iterator[Content]:
+    row = frame.sensors[number]
+    robot, sensor = row["robot_name"], row["sensor"]
+    yield _titled("sensor in")
+    own = sensor["self"]
+    seen = sensor["forward_object"]
+    label = "" if seen in ("wall", "none") else f" {one_line(sensor['forward_label'])}"
+    yield _named("front", f"{sensor['forward_distance']}, {seen}{label}")
+    if own["has_battery"]:
+        yield _named("battery", f"{own['battery_level']:.1f} of {own['battery_capacity']:g}")
+    yield _named("clock", str(sensor["clock"]))
+    yield _titled("memory before")
+    before, after = frame.memories_before.get(robot), frame.memories.get(robot)
+    yield _valued("memory", before)
+    yield from _on_the_way(program, robot, survey)
+    decision = next((d for d in frame.decisions if d.robot_name == robot), None)
+    if decision is None:
+        yield Content.styled("Nobody has thought yet.", INK.dim)
+        return
+    yield _titled("desire")
+    if decision.desire is not None:
+        given = decision.desire
+        yield _named("as given", f"left {given.left_engine:.6g}, right {given.right_engine:.6g}")
+    state = frame.after.robots[number]
+    yield _named("as driven", f"left {state.left_engine:.6g}, right {state.right_engine:.6g}")
+    yield _titled("memory after")
+    yield from _difference(before, after)
+    for notice in decision.notices:
+        yield Content.assemble(
+            ("! ", f"bold {INK.warn}"), (clip(one_line(notice.message), _LONGEST), INK.warn)
+        )
+
+
+def _on_the_way(program: Program | None, robot: str, survey: Survey | None) -> Iterator[Content]:
+    """The predicates that `Robot` leans on, with the rows that count for a robot."""
+    if program is None or survey is None or survey.program is not program:
+        return
+    yield _titled("on the way")
+    for name in program.needed:
+        table = survey.tables.get(name)
+        if not isinstance(table, Table):
+            yield _named(name, "failed" if table is not None else "not known")
+            continue
+        rows = _rows_of(robot, table)
+        more = "+" if table.truncated else ""
+        words = f"{len(rows):,}{more} {'rows' if more or len(rows) != 1 else 'row'}"
+        said = Content.styled(words, INK.dim)
+        if len(rows) == 1 and not more:
+            shown = dict(zip(table.columns, rows[0], strict=True))
+            shown.pop("robot_name", None)
+            values = [
+                Content.assemble((f"{one_line(c)} ", INK.dim), cell(v, 60))
+                for c, v in shown.items()
+            ]
+            said = Content("  ").join(values) if values else said
+        yield Content.assemble("  ", (f"{one_line(name)}  ", INK.title)).append(said)
+
+
+def _rows_of(robot: str, table: Table) -> list[tuple[Value, ...]]:
+    place = table.columns.index("robot_name") if "robot_name" in table.columns else None
+    return [
+        row
+        for number, row in enumerate(table.rows)
+        if (not table.viewers or table.viewers[number] == robot)
+        and (place is None or row[place] == robot)
+    ]
+
+
+def _difference(before: Value, after: Value) -> Iterator[Content]:
+    """A memory, field by field if it is a record; what changed is marked."""
+    if isinstance(after, Mapping) and isinstance(before, Mapping):
+        for name, value in after.items():
+            yield _valued(name, value, changed=name not in before or before[name] != value)
+        for name in before:
+            if name not in after:
+                yield Content.assemble("  ", (f"{one_line(name)} is gone", INK.key))
+    else:
+        yield _valued("memory", after, changed=before != after)
+
+
+def _titled(title: str) -> Content:
+    return Content.styled(title, f"bold {INK.title}")
+
+
+def _named(name: str, text: str) -> Content:
+    return Content.assemble("  ", (f"{one_line(name)}  ", INK.dim), (text, INK.text))
+
+
+def _valued(name: str, value: Value, *, changed: bool = False) -> Content:
+    mark = ("• ", INK.key) if changed else ("  ", INK.dim)
+    return Content.assemble(
+        mark, (f"{one_line(name)}  ", INK.dim), (written(value, _LONGEST), INK.record)
+    )

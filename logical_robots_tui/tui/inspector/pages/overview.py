@@ -1,0 +1,228 @@
+"""The overview of all robots at one tick, as text for a given width."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from itertools import groupby
+from operator import itemgetter
+from typing import TYPE_CHECKING
+
+from textual.content import Content
+
+from logical_robots_tui.tui.inspector.widgets.cells import written
+from logical_robots_tui.tui.inspector.widgets.sparkline import BARS
+from logical_robots_tui.tui.theme.safe_text import clip, one_line
+from logical_robots_tui.tui.theme.themes import INK, robot_ink
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Mapping, Sequence
+    from typing import Any
+
+    from logical_robots_tui.game import Frame
+    from logical_robots_tui.mind import Decision
+    from logical_robots_tui.tui.labyrinth.drawing.palette import Palette
+    from logical_robots_tui.world import Level, RobotState
+
+__all__ = ["head", "notes", "radar_strip", "robot_lines"]
+
+_FARTHEST = 200
+_OBJECTS = {"wall": INK.wall, "beacon": INK.beacon, "robot": INK.robot}
+_CHOSEN = "on $row"
+
+
+@dataclass(frozen=True, slots=True)
+class _Robot:
+    """All that a line tells of one robot at one tick."""
+
+    name: str
+    colour: str
+    state: RobotState
+    sensor: Mapping[str, Any]
+    memory: Any
+    decision: Decision | None
+
+
+@dataclass(frozen=True, slots=True)
+class _Column:
+    """A column of the overview; `rank` says who stays when there is little room."""
+
+    title: str
+    width: int
+    rank: int
+    cell: Callable[[_Robot], Content]
+    right: bool = False
+
+
+def robot_lines(
+    level: Level, frame: Frame, width: int, chosen: str | None, palette: Palette
+) -> list[Content]:
+    """One line for each robot, in file order.
+
+    Args:
+        level: Where the robots are.
+        frame: The tick to tell of.
+        width: Columns to fill.
+        chosen: Name of the robot to highlight, or None.
+        palette: The labyrinth's colours.
+    """
+    columns = _columns(level, width)
+    lines = []
+    for robot in _robots(level, frame, palette):
+        line = Content("").join(
+            _aligned(column.cell(robot), column.width, column.right).append(" ")
+            for column in columns
+        )
+        lines.append(line.stylize_before(_CHOSEN) if robot.name == chosen else line)
+    return lines
+
+
+def head(level: Level, width: int) -> Content:
+    """The titles above the lines of the robots."""
+    return Content("").join(
+        _aligned(Content.styled(clip(column.title, column.width), INK.dim), column.width).append(
+            " "
+        )
+        if not column.right
+        else _aligned(Content.styled(column.title, INK.dim), column.width, True).append(" ")
+        for column in _columns(level, width)
+    )
+
+
+def notes(level: Level, frame: Frame, chosen: str | None) -> list[Content]:
+    """What was unusual about the decisions, then what the chosen robot remembers."""
+    found = [
+        Content.assemble(
+            ("! ", f"bold {INK.warn}"),
+            (f"{one_line(decision.robot_name)}: ", INK.warn),
+            (clip(one_line(notice.message), 400), INK.text),
+        )
+        for decision in frame.decisions
+        for notice in decision.notices
+    ]
+    names = [robot.name for robot in level.robots]
+    if chosen is None and len(names) == 1:
+        chosen = names[0]
+    if chosen in names:
+        found.append(
+            Content.assemble(
+                (f"{one_line(chosen or '')} remembers ", INK.dim),
+                (written(frame.memories.get(chosen or ""), 4000), INK.text),
+            )
+        )
+    return found
+
+
+def radar_strip(radar: Sequence[Mapping[str, Any]]) -> Content:
+    """The rays from left to right as bars, high where there is much room, coloured by object."""
+    return Content.assemble(
+        *(
+            ("".join(map(_bar, rays)), _OBJECTS.get(what, INK.nothing))
+            for what, rays in groupby(radar, itemgetter("object"))
+        )
+    )
+
+
+def _bar(ray: Mapping[str, Any]) -> str:
+    free = math.sqrt(ray["distance"] / _FARTHEST)  # more of the bar for what is near
+    return BARS[min(int(free * len(BARS)), len(BARS) - 1)]
+
+
+def _robots(level: Level, frame: Frame, palette: Palette) -> list[_Robot]:
+    sensors = {row["robot_name"]: row["sensor"] for row in frame.sensors}
+    decisions = {decision.robot_name: decision for decision in frame.decisions}
+    return [
+        _Robot(
+            robot.name,
+            robot_ink(robot.color, palette),
+            state,
+            sensors[robot.name],
+            frame.memories.get(robot.name),
+            decisions.get(robot.name),
+        )
+        for robot, state in zip(level.robots, frame.after.robots, strict=True)
+    ]
+
+
+def _columns(level: Level, width: int) -> list[_Column]:
+    longest = max(len(one_line(robot.name)) for robot in level.robots)
+    columns = [
+        _Column("robot", min(max(longest, 5), 12) + 3, 0, _name),
+        _Column("x", 5, 6, lambda robot: _number(robot.state.x, 0), right=True),
+        _Column("y", 5, 6, lambda robot: _number(robot.state.y, 0), right=True),
+        _Column("head", 5, 4, _heading, right=True),
+        _Column("front", 16, 3, _front),
+        _Column("radar, left to right", 31, 1, lambda robot: radar_strip(robot.sensor["radar"])),
+        _Column("left", 6, 2, lambda robot: _engine(robot, "left_engine"), right=True),
+        _Column("right", 6, 2, lambda robot: _engine(robot, "right_engine"), right=True),
+    ]
+    if any(robot.has_battery for robot in level.robots):
+        columns.append(_Column("charge", 6, 5, _charge, right=True))
+    while len(columns) > 1 and _total(columns) > width:
+        last = max(column.rank for column in columns)
+        columns = [column for column in columns if column.rank != last]
+    rest = width - _total(columns) - 2
+    if rest >= 14:
+        columns.append(_Column(" memory", rest, 7, lambda robot: _memory(robot, rest)))
+    return columns
+
+
+def _total(columns: list[_Column]) -> int:
+    return sum(column.width + 1 for column in columns)
+
+
+def _name(robot: _Robot) -> Content:
+    mark = "✕" if robot.state.dead else "!" if robot.state.blocked else " "
+    mark_style = INK.bad if robot.state.dead else INK.warn
+    return Content.assemble(
+        ("● ", robot.colour),
+        (clip(one_line(robot.name), 12), f"bold {robot.colour}"),
+        (mark, mark_style),
+    )
+
+
+def _heading(robot: _Robot) -> Content:
+    angle = robot.state.angle
+    text = f"{round(math.degrees(angle)) % 360}°" if math.isfinite(angle) else "?"
+    return Content.styled(text, INK.text)
+
+
+def _front(robot: _Robot) -> Content:
+    what, label = robot.sensor["forward_object"], robot.sensor["forward_label"]
+    if what == "none":
+        return Content.styled("nothing", INK.dim)
+    name = "wall" if what == "wall" and label == "wall" else one_line(str(label))
+    distance = f"{robot.sensor['forward_distance']:g}"
+    text = f"{clip(name, 15 - len(distance))} {distance}"
+    return Content.styled(text, _OBJECTS.get(what, INK.text))
+
+
+def _engine(robot: _Robot, side: str) -> Content:
+    desire = robot.decision.desire if robot.decision else None
+    if desire is None:
+        return Content.styled("-", INK.dim)
+    value: float = getattr(desire, side)
+    text = f"{value:.2f}" if abs(value) < 100 else f"{value:.0e}"
+    return Content.styled(text, INK.number if -1 <= value <= 1 else INK.warn)
+
+
+def _charge(robot: _Robot) -> Content:
+    capacity = robot.sensor["self"]["battery_capacity"]
+    if not robot.sensor["self"]["has_battery"] or not capacity:
+        return Content.styled("-", INK.dim)
+    share = robot.state.battery_level / capacity
+    return Content.styled(f"{share:.0%}", INK.good if share > 0.25 else INK.bad)
+
+
+def _memory(robot: _Robot, width: int) -> Content:
+    return Content.styled(f" {written(robot.memory, width - 1)}", INK.dim)
+
+
+def _number(value: float, digits: int) -> Content:
+    return Content.styled(f"{value:.{digits}f}", INK.text)
+
+
+def _aligned(content: Content, width: int, right: bool = False) -> Content:
+    missing = " " * max(width - content.cell_length, 0)
+    padded = Content(missing).append(content) if right else content.append(missing)
+    return padded if padded.cell_length <= width else padded.truncate(width)

@@ -1,0 +1,270 @@
+"""A table of values with a cursor, quick to replace many times a second."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, ClassVar
+
+from rich.cells import cell_len, set_cell_size
+from rich.segment import Segment
+from rich.style import Style
+from textual.binding import Binding
+from textual.geometry import Region, Size
+from textual.message import Message
+from textual.scroll_view import ScrollView
+from textual.strip import Strip
+
+from logical_robots_tui.tui.commands.table import with_keys
+from logical_robots_tui.tui.inspector.widgets.arranging import (
+    Arrangement,
+    Row,
+    Rows,
+    arranged,
+    changed_cells,
+)
+from logical_robots_tui.tui.inspector.widgets.cells import cell, is_number
+from logical_robots_tui.tui.theme.safe_text import clip, visible
+from logical_robots_tui.tui.theme.themes import INK, rich_style
+
+if TYPE_CHECKING:
+    from textual import events
+
+    from logical_robots_tui.values import Value
+
+__all__ = ["ValueTable"]
+
+_GAP = 2
+_MEASURED_ROWS = 200
+_NARROWEST, _WIDEST = 4, 60
+
+_HEAD = f"bold {INK.title}"
+_HERE = "$here-ink on $here"
+_ROW = "on $row"
+_CHANGED = Style(underline=True, bold=True)
+
+
+class ValueTable(ScrollView, can_focus=True):
+    """Rows of a predicate under the names of its columns."""
+
+    DEFAULT_CSS = """
+    ValueTable { background: $surface; height: 1fr; overflow: auto auto; }
+    """
+
+    BINDINGS: ClassVar[list[Binding | tuple[str, str] | tuple[str, str, str]]] = [
+        Binding("up", "go(-1, 0)", show=False),
+        Binding("down", "go(1, 0)", show=False),
+        Binding("left", "go(0, -1)", show=False),
+        Binding("right", "go(0, 1)", show=False),
+        Binding("pageup", "go(-10, 0)", show=False),
+        Binding("pagedown", "go(10, 0)", show=False),
+        Binding("home", "go(-1000000, 0)", show=False),
+        Binding("end", "go(1000000, 0)", show=False),
+        Binding("enter", "open", show=False),
+    ]
+
+    class Pointed(Message):
+        """The cursor is on another value, or the value under it is another one."""
+
+    class Opened(Message):
+        """The player wants to look into the value under the cursor."""
+
+    def __init__(self, id: str = "rows") -> None:  # noqa: A002 - the name that widgets have
+        super().__init__(id=id)
+        self._all = Rows((), ())
+        self._shown = self._all
+        self._are_all = True
+        self._how = Arrangement()
+        self._widths: list[int] = []
+        self._at = (0, 0)
+
+    @property
+    def all(self) -> Rows:
+        """All rows, as they came."""
+        return self._all
+
+    @property
+    def shown(self) -> Rows:
+        """What is shown, as it is arranged."""
+        return self._shown
+
+    @property
+    def missing(self) -> str:
+        """What is not shown, in words, or ""."""
+        if self._shown.left_out:
+            more = f"and {self._shown.left_out:,} more rows side by side"
+            return with_keys(f"{more}; {{turn}} shows them one below the other")
+        if self._are_all:
+            return ""
+        first = f"there are more rows than these first {len(self._all.rows):,}"
+        return with_keys(f"{first}; {{ask}} asks for those with some value")
+
+    @property
+    def how(self) -> Arrangement:
+        """How the rows are arranged."""
+        return self._how
+
+    @property
+    def column(self) -> str:
+        """Name of the column under the cursor, or ""."""
+        pointed = self.pointed
+        return pointed[0] if pointed is not None and not self._how.sideways else ""
+
+    @property
+    def pointed(self) -> tuple[str, Value] | None:
+        """Name of the column and the value under the cursor, or None if there are no rows."""
+        row, column = self._at
+        if not self._shown.rows or not self._shown.columns:
+            return None
+        return self._shown.columns[column], self._shown.rows[row][column]
+
+    @property
+    def place(self) -> tuple[int, str] | None:
+        """Which of all rows, and which column, the cursor is on; None if that can't be told."""
+        row = self._shown.rows[self._at[0]] if self.column else None
+        number = next((n for n, each in enumerate(self._all.rows) if each is row), None)
+        return None if number is None else (number, self.column)
+
+    def show(
+        self,
+        columns: tuple[str, ...],
+        rows: tuple[Row, ...],
+        before: tuple[Row, ...] | None = None,
+        *,
+        are_all: bool = True,
+    ) -> None:
+        """Show other rows; the cursor stays where it is as far as they reach.
+
+        Args:
+            columns: Names of the columns.
+            rows: The rows.
+            before: The rows of the tick before; values that differ from it are brought out.
+            are_all: Whether there are no more rows than these.
+        """
+        self._are_all = are_all
+        changed = frozenset[tuple[int, int]]()
+        if before is not None:
+            changed = changed_cells(rows, before)
+        if columns != self._all.columns:
+            self._at = (self._at[0], 0)
+        self._all = Rows(columns, rows, changed)
+        self._arrange()
+
+    def rearrange(self, how: Arrangement) -> None:
+        """Show the rows in another way."""
+        self._how = how
+        self._arrange()
+
+    def _arrange(self) -> None:
+        self._shown = arranged(self._all, self._how)
+        self._measure()
+        self.action_go(0, 0)
+        self.refresh()
+
+    def on_resize(self) -> None:
+        """Give the columns the width there is now."""
+        self._measure()
+        self.refresh()
+
+    def on_click(self, event: events.Click) -> None:
+        """Put the cursor on the value under the pointer."""
+        row = event.y + self.scroll_offset.y - 1
+        x, column = event.x + self.scroll_offset.x, 0
+        for number, width in enumerate(self._widths):
+            if x < width + _GAP:
+                column = number
+                break
+            x -= width + _GAP
+        else:
+            column = len(self._widths) - 1
+        self._at = (row, column)
+        self.action_go(0, 0)
+
+    def action_go(self, down: int, right: int) -> None:
+        """Move the cursor as far as there are rows and columns."""
+        row = max(0, min(self._at[0] + down, len(self._shown.rows) - 1))
+        column = max(0, min(self._at[1] + right, len(self._shown.columns) - 1))
+        self._at = (row, column)
+        if self._widths:
+            x = sum(self._widths[:column]) + _GAP * column
+            # One line more on top, because the head covers the first visible one.
+            is_last = row == len(self._shown.rows) - 1
+            height = 2 + (is_last and bool(self.missing))
+            area = Region(x, row, self._widths[column] + _GAP, height)
+            self.scroll_to_region(area, animate=False, force=True)
+        self.refresh()
+        self.post_message(self.Pointed())
+
+    def action_open(self) -> None:
+        """Look into the value under the cursor."""
+        if self.pointed is not None:
+            self.post_message(self.Opened())
+
+    def render_line(self, y: int) -> Strip:
+        """One line: the head at the top of the view, rows below."""
+        offset, top = self.scroll_offset
+        base = self.rich_style
+        if not self._shown.columns:
+            return Strip.blank(self.size.width, base)
+        number = top + y - 1
+        if y == 0:
+            segments = [
+                Segment(_fit(visible(name), width, number) + " " * _GAP, base + rich_style(_HEAD))
+                for number, (name, width) in self._head()
+            ]
+        elif 0 <= number < len(self._shown.rows):
+            segments = self._row(number, base)
+        elif number == len(self._shown.rows) and self.missing:
+            segments = [Segment(f"… {self.missing}", base + rich_style(INK.warn))]
+        else:
+            return Strip.blank(self.size.width, base)
+        strip = Strip(segments)
+        fill = base + rich_style(_ROW) if y and number == self._at[0] and self.has_focus else base
+        width = max(self.size.width, self.virtual_size.width)
+        return strip.extend_cell_length(width, fill).crop(offset, offset + self.size.width)
+
+    def _head(self) -> list[tuple[bool, tuple[str, int]]]:
+        first = self._shown.rows[0] if self._shown.rows else (None,) * len(self._shown.columns)
+        return [
+            (is_number(value), (name, width))
+            for value, name, width in zip(first, self._shown.columns, self._widths, strict=True)
+        ]
+
+    def _row(self, number: int, base: Style) -> list[Segment]:
+        row_style = base + rich_style(_ROW) if number == self._at[0] and self.has_focus else base
+        segments = []
+        for column, (value, width) in enumerate(
+            zip(self._shown.rows[number], self._widths, strict=True)
+        ):
+            text, colour = cell(value, width)
+            style = row_style + rich_style(colour)
+            if (number, column) in self._shown.changed:
+                style += _CHANGED
+            if (number, column) == self._at and self.has_focus:
+                style = base + rich_style(_HERE)
+            fitted = _fit(text, width, is_number(value))
+            segments += [Segment(fitted, style), Segment(" " * _GAP, row_style)]
+        return segments
+
+    def _measure(self) -> None:
+        """Give each column the width it needs, or its fair share if that is too much."""
+        sample = self._shown.rows[:_MEASURED_ROWS]
+        wanted = [
+            max(
+                _NARROWEST,
+                len(clip(visible(name), _WIDEST)),
+                *(cell_len(cell(row[number], _WIDEST)[0]) for row in sample),
+            )
+            for number, name in enumerate(self._shown.columns)
+        ]
+        spare = self.size.width - _GAP * len(wanted)
+        while wanted and sum(wanted) > spare and max(wanted) > 12:
+            widest = wanted.index(max(wanted))
+            wanted[widest] = max(12, wanted[widest] - (sum(wanted) - spare))
+        self._widths = wanted
+        lines = len(self._shown.rows) + 1 + bool(self.missing)
+        self.virtual_size = Size(sum(wanted) + _GAP * len(wanted), lines)
+
+
+def _fit(text: str, width: int, right: bool) -> str:
+    text = set_cell_size(text, width) if cell_len(text) > width else text
+    missing = " " * (width - cell_len(text))
+    return missing + text if right else text + missing

@@ -1,0 +1,1 @@
+"""The labyrinth on the screen: its view, camera, overlays and banners."""

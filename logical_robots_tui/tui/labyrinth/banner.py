@@ -1,0 +1,138 @@
+"""The banner over the labyrinth: a victory with its measures, or the results so far."""
+
+from __future__ import annotations
+
+import random
+from typing import TYPE_CHECKING
+
+from textual.content import Content
+from textual.style import Style
+from textual.widgets import Static
+
+from logical_robots_tui.tui.commands.table import command
+from logical_robots_tui.tui.labyrinth.results import results_lines
+from logical_robots_tui.tui.theme.safe_text import clip
+from logical_robots_tui.tui.theme.themes import INK
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from textual import events
+
+    from logical_robots_tui.tui.library.journal import Journal
+
+__all__ = ["Overlay", "VictoryBanner"]
+
+_OFFERS = (
+    ("next level", "next_level"),
+    ("again", "restart"),
+    ("lesson", "lesson"),
+    ("stay", "leave"),
+)
+_LOOKED_UP = (("reference program", "solution"), ("versions", "versions"), ("close", "results"))
+_CONFETTI = "·*✦•˚+"
+_COLOURS = (INK.bad, INK.warn, INK.good, INK.robot, INK.record, INK.key)
+_ROOMY = 24  # lines of the pane from which on there is air between the parts
+
+
+class Overlay(Static):
+    """Text over the picture; a click closes it. It never takes the focus."""
+
+    DEFAULT_CSS = """
+    Overlay { layer: over; display: none; background: $panel 92%; width: 100%; height: auto; }
+    """
+
+    def on_click(self, event: events.Click) -> None:
+        """Close."""
+        event.stop()
+        self.display = False
+
+
+class VictoryBanner(Overlay):
+    """Celebrates; its keys are those of ordinary commands, so nobody who types is disturbed."""
+
+    DEFAULT_CSS = """
+    VictoryBanner { dock: top; height: auto; text-wrap: nowrap; }
+    """
+
+    def __init__(self) -> None:
+        super().__init__(id="banner")
+        self._said = ""
+        self._seed: int | None = None
+        self._rows: Sequence[Content] = ()
+        self._offers: Sequence[tuple[str, str]] = _OFFERS
+
+    def celebrate(self, ticks: int, who: str, journal: Journal) -> None:
+        """Tell that it is won.
+
+        Args:
+            ticks: How many ticks it took.
+            who: Who is where, a few words.
+            journal: Knows the measures.
+        """
+        self._seed, self._offers = ticks, _OFFERS
+        self._said = f"★ {clip(who, 50)} — {ticks} tick{'s' * (ticks != 1)} ★"
+        self._show(journal)
+
+    def toggle(self, journal: Journal) -> None:
+        """Show the results so far, or hide what is shown."""
+        if self.display:
+            self.display = False
+            return
+        self._seed, self._offers, self._said = None, _LOOKED_UP, "Results"
+        self._show(journal)
+
+    def follow(self, journal: Journal) -> None:
+        """Show what has become known meanwhile."""
+        if self.display and (rows := self._table(journal)) != self._rows:
+            same = len(rows) == len(self._rows)
+            self._rows = rows
+            self.refresh(layout=not same)
+
+    def _show(self, journal: Journal) -> None:
+        self._rows = self._table(journal)
+        self.display = True
+        self.refresh(layout=True)
+
+    def _table(self, journal: Journal) -> list[Content]:
+        rows = results_lines(journal)
+        if self._seed is not None and journal.is_reference:
+            note = "That was the reference program: it counts for itself."
+            return [Content.styled(note, INK.dim), *rows]
+        return rows
+
+    def render(self) -> Content:
+        """Lines with confetti at their sides, as wide as the widget."""
+        width = self.size.width
+        chance = random.Random(self._seed)  # noqa: S311 - confetti
+        said = Content.styled(self._said, f"bold {INK.key}")
+        offers = Content("   ").join(_offer(label, name) for label, name in self._offers)
+        air = [Content("")] if self.screen.size.height >= _ROOMY + 6 else []
+        lines = [*air, said, *air, *self._rows, *air, offers, *air]
+        density = 0.0 if self._seed is None else 0.14
+        return Content("\n").join(_confetti(width, line, chance, density) for line in lines)
+
+
+def _offer(label: str, command_id: str) -> Content:
+    """The key and the label of a command, which can be clicked too."""
+    key = command(command_id).key_name
+    content = Content.assemble((key, f"bold {INK.key}"), f" {label}")
+    return content.stylize(Style.from_meta({"@click": f"screen.command('{command_id}')"}))
+
+
+def _confetti(width: int, middle: Content, chance: random.Random, density: float) -> Content:
+    """A line with something in its middle and confetti at its sides."""
+    left = max((width - middle.cell_length) // 2 - 2, 0)
+    right = max(width - middle.cell_length - left - 4, 0)
+    if not middle.cell_length:
+        return _sprinkle(width, chance, density)
+    sides = _sprinkle(left, chance, density), _sprinkle(right, chance, density)
+    return Content("  ").join([sides[0], middle, sides[1]])
+
+
+def _sprinkle(width: int, chance: random.Random, density: float) -> Content:
+    parts = [
+        (chance.choice(_CONFETTI), chance.choice(_COLOURS)) if chance.random() < density else " "
+        for _ in range(width)
+    ]
+    return Content.assemble(*parts)

@@ -1,0 +1,151 @@
+"""Which part of the labyrinth is looked at, and how it changes."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from enum import Enum
+from typing import TYPE_CHECKING
+
+from logical_robots_tui.tui.labyrinth.drawing.viewport import CELL_ASPECT, Viewport
+
+if TYPE_CHECKING:
+    from logical_robots_tui.world.level import Level
+
+__all__ = ["ZOOMS", "Camera", "Sight"]
+
+ZOOMS = (1.0, 1.5, 2.0, 3.0, 4.0, 6.0, 8.0, 12.0, 16.0)
+"""How many times as large as the whole labyrinth fits; the first step is all of it."""
+
+_NEAR = 3
+"""The step at which a robot is followed unless the player has chosen another."""
+
+_CALM = 0.22
+"""Part of the view, to each side of its middle, in which a robot moves without the view."""
+
+
+class Sight(Enum):
+    """What is looked at."""
+
+    WHOLE = "whole"
+    """The whole labyrinth."""
+    FOLLOW = "follow"
+    """A part around the selected robot."""
+    SENSES = "senses"
+    """What robots sense, each in a picture of its own."""
+    FREE = "free"
+    """A part that the player chose."""
+
+
+@dataclass(frozen=True, slots=True)
+class Camera:
+    """Where the player looks.
+
+    Attributes:
+        sight: What is looked at.
+        step: Index into ``ZOOMS``.
+        x: Map units in the middle of the view, where it is not the whole labyrinth.
+        y: Map units in the middle of the view.
+    """
+
+    sight: Sight = Sight.WHOLE
+    step: int = 0
+    x: float = 0.0
+    y: float = 0.0
+
+    @property
+    def zoom(self) -> float:
+        """How many times as large as the whole labyrinth fits."""
+        return ZOOMS[self.step]
+
+    def viewport(self, level: Level, columns: int, rows: int) -> Viewport:
+        """Return the part of a level's map that a block of cells shows.
+
+        Args:
+            level: Its size counts.
+            columns: Cells across.
+            rows: Cells down.
+        """
+        whole = Viewport.fit(level.width, level.height, columns, rows)
+        if self.sight not in (Sight.FOLLOW, Sight.FREE):
+            return whole
+        view = whole.zoomed(self.zoom)
+        if self.sight is Sight.FREE:
+            return view.centred(self.x, self.y)
+        x = _beside_rim(self.x, view.width, level.width)
+        return view.centred(x, _beside_rim(self.y, view.height, level.height))
+
+    def next_sight(self) -> Camera:
+        """Look at the next thing; a part that was chosen freely is left for the whole."""
+        if self.sight is Sight.WHOLE:
+            return replace(self, sight=Sight.FOLLOW, step=self.step or _NEAR)
+        return replace(self, sight=Sight.SENSES if self.sight is Sight.FOLLOW else Sight.WHOLE)
+
+    def following(self, x: float, y: float, view: Viewport, *, at_once: bool = False) -> Camera:
+        """Bring a robot to the middle if it has left the calm part of the view.
+
+        A view that moved with every step would change every cell in every picture.
+
+        Args:
+            x: Of the robot, map units.
+            y: Of the robot, map units.
+            view: What is shown at present.
+            at_once: Whether to do so in any case.
+        """
+        if self.sight is not Sight.FOLLOW:
+            return self
+        middle_x, middle_y = view.left + view.width / 2, view.top + view.height / 2
+        is_calm_x = not at_once and abs(x - middle_x) <= _CALM * view.width
+        is_calm_y = not at_once and abs(y - middle_y) <= _CALM * view.height
+        if is_calm_x and is_calm_y:
+            return self
+        return replace(self, x=self.x if is_calm_x else x, y=self.y if is_calm_y else y)
+
+    def zoomed(self, steps: int, view: Viewport, at: tuple[float, float] | None = None) -> Camera:
+        """Zoom.
+
+        Args:
+            steps: How far; negative shows more of the labyrinth.
+            view: What is shown at present.
+            at: The point, in map units, that stays where it is on the screen; by default the
+                middle. A robot that is followed stays in the middle instead.
+        """
+        if self.sight is Sight.SENSES:
+            return self
+        step = min(max((self.step if self.sight is not Sight.WHOLE else 0) + steps, 0), _LAST)
+        if step == 0 and self.sight is not Sight.FOLLOW:
+            return Camera()
+        if self.sight is Sight.FOLLOW:
+            return replace(self, step=step)
+        now = ZOOMS[self.step] if self.sight is Sight.FREE else 1.0
+        middle = view.left + view.width / 2, view.top + view.height / 2
+        x, y = at or middle
+        share = now / ZOOMS[step]
+        return Camera(Sight.FREE, step, x + (middle[0] - x) * share, y + (middle[1] - y) * share)
+
+    def panned(self, columns: float, rows: float, view: Viewport, level: Level) -> Camera:
+        """Move the view over the map, whose middle part stays in sight.
+
+        Args:
+            columns: Cells to the right.
+            rows: Cells down.
+            view: What is shown at present.
+            level: The map.
+        """
+        if self.sight is Sight.SENSES:
+            return self
+        x = view.left + view.width / 2 + columns * view.units
+        y = view.top + view.height / 2 + rows * view.units * CELL_ASPECT
+        step = self.step if self.sight is not Sight.WHOLE else 0
+        return Camera(
+            Sight.FREE, step, min(max(x, 0.0), level.width), min(max(y, 0.0), level.height)
+        )
+
+
+def _beside_rim(middle: float, length: float, whole: float) -> float:
+    """Return the middle that is nearest to one and shows as little beside the map as it can."""
+    if length >= whole:
+        return whole / 2
+    return min(max(middle, length / 2), whole - length / 2)
+
+
+_LAST = len(ZOOMS) - 1

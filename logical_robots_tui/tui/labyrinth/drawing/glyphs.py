@@ -1,0 +1,206 @@
+"""How a labyrinth is drawn: its characters, and the choices that a player has."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from enum import Enum
+from typing import TYPE_CHECKING
+
+from logical_robots_tui.tui.labyrinth.drawing.palette import DARK, RGB, Palette
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+__all__ = ["ASCII", "UNICODE", "Drawing", "GlyphSet", "Highlight", "Look", "legend"]
+
+
+class Drawing(Enum):
+    """How the labyrinth is drawn."""
+
+    QUADRANTS = "quadrants"
+    """Four dots of two colours in each cell."""
+    HALVES = "halves"
+    """Two dots in each cell, for fonts without quadrants."""
+    SEXTANTS = "sextants"
+    """Six dots of two colours in each cell, for fonts that have them."""
+    ASCII = "ascii"
+    """Plain characters that need no colour."""
+
+    @property
+    def dots(self) -> tuple[int, int]:
+        """Dots of a cell, across and down."""
+        return _DOTS[self]
+
+    @property
+    def glyphs(self) -> GlyphSet:
+        """The characters for what stands in the labyrinth."""
+        return ASCII if self is Drawing.ASCII else UNICODE
+
+
+_DOTS = {
+    Drawing.QUADRANTS: (2, 2),
+    Drawing.HALVES: (1, 2),
+    Drawing.SEXTANTS: (2, 3),
+    Drawing.ASCII: (1, 1),
+}
+
+
+@dataclass(frozen=True, slots=True)
+class GlyphSet:
+    """One character, one cell wide, for everything that stands in a labyrinth.
+
+    Attributes:
+        headings: Clockwise from the right, evenly spread.
+        dead: A robot without charge.
+        blocked: Behind the name of a robot that a wall stopped.
+        undecided: Behind the name of a robot for which the program decided nothing.
+        beacon: A beacon.
+        charger: A beacon that charges.
+        goal: Before the name of a goal area.
+        hit_wall: The end of a ray at a wall, from afar.
+        hit_wall_near: The same where rays end far apart.
+        hit_beacon: The end of a ray at a beacon.
+        hit_robot: The end of a ray at a robot.
+        thread: A cell that a trail or a ray goes through, where it is not drawn in braille.
+        cut: At the end of a name that was cut.
+        unknown: In place of a character that can't be shown.
+    """
+
+    headings: str
+    dead: str
+    blocked: str
+    undecided: str
+    beacon: str
+    charger: str
+    goal: str
+    hit_wall: str
+    hit_wall_near: str
+    hit_beacon: str
+    hit_robot: str
+    thread: str
+    cut: str
+    unknown: str
+
+    def heading(self, angle: float) -> str:
+        """Return the arrow nearest to a heading in radians, clockwise from the right."""
+        if not math.isfinite(angle):
+            return self.unknown
+        count = len(self.headings)
+        return self.headings[round(angle / (2 * math.pi) * count) % count]
+
+
+UNICODE = GlyphSet(
+    headings="→↘↓↙←↖↑↗",
+    dead="✕",
+    blocked="!",
+    undecided="?",
+    beacon="◆",
+    charger="↯",
+    goal="⚑",
+    hit_wall="·",
+    hit_wall_near="\N{MULTIPLICATION SIGN}",
+    hit_beacon="◇",
+    hit_robot="•",
+    thread="·",
+    cut="…",
+    unknown="□",
+)
+
+ASCII = GlyphSet(
+    headings=">v<^",
+    dead="X",
+    blocked="!",
+    undecided="?",
+    beacon="*",
+    charger="$",
+    goal="@",
+    hit_wall="x",
+    hit_wall_near="x",
+    hit_beacon="+",
+    hit_robot="o",
+    thread="'",
+    cut="~",
+    unknown="?",
+)
+
+
+def legend(
+    drawing: Drawing = Drawing.QUADRANTS, palette: Palette = DARK
+) -> Sequence[tuple[str, RGB, str]]:
+    """Return what the glyphs mean, as (glyph, colour, meaning)."""
+    glyphs = drawing.glyphs
+    robot, area = (74, 158, 255), (63, 185, 80)
+    rows = [
+        (glyphs.heading(0), robot, "robot, pointing where it is heading"),
+        (glyphs.dead, palette.dead, "robot with an empty battery"),
+        (glyphs.blocked, palette.alarm, "robot that a wall stopped"),
+        (glyphs.undecided, palette.alarm, "robot for which the program decided nothing"),
+        (glyphs.beacon, palette.beacon, "beacon"),
+        (glyphs.charger, palette.charger, "beacon that charges batteries"),
+        (glyphs.goal, area, "goal area"),
+        (glyphs.hit_wall, palette.hit_wall, "a ray ends at a wall"),
+        (glyphs.hit_wall_near, palette.hit_wall, "the same, seen from near"),
+        (glyphs.hit_beacon, palette.hit_beacon, "a ray ends at a beacon"),
+        (glyphs.hit_robot, palette.hit_robot, "a ray ends at a robot"),
+    ]
+    braille = drawing in (Drawing.QUADRANTS, Drawing.SEXTANTS)
+    rows.append(("⠢" if braille else glyphs.thread, robot, "where a robot came from"))
+    if drawing is Drawing.ASCII:
+        rows += [
+            ("#", palette.rim, "wall"),
+            (".", robot, "floor that a robot's rays reach"),
+            (":", area, "area"),
+            ("%", area, "solid area"),
+            (",", area, "area that is switched off"),
+        ]
+    else:
+        rows += [
+            ("█", palette.rim, "wall"),
+            ("▒", robot, "light: what a robot's rays reach"),
+            ("○", area, "area; dotted and dim while it is switched off"),
+            ("◍", area, "solid area, striped"),
+        ]
+    return rows
+
+
+@dataclass(frozen=True, slots=True)
+class Highlight:
+    """A robot, or one ray of its radar, to bring out of the picture.
+
+    Attributes:
+        robot: Its name.
+        ray: The angle of the ray as the program reads it, radians; None means the robot itself.
+    """
+
+    robot: str
+    ray: float | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Look:
+    """The choices that a player has about the picture.
+
+    Attributes:
+        drawing: Which characters draw it.
+        palette: Its colours.
+        rays: Whether the robots' radar is shown as light.
+        marks: Whether the ends of rays are marked.
+        lines: Whether the rays of the selected robot are drawn one by one.
+        trails: Whether the ways that robots came are shown.
+        names: Whether names are shown.
+        selected: Name of the robot to bring out, or None.
+        highlight: A ray or a robot to bring out besides, or None.
+        pulse: How far the beacons are in their pulse, 0 to 3; 0 is brightest.
+    """
+
+    drawing: Drawing = Drawing.QUADRANTS
+    palette: Palette = DARK
+    rays: bool = True
+    marks: bool = True
+    lines: bool = False
+    trails: bool = True
+    names: bool = True
+    selected: str | None = None
+    highlight: Highlight | None = None
+    pulse: int = 0

@@ -1,0 +1,286 @@
+"""Characters over the picture: beacons, robots, ends of rays, and names."""
+
+from __future__ import annotations
+
+from functools import lru_cache
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from logical_robots_tui.tui.labyrinth.drawing.cells import BOLD, Cells, text_id
+from logical_robots_tui.tui.labyrinth.drawing.discs import body_rows, shows_body, text_on
+from logical_robots_tui.tui.labyrinth.drawing.glyphs import Drawing
+from logical_robots_tui.tui.labyrinth.drawing.ground import beacon_colour
+from logical_robots_tui.tui.labyrinth.drawing.name_labels import Plate, Room, fit_name
+from logical_robots_tui.tui.labyrinth.drawing.palette import RGB, Palette, mix, packed, parse
+from logical_robots_tui.tui.labyrinth.drawing.rays import mark_ends
+
+if TYPE_CHECKING:
+    from collections.abc import Container, Sequence
+
+    from numpy.typing import NDArray
+
+    from logical_robots_tui.tui.labyrinth.drawing.glyphs import Look
+    from logical_robots_tui.tui.labyrinth.drawing.rays import Fan
+    from logical_robots_tui.tui.labyrinth.drawing.viewport import Floats, Viewport
+    from logical_robots_tui.world.level import Level
+    from logical_robots_tui.world.state import RobotState
+
+__all__ = ["StillLettering", "letter", "robot_colour", "write"]
+
+_MIN_COLUMNS, _MIN_ROWS = 24, 8
+"""Below this a view is too small for names."""
+
+_NAMES_AT_MOST = 4
+"""One in so many cells may show the name of a robot; of a larger crowd only the selected one's."""
+
+_PULSE = (0.35, 0.0, -0.4, 0.0)
+"""How far the colour of a beacon goes towards the brightest, or below 0 towards the floor."""
+
+
+def robot_colour(color: str, palette: Palette) -> RGB:
+    """Return the colour in which a robot of a level is drawn."""
+    return palette.legible(parse(color))
+
+
+class StillLettering:
+    """The glyphs of beacons and the names of beacons and areas, placed once for a view.
+
+    Args:
+        level: The level.
+        active: For each area whether it is switched on.
+        viewport: The view.
+        look: How to draw.
+        ground: Colours of the still layer's dots, shape (down, across, 3).
+    """
+
+    def __init__(
+        self,
+        level: Level,
+        active: Sequence[bool],
+        viewport: Viewport,
+        look: Look,
+        ground: Floats,
+    ) -> None:
+        palette, glyphs = look.palette, look.drawing.glyphs
+        self.room = Room(viewport.rows, viewport.columns)
+        """What the glyphs of beacons leave free."""
+        shining: list[tuple[int, int, str, RGB]] = []
+        named: list[tuple[int, str, RGB, tuple[int, int], bool]] = []
+        for beacon in level.beacons:
+            cell = viewport.cell(beacon.x, beacon.y)
+            if cell is None:
+                continue
+            colour = beacon_colour(beacon, palette)
+            glyph = glyphs.charger if beacon.charging_station else glyphs.beacon
+            shining.append((*cell, glyph, colour))
+            self.room.take(cell[0], cell[1], cell[1] + 1)
+            named.append((1, beacon.name, mix(colour, palette.bright, 0.25), cell, False))
+        for area, is_active in zip(level.areas, active, strict=False):
+            cell = viewport.cell(area.x, area.y)
+            if cell is None:
+                continue
+            goal = bool(area.victory_robots)
+            name = f"{glyphs.goal} {area.name}".rstrip() if goal else area.name
+            colour = palette.strong(parse(area.color))
+            if not is_active:
+                colour = mix(colour, palette.floor, 0.45)
+            named.append((0 if goal else 2, name, colour, cell, True))
+
+        self._rows = np.array([row for row, _, _, _ in shining], np.int64)
+        self._columns = np.array([column for _, column, _, _ in shining], np.int64)
+        self._texts = np.array([text_id(glyph) for _, _, glyph, _ in shining], np.int64)
+        towards = palette.bright, palette.floor
+        self._inks = [
+            np.array([packed(mix(c, towards[far < 0], abs(far))) for *_, c in shining], np.int64)
+            for far in _PULSE
+        ]
+
+        self.plates: list[tuple[Plate, int, tuple[int, int]]] = []
+        """The names that found a place, their style and the place (row, first column)."""
+        room = self.room.copy()
+        for _, name, colour, (row, column), inside in sorted(named, key=lambda item: item[0]):
+            plate = Plate(_name_cells(name, viewport, look), row, column, inside=inside)
+            place = room.place(plate) if plate.cells else None
+            if place:
+                paper = self._paper(plate, place, ground, look)
+                self.plates.append((plate, packed(colour) << 24 | packed(paper), place))
+
+    def light(self, cells: Cells, pulse: int) -> None:
+        """Write the glyphs of beacons, as bright as they are in a beat of their pulse."""
+        inks = self._inks[pulse % len(_PULSE)]
+        cells.put_all(self._rows, self._columns, self._texts, inks, BOLD)
+
+    def lay_on(self, look: Look, ground: Floats, window: tuple[slice, slice]) -> None:
+        """Let another ground shine through behind the names.
+
+        Args:
+            look: How to draw.
+            ground: Colours of the still layer's dots.
+            window: The dots (down, across) that are others.
+        """
+        down, across = look.drawing.dots[1], look.drawing.dots[0]
+        first, last = window[0].start // down, (window[0].stop - 1) // down
+        left, right = window[1].start // across, (window[1].stop - 1) // across
+        for i, (plate, style, (row, column)) in enumerate(self.plates):
+            if first <= row <= last and column <= right and left < column + len(plate.cells):
+                paper = self._paper(plate, (row, column), ground, look)
+                self.plates[i] = plate, style >> 24 << 24 | packed(paper), (row, column)
+
+    @staticmethod
+    def _paper(plate: Plate, place: tuple[int, int], ground: Floats, look: Look) -> RGB:
+        """Return what shows through behind a name."""
+        across, down = look.drawing.dots
+        row, column = place
+        part = ground[
+            row * down : (row + 1) * down, column * across : (column + len(plate.cells)) * across
+        ]
+        red, green, blue = part.mean(axis=(0, 1)).tolist()
+        share = 1.0 if look.drawing is Drawing.ASCII else 0.6
+        return mix((round(red), round(green), round(blue)), look.palette.plate, share)
+
+
+def letter(
+    cells: Cells,
+    still: StillLettering,
+    robots: Sequence[tuple[RobotState, RGB]],
+    undecided: Container[str],
+    fans: Sequence[Fan],
+    viewport: Viewport,
+    look: Look,
+) -> None:
+    """Write all characters over a picture.
+
+    Args:
+        cells: The picture, changed in place.
+        still: What stands still.
+        robots: All robots with their colours, the most important last.
+        undecided: Names of the robots for which the program decided nothing.
+        fans: The rays whose ends to mark.
+        viewport: The view.
+        look: How to draw.
+    """
+    if look.marks:
+        mark_ends(cells, fans, robots, viewport, look)
+    still.light(cells, look.pulse)
+    room = still.room.copy()
+    clear = body_rows(viewport)
+    placed = []
+    for robot, colour in robots:
+        cell = viewport.cell(robot.x, robot.y)
+        if cell is None:
+            continue
+        placed.append((robot, colour, cell))
+        sign = _trouble(robot, undecided, look)
+        _put_robot(cells, robot, sign, colour, cell, viewport, look)
+        for row in range(cell[0] - clear, cell[0] + clear + 1):
+            room.take(row, cell[1] - 2 * clear, cell[1] + 2 * clear + 1)
+
+    moved = []
+    for plate, style, (row, column) in still.plates:
+        if room.is_free(row, column, column + len(plate.cells)):
+            room.take(row, column, column + len(plate.cells))
+            write(cells, row, column, plate.cells, style)
+        else:
+            moved.append((plate, style))
+    is_crowd = _NAMES_AT_MOST * sum(len(robot.name) + 1 for robot, _, _ in placed) > cells.text.size
+    for robot, colour, cell in reversed(placed):
+        if is_crowd and robot.name != look.selected:
+            continue
+        sign = _trouble(robot, undecided, look)
+        _put_robot_name(cells, room, robot, sign, colour, cell, viewport, look)
+    for plate, style in moved:
+        place = room.place(plate)
+        if place:
+            write(cells, *place, plate.cells, style)
+
+
+def _trouble(robot: RobotState, undecided: Container[str], look: Look) -> str:
+    """Return the sign of what is wrong with a robot, or ""."""
+    glyphs = look.drawing.glyphs
+    if robot.dead:
+        return glyphs.dead
+    if robot.name in undecided:
+        return glyphs.undecided
+    return glyphs.blocked if robot.blocked else ""
+
+
+def _put_robot(
+    cells: Cells,
+    robot: RobotState,
+    sign: str,
+    colour: RGB,
+    cell: tuple[int, int],
+    viewport: Viewport,
+    look: Look,
+) -> None:
+    """Write the character of a robot; a large body needs one only when something is wrong."""
+    glyphs, palette = look.drawing.glyphs, look.palette
+    plain = look.drawing is Drawing.ASCII
+    glyph = glyphs.dead if robot.dead else glyphs.heading(robot.angle)
+    if not plain and shows_body(viewport):
+        if not sign:
+            return
+        glyph = sign
+        if not robot.dead:
+            colour = palette.alarm
+    elif robot.name != look.selected if plain else sign and not robot.dead:
+        cells.put(*cell, glyph, packed(colour), packed(palette.floor), bold=True)
+        return
+    cells.put(*cell, glyph, packed(text_on(colour)), packed(colour), bold=True)
+
+
+def _put_robot_name(
+    cells: Cells,
+    room: Room,
+    robot: RobotState,
+    sign: str,
+    colour: RGB,
+    cell: tuple[int, int],
+    viewport: Viewport,
+    look: Look,
+) -> None:
+    name = _name_cells(robot.name, viewport, look)
+    if not name:
+        return
+    told = sign and not robot.dead
+    if told:
+        name = (*name, sign)
+    plate = Plate(name, *cell, clear=body_rows(viewport))
+    place = room.place(plate)
+    if place is None:
+        return
+    palette = look.palette
+    if robot.name == look.selected:
+        ink, paper = text_on(colour), colour
+    else:
+        ink, paper = palette.strong(colour), mix(palette.plate, colour, 0.2)
+    write(cells, *place, plate.cells, BOLD | packed(ink) << 24 | packed(paper))
+    if told and robot.name != look.selected:
+        row, column = place[0], place[1] + len(name) - 1
+        cells.put(row, column, name[-1], packed(palette.alarm), packed(paper), bold=True)
+
+
+def write(cells: Cells, row: int, column: int, texts: Sequence[str], style: int) -> None:
+    """Write the texts of cells, as ``fit_name`` gives them, in one style."""
+    part = slice(column, column + len(texts))
+    cells.text[row, part] = _ids(tuple(texts))
+    cells.style[row, part] = style
+
+
+@lru_cache(maxsize=4096)
+def _ids(texts: tuple[str, ...]) -> NDArray[np.int64]:
+    return np.array([text_id(text) for text in texts], np.int64)
+
+
+def _name_cells(name: str, viewport: Viewport, look: Look) -> tuple[str, ...]:
+    if not look.names or viewport.columns < _MIN_COLUMNS or viewport.rows < _MIN_ROWS:
+        return ()
+    width = min(max(viewport.columns // 4, 6), 20)
+    glyphs, plain = look.drawing.glyphs, look.drawing is Drawing.ASCII
+    return _fitted(name, width, glyphs.cut, glyphs.unknown, plain)
+
+
+@lru_cache(maxsize=4096)
+def _fitted(name: str, width: int, cut: str, unknown: str, ascii_only: bool) -> tuple[str, ...]:
+    return tuple(fit_name(name, width, cut, unknown, ascii_only))

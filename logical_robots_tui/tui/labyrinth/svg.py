@@ -1,0 +1,126 @@
+"""A level as a drawing of SVG, exact at any size."""
+
+from __future__ import annotations
+
+import math
+from html import escape
+from itertools import pairwise
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from logical_robots_tui.tui.labyrinth.drawing.ground import beacon_colour
+from logical_robots_tui.tui.labyrinth.drawing.lettering import robot_colour
+from logical_robots_tui.tui.labyrinth.drawing.palette import DARK, RGB, Palette, mix, parse
+from logical_robots_tui.world.sensing import BEACON_RADIUS, ROBOT_RADIUS
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from numpy.typing import NDArray
+
+    from logical_robots_tui.world import Area, Beacon, Level, Robot
+
+__all__ = ["svg"]
+
+_FONT = "ui-monospace, 'DejaVu Sans Mono', Menlo, Consolas, monospace"
+_FONT_SIZE = 12  # map units
+
+
+def svg(level: Level, palette: Palette = DARK) -> str:
+    """Return a level at its start; a map unit is a unit of the drawing.
+
+    Args:
+        level: The level.
+        palette: The colours that don't come from the level.
+    """
+    return "\n".join(
+        [
+            f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {level.width} {level.height}"'
+            f' font-family="{_FONT}" font-size="{_FONT_SIZE}" text-anchor="middle">',
+            f'<rect width="{level.width}" height="{level.height}" fill="{_hex(palette.floor)}"/>',
+            f'<path d="{"".join(_rectangles(level.walls))}" fill="{_hex(palette.rock)}"'
+            f' stroke="{_hex(palette.rock)}" stroke-width="0.2"/>',
+            f'<path d="{"".join(_edges(level.walls))}" stroke="{_hex(palette.rim)}"'
+            ' stroke-width="1.5" fill="none"/>',
+            *(_area(area, palette) for area in level.areas),
+            *(_beacon(beacon, palette) for beacon in level.beacons),
+            *(_robot(robot, palette) for robot in level.robots),
+            "</svg>",
+            "",
+        ]
+    )
+
+
+def _rectangles(walls: NDArray[np.bool_]) -> Iterator[str]:
+    """The walls: of rows that are alike one rectangle for each run."""
+    changes = np.flatnonzero((walls[1:] != walls[:-1]).any(axis=1)) + 1
+    for top, bottom in pairwise([0, *changes.tolist(), len(walls)]):
+        for left, right in _runs(walls[top]):
+            yield f"M{left} {top}h{right - left}v{bottom - top}h{left - right}z"
+
+
+def _edges(walls: NDArray[np.bool_]) -> Iterator[str]:
+    """Lines between walls and floor."""
+    for y in np.flatnonzero((walls[1:] != walls[:-1]).any(axis=1)).tolist():
+        for left, right in _runs(walls[y] != walls[y + 1]):
+            yield f"M{left} {y + 1}h{right - left}"
+    for x in np.flatnonzero((walls[:, 1:] != walls[:, :-1]).any(axis=0)).tolist():
+        for top, bottom in _runs(walls[:, x] != walls[:, x + 1]):
+            yield f"M{x + 1} {top}v{bottom - top}"
+
+
+def _runs(row: NDArray[np.bool_]) -> list[tuple[int, int]]:
+    """Return where each run of a row begins and ends."""
+    edges = np.flatnonzero(np.diff(np.pad(row, 1).astype(np.int8))).tolist()
+    return list(zip(edges[::2], edges[1::2], strict=True))
+
+
+def _area(area: Area, palette: Palette) -> str:
+    colour = palette.legible(parse(area.color))
+    look = f'fill="{_hex(colour)}" fill-opacity="{0.5 if area.impenetrable else 0.22}"'
+    if area.on_beacon:  # off at the start
+        look = 'fill="none" stroke-dasharray="6 6"'
+    ring = f'stroke="{_hex(colour)}" stroke-width="2"'
+    place = f'cx="{_number(area.x)}" cy="{_number(area.y)}"'
+    circle = f'<circle {place} r="{_number(area.radius)}" {look} {ring}/>'
+    if area.victory_robots and area.radius > 6:
+        circle += f'<circle {place} r="{_number(area.radius - 5)}" fill="none" {ring}/>'
+    return circle + _name(area.name, area.x, area.y + 4, palette.strong(parse(area.color)))
+
+
+def _beacon(beacon: Beacon, palette: Palette) -> str:
+    colour = beacon_colour(beacon, palette)
+    size = _number(BEACON_RADIUS * 0.8)
+    left, top = _number(beacon.x - BEACON_RADIUS * 0.8), _number(beacon.y)
+    path = f"M{left} {top}l{size} -{size} {size} {size} -{size} {size}z"
+    return f'<path d="{path}" fill="{_hex(colour)}"/>' + _name(
+        beacon.name, beacon.x, beacon.y - BEACON_RADIUS - 3, colour
+    )
+
+
+def _robot(robot: Robot, palette: Palette) -> str:
+    colour = robot_colour(robot.color, palette)
+    nose = mix(colour, palette.bright, 0.72)
+    place = f"{_number(robot.x)} {_number(robot.y)}"
+    turn = _number(math.degrees(robot.angle))
+    return (
+        f'<g transform="translate({place}) rotate({turn})">'
+        f'<circle r="{_number(ROBOT_RADIUS)}" fill="{_hex(colour)}"'
+        f' stroke="{_hex(mix(colour, (0, 0, 0), 0.45))}"/>'
+        f'<path d="M8 0L-2 4V-4z" fill="{_hex(nose)}"/></g>'
+        + _name(robot.name, robot.x, robot.y - ROBOT_RADIUS - 4, palette.strong(colour))
+    )
+
+
+def _name(name: str, x: float, y: float, colour: RGB) -> str:
+    shown = escape("".join(char for char in name if char.isprintable()))
+    return f'<text x="{_number(x)}" y="{_number(y)}" fill="{_hex(colour)}">{shown}</text>'
+
+
+def _number(value: float) -> str:
+    return f"{value:.10g}"
+
+
+def _hex(colour: RGB) -> str:
+    return "#{:02x}{:02x}{:02x}".format(*colour)

@@ -1,0 +1,398 @@
+"""The widget that shows a level and a frame of it."""
+
+from __future__ import annotations
+
+import math
+from time import monotonic
+from typing import TYPE_CHECKING, ClassVar
+
+from rich.color import Color
+from rich.style import Style
+from textual.filter import ANSIToTruecolor
+from textual.geometry import Region
+from textual.message import Message
+from textual.reactive import reactive
+from textual.strip import Strip
+from textual.widget import Widget
+
+from logical_robots_tui.tui.labyrinth.camera import Camera, Sight
+from logical_robots_tui.tui.labyrinth.drawing.glyphs import Drawing, Look
+from logical_robots_tui.tui.labyrinth.drawing.palette import Palette
+from logical_robots_tui.tui.labyrinth.drawing.picture import Picture
+from logical_robots_tui.tui.labyrinth.drawing.robot_view import draw_senses
+from logical_robots_tui.tui.labyrinth.drawing.thin_lines import Traces
+from logical_robots_tui.tui.labyrinth.drawing.viewport import CELL_ASPECT, Viewport
+from logical_robots_tui.tui.terminal.direct_paint import spot_of
+from logical_robots_tui.tui.theme.themes import palette_of
+from logical_robots_tui.world.sensing import ROBOT_RADIUS
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from textual import events
+    from textual.filter import LineFilter
+    from textual.geometry import Offset
+
+    from logical_robots_tui.game.frame import Frame
+    from logical_robots_tui.tui.labyrinth.drawing.glyphs import Highlight
+    from logical_robots_tui.tui.labyrinth.layer import DrawnOver
+    from logical_robots_tui.world.level import Level
+
+__all__ = ["LabyrinthView"]
+
+_PICK_REACH = 2.5
+"""Columns beside a robot at which a click still means it."""
+
+_CROWD = 30
+"""Robots from which on their light is left out while something is drawn over the picture."""
+
+_BEAT = 0.35
+"""Seconds for which a beacon keeps its brightness while the robots run."""
+
+
+class LabyrinthView(Widget):
+    """Shows one frame of a level.
+
+    Only what changed since the last frame is repainted.
+
+    Attributes:
+        rays: Whether the robots' radar is shown as light.
+        marks: Whether the ends of rays are marked.
+        lines: Whether the rays of the selected robot are drawn one by one.
+        trails: Whether the ways that robots came are shown.
+        names: Whether names are shown.
+        drawing: Which characters draw the labyrinth.
+        selected: Name of the robot to bring out, or None.
+        camera: What is looked at. ``view`` tells which part of the map that comes to, and turns
+            cells of this widget into map units and back.
+        palette: Colours, or None for those that suit the theme.
+    """
+
+    DEFAULT_CSS = """
+    LabyrinthView {
+        width: 1fr;
+        height: 1fr;
+    }
+    """
+    ALLOW_SELECT: ClassVar[bool] = False
+
+    rays: reactive[bool] = reactive(True, repaint=False)
+    marks: reactive[bool] = reactive(True, repaint=False)
+    lines: reactive[bool] = reactive(False, repaint=False)
+    trails: reactive[bool] = reactive(True, repaint=False)
+    names: reactive[bool] = reactive(True, repaint=False)
+    drawing: reactive[Drawing] = reactive(Drawing.QUADRANTS, repaint=False)
+    selected: reactive[str | None] = reactive[str | None](None, repaint=False)
+    camera: reactive[Camera] = reactive(Camera(), repaint=False)
+    palette: reactive[Palette | None] = reactive[Palette | None](None, repaint=False)
+
+    class Looked(Message):
+        """The player looks at something else."""
+
+    class RobotPicked(Message):
+        """A robot was clicked.
+
+        Attributes:
+            view: Where.
+            name: The robot's name.
+        """
+
+        def __init__(self, view: LabyrinthView, name: str) -> None:
+            super().__init__()
+            self.view = view
+            self.name = name
+
+        @property
+        def control(self) -> LabyrinthView:
+            """The view, for handlers that select by it."""
+            return self.view
+
+    def __init__(
+        self,
+        *,
+        name: str | None = None,
+        id: str | None = None,  # noqa: A002 - the name that Textual gives it
+        classes: str | None = None,
+    ) -> None:
+        super().__init__(name=name, id=id, classes=classes)
+        self._level: Level | None = None
+        self._frame: Frame | None = None
+        self._hurried = False
+        self._picture = Picture()
+        self._traces = Traces()
+        self._cells = self._picture.cells
+        self._strips: dict[int, Strip] = {}
+        self.overlay: DrawnOver | None = None
+        self._highlight: tuple[Highlight, Frame] | None = None
+        self._held: Offset | None = None
+        self._is_dragged = False
+        self._is_drawing = False
+
+    @property
+    def view(self) -> Viewport | None:
+        """What is shown at present; None before the first frame."""
+        return None if self._level is None else self.camera.viewport(self._level, *self.size)
+
+    def show(self, level: Level, frame: Frame, *, hurried: bool = False) -> None:
+        """Show a frame.
+
+        Args:
+            level: The level that it belongs to.
+            frame: What to show.
+            hurried: Whether the next frame follows at once, so that less need be sent.
+        """
+        if self._level is None or _place_of(level) != _place_of(self._level):
+            self.set_reactive(LabyrinthView.camera, Camera())
+            self._traces.forget()
+        self._traces.record(frame)
+        self._level, self._frame, self._hurried = level, frame, hurried
+        self._follow()
+        self.redraw()
+
+    def bring_out(self, highlight: Highlight | None, frame: Frame) -> None:
+        """Bring out a ray or a robot as long as a frame is shown, or nothing any more."""
+        self._highlight = None if highlight is None else (highlight, frame)
+        self.redraw()
+
+    @property
+    def brought_out(self) -> Highlight | None:
+        """The ray or robot that is brought out of the frame that is shown."""
+        highlight, frame = self._highlight or (None, None)
+        return highlight if frame is self._frame else None
+
+    # -- looking elsewhere ---------------------------------------------------------------------
+
+    def look_at_next(self) -> None:
+        """Look at the next thing: all, one robot, what robots sense, and all again."""
+        self.camera = self.camera.next_sight()
+        if self.camera.sight is Sight.FOLLOW:
+            if self.selected is None:
+                self.select_next()
+            self._follow(at_once=True)
+
+    def zoom(self, steps: int, at: tuple[float, float] | None = None) -> None:
+        """Zoom in, or out with negative steps.
+
+        Args:
+            steps: How far.
+            at: The point, in map units, that stays where it is; without one that of what lies
+                over the picture, or else a selected robot is followed.
+        """
+        if self.view is None:
+            return
+        if self.overlay is not None:
+            at = at or self.overlay.cursor
+        if at is None and steps > 0 and self.selected and self.camera.sight is Sight.WHOLE:
+            self.camera = Camera(Sight.FOLLOW, steps)
+            self._follow(at_once=True)
+        else:
+            self.camera = self.camera.zoomed(steps, self.view, at)
+
+    def pan(self, columns: float, rows: float) -> None:
+        """Move the view over the map by cells to the right and down."""
+        if self.view is not None and self._level is not None:
+            self.camera = self.camera.panned(columns, rows, self.view, self._level)
+
+    def select_next(self) -> None:
+        """Tell that the robot after the selected one was picked; after the last comes the first."""
+        if self._level is None:
+            return
+        names = [robot.name for robot in self._level.robots]
+        at = names.index(self.selected) + 1 if self.selected in names else 0
+        self.selected = names[at % len(names)]
+        self.post_message(self.RobotPicked(self, self.selected))
+
+    def _follow(self, *, at_once: bool = False) -> None:
+        """Keep the selected robot in sight, if the camera is to."""
+        if self.view is None or self._frame is None:
+            return
+        for robot in self._frame.after.robots:
+            if robot.name == self.selected and math.isfinite(robot.x + robot.y):
+                self.camera = self.camera.following(robot.x, robot.y, self.view, at_once=at_once)
+
+    def robot_at(self, column: int, row: int) -> str | None:
+        """Return the name of the robot nearest to a cell of this widget, if one is near."""
+        view, frame = self.view, self._frame
+        if view is None or frame is None or self.camera.sight is Sight.SENSES:
+            return None
+        x, y = view.position(row, column)
+        reach = max(_PICK_REACH * view.units, ROBOT_RADIUS + CELL_ASPECT * view.units / 2)
+        found = [
+            (distance, robot.name)
+            for robot in frame.after.robots
+            if (distance := math.hypot(robot.x - x, robot.y - y)) <= reach
+        ]
+        return min(found)[1] if found else None
+
+    def get_line_filters(self) -> Sequence[LineFilter]:
+        """All but the one that makes true colours of others: cells have nothing else."""
+        return [f for f in super().get_line_filters() if not isinstance(f, ANSIToTruecolor)]
+
+    def render_line(self, y: int) -> Strip:
+        """Return a line of the picture.
+
+        Args:
+            y: Its row.
+        """
+        columns, rows = self.size
+        if self._cells.text.shape != (rows, columns):
+            self._draw()
+        strip = self._strips.get(y)
+        if strip is None:
+            if self._frame is None or not 0 <= y < self._cells.text.shape[0]:
+                void = Color.from_rgb(*self._palette.void)
+                return Strip.blank(columns, Style(color=void, bgcolor=void))
+            strip = self._strips[y] = self._cells.strip(y)
+        return strip
+
+    @property
+    def _palette(self) -> Palette:
+        return self.palette or palette_of(self.app.current_theme)
+
+    def _draw(self) -> list[tuple[int, int, int]]:
+        """Draw the frame.
+
+        Returns:
+            (row, first column, column after the last) of each row that changed.
+        """
+        view = self.view
+        if view is None or self._level is None or self._frame is None:
+            return []
+        # A brush is to be quicker than the light of a crowd.
+        is_calm = self.overlay is not None and len(self._level.robots) > _CROWD
+        look = Look(
+            drawing=self.drawing,
+            palette=self._palette,
+            rays=self.rays and not is_calm,
+            marks=self.marks and not is_calm,
+            lines=self.lines,
+            trails=self.trails and not is_calm,
+            names=self.names,
+            selected=self.selected,
+            highlight=self.brought_out,
+            pulse=int(monotonic() / _BEAT) if self._hurried else 0,
+        )
+        if self.camera.sight is Sight.SENSES:
+            cells = draw_senses(self._level, self._frame, *self.size, look)
+        else:
+            now, traces = self._frame, self._traces
+            cells = self._picture.draw(self._level, now, view, look, traces, hurried=self._hurried)
+            if self.overlay is not None:
+                cells = cells.copy()
+                self.overlay.paint(cells, view, look)
+        changes = cells.changes(self._cells)
+        self._cells = cells
+        for row, _, _ in changes:
+            self._strips.pop(row, None)
+        return changes
+
+    def redraw(self) -> None:
+        """Show what is different now."""
+        if not self.is_mounted or not self.size:
+            return
+        changes = self._draw()
+        if not changes:
+            return
+        regions = [Region(first, row, stop - first, 1) for row, first, stop in changes]
+        spot = None if self.get_line_filters() else spot_of(self)
+        if spot is None:
+            self.refresh(*regions)
+        else:
+            spot.put(self._cells, changes)
+            self._styles_cache.set_dirty(*regions)
+
+    def on_mount(self) -> None:
+        """Follow the theme."""
+        self.app.theme_changed_signal.subscribe(self, lambda _: self.redraw())
+
+    def on_resize(self) -> None:
+        """Fit the picture to the new size."""
+        self._strips.clear()
+        self._draw()
+        self.refresh()
+
+    def on_click(self, event: events.Click) -> None:
+        """Tell which robot was clicked."""
+        if self.overlay is not None:
+            if event.chain == 2 and event.button == 1:
+                self.overlay.pointer.open()
+            return
+        offset = event.get_content_offset(self)
+        name = None if offset is None or self._is_dragged else self.robot_at(offset.x, offset.y)
+        if name is not None:
+            event.stop()
+            self.post_message(self.RobotPicked(self, name))
+
+    def on_mouse_down(self, event: events.MouseDown) -> None:
+        """Take hold of the map, or of what is edited."""
+        if self.overlay is not None and event.button == 1 and (at := self._point(event)):
+            self._is_drawing = True
+            self.capture_mouse()
+            self.overlay.pointer.press(*at)
+            return
+        self._held, self._is_dragged = event.screen_offset, False
+        self.capture_mouse()
+
+    def on_mouse_up(self) -> None:
+        """Let go of it."""
+        self._held = None
+        self.release_mouse()
+        if self._is_drawing and self.overlay is not None:
+            self.overlay.pointer.release()
+        self._is_drawing = False
+
+    def on_mouse_move(self, event: events.MouseMove) -> None:
+        """Pull it along."""
+        if self._held is None and self.overlay is not None:
+            if at := self._point(event):
+                self.overlay.pointer.hover(*at, is_held=self._is_drawing)
+            return
+        if self._held is None or event.screen_offset == self._held:
+            return
+        moved = self._held - event.screen_offset
+        self._held, self._is_dragged = event.screen_offset, True
+        self.pan(moved.x, moved.y)
+
+    def on_mouse_scroll_up(self, event: events.MouseScrollUp) -> None:
+        """Zoom in at the pointer."""
+        self._wheel(event, 1)
+
+    def on_mouse_scroll_down(self, event: events.MouseScrollDown) -> None:
+        """Zoom out at the pointer."""
+        self._wheel(event, -1)
+
+    def _point(self, event: events.MouseEvent) -> tuple[float, float] | None:
+        """Where the mouse points on the map, also beside the picture while a button is held."""
+        view = self.view
+        if view is None or self.camera.sight is Sight.SENSES:
+            return None
+        return view.position(event.y, event.x)
+
+    def _wheel(self, event: events.MouseEvent, steps: int) -> None:
+        offset = event.get_content_offset(self)
+        if offset is not None and self.view is not None:
+            event.stop()
+            self.zoom(steps, self.view.position(offset.y, offset.x))
+
+    def watch_camera(self) -> None:
+        """Show it, and say so."""
+        self.redraw()
+        self.post_message(self.Looked())
+
+    def watch_selected(self) -> None:
+        """Bring it out."""
+        self._follow(at_once=True)
+        self.redraw()
+
+    def watch_rays(self) -> None:
+        """Show it."""
+        self.redraw()
+
+    watch_marks = watch_lines = watch_trails = watch_names = watch_drawing = watch_palette = (
+        watch_rays
+    )
+
+
+def _place_of(level: Level) -> tuple[str, str, int, int]:
+    """What stays the same of a level while it is edited, unless it is given another size."""
+    return level.name, level.source, level.width, level.height

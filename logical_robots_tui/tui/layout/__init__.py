@@ -1,0 +1,1 @@
+"""How panes, lines and dialogs share the screen."""

@@ -1,0 +1,127 @@
+"""The panes as they stand on the screen: which are shown, and how large."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from textual.containers import Container
+from textual.geometry import Size
+
+from logical_robots_tui.tui.layout.layout import Grid, Layout, Shares, grid_for, layout_for
+
+if TYPE_CHECKING:
+    from logical_robots_tui.tui.layout.pane import Pane
+
+__all__ = ["Arrangement"]
+
+
+class Arrangement:
+    """Gives each pane its place, and knows in which of them the player works.
+
+    Args:
+        panes: Labyrinth, program and inspector.
+    """
+
+    def __init__(self, panes: tuple[Pane, Pane, Pane]) -> None:
+        self.container = Container(*panes, id="panes")
+        """What holds the panes."""
+        self.panes = panes
+        """All panes, hidden ones too."""
+        self.active: Pane = panes[0]
+        """The pane that is worked in; it is never hidden."""
+        self.layout = Layout.WIDE
+        """What suits the terminal's size."""
+        self.is_one_large = False
+        """Whether the pane that is worked in has all the room."""
+        self._size = Size()
+        self._hidden: set[Pane] = set()
+        self._shares = Shares()
+
+    @property
+    def is_tiny(self) -> bool:
+        """Whether the terminal is too small for any pane."""
+        return self.layout is Layout.TINY
+
+    def fit(self, size: Size) -> None:
+        """Arrange the panes for a terminal of that size."""
+        self._size = size
+        self.layout = layout_for(*size)
+        self.show()
+
+    def show(self) -> None:
+        """Arrange the panes anew."""
+        self._hidden.discard(self.active)
+        for pane in self.panes:
+            if self.layout.is_roomy and not self.is_one_large:
+                pane.display = pane not in self._hidden
+            else:
+                pane.display = not self.is_tiny and pane is self.active
+        if self.layout.is_roomy:
+            grid = grid_for(self.layout, *self._size, self._shares)
+            self._shares = grid.shares
+            self._lay_out(grid)
+
+    def beside_active(self, steps: int) -> Pane:
+        """The pane that many places further than the one that is worked in, and round again."""
+        return self.panes[(self.panes.index(self.active) + steps) % len(self.panes)]
+
+    def focused(self) -> bool:
+        """Take the pane with the focus for the one that is worked in; whether there is one."""
+        for pane in self.panes:
+            if pane.has_focus_within:
+                self.active = pane
+                return True
+        return False
+
+    def toggle_large(self) -> bool:
+        """Give the pane that is worked in all the room, or no longer; whether it has it now."""
+        self.is_one_large = not self.is_one_large
+        return self.is_one_large
+
+    def hide(self, pane: Pane) -> Pane:
+        """Hide a pane and return where to go on; if one is hidden already, show all instead."""
+        if self._hidden:
+            self._hidden.clear()
+            return pane
+        self._hidden.add(pane)
+        # Not into the program: the next key would be a letter of it.
+        labyrinth, _, inspector = self.panes
+        return inspector if pane is labyrinth else labyrinth
+
+    def change(self, columns: int, rows: int) -> None:
+        """Give the program more columns, or the inspector more rows, at the next ``show``."""
+        self._shares = self._shares.changed(columns, rows)
+
+    def pull(self, pane: Pane, side: str, columns: int, rows: int) -> None:
+        """Move a side of a pane, and what is beyond it, at the next ``show``.
+
+        Args:
+            pane: Whose side.
+            side: ``left``, ``right``, ``top`` or ``bottom``; those at the rim stay.
+            columns: How far to the right.
+            rows: How far down.
+        """
+        labyrinth, program, inspector = self.panes
+        beside = self.layout is Layout.WIDE
+        if beside and (pane, side) in ((labyrinth, "right"), (program, "left")):
+            self.change(-columns, 0)
+        above = (labyrinth, program) if beside else (program,)
+        if (pane, side) == (inspector, "top") or (pane in above and side == "bottom"):
+            self.change(0, -rows)
+
+    def _lay_out(self, grid: Grid) -> None:
+        labyrinth, program, inspector = self.panes
+        beside = self.layout is Layout.WIDE and labyrinth.display and program.display
+        rows = []
+        if beside:
+            rows.append("1fr")
+        else:
+            rows += ["1fr" for pane in (labyrinth, program) if pane.display]
+        if inspector.display:
+            rows.append(str(grid.inspector) if rows else "1fr")
+        styles = self.container.styles
+        styles.grid_size_columns = 2 if beside else 1
+        styles.grid_size_rows = len(rows)
+        styles.grid_columns = f"1fr {grid.program}" if beside else "1fr"
+        styles.grid_rows = " ".join(rows)
+        inspector.styles.column_span = 2 if beside else 1

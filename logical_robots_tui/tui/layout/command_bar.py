@@ -1,0 +1,152 @@
+"""Lines of clickable labels: the command bar and the tabs of the panes."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, ClassVar
+
+from textual.content import Content
+from textual.message import Message
+from textual.widget import Widget
+
+from logical_robots_tui.tui.commands.table import command, commands, editing_commands
+from logical_robots_tui.tui.theme.themes import INK
+
+if TYPE_CHECKING:
+    from textual import events
+
+    from logical_robots_tui.tui.commands.table import Command
+
+__all__ = ["CommandBar", "CommandChosen", "PaneTabs"]
+
+
+_GAP = 2
+_WHILE_EDITING = ("run", "help")
+
+
+class CommandChosen(Message):
+    """A command was clicked.
+
+    Attributes:
+        command_id: Which one.
+    """
+
+    def __init__(self, command_id: str) -> None:
+        super().__init__()
+        self.command_id = command_id
+
+
+class _Labels(Widget):
+    """A line of labels that stand for commands."""
+
+    ALLOW_SELECT: ClassVar[bool] = False
+
+    def __init__(self, widget_id: str) -> None:
+        super().__init__(id=widget_id)
+        self._spans: list[tuple[int, int, str]] = []
+
+    def line(self, labels: list[tuple[Content, str]], gap: int) -> Content:
+        """Lay labels with their commands out from the left, remembering where they are."""
+        content, self._spans = Content(" "), []
+        for label, command_id in labels:
+            start = content.cell_length + (gap if self._spans else 0)
+            end = start + label.cell_length
+            if end > self.size.width:
+                continue
+            content = content.append(" " * (start - content.cell_length)).append(label)
+            self._spans.append((start, end, command_id))
+        return content
+
+    def on_click(self, event: events.Click) -> None:
+        """Choose the command under the pointer."""
+        for start, end, command_id in self._spans:
+            if start <= event.x < end:
+                self.post_message(CommandChosen(command_id))
+
+
+class CommandBar(_Labels):
+    """The line at the bottom: commands that make sense now, with their keys."""
+
+    DEFAULT_CSS = """
+    CommandBar { dock: bottom; height: 1; background: $panel; }
+    """
+
+    def __init__(self) -> None:
+        super().__init__("commands")
+        self._typing = False
+        self._game_runs = False
+        self._edits = False
+
+    def show(self, *, typing: bool, running: bool, editing: bool = False) -> None:
+        """Show the commands for a situation.
+
+        Args:
+            typing: Whether printable keys are text at the moment.
+            running: Whether the robots go on by themselves.
+            editing: Whether keys edit the level.
+        """
+        now = typing, running, editing
+        if now != (self._typing, self._game_runs, self._edits):
+            self._typing, self._game_runs, self._edits = now
+            self.refresh()
+
+    def render(self) -> Content:
+        """The line, as wide as the widget."""
+        unwanted = "outside" if self._typing else "editor"
+        shown = [entry for entry in commands() if entry.bar and entry.place != unwanted]
+        if self._edits and not self._typing:
+            kept = [entry for entry in shown if entry.id in _WHILE_EDITING]
+            editing = [entry for entry in editing_commands().values() if entry.bar]
+            shown = [*kept[:1], *editing, *kept[1:]]
+        if self._typing:
+            shown.sort(key=lambda entry: entry.id != "apply")
+        labels = {entry.id: self._label(entry) for entry in shown}
+        room = self.size.width - 1
+        fitting: set[str] = set()
+        for entry in sorted(shown, key=lambda entry: entry.spare):
+            need = labels[entry.id].cell_length + (_GAP if fitting else 0)
+            if need <= room:
+                fitting.add(entry.id)
+                room -= need
+        return self.line([pair[::-1] for pair in labels.items() if pair[0] in fitting], gap=_GAP)
+
+    def _label(self, entry: Command) -> Content:
+        title = "Pause" if entry.id == "run" and self._game_runs else entry.bar
+        key = entry.bar_key(typing=self._typing)
+        label = Content.styled(key, f"bold {INK.key}")
+        return (
+            label
+            if title == key
+            else label.append(" " * bool(key)).append(Content.styled(title, INK.text))
+        )
+
+
+class PaneTabs(_Labels):
+    """The line that names the panes when only one of them fits on the screen."""
+
+    DEFAULT_CSS = """
+    PaneTabs { height: 1; background: $background; }
+    """
+
+    def __init__(self) -> None:
+        super().__init__("tabs")
+        self._tabs: tuple[tuple[str, str], ...] = ()
+        self._active = ""
+
+    def show(self, tabs: tuple[tuple[str, str], ...], active: str) -> None:
+        """Show tabs as (command, label), one of them active."""
+        if (tabs, active) != (self._tabs, self._active):
+            self._tabs, self._active = tabs, active
+            self.refresh()
+
+    def render(self) -> Content:
+        """The line, as wide as the widget."""
+        labels = []
+        for command_id, text in self._tabs:
+            is_active = command_id == self._active
+            style = f"bold {INK.title} on $tab-here" if is_active else INK.dim
+            key = INK.key if not is_active else f"bold {INK.key} on $tab-here"
+            label = Content.assemble(
+                (f" {command(command_id).key_name} ", key), (f"{text} ", style)
+            )
+            labels.append((label, command_id))
+        return self.line(labels, gap=1)

@@ -1,0 +1,106 @@
+"""Panes: the parts of the screen that a player goes between."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, ClassVar
+
+from textual.containers import Container
+from textual.content import Content
+from textual.message import Message
+
+from logical_robots_tui.tui.theme.safe_text import visible
+
+if TYPE_CHECKING:
+    from textual import events
+    from textual.geometry import Offset
+    from textual.widget import Widget
+
+__all__ = ["Pane"]
+
+
+class Pane(Container):
+    """A part of the screen with a title; the same instance lives in every layout.
+
+    Attributes:
+        command_id: The command that goes to it; also its id.
+    """
+
+    DEFAULT_CSS = """
+    Pane {
+        border: round $frame; border-title-color: $ink-dim; border-subtitle-color: $ink-dim;
+        border-title-style: none; background: $surface; width: 1fr; height: 1fr;
+    }
+    Pane:focus-within, Pane:focus { border: round $frame-here; border-title-color: $ink-title; }
+    """
+
+    command_id: ClassVar[str]
+
+    class Retitled(Message):
+        """The title of a pane has changed."""
+
+    class Pulled(Message):
+        """A side of a pane is pulled with the mouse.
+
+        Attributes:
+            pane: Which pane.
+            side: Which side: ``left``, ``right``, ``top`` or ``bottom``.
+            moved: By how many columns and rows, since the last time.
+        """
+
+        def __init__(self, pane: Pane, side: str, moved: Offset) -> None:
+            super().__init__()
+            self.pane, self.side, self.moved = pane, side, moved
+
+    def __init__(self, *children: Widget, title: str) -> None:
+        super().__init__(*children, id=self.command_id)
+        self._held: tuple[str, Offset] | None = None
+        self._heading = title
+        self._note = ""
+        self._set_border_title()
+
+    @property
+    def label(self) -> str:
+        """The title with the note, for a tab."""
+        return f"{self._heading} · {self._note}" if self._note else self._heading
+
+    def note(self, text: str) -> None:
+        """Say something about the pane beside its title; "" says nothing."""
+        if text != self._note:
+            self._note = visible(text)
+            self._set_border_title()
+            self.post_message(self.Retitled())
+
+    def on_mouse_down(self, event: events.MouseDown) -> None:
+        """Take hold of a side."""
+        sides = {
+            "left": event.x == 0,
+            "right": event.x == self.outer_size.width - 1,
+            "top": event.y == 0,
+            "bottom": event.y == self.outer_size.height - 1,
+        }
+        side = next((side for side, is_there in sides.items() if is_there), None)
+        # What happens to a child comes here too, with the child's coordinates.
+        is_mine = self.screen.get_widget_at(*event.screen_offset)[0] is self
+        if side is not None and is_mine:
+            self._held = (side, event.screen_offset)
+            self.capture_mouse()
+
+    def on_mouse_move(self, event: events.MouseMove) -> None:
+        """Pull the side that is held."""
+        if self._held is not None:
+            side, before = self._held
+            self._held = (side, event.screen_offset)
+            self.post_message(self.Pulled(self, side, event.screen_offset - before))
+
+    def on_mouse_up(self) -> None:
+        """Let go."""
+        if self._held is not None:
+            self._held = None
+            self.release_mouse()
+
+    def enter(self) -> None:
+        """Put the focus where work in this pane begins, at once: the next key belongs there."""
+        raise NotImplementedError
+
+    def _set_border_title(self) -> None:
+        self.border_title = Content(self.label)

@@ -1,0 +1,182 @@
+"""The status line: what the game is doing, in as much detail as fits."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Literal, TypeAlias
+
+from textual.content import Content
+from textual.strip import Strip
+from textual.widget import Widget
+
+from logical_robots_tui.game import goals
+from logical_robots_tui.tui.terminal.direct_paint import repaint
+from logical_robots_tui.tui.theme.safe_text import clip, one_line
+from logical_robots_tui.tui.theme.themes import INK
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from logical_robots_tui.game import Goal
+    from logical_robots_tui.tui.app.session import Session
+
+__all__ = ["Status", "StatusLine", "status_of"]
+
+Activity: TypeAlias = Literal["running", "paused", "won", "compiling"]
+
+_SIGNS: dict[Activity, tuple[str, str]] = {
+    "running": ("● RUNNING", f"bold {INK.good}"),
+    "paused": ("‖ PAUSED", f"bold {INK.warn}"),
+    "won": ("★ WON", f"bold {INK.key}"),
+    "compiling": ("◌ COMPILING", f"bold {INK.title}"),
+}
+
+
+@dataclass(frozen=True, slots=True)
+class Status:
+    """What the status line tells.
+
+    Attributes:
+        title: The level's title.
+        activity: What the game is doing.
+        tick: The tick on the screen.
+        won_at: The tick of victory, or None.
+        speed: Wanted ticks per second, None is flat out.
+        achieved: Ticks per second over the last second, or None while nothing runs.
+        goals: The goal areas and who is in them.
+        think_milliseconds: How long the last thought took.
+        thinking_for: Seconds that a long thought under way has taken, else 0.0.
+    """
+
+    title: str
+    activity: Activity
+    tick: int
+    won_at: int | None
+    speed: float | None
+    achieved: float | None
+    goals: tuple[Goal, ...]
+    think_milliseconds: float
+    thinking_for: float
+
+
+def status_of(session: Session) -> Status:
+    """What there is to tell of a session at this moment."""
+    activity: Activity = "paused"
+    if session.running:
+        activity = "running"
+    elif session.won_at is not None:
+        activity = "won"
+    elif session.game is None and session.state.phase in ("fresh", "compiling"):
+        activity = "compiling"
+    achieved = session.pace.achieved if session.running else None
+    frame = session.frame
+    return Status(
+        title=session.level.title,
+        activity=activity,
+        tick=frame.tick,
+        won_at=session.won_at,
+        speed=session.pace.speed,
+        achieved=round(achieved, 1) if achieved else None,
+        goals=goals(session.level, frame.after),
+        think_milliseconds=frame.think_milliseconds,
+        thinking_for=round(session.thinking_for, 1),
+    )
+
+
+class StatusLine(Widget):
+    """One line on top of the screen; what does not fit is left out, the least important first."""
+
+    DEFAULT_CSS = """
+    StatusLine { dock: top; height: 1; background: $panel; color: $foreground; }
+    """
+
+    def __init__(self) -> None:
+        super().__init__(id="status")
+        self._status: Status | None = None
+
+    def show(self, status: Status) -> None:
+        """Show what a session is doing."""
+        if status != self._status:
+            self._status = status
+            repaint(self)
+
+    def render(self) -> Content:
+        """The line, as wide as the widget."""
+        if self._status is None:
+            return Content("")
+        return fit(self._status, self.size.width)
+
+    def render_line(self, y: int) -> Strip:
+        """The line at once, which Textual would look for places to break."""
+        del y
+        strip = Strip(self.render().render_segments(self.visual_style))
+        return strip.adjust_cell_length(self.size.width, self.rich_style)
+
+
+def fit(status: Status, width: int) -> Content:
+    """The parts of a status line that fit into a width, in reading order.
+
+    The most important parts are placed first; each later one only if there is still room.
+    """
+    tick = f"tick {status.tick}"
+    sign, sign_style = _SIGNS[status.activity]
+    if status.thinking_for:
+        sign, sign_style = f"◌ thinking… {status.thinking_for:.1f} s", f"bold {INK.warn}"
+    thought = Content.styled(_thought(status), INK.dim)
+    candidates: list[tuple[int, int, Content]] = [
+        (2, 0, Content.styled(sign, sign_style)),
+        (3, 1, Content.styled(tick, INK.text)),
+        (5, 2, _goals(status.goals, long=True)),
+        (6, 3, thought),
+        (4, 4, Content.styled(_speed(status), INK.number)),
+        (1, 5, Content.styled(clip(one_line(status.title), 40), INK.text)),
+        (0, 6, Content.styled("LOGICAL ROBOTS", f"bold {INK.title}")),
+    ]
+    gap, left = 3, width - 2
+    chosen: list[tuple[int, Content]] = []
+    for place, _, part in sorted(candidates, key=lambda candidate: candidate[1]):
+        if place == 5 and part.cell_length + thought.cell_length > left - 2 * gap:
+            part = _goals(status.goals, long=False)
+        need = part.cell_length + (gap if chosen else 0)
+        if part.cell_length and need <= left:
+            chosen.append((place, part))
+            left -= need
+    chosen.sort(key=lambda pair: pair[0])
+    line = Content(" ")
+    for number, (_, part) in enumerate(chosen):
+        line = line.append(" " * gap if number else "").append(part)
+    return line
+
+
+def _goals(found: Sequence[Goal], *, long: bool) -> Content:
+    """Each goal with the robots it wants; short it only counts them."""
+    parts: list[Content] = []
+    for goal in found:
+        words: list[Content] = []
+        colour = INK.good if goal.reached else INK.text if goal.active else INK.dim
+        name = clip(one_line(goal.area_name), 20) or "goal"
+        off = "" if goal.active else " (off)"
+        words.append(Content.styled(f"{name}{off}:" if long else name, colour))
+        if long:
+            for robot in goal.wanted:
+                is_in = robot in goal.inside
+                mark = "✓" if is_in else "·"
+                style = INK.good if is_in else INK.dim
+                words.append(Content.styled(f"{clip(one_line(robot), 12)} {mark}", style))
+        else:
+            words.append(Content.styled(f"{len(goal.inside)}/{len(goal.wanted)}", colour))
+        parts.append(Content(" ").join(words))
+    return Content("  ").join(parts)
+
+
+def _speed(status: Status) -> str:
+    if status.speed is None:
+        return f"flat out {status.achieved:.0f}/s" if status.achieved else "flat out"
+    wanted = f"{status.speed:g}/s"
+    if status.achieved is None or status.achieved > 0.9 * status.speed:
+        return wanted
+    return f"{status.achieved:.0f} of {wanted}"
+
+
+def _thought(status: Status) -> str:
+    return f"{status.think_milliseconds:.1f} ms" if status.tick else ""

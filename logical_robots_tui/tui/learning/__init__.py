@@ -1,0 +1,1 @@
+"""What helps a player on: briefing, hints, lessons, the tour."""

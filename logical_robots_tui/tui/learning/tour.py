@@ -1,0 +1,146 @@
+"""The guided tour: a box that points at one part of the screen after the other, once."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, ClassVar
+
+from textual.binding import Binding
+from textual.content import Content
+from textual.widgets import Static
+
+from logical_robots_tui.tui.commands.table import with_keys
+from logical_robots_tui.tui.theme.themes import INK
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from textual import events
+    from textual.geometry import Region
+
+__all__ = ["STOPS", "Stop", "Tour"]
+
+
+@dataclass(frozen=True, slots=True)
+class Stop:
+    """One place of the tour.
+
+    Attributes:
+        place: Id of the part of the screen that it speaks of.
+        title: What that is.
+        text: One or two sentences about it, with commands in braces for their keys.
+    """
+
+    place: str
+    title: str
+    text: str
+
+
+STOPS = (
+    Stop(
+        "labyrinth",
+        "The labyrinth",
+        "Your robots, seen from above, and the light that they sense by. "
+        "Bring them into the green area; the briefing below says what is asked.",
+    ),
+    Stop(
+        "editor",
+        "The program",
+        "What every robot thinks in every tick. {editor} goes there; change it, "
+        "{apply} applies it, and esc leads back.",
+    ),
+    Stop(
+        "inspector",
+        "The inspector",
+        "What the robots sense, want and remember at the tick on the screen: "
+        "all that the program knows, row by row.",
+    ),
+    Stop(
+        "commands",
+        "The commands",
+        "{run} lets the robots run, {restart} starts again, {hint} gives a hint. "
+        "{help} shows every key, and all of it can be clicked. Good luck!",
+    ),
+)
+
+_WIDTH = 46
+
+
+class Tour(Static, can_focus=True):
+    """Says what the parts of the screen are; keys that it doesn't know do what they always do.
+
+    Args:
+        moved: Called when it has come to another stop.
+        ended: Called when it is over.
+    """
+
+    DEFAULT_CSS = """
+    Tour {
+        layer: tour; position: absolute; width: 46; height: auto; padding: 0 1;
+        border: heavy $warning; border-title-color: $warning; background: $panel;
+    }
+    """
+    BINDINGS: ClassVar[list[Binding | tuple[str, str] | tuple[str, str, str]]] = [
+        Binding("enter,right", "move(1)", show=False),
+        Binding("left", "move(-1)", show=False),
+        Binding("escape", "end", show=False),
+    ]
+
+    def __init__(self, *, moved: Callable[[], None], ended: Callable[[], None]) -> None:
+        super().__init__(id="tour", markup=False)
+        self._at = 0
+        self._moved = moved
+        self._ended = ended
+
+    @property
+    def stop(self) -> Stop:
+        """Where the tour is."""
+        return STOPS[self._at]
+
+    def on_mount(self) -> None:
+        """Begin."""
+        self.focus()
+        self.action_move(0)
+
+    def place(self, part: Region, room: Region) -> None:
+        """Stand where a part of the screen has room: the labyrinth above, all others below."""
+        height = self.size.height + self.gutter.height
+        if part.height <= height:
+            x, y = part.x + 2, part.y - height
+        elif self._at == 0:
+            x, y = part.x + 2, part.y + 1
+        else:
+            x, y = part.right - _WIDTH - 2, part.bottom - height - 1
+        self.styles.offset = (
+            min(max(x, 0), max(room.width - _WIDTH, 0)),
+            min(max(y, 0), max(room.height - height, 0)),
+        )
+
+    def action_move(self, steps: int) -> None:
+        """Go some stops further; beyond the last one it is over."""
+        if self._at + steps >= len(STOPS):
+            self.action_end()
+            return
+        self._at = max(self._at + steps, 0)
+        stop = self.stop
+        self.border_title = Content(f"{stop.title} · {self._at + 1} of {len(STOPS)}")
+        last = self._at == len(STOPS) - 1
+        self.update(
+            Content.assemble(
+                (f"{with_keys(stop.text)}\n", INK.text),
+                ("enter ", f"bold {INK.key}"),
+                ("begins   " if last else "goes on   ", INK.dim),
+                ("esc ", f"bold {INK.key}"),
+                ("skips the tour", INK.dim),
+            )
+        )
+        self._moved()
+
+    def action_end(self) -> None:
+        """Leave the tour."""
+        self._ended()
+
+    def on_click(self, event: events.Click) -> None:
+        """Go on."""
+        event.stop()
+        self.action_move(1)

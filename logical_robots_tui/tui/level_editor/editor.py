@@ -1,0 +1,383 @@
+"""The level editor without its widgets: what tools do at a point, and what is selected."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any
+
+from logical_robots_tui.editing.edits import Edits
+from logical_robots_tui.editing.things import KINDS, Ref, add, change, duplicate, ref_at, remove
+from logical_robots_tui.editing.things import thing as thing_of
+from logical_robots_tui.editing.walls import fill, paint, paint_rectangle
+from logical_robots_tui.tui.level_editor.positions import Poses, as_it_stands
+from logical_robots_tui.tui.level_editor.tools import PLACING, Settings, Tool
+from logical_robots_tui.world import Area, Beacon, LevelError, Robot
+from logical_robots_tui.world.sensing import BEACON_RADIUS, ROBOT_RADIUS
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from logical_robots_tui.editing.records import Thing
+    from logical_robots_tui.editing.strokes import Point
+    from logical_robots_tui.world import Level, WorldState
+
+__all__ = ["LevelEditor", "Stroke", "handle_of", "reach_of"]
+
+TURN = math.radians(15)
+_NEW_RADIUS = 30.0  # map units, of an area that is placed and not dragged
+_LEAST_RADIUS = 2.0
+_REACH = 1.5  # columns beside a thing at which it is still meant
+
+
+@dataclass(slots=True)
+class Stroke:
+    """What is under way between pressing and letting go.
+
+    Attributes:
+        what: Its name in undo, or "" before it has done anything.
+        start: Where it began, map units.
+        end: Where it is.
+        grip: From where the thing stands to where it was taken.
+        is_handle: Whether the thing is taken by its handle.
+        has_done: Whether it has changed anything yet.
+    """
+
+    what: str
+    start: Point
+    end: Point
+    grip: Point = (0.0, 0.0)
+    is_handle: bool = False
+    has_done: bool = False
+
+
+class LevelEditor:
+    """A level, the tool in hand, the cursor and what is selected.
+
+    What a level refuses is told, and changes nothing.
+
+    Args:
+        level: What to edit.
+        state: Gives the world as it stands.
+        changed: Called after every change of the level.
+        complain: Called with what a level refuses.
+    """
+
+    def __init__(
+        self,
+        level: Level,
+        state: Callable[[], WorldState],
+        changed: Callable[[], None],
+        complain: Callable[[str], None],
+    ) -> None:
+        self.edits = Edits(level)
+        self.poses = Poses()
+        self.settings = Settings()
+        self.selected: Ref | None = None
+        self.cursor: Point = (float(level.width // 2), float(level.height // 2))
+        self.stroke: Stroke | None = None
+        self._state = state
+        self._changed = changed
+        self._complain = complain
+
+    @property
+    def level(self) -> Level:
+        """The level as it is now."""
+        return self.edits.level
+
+    @property
+    def standing(self) -> Level:
+        """The level with its robots where they are at the moment."""
+        return as_it_stands(self.level, self._state())
+
+    @property
+    def thing(self) -> Thing | None:
+        """The selected thing, where it stands."""
+        if self.selected is None or not self._is_there(self.selected):
+            self.selected = None
+            return None
+        return thing_of(self.standing, self.selected)
+
+    # -- strokes -------------------------------------------------------------------------------
+
+    def press(self, x: float, y: float, units: float) -> None:
+        """Begin with the tool in hand.
+
+        Args:
+            x: Map units.
+            y: Map units.
+            units: Map units of a column; a thing may be missed by a little more.
+        """
+        tool = self.settings.tool
+        self.stroke = Stroke("", (x, y), (x, y))
+        if tool is Tool.HAND:
+            self._take(x, y, units)
+        elif tool in (Tool.BRUSH, Tool.ERASER):
+            self.stroke.what = "brush" if tool is Tool.BRUSH else "eraser"
+            self._paint((x, y), (x, y))
+        elif tool is Tool.FILL:
+            self.stroke = None
+            self.do("fill", lambda level: fill(level, x, y, wall=self.settings.is_wall))
+        elif tool in PLACING:
+            self._place(tool, x, y)
+
+    def drag(self, x: float, y: float) -> None:
+        """Go on to a point."""
+        stroke, tool = self.stroke, self.settings.tool
+        if stroke is None or (x, y) == stroke.end:
+            return
+        before, stroke.end = stroke.end, (x, y)
+        if tool in (Tool.BRUSH, Tool.ERASER):
+            self._paint(before, (x, y))
+        elif tool in PLACING or tool is Tool.HAND:
+            self._drag_thing(stroke, x, y)
+
+    def release(self) -> None:
+        """End the stroke."""
+        stroke, self.stroke = self.stroke, None
+        if stroke is None:
+            return
+        tool, wall = self.settings.tool, self.settings.is_wall
+        width, grid = self.settings.width, self.settings.grid
+        if tool is Tool.LINE:
+            points = [stroke.start, stroke.end]
+            self.do("line", lambda level: paint(level, points, width=width, grid=grid, wall=wall))
+        elif tool is Tool.RECTANGLE:
+            border = 0 if self.settings.is_filled else width
+            self.do(
+                "rectangle",
+                lambda level: paint_rectangle(
+                    level, stroke.start, stroke.end, border=border, grid=grid, wall=wall
+                ),
+            )
+
+    def finish(self) -> None:
+        """End the stroke for something else: what it has done stays, a line not drawn is none."""
+        self.stroke = None
+
+    def cancel(self) -> bool:
+        """Give the stroke up, and undo what it has done; whether there was one."""
+        stroke, self.stroke = self.stroke, None
+        if stroke is not None and stroke.has_done:
+            self.undo()
+        return stroke is not None
+
+    # -- changes -------------------------------------------------------------------------------
+
+    def do(self, what: str, work: Callable[[Level], Level], *, goes_on: bool = False) -> bool:
+        """Change the level; whether anything is different now."""
+        try:
+            level = work(self.level)
+        except LevelError as error:
+            self._complain(error.message)
+            return False
+        if not self.edits.do(what, level, goes_on=goes_on):
+            return False
+        self._changed()
+        return True
+
+    def undo(self) -> str:
+        """Undo a step and return its name, or ""."""
+        what = self.edits.undo()
+        if what:
+            self._changed()
+        return what
+
+    def redo(self) -> str:
+        """Do a step again and return its name, or ""."""
+        what = self.edits.redo()
+        if what:
+            self._changed()
+        return what
+
+    def set_values(self, ref: Ref, values: dict[str, Any], *, what: str = "properties") -> None:
+        """Set properties of a thing.
+
+        Raises:
+            LevelError: The level refuses them.
+        """
+        self._note_pose(ref)
+        if self.edits.do(what, change(self.level, ref, **values)):
+            self._changed()
+
+    def change_level(self, what: str, level: Level) -> None:
+        """Put another level in place of this one; robots that move in it move from where they are.
+
+        Args:
+            what: The name of the step, to undo it.
+            level: The level, made from the present one.
+        """
+        standing = {robot.name: robot for robot in self.standing.robots}
+        starts = {robot.name: robot for robot in self.level.robots}
+        for robot in level.robots:
+            if (now := standing.get(robot.name)) is not None:
+                start = starts[robot.name]
+                self.poses.note(start, now)
+                x, y = now.x + robot.x - start.x, now.y + robot.y - start.y
+                self.poses.note(robot, replace(now, x=x, y=y))
+        self.do(what, lambda _: level)
+
+    def turn(self, steps: int) -> None:
+        """Turn the selected robot by so many steps to its right."""
+        ref, robot = self.selected, self.thing
+        if ref is None or not isinstance(robot, Robot):
+            self._complain("Select a robot to turn.")
+            return
+        self._note_pose(ref)
+        angle = (round(robot.angle / TURN) + steps) % round(math.tau / TURN) * TURN
+        values = {"x": robot.x, "y": robot.y, "angle": angle}
+        self.do(f"turn {robot.name}", lambda level: change(level, ref, **values), goes_on=True)
+
+    def duplicate(self) -> None:
+        """Place another one like the selected thing beside it, and select that."""
+        ref, thing = self.selected, self.thing
+        if ref is None or thing is None:
+            self._complain("Select what to duplicate.")
+            return
+        beside = 2 * reach_of(thing) + 4
+        room = self.level.width - reach_of(thing)
+        across = beside if thing.x + beside < room else -beside
+
+        def work(level: Level) -> Level:
+            changed, self.selected = duplicate(level, ref, across, 0.0)
+            return changed
+
+        self.do("duplicate", work)
+
+    def delete(self) -> None:
+        """Take the selected thing away."""
+        ref = self.selected
+        if ref is None or self.thing is None:
+            self._complain("Select what to delete.")
+        elif self.do("delete", lambda level: remove(level, ref)):
+            self.selected = None
+
+    def select_next(self, steps: int) -> None:
+        """Select the thing so many places further in the level, and go there."""
+        level = self.level
+        refs = [Ref(kind, i) for kind in KINDS for i in range(len(getattr(level, kind)))]
+        start = refs.index(self.selected) if self.selected in refs else (-1 if steps > 0 else 0)
+        self.selected = refs[(start + steps) % len(refs)]
+        thing = self.thing
+        if thing is not None:
+            self.cursor = (thing.x, thing.y)
+
+    # -- inside --------------------------------------------------------------------------------
+
+    def _is_there(self, ref: Ref) -> bool:
+        return ref.index < len(getattr(self.level, ref.kind))
+
+    def _take(self, x: float, y: float, units: float) -> None:
+        """Take what is at a point, or the handle of what is selected."""
+        thing, stroke = self.thing, self.stroke
+        if stroke is None:
+            return
+        reach = _REACH * units
+        handle = None if thing is None else handle_of(thing, units)
+        if handle and math.hypot(x - handle[0], y - handle[1]) <= max(reach, 3.0):
+            stroke.is_handle = True
+            return
+        self.selected = ref_at(self.standing, x, y, reach)
+        thing = self.thing
+        if thing is None:
+            self.stroke = None
+        else:
+            stroke.grip = x - thing.x, y - thing.y
+
+    def _place(self, tool: Tool, x: float, y: float) -> None:
+        new: Thing
+        if tool is Tool.ROBOT:
+            new = Robot("Robot", round(x), round(y))
+        elif tool is Tool.BEACON:
+            new = Beacon(_free("beacon", {b.name for b in self.level.beacons}), round(x), round(y))
+        else:
+            name = _free("area", {area.name for area in self.level.areas})
+            new = Area(name, round(x), round(y), _NEW_RADIUS)
+
+        def work(level: Level) -> Level:
+            changed, self.selected = add(level, new)
+            return changed
+
+        what = f"place {tool.value}"
+        if self.do(what, work) and self.stroke is not None:
+            self.stroke.what, self.stroke.has_done = what, True
+            self.stroke.is_handle = tool is Tool.AREA
+        else:
+            self.stroke = None
+
+    def _drag_thing(self, stroke: Stroke, x: float, y: float) -> None:
+        ref, thing = self.selected, self.thing
+        if ref is None or thing is None:
+            return
+        values: dict[str, Any] = {}
+        if not stroke.is_handle:
+            what = stroke.what or "move"
+            values = {"x": round(x - stroke.grip[0]), "y": round(y - stroke.grip[1])}
+            if isinstance(thing, Robot):
+                values["angle"] = thing.angle
+        elif isinstance(thing, Robot):
+            what = "turn"
+            angle = round(math.degrees(math.atan2(y - thing.y, x - thing.x)) / 5) * 5 % 360
+            values = {"x": thing.x, "y": thing.y, "angle": math.radians(angle)}
+        elif isinstance(thing, Area):
+            what = stroke.what or "size"
+            radius = round(math.hypot(x - thing.x, y - thing.y))
+            values = {"radius": max(float(radius), _LEAST_RADIUS)}
+        if not values:
+            return
+        if not stroke.has_done:
+            self._note_pose(ref)
+        is_new = not stroke.has_done
+        stroke.what = what
+        done = self.do(what, lambda level: change(level, ref, **values), goes_on=not is_new)
+        stroke.has_done = stroke.has_done or done
+
+    def _paint(self, start: Point, end: Point) -> None:
+        stroke = self.stroke
+        if stroke is None:
+            return
+        settings = self.settings
+        done = self.do(
+            stroke.what,
+            lambda level: paint(
+                level,
+                [start, end],
+                width=settings.width,
+                grid=settings.grid,
+                wall=settings.tool is Tool.BRUSH,
+            ),
+            goes_on=stroke.has_done,
+        )
+        stroke.has_done = stroke.has_done or done
+
+    def _note_pose(self, ref: Ref) -> None:
+        """Remember where a robot stands, so that undoing brings it back there."""
+        if ref.kind == "robots":
+            self.poses.note(self.level.robots[ref.index], self.standing.robots[ref.index])
+
+
+def reach_of(thing: Thing) -> float:
+    """Map units from the middle of a thing to its rim."""
+    if isinstance(thing, Area):
+        return thing.radius
+    return ROBOT_RADIUS if isinstance(thing, Robot) else BEACON_RADIUS
+
+
+def handle_of(thing: Thing, units: float) -> Point | None:
+    """Where a thing is taken to turn or size it; None if it has no such place.
+
+    Args:
+        thing: Where it stands.
+        units: Map units of a column, so that the place lies beside the thing.
+    """
+    if isinstance(thing, Robot):
+        away = max(2 * ROBOT_RADIUS, 3.5 * units)
+        return thing.x + away * math.cos(thing.angle), thing.y + away * math.sin(thing.angle)
+    if isinstance(thing, Area):
+        return thing.x + thing.radius, thing.y
+    return None
+
+
+def _free(stem: str, taken: set[str]) -> str:
+    numbers = range(1, len(taken) + 2)
+    return next(name for number in numbers if (name := f"{stem} {number}") not in taken)

@@ -1,0 +1,243 @@
+"""What the forms of the editor share: labelled fields to scroll, and one way to take them."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, ClassVar
+
+from textual import on
+from textual.binding import Binding
+from textual.containers import Horizontal, Vertical, VerticalScroll
+from textual.content import Content
+from textual.widgets import Button, Checkbox, Input, OptionList, Select, Static, TextArea
+
+from logical_robots_tui.tui.layout.dialog import Dialog
+from logical_robots_tui.tui.layout.listing import Listing
+from logical_robots_tui.tui.theme.safe_text import one_line
+from logical_robots_tui.tui.theme.themes import INK
+from logical_robots_tui.world import LevelError
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Sequence
+    from collections.abc import Set as AbstractSet
+
+    from textual.app import ComposeResult
+    from textual.widget import Widget
+
+__all__ = ["Form", "Ticks", "choice", "flag", "number", "several", "text"]
+
+
+class Tick(Checkbox):
+    """A box to tick that needs no colours to be read."""
+
+    def on_mount(self) -> None:
+        """Show the state to begin with."""
+        self.BUTTON_INNER = "X" if self.value else " "
+
+    def watch_value(self) -> None:
+        """Show the new state."""
+        self.BUTTON_INNER = "X" if self.value else " "
+        super().watch_value()
+
+
+class Ticks(Listing):
+    """Names to tick: enter, or a click, ticks one or takes that back.
+
+    Args:
+        name: Its id.
+        names: All names.
+        known: Those that are there.
+        ticked: Those that are ticked.
+    """
+
+    def __init__(
+        self, name: str, names: Sequence[str], known: AbstractSet[str], ticked: Sequence[str]
+    ) -> None:
+        self._names = names
+        self._known = known
+        self._ticked = set(ticked)
+        super().__init__(*map(self._line, names), id=name, markup=False, compact=True)
+
+    @property
+    def ticked(self) -> tuple[str, ...]:
+        """What is ticked, in the order of the list."""
+        return tuple(name for name in self._names if name in self._ticked)
+
+    def toggle(self, name: str) -> None:
+        """Tick a name, or take that back."""
+        self._ticked ^= {name}
+        self.replace_option_prompt_at_index(self._names.index(name), self._line(name))
+
+    def on_option_list_option_selected(self, event: OptionList.OptionSelected) -> None:
+        """Tick it."""
+        event.stop()
+        self.toggle(self._names[event.option_index])
+
+    def _line(self, name: str) -> Content:
+        sign = "[X] " if name in self._ticked else "[ ] "
+        gone = "" if name in self._known else " (is not there)"
+        return Content.assemble((sign, INK.key), one_line(name), (gone, INK.dim))
+
+
+class Form(Dialog[bool]):
+    """Fields with labels; what is taken is done by `take`, which may refuse it.
+
+    Gives True when something was taken.
+
+    Args:
+        title: Of the box.
+    """
+
+    DEFAULT_CSS = """
+    Form > #box { max-width: 76; padding: 0 1 0 2; }
+    Form VerticalScroll { height: auto; max-height: 80vh; scrollbar-gutter: stable; }
+    Form .row { height: auto; }
+    Form .label { width: 17; height: 1; color: $ink-dim; }
+    Form Input { width: 1fr; margin: 0; }
+    Form Checkbox, Form Select, Form Ticks, Form TextArea {
+        width: 1fr; border: none; padding: 0; }
+    Form Checkbox { background: $surface; }
+    Form Checkbox:focus { background: $block-cursor-background; }
+    Form Ticks, Form TextArea { height: auto; max-height: 6; background: $panel; }
+    Form TextArea { min-height: 3; padding: 0 1; }
+    Form #buttons { height: 1; margin-top: 1; }
+    Form Button { height: 1; min-width: 8; border: none; margin-right: 2; padding: 0 1;
+        background: $panel; color: $foreground; text-style: none; }
+    Form Button:focus { background: $block-cursor-background; text-style: bold; border: none; }
+    Form #keys { margin: 0; }
+    """
+
+    BINDINGS: ClassVar[list[Binding | tuple[str, str] | tuple[str, str, str]]] = [
+        Binding("f2", "take", show=False, priority=True),
+    ]
+
+    def __init__(self, title: str) -> None:
+        super().__init__()
+        self._title_text = title
+
+    def fields(self) -> Iterable[tuple[str, Widget]]:
+        """Labels and widgets, in order; every widget has an id."""
+        raise NotImplementedError
+
+    def take(self) -> None:
+        """Do what the fields say.
+
+        Raises:
+            LevelError: That can't be.
+        """
+        raise NotImplementedError
+
+    def compose(self) -> ComposeResult:
+        """The fields, and below them the buttons."""
+        with Vertical(id="box") as box:
+            box.border_title = Content(self._title_text)
+            with VerticalScroll(can_focus=False):
+                for label, widget in self.fields():
+                    with Horizontal(classes="row"):
+                        yield Static(label, classes="label", markup=False)
+                        yield widget
+            yield Static(id="complaint")
+            with Horizontal(id="buttons"):
+                yield Button("Take", id="take", compact=True)
+                yield Button("Close", id="close", compact=True)
+            yield Static("tab next   F2 or enter take   esc close", id="keys", markup=False)
+
+    def on_mount(self) -> None:
+        """Nothing blinks while nothing happens."""
+        for line in self.query(Input):
+            line.cursor_blink = False
+
+    @on(Input.Submitted)
+    @on(Button.Pressed, "#take")
+    def action_take(self) -> None:
+        """Take what the fields say, or tell why not."""
+        try:
+            self.take()
+        except LevelError as error:
+            complaint = self.query_one("#complaint", Static)
+            complaint.update(Content(one_line(error.message)))
+            complaint.display = True
+        else:
+            self.dismiss(True)
+
+    @on(Button.Pressed, "#close")
+    def _close(self) -> None:
+        self.dismiss(None)
+
+    # -- what stands in the fields -------------------------------------------------------------
+
+    def text_of(self, name: str) -> str:
+        """What was typed in a line."""
+        return self.query_one(f"#{name}", Input).value.strip()
+
+    def number_of(self, name: str, label: str) -> float:
+        """The number in a line.
+
+        Raises:
+            LevelError: It is none.
+        """
+        typed = self.text_of(name)
+        try:
+            found = float(typed)
+        except ValueError:
+            found = math.nan
+        if not math.isfinite(found):
+            raise LevelError(f"{label} is to be a number, not “{typed}”.")
+        return found
+
+    def whole_of(self, name: str, label: str) -> int:
+        """The whole number in a line.
+
+        Raises:
+            LevelError: It is none.
+        """
+        found = self.number_of(name, label)
+        if not found.is_integer():
+            raise LevelError(f"{label} is to be a whole number, not {found:g}.")
+        return int(found)
+
+    def flag_of(self, name: str) -> bool:
+        """Whether a box is ticked."""
+        return self.query_one(f"#{name}", Checkbox).value
+
+    def choice_of(self, name: str) -> str:
+        """What was chosen, or ""."""
+        chosen = self.query_one(f"#{name}", Select).value
+        return "" if chosen is Select.NULL else str(chosen)
+
+    def several_of(self, name: str) -> tuple[str, ...]:
+        """All that is ticked, in the order of the list."""
+        return self.query_one(f"#{name}", Ticks).ticked
+
+    def lines_of(self, name: str) -> str:
+        """A text of several lines."""
+        return self.query_one(f"#{name}", TextArea).text.strip()
+
+
+def text(name: str, value: str) -> Input:
+    """A line of text."""
+    return Input(value, id=name, select_on_focus=False)
+
+
+def number(name: str, value: float) -> Input:
+    """A number."""
+    return Input(f"{value:.10g}", id=name, select_on_focus=False)
+
+
+def flag(name: str, label: str, *, value: bool) -> Checkbox:
+    """A box to tick."""
+    return Tick(Content(label), value, id=name, compact=True)
+
+
+def choice(name: str, names: Sequence[str], value: str, nothing: str) -> Select[str]:
+    """One of several names, or nothing; a name that is not there any more can stay."""
+    known = list(dict.fromkeys(names))
+    options = [(Content(one_line(each)), each) for each in known]
+    if value and value not in known:
+        options.append((Content(f"{one_line(value)} (is not there)"), value))
+    return Select(options, prompt=nothing, value=value or Select.NULL, id=name, compact=True)
+
+
+def several(name: str, names: Sequence[str], ticked: Sequence[str]) -> Ticks:
+    """Any of several names; one that is not there any more can stay."""
+    return Ticks(name, list(dict.fromkeys([*names, *ticked])), set(names), ticked)

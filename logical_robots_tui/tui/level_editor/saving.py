@@ -1,0 +1,159 @@
+"""Saving an edited level, keeping it as a new one, or throwing it away."""
+
+from __future__ import annotations
+
+import asyncio
+import re
+from typing import TYPE_CHECKING
+
+from textual.widgets import Input, Static
+
+from logical_robots_tui.editing.files import save_level
+from logical_robots_tui.editing.properties import set_words
+from logical_robots_tui.errors import InputError
+from logical_robots_tui.game.naming import target
+from logical_robots_tui.tui.layout.question import Question
+from logical_robots_tui.tui.library.save_dialog import SaveDialog
+from logical_robots_tui.tui.theme.safe_text import one_line
+from logical_robots_tui.world import Level
+from logical_robots_tui.world.load import NATIVE, SUFFIXES
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from textual.app import ComposeResult
+
+    from logical_robots_tui.tui.level_editor.mode import EditMode
+
+__all__ = ["SaveLevel", "ask_to_throw_away", "ask_what_to_keep", "save", "save_as"]
+
+
+async def save(mode: EditMode) -> bool:
+    """Save a level in its file; whether it is saved. Without a file of its own, ask for a name."""
+    if mode.file is None:
+        return await save_as(mode)
+    # The file is written whatever is asked for meanwhile, and the game is to know of it.
+    is_saved = await asyncio.shield(asyncio.create_task(_save_in(mode, mode.file)))
+    if is_saved is None:
+        name = one_line(mode.file.name)
+        mode.screen.warn(f"{name} was changed by another program. Save under another name.")
+        return await save_as(mode)
+    return is_saved
+
+
+async def _save_in(mode: EditMode, file: Path) -> bool | None:
+    """Save a level in its file; whether it is saved, None if another program has changed that."""
+    async with mode.saving:
+        on_disk = await asyncio.to_thread(mode.on_disk)
+        if on_disk == "another":
+            return None
+        if mode.is_saved and on_disk == "same":
+            mode.screen.tell("It is saved already.")
+            return True
+        level = mode.editor.level
+        mode.screen.tell("Saving…")
+        try:
+            saved = await asyncio.to_thread(save_level, level, file)
+        except InputError as error:
+            mode.screen.warn(str(error))
+            return False
+        mode.saved(level, saved)
+        return True
+
+
+async def save_as(mode: EditMode) -> bool:
+    """Ask for a name and save a level under it; whether it is saved."""
+    level = mode.editor.level
+    dialog = SaveLevel(level, _proposal(mode), mode.own, mode.file)
+    saved = await mode.screen.app.push_screen_wait(dialog)
+    if saved is None:
+        return False
+    mode.editor.do("title", lambda level: set_words(level, title=saved.title))
+    mode.saved(mode.editor.level, saved)
+    return True
+
+
+async def ask_what_to_keep(mode: EditMode) -> None:
+    """Leave editing, and ask what becomes of the changes, once what is being saved is saved."""
+    async with mode.saving:
+        is_saved = mode.is_saved
+    if is_saved:
+        mode.leave()
+        return
+    answers = [("keep", "Keep as a level"), ("game", "Just for this game"), ("away", "Throw away")]
+    if mode.file is not None:
+        answers.insert(0, ("save", "Save"))
+    question = "What becomes of the changes to the level?"
+    answer = await mode.screen.app.push_screen_wait(Question("Leave editing", question, answers))
+    if answer == "away":
+        mode.throw_away()
+    elif (answer == "save" and not await save(mode)) or (
+        answer == "keep" and not await save_as(mode)
+    ):
+        return
+    if answer is not None:
+        mode.leave()
+
+
+async def ask_to_throw_away(mode: EditMode) -> None:
+    """Go back to the level as it is in its file, if the player is sure."""
+    if not mode.has_changes:
+        mode.screen.tell("Nothing has changed.")
+        return
+    answers = [("no", "No, keep them"), ("yes", "Yes, throw them away")]
+    question = "Throw all changes away? Undo brings them back as long as you stay."
+    if await mode.screen.app.push_screen_wait(Question("Throw away", question, answers)) == "yes":
+        mode.throw_away()
+        mode.redraw()
+
+
+def _proposal(mode: EditMode) -> str:
+    if mode.file is not None:
+        other = mode.file.with_stem(f"{mode.file.stem}-2")
+        return other.stem if other.parent == mode.own else str(other)
+    name = mode.base.name
+    if not mode.base.source:  # a new level is called as its title says
+        words = re.findall(r"[^\W_]+", mode.editor.level.title.lower())
+        return "-".join(words) or name
+    return f"my-{name.lstrip('0123456789-') or name}"
+
+
+class SaveLevel(SaveDialog[Level]):
+    """Saves a level, with a title.
+
+    Args:
+        level: What to save.
+        name: What to propose.
+        own: Folder of the player's levels.
+        file: The level's own file, of which as much as can be is kept, or None.
+    """
+
+    DEFAULT_CSS = """
+    SaveLevel .label { color: $ink-dim; height: 1; }
+    """
+
+    heading = "Save the level as"
+    keys = "enter save   tab title   esc close"
+
+    def __init__(self, level: Level, name: str, own: Path, file: Path | None) -> None:
+        super().__init__(name)
+        self._level = level
+        self._own = own
+        self._file = file
+
+    def fields(self) -> ComposeResult:
+        """The name of the file, and the title."""
+        yield Static("Name of the file", classes="label", markup=False)
+        yield from super().fields()
+        yield Static("Title", classes="label", markup=False)
+        yield Input(self._level.title, id="title", select_on_focus=False)
+
+    def file(self, name: str) -> Path:
+        """The file for a name."""
+        return target(name, self._own, folder="levels", suffixes=SUFFIXES, usual=NATIVE)
+
+    async def save(self, path: Path) -> Level:
+        """Save the level under its title."""
+        title = self.query_one("#title", Input).value.strip()
+        level = set_words(self._level, title=title or self._level.title)
+        return await asyncio.to_thread(save_level, level, path, anew=path != self._file)

@@ -1,0 +1,1 @@
+"""Choosing levels and programs, and the progress made at them."""

@@ -1,0 +1,229 @@
+"""Choosing one of many by name, or any file by its path."""
+
+from __future__ import annotations
+
+import asyncio
+from dataclasses import dataclass
+from functools import partial
+from typing import TYPE_CHECKING, ClassVar, Generic, Protocol, TypeVar
+
+from textual import on
+from textual.binding import Binding
+from textual.containers import Horizontal, Vertical, VerticalScroll
+from textual.content import Content
+from textual.widgets import Input, OptionList, Static
+from textual.widgets.option_list import Option
+
+from logical_robots_tui.errors import LogicalRobotsError
+from logical_robots_tui.tui.app.background import in_background
+from logical_robots_tui.tui.layout.dialog import Dialog
+from logical_robots_tui.tui.layout.listing import Listing
+from logical_robots_tui.tui.theme.safe_text import clip, one_line, visible
+from logical_robots_tui.tui.theme.themes import INK
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from textual import events
+    from textual.app import ComposeResult
+
+__all__ = ["Card", "Chooser", "Shelf", "is_path"]
+
+T = TypeVar("T")
+T_co = TypeVar("T_co", covariant=True)
+
+_PREVIEW = 4_000
+_PREVIEW_FROM = 70  # columns
+
+
+@dataclass(frozen=True, slots=True)
+class Card:
+    """What the chooser tells about one entry.
+
+    Attributes:
+        headline: Beside its name in the list.
+        preview: The longer text.
+        is_error: Whether the text says why it can't be used.
+    """
+
+    headline: str
+    preview: str
+    is_error: bool = False
+
+
+class Shelf(Protocol[T_co]):
+    """A place that things are chosen from. Its methods may block; they run in a thread."""
+
+    @property
+    def title(self) -> str:
+        """What the box is called."""
+
+    @property
+    def placeholder(self) -> str:
+        """What to type."""
+
+    def names(self) -> Sequence[str]:
+        """Names of what there is."""
+
+    def card(self, name: str) -> Card:
+        """What to tell about one of them."""
+
+    def take(self, name_or_path: str) -> T_co:
+        """Open one of them, or any file; raises `InputError`."""
+
+
+class Chooser(Dialog[T], Generic[T]):
+    """A list with a filter and a preview.
+
+    Args:
+        shelf: Where to choose from.
+        current: Name to begin at.
+    """
+
+    DEFAULT_CSS = """
+    Chooser > #box { height: 90%; max-height: 32; }
+    Chooser #entries { width: 1fr; height: 1fr; }
+    Chooser #preview { width: 1fr; height: 1fr; padding: 0 1; border-left: solid $ink-faint; }
+    Chooser.-narrow #preview { display: none; }
+    """
+
+    BINDINGS: ClassVar[list[Binding | tuple[str, str] | tuple[str, str, str]]] = [
+        Binding("up", "go('cursor_up')", show=False, priority=True),
+        Binding("down", "go('cursor_down')", show=False, priority=True),
+        Binding("pageup", "go('page_up')", show=False, priority=True),
+        Binding("pagedown", "go('page_down')", show=False, priority=True),
+    ]
+
+    def __init__(self, shelf: Shelf[T], current: str) -> None:
+        super().__init__()
+        self._shelf = shelf
+        self._current = current
+        self._cards: dict[str, Card] = {}
+        self._shown: list[str] = []
+        self._all: list[str] = []
+        # Kept and not looked up: a dialog that closes has lost its parts before itself is gone.
+        self._filter = Input(placeholder=shelf.placeholder, id="filter", select_on_focus=False)
+        self._entries = Listing(id="entries", markup=False, compact=True)
+        self._preview_text = Static(id="preview-text")
+        self._complaint = Static(id="complaint")
+
+    def compose(self) -> ComposeResult:
+        """Filter above, list and preview side by side."""
+        with Vertical(id="box") as box:
+            box.border_title = self._shelf.title
+            yield self._filter
+            with Horizontal():
+                yield self._entries
+                with VerticalScroll(id="preview", can_focus=False):
+                    yield self._preview_text
+            yield self._complaint
+            yield Static("enter take   ↑↓ choose   esc close", id="keys", markup=False)
+
+    def on_resize(self, event: events.Resize) -> None:
+        """Leave the preview out where there is no room for it."""
+        self.set_class(event.size.width < _PREVIEW_FROM, "-narrow")
+
+    def on_mount(self) -> None:
+        """Begin with the whole list; its entries tell more as they are read."""
+        self._entries.can_focus = False
+        self._filter.focus()
+        in_background(self, self._read_all)
+
+    def action_go(self, motion: str) -> None:
+        """Move in the list while the filter keeps the focus."""
+        getattr(self._entries, f"action_{motion}")()
+
+    async def _read_all(self) -> None:
+        self._all = list(await asyncio.to_thread(self._shelf.names))
+        if self._entries.is_attached:
+            self._list(self._current)
+        for name in self._all:
+            self._cards[name] = await asyncio.to_thread(self._shelf.card, name)
+            if not self._entries.is_attached:
+                return  # closed meanwhile
+            if name in self._shown:
+                self._entries.replace_option_prompt(name, self._entry(name))
+            if self._highlighted == name:
+                self._preview(name)
+
+    @property
+    def _highlighted(self) -> str | None:
+        highlighted = self._entries.highlighted
+        return None if highlighted is None else self._shown[highlighted]
+
+    def _list(self, wanted: str | None) -> None:
+        """List what the filter lets through."""
+        text = self._filter.value.strip()
+        words = text.casefold().split()
+        self._shown = [
+            name for name in self._all if all(word in self._searchable(name) for word in words)
+        ]
+        self._shown.sort(key=lambda name: name.casefold() != text.casefold())
+        if is_path(text) and text not in self._all:
+            self._shown.insert(0, text)
+        self._entries.clear_options()
+        self._entries.add_options([Option(self._entry(name), id=name) for name in self._shown])
+        if self._shown:
+            self._entries.highlighted = self._shown.index(wanted) if wanted in self._shown else 0
+        else:
+            self._preview(None)
+
+    def _searchable(self, name: str) -> str:
+        card = self._cards.get(name)
+        return f"{name} {card.headline if card else ''}".casefold()
+
+    def _entry(self, name: str) -> Content:
+        if name not in self._all:
+            return Content.assemble(("Open the file ", INK.dim), (one_line(name), INK.key))
+        here = ("▸ ", INK.key) if name == self._current else ("  ", INK.dim)
+        card = self._cards.get(name)
+        headline = clip(one_line(card.headline), 60) if card else ""
+        style = INK.bad if card and card.is_error else INK.dim
+        return Content.assemble(here, (one_line(name), INK.text), "  ", (headline, style))
+
+    def _preview(self, name: str | None) -> None:
+        card = self._cards.get(name) if name else None
+        text = visible_lines(card.preview) if card else "" if name else "Nothing has this name."
+        style = INK.bad if card and card.is_error else INK.text
+        self._preview_text.update(Content.styled(text, style))
+
+    @on(Input.Changed, "#filter")
+    def _filter_changed(self) -> None:
+        self._complaint.display = False
+        self._list(self._highlighted)
+
+    @on(OptionList.OptionHighlighted, "#entries")
+    def _entry_highlighted(self, event: OptionList.OptionHighlighted) -> None:
+        self._preview(event.option_id)
+
+    @on(Input.Submitted, "#filter")
+    def _submitted(self) -> None:
+        if self._highlighted is not None:
+            self._take(self._highlighted)
+
+    @on(OptionList.OptionSelected, "#entries")
+    def _entry_clicked(self, event: OptionList.OptionSelected) -> None:
+        if event.option_id is not None:
+            self._take(event.option_id)
+
+    def _take(self, name: str) -> None:
+        in_background(self, partial(self._open, name), "take", exclusive=True)
+
+    async def _open(self, name: str) -> None:
+        try:
+            result = await asyncio.to_thread(self._shelf.take, name)
+        except LogicalRobotsError as error:
+            self._complaint.update(Content(one_line(str(error))))
+            self._complaint.display = True
+        else:
+            self.dismiss(result)
+
+
+def visible_lines(text: str) -> str:
+    """A text of several lines, cut to what a preview needs and safe to show."""
+    return "\n".join(visible(line) for line in text[:_PREVIEW].splitlines())
+
+
+def is_path(text: str) -> bool:
+    """Whether what was typed is meant as a path and not as a part of a name."""
+    return "/" in text or text.endswith((".toml", ".json", ".l"))

@@ -1,0 +1,246 @@
+"""The journal: keeps what the player achieves at the level at hand, and has wins measured."""
+
+from __future__ import annotations
+
+import asyncio
+import queue
+from concurrent.futures import ThreadPoolExecutor
+from functools import partial
+from typing import TYPE_CHECKING, TypeVar
+
+from logical_robots_tui.game import level_key, reference_for
+from logical_robots_tui.game.continuing import keep_if_own, measured_at_victory, note_level
+from logical_robots_tui.game.source import shipped_texts
+from logical_robots_tui.progress import NEW, Progress
+from logical_robots_tui.tui.app.facts import THEME, TOUR
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+    from pathlib import Path
+
+    from logical_robots_tui.game.measuring import Trial
+    from logical_robots_tui.mind import Program
+    from logical_robots_tui.progress import Bests, LevelRecord, Measures, Version
+    from logical_robots_tui.tui.app.background import Spawn
+    from logical_robots_tui.tui.app.session import Session
+    from logical_robots_tui.world import Level
+
+__all__ = ["Journal"]
+
+T = TypeVar("T")
+
+
+class Journal:
+    """The player's record on disk, seen from the screen: nothing here holds up a key.
+
+    Args:
+        file: Where the record is kept.
+
+    Attributes:
+        progress: The record itself; its methods block.
+        record: What is known of the level at hand.
+        latest: Measures of the last victory there, as far as they are known, or None.
+        former: The bests before that victory.
+        trial: How far the trial from shifted starts is at the level at hand, or None.
+        is_reference: Whether the last victory was that of the reference program.
+    """
+
+    def __init__(self, file: Path) -> None:
+        self._news: queue.SimpleQueue[str] = queue.SimpleQueue()
+        self.progress = Progress(file, self._news.put)
+        self.record: LevelRecord = NEW
+        self.latest: Measures | None = None
+        self.former: Bests = NEW.bests
+        self.is_reference = False
+        self._desk = ThreadPoolExecutor(max_workers=1, thread_name_prefix="logical-robots-journal")
+        self._level: Level | None = None
+        self._key = ""
+        self._solution = ""
+        self._trials: dict[str, tuple[str, Trial]] = {}
+        self._turn = asyncio.Lock()
+        self._has_begun = False
+        self._is_closed = False
+
+    def attach(
+        self,
+        *,
+        spawn: Spawn,
+        changed: Callable[[], None],
+        warn: Callable[[str], None],
+        measured: Callable[[Level, Measures], None],
+    ) -> None:
+        """Begin to work for a screen.
+
+        Args:
+            spawn: Starts work in the background.
+            changed: Called after everything that the screen may want to show.
+            warn: Tells the player what went wrong.
+            measured: Called when a victory is measured in full.
+        """
+        self._spawn, self._changed, self._warn = spawn, changed, warn
+        self._measured = measured
+
+    async def close(self) -> None:
+        """Finish what is to be written, and let go of the file."""
+        self._is_closed = True
+        await asyncio.get_running_loop().run_in_executor(self._desk, self.progress.close)
+        self._desk.shutdown(wait=False)
+
+    # -- looking -------------------------------------------------------------------------------
+
+    @property
+    def reference(self) -> Measures | None:
+        """Measures of the reference program of the level at hand, or None."""
+        return reference_for(self._level) if self._level else None
+
+    @property
+    def trial(self) -> Trial | None:
+        """How far the trial from shifted starts is at the level at hand, or None."""
+        found = self._trials.get(self._key)
+        return found[1] if found else None
+
+    async def ask(self, look: Callable[[Progress], T]) -> T:
+        """Look something up in the record, after all that is still to be written."""
+        found = await asyncio.get_running_loop().run_in_executor(self._desk, look, self.progress)
+        self._tell_news()
+        return found
+
+    async def newest(self, level: Level) -> str | None:
+        """The text that the player last used at a level, or None."""
+        return await self.ask(lambda progress: progress.newest(level_key(level)))
+
+    async def versions(self) -> list[Version]:
+        """The versions kept for the level at hand, the last used first."""
+        key = self._key
+        return await self.ask(lambda progress: progress.versions(key))
+
+    # -- writing -------------------------------------------------------------------------------
+
+    def open(self, level: Level) -> None:
+        """The player has gone to a level."""
+        self._level, self._key = level, level_key(level)
+        self.record, self.latest, self._has_begun = NEW, None, False
+        self._solution = ""
+        self._write(lambda progress: note_level(progress, level))
+        self._spawn(self._look, "journal", exclusive=False)
+
+    def used(self, program: Program) -> None:
+        """The robots begin to think with a program; it is kept if it is the player's own."""
+        key, text = self._key, program.text
+        self._write(lambda progress: keep_if_own(progress, key, text))
+
+    def moved(self) -> None:
+        """The robots have done something: the level is in work."""
+        if not self._has_begun:
+            self._has_begun = True
+            key = self._key
+            self._write(lambda progress: progress.begin(key))
+
+    def reveal(self, hints: int) -> None:
+        """So many hints are revealed."""
+        key = self._key
+        self._write(lambda progress: progress.reveal(key, hints))
+
+    def keep(self, *texts: str) -> None:
+        """Keep versions for the level at hand, the last one as the newest."""
+        key = self._key
+
+        def keep(progress: Progress) -> None:
+            for text in texts:
+                progress.keep(key, text)
+
+        self._write(keep)
+
+    def choose_theme(self, name: str) -> None:
+        """The player wants this theme from now on."""
+        self._write(lambda progress: progress.set_fact(THEME, name))
+
+    def tour_seen(self) -> None:
+        """The tour need not be shown again."""
+        self._write(lambda progress: progress.set_fact(TOUR, "seen"))
+
+    def won(self, session: Session) -> None:
+        """The level is won: keep that, and measure how well."""
+        program, tick, level, game = session.program, session.won_at, session.level, session.game
+        if program is None or tick is None or game is None:
+            return
+        text, key = program.text, self._key
+        self.former = self.record.bests
+        self.latest = measured_at_victory(game.history, text, tick)
+        self.is_reference = bool(level.solution) and text == self._solution
+        if not self.is_reference:
+            measures = self.latest
+            self._write(lambda progress: progress.win(key, text, measures))
+        if not self.is_reference and self._trials.get(key, ("",))[0] != text:
+            self._spawn(
+                partial(self._measure, level, key, program), f"measure {key}", exclusive=True
+            )
+
+    def stop_measuring(self) -> bool:
+        """Stop trying shifted starts at the level at hand; False if nothing is under way."""
+        if self._trials.pop(self._key, None) is None:
+            return False
+        self._spawn(_nothing, f"measure {self._key}", exclusive=True)
+        self._changed()
+        return True
+
+    # -- inside --------------------------------------------------------------------------------
+
+    def _write(self, work: Callable[[Progress], None]) -> None:
+        if self._is_closed:
+            return
+        self._desk.submit(work, self.progress)
+        self._spawn(self._look, "journal", exclusive=False)
+
+    async def _look(self) -> None:
+        """See what the record says of the level at hand by now."""
+        key, level = self._key, self._level
+        record = await self.ask(lambda progress: progress.record(key))
+        if level is not None and level.solution and not self._solution:
+            texts = await asyncio.to_thread(shipped_texts)
+            self._solution = texts.get(level.solution, "")
+        if key == self._key and record != self.record:
+            self.record = record
+            self._changed()
+
+    def _tell_news(self) -> None:
+        while not self._news.empty():
+            self._warn(self._news.get())
+
+    async def _measure(self, level: Level, key: str, program: Program) -> None:
+        from logical_robots_tui.game.measuring import MeasuringError, Trial, measure
+
+        text = program.text
+        known = await self.ask(lambda progress: progress.measures(key, text))
+        if known is None or known.wins is None:
+            mine = (text, Trial())
+            self._trials[key] = mine
+            self._changed()
+            try:
+                async with self._turn:  # one at a time: there may be few processors
+                    known = await measure(level, program, known, partial(self._tried, key, text))
+            except MeasuringError:
+                self._warn("How robust the program is could not be measured.")
+                return
+            finally:
+                if self._trials.get(key, mine)[0] == text:
+                    self._trials.pop(key, None)
+                self._changed()
+        if known is None:
+            self._warn("From the start this program does not win: it was changed on the way.")
+        else:
+            found = known
+            self._write(lambda progress: progress.win(key, text, found))
+            self._measured(level, found)
+            if key == self._key:
+                self.latest = found
+                self._changed()
+
+    def _tried(self, key: str, text: str, trial: Trial) -> None:
+        if key in self._trials:
+            self._trials[key] = (text, trial)
+            self._changed()
+
+
+async def _nothing() -> None:
+    """Take the place of work that is to end."""

@@ -1,0 +1,261 @@
+"""Choosing a level: its card, or the path of any level file."""
+
+from __future__ import annotations
+
+import asyncio
+from dataclasses import replace
+from functools import partial
+from typing import TYPE_CHECKING, ClassVar
+
+from textual import on
+from textual.binding import Binding
+from textual.containers import Vertical
+from textual.content import Content
+from textual.widgets import Input, Static
+
+from logical_robots_tui.errors import LogicalRobotsError
+from logical_robots_tui.paths import typed_path
+from logical_robots_tui.tui.app.background import in_background
+from logical_robots_tui.tui.layout.dialog import Dialog
+from logical_robots_tui.tui.library.card import LevelCard
+from logical_robots_tui.tui.library.cards import LevelCards
+from logical_robots_tui.tui.library.chooser import is_path
+from logical_robots_tui.tui.library.miniature import miniature, shipped_level
+from logical_robots_tui.tui.library.own_levels import own_levels
+from logical_robots_tui.tui.theme.safe_text import one_line
+from logical_robots_tui.tui.theme.themes import INK, palette_of
+from logical_robots_tui.world import Level, list_levels, load_level
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from textual import events
+    from textual.app import ComposeResult
+
+    from logical_robots_tui.progress import LevelRecord, Progress
+    from logical_robots_tui.tui.labyrinth.drawing.glyphs import Drawing
+    from logical_robots_tui.tui.library.journal import Journal
+
+__all__ = ["LevelScreen", "NewLevel"]
+
+
+_KEYS = "enter play   ←↑↓→ choose   ^N new level   esc close"
+
+
+class NewLevel:
+    """The wish to make a level."""
+
+
+class LevelScreen(Dialog["Level | NewLevel"]):
+    """Shows all levels; gives the one that was taken, or that a new one is wanted.
+
+    Args:
+        here: The level at hand.
+        journal: What the player has achieved.
+        drawing: Which characters draw the miniatures.
+        own: Folder of the player's levels.
+    """
+
+    DEFAULT_CSS = """
+    LevelScreen > #box { width: 100%; max-width: 100%; height: 100%; max-height: 100%;
+        border: none; padding: 0; }
+    LevelScreen #head { height: 1; padding: 0 1; background: $panel; text-wrap: nowrap; }
+    LevelScreen Input { margin: 0; }
+    LevelScreen #detail { height: 1; padding: 0 1; text-wrap: nowrap; text-overflow: ellipsis; }
+    LevelScreen #complaint { padding: 0 1; }
+    LevelScreen #keys { margin: 0; padding: 0 1; background: $panel; }
+    """
+
+    BINDINGS: ClassVar[list[Binding | tuple[str, str] | tuple[str, str, str]]] = [
+        Binding("left", "go('left')", show=False, priority=True),
+        Binding("right", "go('right')", show=False, priority=True),
+        Binding("up", "go('up')", show=False, priority=True),
+        Binding("down", "go('down')", show=False, priority=True),
+        Binding("pageup", "go('page_up')", show=False, priority=True),
+        Binding("pagedown", "go('page_down')", show=False, priority=True),
+        Binding("ctrl+n", "new", show=False, priority=True),
+    ]
+
+    def __init__(self, here: Level, journal: Journal, drawing: Drawing, own: Path) -> None:
+        super().__init__()
+        self._own = own
+        self._here = here
+        self._journal = journal
+        self._drawing = drawing
+        self._all: list[LevelCard] = []
+        self._shown: list[LevelCard] = []
+        self._cards = LevelCards()
+        self._is_read = False
+
+    def compose(self) -> ComposeResult:
+        """How far the player is, a line to type in, the cards, more about the chosen one."""
+        with Vertical(id="box"):
+            yield Static(id="head")
+            yield Input(
+                placeholder="type to filter, or the path of a .toml or .json file",
+                id="filter",
+                select_on_focus=False,
+            )
+            yield self._cards
+            yield Static(id="detail")
+            yield Static(id="complaint")
+            yield Static(_KEYS, id="keys", markup=False)
+
+    def on_mount(self) -> None:
+        """Begin with names alone; the rest follows as it is read and drawn."""
+        line = self.query_one("#filter", Input)
+        line.cursor_blink = False  # nothing is to be drawn while nothing happens
+        line.focus()
+        self._list()
+        in_background(self, self._read_all, "cards", exclusive=True)
+
+    def on_resize(self, event: events.Resize) -> None:
+        """Draw the miniatures in the new size."""
+        self._cards.forget_pictures()
+        if self._all:
+            in_background(self, self._draw_all, "pictures", exclusive=True)
+
+    def action_new(self) -> None:
+        """Close, and make a level."""
+        self.dismiss(NewLevel())
+
+    def action_go(self, motion: str) -> None:
+        """Choose another card while the line to type in keeps the focus."""
+        across, page = self._cards.across, self._cards.page
+        steps = {"left": -1, "right": 1, "up": -across, "down": across}
+        self._cards.move({**steps, "page_up": -page, "page_down": page}[motion])
+
+    # -- content -------------------------------------------------------------------------------
+
+    def _list(self) -> None:
+        """Show the names, before the first key can choose among them."""
+        shipped, own = list_levels(), own_levels(self._own)
+        here = self._here.name
+        self._all = [LevelCard(name, is_here=name == here) for name in shipped] + [
+            LevelCard(name, is_here=str(file) == self._here.source, file=file)
+            for name, file in own.items()
+            if name not in shipped
+        ]
+        self._filter(here)
+
+    async def _read_all(self) -> None:
+        painted = asyncio.Event()
+        self.call_after_refresh(painted.set)
+        await painted.wait()  # reading would only hold up the first picture
+        keys = [str(card.file.absolute()) if card.file else card.name for card in self._all]
+        records = await self._journal.ask(partial(_records, keys))
+        for index, name in enumerate(card.name for card in self._all):
+            card = replace(self._all[index], record=records[keys[index]])
+            try:
+                level = await asyncio.to_thread(_level_of, card)
+                self._all[index] = replace(card, level=level)
+            except LogicalRobotsError as error:
+                self._all[index] = replace(card, complaint=str(error))
+            self._update(name, self._all[index])
+        self._tell_head()
+        self._is_read = True
+        in_background(self, self._draw_all, "pictures", exclusive=True)
+
+    async def _draw_all(self) -> None:
+        palette = palette_of(self.app.current_theme)
+        for index in self._cards.seen_first():
+            level = self._shown[index].level if index < len(self._shown) else None
+            if level is not None:
+                name = self._shown[index].name
+                drawn = await asyncio.to_thread(
+                    miniature, level, *self._cards.picture_size, self._drawing, palette
+                )
+                self._cards.set_picture(name, drawn)
+
+    def _update(self, name: str, card: LevelCard) -> None:
+        for index, shown in enumerate(self._shown):
+            if shown.name == name:
+                self._shown[index] = card
+                self._cards.replace(index, self._shown)
+                if index == self._cards.chosen:
+                    self._tell_detail()
+
+    def _filter(self, wanted: str | None) -> None:
+        text = self._typed
+        words = [] if is_path(text) else text.casefold().split()
+        self._shown = [card for card in self._all if not is_path(text) and card.matches(words)]
+        names = [card.name for card in self._shown]
+        self._cards.show(self._shown, names.index(wanted) if wanted in names else 0)
+        self._tell_head()
+        self._tell_detail()
+
+    @property
+    def _typed(self) -> str:
+        return self.query_one("#filter", Input).value.strip()
+
+    @property
+    def _chosen(self) -> LevelCard | None:
+        at = self._cards.chosen
+        return self._shown[at] if 0 <= at < len(self._shown) else None
+
+    def _tell_head(self) -> None:
+        won = sum(card.record.state == "won" for card in self._all)
+        self.query_one("#head", Static).update(
+            Content.assemble(
+                ("LEVELS", f"bold {INK.title}"),
+                (f"   {won} of {len(self._all)} won", INK.text),
+                ("   ○ new   ◐ in work   ★ won   ▸ you are here", INK.dim),
+            )
+        )
+
+    def _tell_detail(self) -> None:
+        card, text = self._chosen, self._typed
+        if is_path(text):
+            told = Content.assemble(("Open the file ", INK.dim), (one_line(text), INK.key))
+        elif card is None:
+            told = Content.styled("Nothing has this name.", INK.dim)
+        else:
+            count = len(card.level.robots) if card.level else 0
+            robots = "" if not count else "1 robot · " if count == 1 else f"{count} robots · "
+            told = Content.assemble((robots, INK.dim), (card.idea, INK.text))
+        self.query_one("#detail", Static).update(told)
+
+    # -- messages ------------------------------------------------------------------------------
+
+    @on(Input.Changed, "#filter")
+    def _filter_changed(self) -> None:
+        self.query_one("#complaint").display = False
+        self._filter(self._chosen.name if self._chosen else None)
+        if self._is_read:
+            in_background(self, self._draw_all, "pictures", exclusive=True)
+
+    @on(LevelCards.Chosen)
+    def _another_chosen(self) -> None:
+        self._tell_detail()
+
+    @on(Input.Submitted, "#filter")
+    @on(LevelCards.Taken)
+    def _take(self) -> None:
+        text = self._typed
+        if is_path(text):
+            in_background(self, partial(self._open, text), "take", exclusive=True)
+        elif self._chosen is not None:
+            wanted = str(self._chosen.file or self._chosen.name)
+            in_background(self, partial(self._open, wanted), "take", exclusive=True)
+
+    async def _open(self, name_or_path: str) -> None:
+        try:
+            level = await asyncio.to_thread(_load, name_or_path)
+        except LogicalRobotsError as error:
+            complaint = self.query_one("#complaint", Static)
+            complaint.update(Content(one_line(str(error))))
+            complaint.display = True
+        else:
+            self.dismiss(level)
+
+
+def _level_of(card: LevelCard) -> Level:
+    return shipped_level(card.name) if card.file is None else load_level(card.file)
+
+
+def _load(name_or_path: str) -> Level:
+    return load_level(typed_path(name_or_path) if "/" in name_or_path else name_or_path)
+
+
+def _records(names: list[str], progress: Progress) -> dict[str, LevelRecord]:
+    return {name: progress.record(name) for name in names}

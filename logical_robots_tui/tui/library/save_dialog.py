@@ -1,0 +1,154 @@
+"""Saving something under a name: the text of the editor as a program of the player's own."""
+
+from __future__ import annotations
+
+import asyncio
+from abc import abstractmethod
+from typing import TYPE_CHECKING, ClassVar
+
+from textual import on
+from textual.containers import Vertical
+from textual.content import Content
+from textual.widgets import Input, Static
+
+from logical_robots_tui.errors import InputError
+from logical_robots_tui.game import Source, load_program, save_program
+from logical_robots_tui.game.naming import target
+from logical_robots_tui.paths import is_there
+from logical_robots_tui.tui.app.background import in_background
+from logical_robots_tui.tui.layout.dialog import Dialog, Result
+from logical_robots_tui.tui.theme.safe_text import one_line
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from textual.app import ComposeResult
+
+__all__ = ["SaveAs", "SaveDialog"]
+
+
+class SaveDialog(Dialog[Result]):
+    """Asks for a name and saves; gives what is saved. What is there is replaced at a second enter.
+
+    Args:
+        name: What to propose; nothing, if it has signs that can't be shown and so not be changed.
+    """
+
+    DEFAULT_CSS = """
+    SaveDialog > #box { max-width: 72; padding: 1 2 0 2; }
+    """
+
+    heading: ClassVar[str]
+    keys: ClassVar[str] = "enter save   esc close"
+
+    def __init__(self, name: str) -> None:
+        super().__init__()
+        self._proposed = name if name.isprintable() else ""
+        self._confirmed: Path | None = None
+        self._is_saving = False
+
+    def compose(self) -> ComposeResult:
+        """The fields, and what is wrong with them."""
+        with Vertical(id="box") as box:
+            box.border_title = self.heading
+            yield from self.fields()
+            yield Static(id="complaint")
+            yield Static(self.keys, id="keys", markup=False)
+
+    def fields(self) -> ComposeResult:
+        """What to fill in."""
+        yield Input(self._proposed, id="name", select_on_focus=False)
+
+    @abstractmethod
+    def file(self, name: str) -> Path:
+        """The file for a name.
+
+        Raises:
+            InputError: There can be none.
+        """
+
+    @abstractmethod
+    async def save(self, path: Path) -> Result:
+        """Save in a file, and return what is saved.
+
+        Raises:
+            InputError: It can't be written.
+        """
+
+    def replaces(self, path: Path) -> bool:
+        """Whether to ask before something is saved there."""
+        return is_there(path)
+
+    @on(Input.Changed)
+    def _changed(self) -> None:
+        self._confirmed = None
+        self.query_one("#complaint").display = False
+
+    def action_leave(self) -> None:
+        """Close without an answer; what is being saved is one."""
+        if not self._is_saving:
+            super().action_leave()
+
+    @on(Input.Submitted)
+    def _submitted(self) -> None:
+        in_background(self, self._save, "save")
+
+    async def _save(self) -> None:
+        if self._is_saving:
+            return
+        try:
+            path = self.file(self.query_one("#name", Input).value.strip())
+            if self.replaces(path) and path != self._confirmed:
+                self._confirmed = path
+                self._complain(f"{path.stem} is there already. Press enter again to replace it.")
+                return
+            self._is_saving = True
+            saved = await self.save(path)
+        except InputError as error:
+            self._complain(str(error))
+        else:
+            self.dismiss(saved)
+        finally:
+            self._is_saving = False  # with another dialog above, this one stays
+
+    def _complain(self, message: str) -> None:
+        complaint = self.query_one("#complaint", Static)
+        complaint.update(Content(one_line(message)))
+        complaint.display = True
+
+
+class SaveAs(SaveDialog[Source]):
+    """Saves a program.
+
+    Args:
+        source: The program that the text began with.
+        text: What to save.
+        own: Folder of the player's programs.
+    """
+
+    heading = "Save the program as"
+
+    def __init__(self, source: Source, text: str, own: Path) -> None:
+        super().__init__(_proposal(source, own))
+        self._source = source
+        self._text = text
+        self._own = own
+
+    def file(self, name: str) -> Path:
+        """The file for a name."""
+        return target(name, self._own)
+
+    def replaces(self, path: Path) -> bool:
+        """Whether something else is there."""
+        return path != self._source.path and super().replaces(path)
+
+    async def save(self, path: Path) -> Source:
+        """Save the text."""
+        await asyncio.to_thread(save_program, path, self._text)
+        return await asyncio.to_thread(load_program, path)
+
+
+def _proposal(source: Source, own: Path) -> str:
+    if source.shipped:
+        return f"my-{source.name}"
+    return source.name if source.path.parent == own else str(source.path)

@@ -1,0 +1,1 @@
+"""What was not saved when a session ended badly: kept, offered, swept."""

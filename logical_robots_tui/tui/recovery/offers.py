@@ -1,0 +1,82 @@
+"""Offers of what an earlier session left: questions that the player has not asked for."""
+
+from __future__ import annotations
+
+import asyncio
+from typing import TYPE_CHECKING, TypeVar
+
+if TYPE_CHECKING:
+    from collections.abc import Awaitable, Callable, Sequence
+
+    from textual import events
+
+    from logical_robots_tui.tui.app.main_screen import MainScreen
+    from logical_robots_tui.tui.layout.question import Question
+
+__all__ = ["Offers"]
+
+Found = TypeVar("Found")
+
+_NOTICING = 0.7
+"""Seconds in which a player sees that there is a question; a key before was meant for the game.
+
+To see something new and hold back a key that is on its way takes half a second or so.
+"""
+
+
+class Offers:
+    """Asks when nothing else lies over the game, and leaves the game's keys alone.
+
+    Args:
+        screen: The game's own screen.
+    """
+
+    def __init__(self, screen: MainScreen) -> None:
+        self._screen = screen
+        self._resumed = asyncio.Event()
+        self._asked: Question | None = None
+
+    async def make(self) -> None:
+        """Offer all that there is, one after the other."""
+        screen = self._screen
+        for keeper in (screen.library, screen.editing, screen.bookmark):
+            await keeper.offer()
+
+    def resumed(self) -> None:
+        """Nothing lies over the game any more."""
+        self._resumed.set()
+
+    async def at_hand(self, find: Callable[[], Awaitable[Found]]) -> Found:
+        """Return what is to be offered, as it is when nothing lies over the game."""
+        while True:
+            await self._free()
+            found = await find()
+            if self._screen.is_active:
+                return found
+
+    async def ask(
+        self, title: str, question: str, answers: Sequence[tuple[str, str]], *, text: str = ""
+    ) -> str | None:
+        """Ask, and return the name of the answer; None if there is none.
+
+        Args:
+            title: What it is about.
+            question: The question.
+            answers: Pairs of name and label.
+            text: A text to show when asked, under the answer ``show``.
+        """
+        from logical_robots_tui.tui.layout.question import Question
+
+        await self._free()
+        self._asked = Question(title, question, answers, text=text, noticing=_NOTICING)
+        return await self._screen.app.push_screen_wait(self._asked)
+
+    def overhears(self, event: events.Key | events.Paste) -> bool:
+        """Whether a key comes to a question that the player can't have seen when pressing it."""
+        asked = self._asked
+        return asked is not None and asked.is_active and event.time < asked.answered_from
+
+    async def _free(self) -> None:
+        while not self._screen.is_active:
+            self._resumed.clear()
+            await self._resumed.wait()

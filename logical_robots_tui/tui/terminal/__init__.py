@@ -1,0 +1,1 @@
+"""What goes over the wire to a terminal, and all that touches Textual's private parts."""

@@ -1,0 +1,69 @@
+"""What a terminal can show, as far as its environment tells."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping, MutableMapping
+
+    from logical_robots_tui.tui.labyrinth.drawing.glyphs import Drawing
+
+__all__ = ["assume_colours", "drawing_for", "may_use_mouse"]
+
+_TRUECOLOR = ("alacritty", "contour", "foot", "ghostty", "kitty", "mintty", "rio", "wezterm")
+"""Terminals with all colours; sshd passes their name on, but not the variable that says so."""
+
+_POOR_FONTS = ("linux", "vt", "ansi", "cygwin", "dumb")
+"""Beginnings of the names of terminals whose fonts may lack quadrants."""
+
+
+def assume_colours(environ: MutableMapping[str, str]) -> None:
+    """Say that there are all colours where the terminal's name tells so; nothing else does.
+
+    Args:
+        environ: Changed in place, before the app reads it.
+    """
+    name = environ.get("TERM", "").lower()
+    if "COLORTERM" not in environ and (
+        name.endswith("-direct") or any(known in name for known in _TRUECOLOR)
+    ):
+        environ["COLORTERM"] = "truecolor"
+
+
+def drawing_for(
+    environ: Mapping[str, str], colours: str | None, encoding: str, *, colourless: bool
+) -> Drawing:
+    """Return the way of drawing that suits a terminal.
+
+    Args:
+        environ: Holds its name.
+        colours: What it can show, as Rich calls it, such as ``truecolor``; None is none.
+        encoding: Of what is written to it.
+        colourless: Whether the player wants no colours.
+    """
+    from logical_robots_tui.tui.labyrinth.drawing.glyphs import (
+        Drawing,  # slow to load: it brings numpy
+    )
+
+    if colourless or colours not in ("truecolor", "256") or "utf" not in encoding.lower():
+        return Drawing.ASCII
+    if environ.get("TERM", "").lower().startswith(_POOR_FONTS):
+        return Drawing.HALVES
+    return Drawing.QUADRANTS
+
+
+def may_use_mouse(environ: Mapping[str, str]) -> bool:
+    """Return whether to ask a terminal for the mouse.
+
+    GNU screen (4.9) keeps the escape key back until the next key while it reports the mouse.
+
+    Args:
+        environ: Holds the terminal's name: ``screen`` or ``screen.xterm`` there. In tmux it may be
+            the same, and ``screen-256color`` is more often tmux than GNU screen.
+    """
+    name = environ.get("TERM", "").lower()
+    inside, in_tmux = "STY" in environ, "TMUX" in environ
+    if name == "screen" or name.startswith("screen."):
+        return in_tmux and not inside
+    return not (name.startswith("screen-") and inside and not in_tmux)

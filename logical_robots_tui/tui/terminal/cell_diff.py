@@ -1,0 +1,347 @@
+"""What to send to a terminal so that it shows other cells: only those that differ."""
+
+from __future__ import annotations
+
+from functools import lru_cache
+from math import inf
+from typing import TYPE_CHECKING, NamedTuple, TypeAlias
+
+from rich.cells import cell_len
+from rich.color import Color, ColorSystem, ColorType
+
+from logical_robots_tui.tui.labyrinth.drawing.cells import BOLD, PAPER, colour_of
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Iterator, Sequence
+
+    from rich.segment import Segment
+    from rich.style import Style
+    from textual.geometry import Region
+
+__all__ = ["Cell", "Difference", "Look", "look_of", "reduced"]
+
+_CLOSE = 3
+"""Cells that are the same, between two that differ, up to which writing them again is shorter."""
+
+_ATTRIBUTES = ("1", "2", "3", "4", "5", "6", "7", "8", "9", "21", "51", "52", "53")
+"""Codes of Rich's attributes, bit by bit."""
+
+
+class Look(NamedTuple):
+    """What a cell looks like, as codes for ``CSI … m``; "" is the terminal's own."""
+
+    attributes: str
+    ink: str
+    paper: str
+
+
+_PLAIN = Look("", "", "")
+
+Cell: TypeAlias = tuple[str, Look]
+"""A character, or "" where one of two cells goes on, and its look."""
+
+
+class Difference:
+    """What a terminal shows, what it is to show, and how to get from the one to the other.
+
+    Args:
+        columns: Cells across.
+        rows: Cells down.
+        colours: What the terminal can show; None is no colour at all.
+
+    Attributes:
+        looks: The look of each packed style of `Cells`.
+    """
+
+    def __init__(self, columns: int, rows: int, colours: ColorSystem | None) -> None:
+        self.columns, self.rows = columns, rows
+        self.looks = _Looks(colours)
+        self._colours = colours
+        self._shown: list[list[Cell | None]] = [[None] * columns for _ in range(rows)]
+        self._wanted: list[list[Cell | None]] = [[None] * columns for _ in range(rows)]
+        self._behind: dict[int, tuple[int, int]] = {}
+        self._turn = 0
+
+    @property
+    def is_behind(self) -> bool:
+        """Whether something may be left to send."""
+        return bool(self._behind)
+
+    def take(self, pieces: Iterable[tuple[int, int, Sequence[Segment]]]) -> None:
+        """Learn what is to be shown; what was to be shown there before is forgotten.
+
+        Args:
+            pieces: (row, first column, segments). What lies outside the terminal is left out.
+        """
+        for row, column, segments in pieces:
+            if not 0 <= row < self.rows:
+                continue
+            cells = _cells(segments, self._colours)
+            if column < 0:
+                cells, column = cells[-column:], 0
+            cells = cells[: self.columns - column]
+            if cells:
+                self.put(row, column, cells)
+
+    def put(self, row: int, column: int, cells: Sequence[Cell]) -> None:
+        """Learn that cells are to be shown in a row, from a column on; all lie on the terminal."""
+        wanted, stop = self._wanted[row], column + len(cells)
+        # Half of a character that is overwritten takes the other half with it.
+        if column and _is_second_half(wanted[column]):
+            wanted[column - 1] = None
+        if stop < self.columns and _is_second_half(wanted[stop]):
+            wanted[stop] = None
+        wanted[column:stop] = cells
+        self._mark(row, column, stop)
+
+    def forget(self) -> None:
+        """Forget what the terminal shows: everything is to be sent again."""
+        self._shown = [[None] * self.columns for _ in range(self.rows)]
+        self._behind = dict.fromkeys(range(self.rows), (0, self.columns))
+
+    def sequence(self, limit: float = inf, last: Region | None = None) -> str:
+        """Return what to write so that the terminal shows what it is to show.
+
+        Args:
+            limit: Bytes after which no other run of cells is begun; the rest stays to be sent.
+            last: What is sent after all else: a picture that moves by itself. When there is not
+                room for all of it, its rows take turns.
+
+        Returns:
+            Text and escape sequences, or "" if all of it is there already. They leave the style
+            plain and the cursor anywhere.
+        """
+        spans = self._spans(last)
+        self._behind.clear()
+        sent: list[str] = []
+        pen, size = _PLAIN, 0
+        at: tuple[int, int] | None = None
+        for number, (row, first, stop) in enumerate(spans):
+            if size >= limit:
+                self._turn = row
+                for rest in spans[number:]:
+                    self._mark(*rest)
+                break
+            for start, end in self._runs(row, first, stop):
+                run = [_move(at, row, start)]
+                pen = self._write(run, pen, row, start, end)
+                # After the last column a terminal's cursor is wherever it likes.
+                at = (row, end) if end < self.columns else None
+                sent += run
+                size += len("".join(run).encode())
+        if pen != _PLAIN:
+            sent.append("\x1b[m")
+        return "".join(sent)
+
+    def _mark(self, row: int, first: int, stop: int) -> None:
+        """Remember that some cells of a row may differ."""
+        before = self._behind.get(row, (first, stop))
+        self._behind[row] = min(first, before[0]), max(stop, before[1])
+
+    def _spans(self, last: Region | None) -> list[tuple[int, int, int]]:
+        """Return where cells may differ, in the order in which to send them."""
+        soon: list[tuple[int, int, int]] = []
+        late: list[tuple[int, int, int]] = []
+        for row, (first, stop) in sorted(self._behind.items()):
+            if last is None or not last.y <= row < last.bottom:
+                soon.append((row, first, stop))
+                continue
+            left, right = max(first, last.x), min(stop, last.right)
+            beside = (first, min(stop, left)), (max(first, right), stop)
+            soon += [(row, start, end) for start, end in beside if start < end]
+            if left < right:
+                late.append((row, left, right))
+        late.sort(key=lambda span: (span[0] < self._turn, span[0]))
+        return soon + late
+
+    def _runs(self, row: int, first: int, stop: int) -> Iterator[tuple[int, int]]:
+        """Return the runs of cells that differ, as (first column, column after the last)."""
+        wanted, shown = self._wanted[row], self._shown[row]
+        differing = [
+            place
+            for place, (new, old) in enumerate(
+                zip(wanted[first:stop], shown[first:stop], strict=True), first
+            )
+            if new is not None and new != old
+        ]
+        start = end = -1
+        for place in differing:
+            if start >= 0 and (place - end > _CLOSE or None in wanted[end:place]):
+                yield self._whole(row, start, end)
+                start = -1
+            start, end = (place if start < 0 else start), place
+        if start >= 0:
+            yield self._whole(row, start, end)
+
+    def _whole(self, row: int, first: int, last: int) -> tuple[int, int]:
+        """Return a run, widened so that no character of two cells is cut."""
+        wanted, shown, stop = self._wanted[row], self._shown[row], last + 1
+
+        def cut(place: int) -> bool:
+            return _is_second_half(wanted[place]) or _is_second_half(shown[place])
+
+        while first > 0 and cut(first) and wanted[first - 1] is not None:
+            first -= 1
+        while stop < self.columns and cut(stop) and wanted[stop] is not None:
+            stop += 1
+        return first, stop
+
+    def _write(self, run: list[str], pen: Look, row: int, start: int, stop: int) -> Look:
+        """Write a run of cells; return the look that the terminal's pen is left with."""
+        shown = self._shown[row]
+        if start and _is_second_half(shown[start]):
+            shown[start - 1] = None
+        if stop < self.columns and _is_second_half(shown[stop]):
+            shown[stop] = None
+        shown[start:stop] = cells = self._wanted[row][start:stop]
+        for cell in cells:
+            assert cell is not None
+            text, look = cell
+            if look is not pen and text:
+                # A blank looks the same in any ink.
+                if text == " " and not look.attributes:
+                    look = Look("", pen.ink if not pen.attributes else "", look.paper)
+                run.append(_change(pen, look))
+                pen = look
+            run.append(text)
+        return pen
+
+
+class _Looks(dict[int, Look]):
+    """The look of each packed style, found when it is first asked for."""
+
+    def __init__(self, colours: ColorSystem | None) -> None:
+        super().__init__()
+        self._colours = colours
+
+    def __missing__(self, packed: int) -> Look:
+        if len(self) > 20_000:
+            self.clear()
+        attributes, ink, paper = "1" if packed & BOLD else "", "", ""
+        if self._colours is not None:
+            ink = _codes_of(colour_of(packed >> 24 & PAPER), self._colours, is_ink=True)
+            paper = _codes_of(colour_of(packed & PAPER), self._colours, is_ink=False)
+        self[packed] = look = _same(Look(attributes, ink, paper))
+        return look
+
+
+def _codes_of(color: Color, colours: ColorSystem, *, is_ink: bool) -> str:
+    """Return what chooses a colour, as the terminal has it, between ``ESC [`` and ``m``."""
+    return ";".join(reduced(color, colours).get_ansi_codes(foreground=is_ink))
+
+
+def _is_second_half(cell: Cell | None) -> bool:
+    """Whether a cell is covered by the character of two cells that begins before it."""
+    return cell is not None and cell[0] == ""
+
+
+def _cells(segments: Sequence[Segment], colours: ColorSystem | None) -> list[Cell]:
+    """Return text and look of each cell; a character of two cells is followed by an empty text."""
+    cells: list[Cell] = []
+    for text, style, control in segments:
+        if control:
+            continue
+        look = look_of(style, colours)
+        if text.isascii():
+            cells += [(char, look) for char in text]
+            continue
+        for char in text:
+            width = _width(char)
+            if width:
+                cells.append((char, look))
+                if width == 2:
+                    cells.append(("", look))
+            elif cells:
+                base = -1 if cells[-1][0] else -2
+                cells[base] = (cells[base][0] + char, cells[base][1])
+    return cells
+
+
+_width = lru_cache(maxsize=4096)(cell_len)
+
+
+@lru_cache(maxsize=20_000)
+def look_of(style: Style | None, colours: ColorSystem | None) -> Look:
+    """Return what a style looks like on a terminal.
+
+    Args:
+        style: Rich's style.
+        colours: What the terminal can show; None is no colour at all.
+    """
+    if style is None:
+        return _PLAIN
+    bits = style._attributes & style._set_attributes
+    codes = ";".join(code for bit, code in enumerate(_ATTRIBUTES) if bits >> bit & 1)
+    ink = paper = ""
+    if colours is not None:
+        if style.color is not None and not style.color.is_default:
+            ink = _codes_of(style.color, colours, is_ink=True)
+        if style.bgcolor is not None and not style.bgcolor.is_default:
+            paper = _codes_of(style.bgcolor, colours, is_ink=False)
+    return _same(Look(codes, ink, paper))
+
+
+@lru_cache(maxsize=40_000)
+def _same(look: Look) -> Look:
+    """Return one object for equal looks, which is compared faster."""
+    return look
+
+
+@lru_cache(maxsize=40_000)
+def _change(pen: Look, look: Look) -> str:
+    """Return how to go from one look to another."""
+    if pen == look:
+        return ""
+    adds_only = pen.attributes == "" and (look.ink or not pen.ink) and (look.paper or not pen.paper)
+    if adds_only or (pen.attributes == look.attributes and look.ink and look.paper):
+        codes = [new for old, new in zip(pen, look, strict=True) if new != old]
+    else:
+        codes = [code for code in ("0", *look) if code]
+    return f"\x1b[{';'.join(codes)}m"
+
+
+def _move(at: tuple[int, int] | None, row: int, column: int) -> str:
+    """Return how to bring the cursor to a cell."""
+    if at is None or at[0] != row or at[1] > column:
+        return f"\x1b[{row + 1};{column + 1}H"
+    steps = column - at[1]
+    return "" if not steps else "\x1b[C" if steps == 1 else f"\x1b[{steps}C"
+
+
+_LEVELS = (0, 95, 135, 175, 215, 255)
+"""Values of a channel in the colour cube of 256 colours."""
+
+_FOR_A_HUE = 5
+"""How many times as wrong a colour may be as a grey, to keep its hue."""
+
+_GREYS = tuple(8 + 10 * step for step in range(24))
+
+
+@lru_cache(maxsize=40_000)
+def reduced(color: Color, colours: ColorSystem) -> Color:
+    """Return the colour of a terminal that comes nearest to one.
+
+    With 256 colours the nearest by sight: among dark ones the cube has only black, so the ramp of
+    greys, which has many, is asked as well, and a hue counts for more than in Rich's own choice.
+    """
+    if color.type != ColorType.TRUECOLOR or colours != ColorSystem.EIGHT_BIT:
+        return color.downgrade(colours)
+    assert color.triplet is not None
+    wanted = color.triplet
+    cube = [min(range(6), key=lambda n: abs(_LEVELS[n] - value)) for value in wanted]
+    # A channel that leads must not drown: it gets the first level of the cube.
+    strongest = max(wanted)
+    if 40 <= strongest < 75 and strongest - min(wanted) >= 22:
+        cube = [
+            1 if value == strongest else level for value, level in zip(wanted, cube, strict=True)
+        ]
+    grey = min(range(24), key=lambda n: sum((_GREYS[n] - value) ** 2 for value in wanted))
+    colourful = sum((_LEVELS[n] - value) ** 2 for n, value in zip(cube, wanted, strict=True))
+    plain = sum((_GREYS[grey] - value) ** 2 for value in wanted)
+    is_hue = strongest - min(wanted) >= 22 and colourful <= _FOR_A_HUE * plain
+    if plain < colourful and not is_hue:
+        return Color.from_ansi(232 + grey)
+    red, green, blue = cube
+    if red == green == blue and plain < colourful:
+        return Color.from_ansi(232 + grey)
+    return Color.from_ansi(16 + 36 * red + 6 * green + blue)

@@ -1,0 +1,162 @@
+"""An app that sends only those cells that differ from what its terminal shows, when it can.
+
+Textual paints a region again as a whole, with the full style of every segment: eight times as much
+as needed here. There is no public hook for this, so ``App._display`` is overridden; Textual is
+pinned, and a test compares what a terminal shows with a full rendering of the same lines.
+"""
+
+from __future__ import annotations
+
+import asyncio
+from time import monotonic
+from typing import TYPE_CHECKING, Any
+
+from rich.console import COLOR_SYSTEMS
+from textual import events
+from textual._compositor import ChopsUpdate, CompositorUpdate, LayoutUpdate
+from textual.driver import Driver
+
+from logical_robots_tui.tui.terminal.cell_diff import Difference
+from logical_robots_tui.tui.terminal.crash_report import CarefulApp
+from logical_robots_tui.tui.terminal.driver import ListeningDriver
+from logical_robots_tui.tui.terminal.flow_control import ASK, PATIENCE, Line
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Sequence
+
+    from rich.console import RenderableType
+    from rich.segment import Segment
+    from textual.geometry import Region
+    from textual.screen import Screen
+
+__all__ = ["SparingApp"]
+
+
+class SparingApp(CarefulApp):
+    """Sends what changed, nothing if nothing did, and no more than its terminal can take.
+
+    On a line that can't keep up, what is to be shown goes on changing while the last sending is
+    under way; the next one leads straight to what is to be shown by then.
+    """
+
+    _sent: Difference | None = None
+    _cursor_sent: tuple[int, int] | None = None
+    _is_waiting = False
+    _is_sending = False
+
+    def __init__(self) -> None:
+        super().__init__(driver_class=ListeningDriver)
+        self._line = Line()
+
+    def redraw(self) -> None:
+        """Send everything again: the terminal may show something else."""
+        if self._sent is not None:
+            self._sent.forget()
+            self._send()
+
+    def terminal(self) -> Difference | None:
+        """What the terminal shows and is to show; None if it is about to be painted anew.
+
+        What is to be shown is sent soon.
+        """
+        if (
+            self._sent is None
+            or (self._sent.columns, self._sent.rows) != self.size
+            or not self._can_send
+        ):
+            return None
+        if not self._is_sending:
+            self._is_sending = True
+            asyncio.get_running_loop().call_soon(self._send_all)
+        return self._sent
+
+    def moving_picture(self) -> Region | None:
+        """What moves by itself, and is sent after all else."""
+        return None
+
+    async def on_event(self, event: events.Event) -> None:
+        """Handle an event; a terminal that was resized or came back shows anything."""
+        if isinstance(event, events.CursorPosition):
+            self._line.answered(event.time)
+            self._send()
+            return
+        if isinstance(event, Driver.SignalResume):
+            self._line = Line()
+        if isinstance(event, events.Resize | Driver.SignalResume):
+            self.redraw()
+        await super().on_event(event)
+
+    def _display(self, screen: Screen[Any], renderable: RenderableType | None) -> None:
+        if not isinstance(renderable, LayoutUpdate | ChopsUpdate) or not self._can_send:
+            if isinstance(renderable, CompositorUpdate):
+                self._sent = None
+            super()._display(screen, renderable)
+            return
+        columns, rows = self.size
+        if self._sent is None or (self._sent.columns, self._sent.rows) != (columns, rows):
+            colours = COLOR_SYSTEMS.get(self.console.color_system or "")
+            self._sent = Difference(columns, rows, colours)
+            self._cursor_sent = None
+        self._sent.take(_pieces(renderable))
+        self._send()
+        self.post_display_hook()
+
+    @property
+    def _can_send(self) -> bool:
+        """Whether what is drawn now is to be shown, on a terminal that answers."""
+        return (
+            not self._batch_count
+            and self._running
+            and not self._closed
+            and isinstance(self._driver, ListeningDriver)
+        )
+
+    def _send_all(self) -> None:
+        """Send what several widgets have changed."""
+        self._is_sending = False
+        self._send()
+
+    def _send(self) -> None:
+        """Send what differs if the line is free; otherwise its next answer leads here again."""
+        driver = self._driver
+        if self._sent is None or self._closed or not isinstance(driver, ListeningDriver):
+            return
+        if (self._sent.columns, self._sent.rows) != self.size:
+            return  # all of it is about to be drawn anew
+        if self._line.is_to_be_measured:
+            driver.ask(ASK)
+            self._line.sent(0, monotonic())
+        if not self._line.is_free:
+            if not self._is_waiting:
+                self._is_waiting = True
+                self.set_timer(PATIENCE, self._stop_waiting)
+            return
+        text = self._sent.sequence(self._line.room, self.moving_picture())
+        cursor = self.screen.outer_size.clamp_offset(self.cursor_position)
+        if text or cursor != self._cursor_sent:
+            self._cursor_sent = cursor
+            self._begin_update()
+            driver.write(f"{text}\x1b[{cursor[1] + 1};{cursor[0] + 1}H")
+            self._end_update()
+            driver.ask(ASK)
+            self._line.sent(len(text.encode()), monotonic())
+
+    def _stop_waiting(self) -> None:
+        self._is_waiting = False
+        self._line.forget(monotonic())
+        self._send()
+
+
+def _pieces(
+    update: LayoutUpdate | ChopsUpdate,
+) -> Iterator[tuple[int, int, Sequence[Segment]]]:
+    """Return the (row, first column, segments) that an update of Textual's paints."""
+    if isinstance(update, LayoutUpdate):
+        for y, strips in enumerate(update.strips, update.region.y):
+            yield y, update.region.x, [segment for strip in strips for segment in strip]
+        return
+    for y, first, stop in update.spans:
+        for end, (x, strip) in zip(update.chop_ends[y], update.chops[y].items(), strict=False):
+            # Parts of a line that reach out of the span are up to date as a whole.
+            if strip is not None and x < stop and end > first:
+                yield y, x, list(strip)

@@ -1,0 +1,1 @@
+"""Themes, colours, and making text from players safe to show."""

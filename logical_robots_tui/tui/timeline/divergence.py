@@ -1,0 +1,150 @@
+"""In what two futures differ where they part, and why, as a page to read."""
+
+from __future__ import annotations
+
+from math import degrees
+from typing import TYPE_CHECKING, Any, Literal
+
+from textual.content import Content
+from textual.widgets import Static
+
+from logical_robots_tui.game import NoSuchTickError, Superseded
+from logical_robots_tui.game.comparing import compare_proofs
+from logical_robots_tui.mind import QueryError
+from logical_robots_tui.tui.app.background import in_background
+from logical_robots_tui.tui.inspector.waiting import Waiting, under_way
+from logical_robots_tui.tui.inspector.widgets.cells import written
+from logical_robots_tui.tui.learning.reader import Reader
+from logical_robots_tui.tui.theme.safe_text import clip, one_line, visible
+from logical_robots_tui.tui.theme.themes import INK
+from logical_robots_tui.values import Desire
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from logical_robots_tui.game import Difference, Game, Parting
+    from logical_robots_tui.game.comparing import Comparison
+    from logical_robots_tui.game.parting import Matter
+    from logical_robots_tui.mind import Node
+
+__all__ = ["PartingPage", "derivation", "told"]
+
+_LONGEST = 600  # characters of a value
+_LONGEST_TEXT = 160  # of a piece of a program
+_LONGEST_ARGUMENT = 24
+
+
+class PartingPage(Reader):
+    """Tells the first derivation that differs as soon as it is found, and all differences.
+
+    Args:
+        game: Whose courses.
+        parting: Where they part.
+    """
+
+    def __init__(self, game: Game, parting: Parting) -> None:
+        self._game, self._parting = game, parting
+        self._differences = told(parting)
+        self._text_shown = Static(self._differences)
+        self._waiting = Waiting()
+        super().__init__(f"The two futures part in tick {parting.tick}", self._text_shown)
+
+    def on_mount(self) -> None:
+        """Begin at the top, and to compare the proofs; to close ends that."""
+        super().on_mount()
+        in_background(self, self._compare, "compare")
+
+    async def _compare(self) -> None:
+        def wait() -> None:
+            self._say(under_way("comparing the proofs", self._waiting.seconds))
+
+        try:
+            work = compare_proofs(self._game, self._parting)
+            found = await self._waiting.answer(work, wait)
+        except Superseded:
+            return
+        except (NoSuchTickError, QueryError) as error:
+            self._say(Content.styled(one_line(str(error)), INK.warn))
+            return
+        self._say(None if found is None else derivation(found))
+
+    def _say(self, words: Content | None) -> None:
+        parts = [self._differences] if words is None else [words, Content(""), self._differences]
+        self._text_shown.update(Content("\n").join(parts))
+
+
+def derivation(comparison: Comparison) -> Content:
+    """The first derivation that differs, in a few lines."""
+    found, robot = comparison.differing, one_line(comparison.robot)
+    if found is None:
+        return Content(f"The proofs of what {robot} decides are the same as far as they go.")
+    given = ", ".join(
+        f"{'' if name.startswith('col') and name[3:].isdigit() else f'{name}: '}"
+        f"{written(value, _LONGEST_ARGUMENT)}"
+        for name, value in found.asked.given.items()
+    )
+    what = one_line(f"{found.asked.predicate}({given})")
+    lines = [Content.assemble(f"What {robot} decides differs first in ", (what, INK.title))]
+    for where, node in (("here ", found.here), ("there", found.there)):
+        lines.append(Content.assemble((f"  {where}  ", INK.dim), _node(node, found.kind)))
+    if comparison.condition is not None:
+        node, side = comparison.condition
+        words = "there and not here" if side == "there" else "here and not there"
+        text = clip(one_line(node.text), _LONGEST_TEXT)
+        lines.append(Content.assemble("  ", (text, INK.key), f" holds {words}."))
+    return Content("\n").join(lines)
+
+
+def _node(node: Node | None, kind: Literal["rule", "step", "value"]) -> Content:
+    """A node of a proof on one side."""
+    if node is None:
+        return Content.styled("there is nothing in its place", INK.dim)
+    line = f"line {node.span.line}  " if node.span is not None else ""
+    text = Content.assemble((line, INK.key), (clip(one_line(node.text), _LONGEST_TEXT), INK.text))
+    if kind == "value" or node.kind == "column":
+        values = " or ".join(written(value, _LONGEST_TEXT) for value in node.values)
+        return text.append(Content.styled(f" = {values}" if values else "", INK.number))
+    if node.holds is False:
+        return text.append(Content.styled("  does not hold", INK.bad))
+    return text
+
+
+def told(parting: Parting) -> Content:
+    """All differences as text."""
+    return Content("\n").join(list(_lines(parting)))
+
+
+def _lines(parting: Parting) -> Iterator[Content]:
+    robots = dict.fromkeys(each.robot_name for each in parting.differences)
+    if not robots:
+        yield Content("No robot differs, but an area does.")
+    for robot in robots:
+        yield Content.styled(one_line(robot), f"bold {INK.title}")
+        for each in parting.differences:
+            if each.robot_name == robot:
+                yield Content.styled(f"  {each.matter}", INK.key)
+                for where, told in zip(("here ", "there"), _sides(each), strict=True):
+                    yield Content.assemble((f"    {where}  ", INK.dim), (told, INK.text))
+        yield Content("")
+
+
+def _sides(each: Difference) -> tuple[str, str]:
+    """What it is here and there, with so many digits that one sees the difference."""
+    here, there = _told(each.matter, each.here, 6), _told(each.matter, each.there, 6)
+    if here == there:
+        here, there = _told(each.matter, each.here, 17), _told(each.matter, each.there, 17)
+    return here, there
+
+
+def _told(matter: Matter, value: Any, digits: int) -> str:
+    if isinstance(value, Desire):
+        return f"left {value.left_engine:.{digits}g}, right {value.right_engine:.{digits}g}"
+    match matter:
+        case "position":
+            x, y, angle = value
+            return f"{x:.{digits}g}, {y:.{digits}g}, looking to {degrees(angle):.{digits}g}°"
+        case "notices":
+            return visible(" ".join(value)) or "none"
+        case "desire":
+            return "none"
+    return written(value, _LONGEST)
