@@ -39,13 +39,13 @@ class Sought:
         tick: The tick that was found, or None.
         last: The last tick that was asked.
         holds_here: Whether the question holds in the tick where the search began.
-        trouble: Why it failed in the first tick in which it did, or "".
+        problem: Why it failed in the first tick in which it did, or "".
     """
 
     tick: int | None
     last: int
     holds_here: bool
-    trouble: str = ""
+    problem: str = ""
 
 
 async def seek(
@@ -91,7 +91,7 @@ async def seek(
                 raise Stopped
         return answers
 
-    trouble, holds_here, is_outside, last = "", False, False, here
+    problem, holds_here, is_outside, last = "", False, False, here
     try:
         question = await thinker.do(partial(_compiled, game, program, query))
         together = max(1, min(_TOGETHER, _ROBOTS // len(game.level.robots)))
@@ -106,17 +106,17 @@ async def seek(
             ):
                 last = tick
                 if isinstance(answer, str):
-                    trouble = trouble or f"Tick {tick}: {answer}"
+                    problem = problem or f"Tick {tick}: {answer}"
                 holds = answer is True
                 if tick == here:
                     holds_here = holds
                 elif holds and is_outside:
-                    return Sought(tick, tick, holds_here, trouble)
+                    return Sought(tick, tick, holds_here, problem)
                 is_outside = is_outside or not holds
             told(last)
     finally:
         await thinker.close()
-    return Sought(None, last, holds_here, trouble)
+    return Sought(None, last, holds_here, problem)
 
 
 def _taken(history: History, tick: int) -> _Tick:

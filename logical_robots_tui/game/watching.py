@@ -33,12 +33,12 @@ class Watch:
         breakpoints: What to watch for.
 
     Attributes:
-        troubles: Why a breakpoint could not be watched for in the latest tick, by breakpoint.
+        problems: Why a breakpoint could not be watched for in the latest tick, by breakpoint.
     """
 
     def __init__(self, breakpoints: Sequence[Breakpoint]) -> None:
         self.breakpoints = breakpoints
-        self.troubles: dict[Breakpoint, str] = {}
+        self.problems: dict[Breakpoint, str] = {}
         self._asked: dict[str, tuple[Frame, Table]] = {}
         self._questions: dict[str, Question | ProgramError] = {}
 
@@ -62,12 +62,12 @@ class Watch:
                 else:
                     values = "; ".join(_happenings(each, past, frame))
             except ProgramError as error:
-                self.troubles[each] = f"This can't be asked: {error.diagnostics[0].message}."
+                self.problems[each] = f"This can't be asked: {error.diagnostics[0].message}."
                 continue
             except QueryError as error:
-                self.troubles[each] = f"Tick {frame.tick}: {error}"
+                self.problems[each] = f"Tick {frame.tick}: {error}"
                 continue
-            self.troubles.pop(each, None)
+            self.problems.pop(each, None)
             if values:
                 found.append(Hit(each, frame.tick, values))
         return tuple(found)

@@ -82,7 +82,7 @@ async def test_ticks_in_which_it_fails_are_passed_over_and_told(game: Game) -> N
     query = f'{CLOCK}x in ["a"], (if t < 20 then x.field else t) == 33'
     found = await seek(game, query, 1)
     assert found.tick == 33
-    assert found.trouble.startswith("Tick 0: This failed: ")
+    assert found.problem.startswith("Tick 0: This failed: ")
 
 
 async def test_a_wrong_question_is_refused(game: Game) -> None:

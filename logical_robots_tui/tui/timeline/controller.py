@@ -154,7 +154,7 @@ class Travel:
         """Set a breakpoint, and say so."""
         session = self._screen.session
         session.breakpoints.add(breakpoint_)
-        trouble = session.trouble_with(breakpoint_)
+        trouble = session.problem_with(breakpoint_)
         if trouble:
             self._screen.warn(f"{breakpoint_.words}: {trouble}")
         else:

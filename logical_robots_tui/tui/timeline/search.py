@@ -88,7 +88,7 @@ class Search:
         question = one_line(self._question)
         here = "It holds here. " if sought.holds_here else ""
         words = f"{here}No {'other ' * bool(here)}tick {side} {tick} is known in which it holds"
-        trouble = f" It failed in some: {one_line(sought.trouble)}" if sought.trouble else ""
+        trouble = f" It failed in some: {one_line(sought.problem)}" if sought.problem else ""
         more = with_keys(" {seek} asks for another question.")
         self._screen.tell(f"{words}: {question}.{trouble or more}")
 
