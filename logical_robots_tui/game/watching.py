@@ -60,7 +60,7 @@ class Watch:
                 if each.event in OF_QUESTIONS:
                     values = self._change_of_rows(each, past, frame, mind, stop)
                 else:
-                    values = "; ".join(_happenings(each, past, frame))
+                    values = "; ".join(_occurrences(each, past, frame))
             except ProgramError as error:
                 self.problems[each] = f"This can't be asked: {error.diagnostics[0].message}."
                 continue
@@ -175,7 +175,7 @@ def _told(value: Value) -> str:
     return text if len(text) <= _LONGEST else f"{text[:_LONGEST]}…"
 
 
-def _happenings(each: Breakpoint, past: Frame, frame: Frame) -> Iterator[str]:
+def _occurrences(each: Breakpoint, past: Frame, frame: Frame) -> Iterator[str]:
     match each.event:
         case "enters":
             yield from _moved(each, past, frame, "is in")
