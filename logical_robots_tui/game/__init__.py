@@ -10,6 +10,7 @@ from logical_robots_tui.game.breakpoints import (
     subjects,
 )
 from logical_robots_tui.game.compiling import compile_program, mistake_in_question
+from logical_robots_tui.game.divergence import Difference, Divergence
 from logical_robots_tui.game.frame import Frame
 from logical_robots_tui.game.game import Answer, Game, Superseded
 from logical_robots_tui.game.goal import Goal, goals
@@ -19,7 +20,6 @@ from logical_robots_tui.game.inquiry import Inquiry
 from logical_robots_tui.game.marks import MARK_KINDS, Mark, MarkKind
 from logical_robots_tui.game.origin import Link, Origin, origin_in_game, origin_in_run, read_path
 from logical_robots_tui.game.pace import FLAT_OUT, SPEEDS, Pace
-from logical_robots_tui.game.parting import Difference, Parting
 from logical_robots_tui.game.pins import MIND, ROBOT_COLUMNS, Path, Pin, Reading, pin_of_cell, read
 from logical_robots_tui.game.place import Place, place_of
 from logical_robots_tui.game.reference import is_shipped, level_key, reference_for
@@ -40,6 +40,7 @@ __all__ = [
     "Breakpoint",
     "Breakpoints",
     "Difference",
+    "Divergence",
     "Event",
     "Frame",
     "Game",
@@ -54,7 +55,6 @@ __all__ = [
     "NoSuchTickError",
     "Origin",
     "Pace",
-    "Parting",
     "Path",
     "Pin",
     "Place",

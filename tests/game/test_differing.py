@@ -180,8 +180,8 @@ async def played(level: Level, here: str, there: str) -> Comparison | None:
         game.go_to(1)
         game.use(Program.compile(here))
         await game.step()
-        assert game.history.parting is not None
-        return await compare_proofs(game, game.history.parting)
+        assert game.history.divergence is not None
+        return await compare_proofs(game, game.history.divergence)
     finally:
         await game.close()
 
@@ -203,8 +203,8 @@ async def test_a_robot_put_elsewhere_by_hand_has_no_derivation_that_differs(leve
             await game.step()
         game.go_to(1)
         game.change_level(level, {"Ada": (60.0, 25.0, 0.0)})
-        assert game.history.parting is not None
-        assert await compare_proofs(game, game.history.parting) is None
+        assert game.history.divergence is not None
+        assert await compare_proofs(game, game.history.divergence) is None
     finally:
         await game.close()
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from logical_robots_tui.game import Difference, Parting
+from logical_robots_tui.game import Difference, Divergence
 from logical_robots_tui.game.comparing import Comparison
 from logical_robots_tui.game.differing import Differing
 from logical_robots_tui.mind import Ask, Node
@@ -12,7 +12,7 @@ from logical_robots_tui.values import Desire
 
 
 def test_each_difference_is_told_with_as_many_digits_as_it_needs() -> None:
-    parting = Parting(
+    divergence = Divergence(
         7,
         (
             Difference("Ada", "desire", Desire(0.5, 1.0), None),
@@ -21,7 +21,7 @@ def test_each_difference_is_told_with_as_many_digits_as_it_needs() -> None:
             Difference("Bo", "notices", (), ("Robot has no row for Bo.",)),
         ),
     )
-    assert told(parting).plain.splitlines() == [
+    assert told(divergence).plain.splitlines() == [
         "Ada",
         "  desire",
         "    here   left 0.5, right 1",
@@ -41,7 +41,7 @@ def test_each_difference_is_told_with_as_many_digits_as_it_needs() -> None:
 
 
 def test_where_only_an_area_differs_that_is_said() -> None:
-    assert "an area" in told(Parting(3, ())).plain
+    assert "an area" in told(Divergence(3, ())).plain
 
 
 def test_the_first_derivation_that_differs_is_told_with_lines_and_condition() -> None:
