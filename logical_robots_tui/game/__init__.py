@@ -15,9 +15,9 @@ from logical_robots_tui.game.frame import Frame
 from logical_robots_tui.game.game import Answer, Game, Superseded
 from logical_robots_tui.game.goal import Goal, goals
 from logical_robots_tui.game.history import History, NoSuchTickError
-from logical_robots_tui.game.holding import Holding, rows_that_count, when_it_holds
 from logical_robots_tui.game.inquiry import Inquiry
 from logical_robots_tui.game.marks import MARK_KINDS, Mark, MarkKind
+from logical_robots_tui.game.matches import Matches, find_matches, matching_rows
 from logical_robots_tui.game.origin import Link, Origin, origin_in_game, origin_in_run, read_path
 from logical_robots_tui.game.pace import FLAT_OUT, SPEEDS, Pace
 from logical_robots_tui.game.pins import MIND, ROBOT_COLUMNS, Path, Pin, Reading, pin_of_cell, read
@@ -25,7 +25,7 @@ from logical_robots_tui.game.place import Place, place_of
 from logical_robots_tui.game.reference import is_shipped, level_key, reference_for
 from logical_robots_tui.game.rules import count_rules
 from logical_robots_tui.game.run import Run, run_key
-from logical_robots_tui.game.seeking import Sought, seek
+from logical_robots_tui.game.search import SearchResult, search_ticks
 from logical_robots_tui.game.source import Source, list_programs, load_program, save_program
 from logical_robots_tui.game.start import start_frame
 
@@ -47,11 +47,11 @@ __all__ = [
     "Goal",
     "History",
     "Hit",
-    "Holding",
     "Inquiry",
     "Link",
     "Mark",
     "MarkKind",
+    "Matches",
     "NoSuchTickError",
     "Origin",
     "Pace",
@@ -60,16 +60,18 @@ __all__ = [
     "Place",
     "Reading",
     "Run",
-    "Sought",
+    "SearchResult",
     "Source",
     "Superseded",
     "compile_program",
     "count_rules",
+    "find_matches",
     "goals",
     "is_shipped",
     "level_key",
     "list_programs",
     "load_program",
+    "matching_rows",
     "mistake_in",
     "mistake_in_question",
     "origin_in_game",
@@ -79,11 +81,9 @@ __all__ = [
     "read",
     "read_path",
     "reference_for",
-    "rows_that_count",
     "run_key",
     "save_program",
-    "seek",
+    "search_ticks",
     "start_frame",
     "subjects",
-    "when_it_holds",
 ]

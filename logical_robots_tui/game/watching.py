@@ -6,7 +6,7 @@ from collections import Counter
 from typing import TYPE_CHECKING, TypeAlias
 
 from logical_robots_tui.game.breakpoints import OF_QUESTIONS, Breakpoint, Hit
-from logical_robots_tui.game.holding import rows_that_count
+from logical_robots_tui.game.matches import matching_rows
 from logical_robots_tui.mind import ProgramError, QueryError, Table
 from logical_robots_tui.mind.sqlite.stored import to_json
 
@@ -90,7 +90,7 @@ class Watch:
         table = self._table(each.subject, frame, mind, stop)
         question = self._questions.get(each.subject)
         if each.event != "change" and question is not None and not isinstance(question, Exception):
-            table = rows_that_count(question, table)
+            table = matching_rows(question, table)
         return _rows_for(each, table)
 
     def _table(self, subject: str, frame: Frame, mind: Mind, stop: threading.Event) -> Table:

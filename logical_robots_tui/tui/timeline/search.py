@@ -5,13 +5,13 @@ from __future__ import annotations
 from time import monotonic
 from typing import TYPE_CHECKING, Literal
 
-from logical_robots_tui.game import Superseded, seek
+from logical_robots_tui.game import Superseded, search_ticks
 from logical_robots_tui.mind import ProgramError
 from logical_robots_tui.tui.commands.table import with_keys
 from logical_robots_tui.tui.theme.safe_text import one_line
 
 if TYPE_CHECKING:
-    from logical_robots_tui.game import Game, Sought
+    from logical_robots_tui.game import Game, SearchResult
     from logical_robots_tui.tui.app.main_screen import MainScreen
 
 __all__ = ["Search"]
@@ -68,7 +68,7 @@ class Search:
             patience.told(tick)
 
         try:
-            sought = await seek(game, self._question, way, told)
+            sought = await search_ticks(game, self._question, way, told)
         except Superseded:
             return
         except ProgramError as error:
@@ -82,7 +82,7 @@ class Search:
         else:
             self._say_there_is_none(sought, way)
 
-    def _say_there_is_none(self, sought: Sought, way: Literal[-1, 1]) -> None:
+    def _say_there_is_none(self, sought: SearchResult, way: Literal[-1, 1]) -> None:
         side = "after" if way > 0 else "before"
         tick = self._screen.session.frame.tick
         question = one_line(self._question)

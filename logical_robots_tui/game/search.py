@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Literal, TypeAlias
 
 from logical_robots_tui.game.advancing import Known, known_frame
 from logical_robots_tui.game.history import NoSuchTickError
-from logical_robots_tui.game.holding import rows_that_count
+from logical_robots_tui.game.matches import matching_rows
 from logical_robots_tui.game.thinker import Thinker
 from logical_robots_tui.game.worlds import Worlds
 from logical_robots_tui.mind import QueryError, Stopped
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from logical_robots_tui.game.packing import Moment
     from logical_robots_tui.mind import Program, Question
 
-__all__ = ["Sought", "seek"]
+__all__ = ["SearchResult", "search_ticks"]
 
 _TOGETHER = 16  # ticks that are asked at once
 _ROBOTS = 200  # that are taken from history at once, so that the event loop is not held up
@@ -32,7 +32,7 @@ _Tick: TypeAlias = "tuple[Moment, Known]"
 
 
 @dataclass(frozen=True, slots=True)
-class Sought:
+class SearchResult:
     """How a search ended.
 
     Attributes:
@@ -48,12 +48,12 @@ class Sought:
     problem: str = ""
 
 
-async def seek(
+async def search_ticks(
     game: Game,
     query: str,
     way: Literal[-1, 1],
     told: Callable[[int], object] = lambda _tick: None,
-) -> Sought:
+) -> SearchResult:
     """Find the nearest tick after or before the present one in which a question holds.
 
     If it holds in the present tick, the ticks next to it in which it does, too, are passed over.
@@ -72,7 +72,7 @@ async def seek(
     end = history.last if way > 0 else history.first
     ticks = range(here, end + way, way)
     worlds: list[Worlds] = []
-    thinker = Thinker("seek")
+    thinker = Thinker("search")
 
     def ask(question: Question, some: Sequence[_Tick], stop: threading.Event) -> list[bool | str]:
         answers: list[bool | str] = []
@@ -84,7 +84,7 @@ async def seek(
             try:
                 sensors, memories = frame.sensors, frame.memories_before
                 table = mind.ask(question, sensors, memories, stop=stop, in_order=False)
-                answers.append(bool(rows_that_count(question, table).rows))
+                answers.append(bool(matching_rows(question, table).rows))
             except QueryError as error:
                 answers.append(str(error))
             if stop.is_set():
@@ -111,12 +111,12 @@ async def seek(
                 if tick == here:
                     holds_here = holds
                 elif holds and is_outside:
-                    return Sought(tick, tick, holds_here, problem)
+                    return SearchResult(tick, tick, holds_here, problem)
                 is_outside = is_outside or not holds
             told(last)
     finally:
         await thinker.close()
-    return Sought(None, last, holds_here, problem)
+    return SearchResult(None, last, holds_here, problem)
 
 
 def _taken(history: History, tick: int) -> _Tick:
