@@ -8,7 +8,7 @@ import pytest
 
 from logical_robots_tui.game import Game
 from logical_robots_tui.game.comparing import Comparison, compare_proofs
-from logical_robots_tui.game.differing import Differing, condition_of, first_difference
+from logical_robots_tui.game.proof_difference import ProofDifference, condition_of, first_difference
 from logical_robots_tui.mind import Mind, Program
 from logical_robots_tui.world import World
 from tests.game.playing import hall
@@ -58,7 +58,7 @@ class Two:
         self.found = first_difference(mine, other, here, there)
 
     @property
-    def difference(self) -> Differing:
+    def difference(self) -> ProofDifference:
         assert self.found is not None
         return self.found
 
