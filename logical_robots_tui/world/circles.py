@@ -15,9 +15,10 @@ from logical_robots_tui.world.rays import (
     RAYS,
     SENSOR_RANGE,
 )
-from logical_robots_tui.world.singly import take_singly
 
 if TYPE_CHECKING:
+    from collections.abc import Iterable
+
     from numpy.typing import NDArray
 
     from logical_robots_tui.world.rays import Rays
@@ -35,6 +36,7 @@ FEW = 200
 
 _PAIRS_AT_ONCE = 4096  # bounds the memory for robots that crowd around each other
 _THREE = np.arange(3.0)[:, None]
+_ALL_RAYS = range(RADAR_RAYS + 1)
 
 
 class Circles(NamedTuple):
@@ -119,7 +121,7 @@ def take_nearer_circles(hits: NDArray[np.int64], codes: int, rays: Rays, circles
     """
     possible = len(rays.robot) * len(circles.number)
     if possible == 1 or (
-        possible <= FEWEST and take_singly(hits, codes, rays, circles, most=FEWEST_NEAR)
+        possible <= FEWEST and _take_one_by_one(hits, codes, rays, circles, most=FEWEST_NEAR)
     ):
         return
     pairs = _within_reach(hits, codes, rays, circles)
@@ -281,3 +283,78 @@ def _is_nearer(
         for i, j in np.argwhere(rim):
             nearer[i, j] = math.hypot(dx[i, j], dy[i, j]) < radius[j]
     return nearer
+
+
+def _take_one_by_one(
+    hits: NDArray[np.int64], codes: int, rays: Rays, circles: Circles, most: int
+) -> bool:
+    """Do the same as `take_nearer_circles`, one circle at a time.
+
+    Args:
+        hits: As there.
+        codes: As there.
+        rays: As there.
+        circles: As there.
+        most: The largest number of pairs of a robot and a circle within its reach.
+
+    Returns:
+        False if there were more pairs; nothing was done then.
+    """
+    found = hits.tolist()
+    each = list(zip(*(part.tolist() for part in circles), strict=True))
+    starts = zip(rays.robot.tolist(), rays.x.tolist(), rays.y.tolist(), strict=True)
+    pairs = []
+    for row, (robot, x, y) in enumerate(starts):
+        reach = max(found[row]) // codes
+        for number, center_x, center_y, radius in each:
+            away = math.hypot(center_x - x, center_y - y)
+            if away <= radius + reach and number != robot:
+                pairs.append((row, number, center_x, center_y, radius, away))
+    if len(pairs) > most:
+        return False
+    for row, number, center_x, center_y, radius, away in pairs:
+        hit, cos, sin = found[row], rays.cos[row].tolist(), rays.sin[row].tolist()
+        angle, x, y = rays.angle.item(row), rays.x.item(row), rays.y.item(row)
+        dx, dy = center_x - x, center_y - y
+        ahead, right = dx * cos[FORWARD] + dy * sin[FORWARD], dy * cos[FORWARD] - dx * sin[FORWARD]
+        least = max(math.floor(away - radius), 1) * codes + number + 1
+        for ray in _rays_between_tangents(ahead, right, radius, angle):
+            if least >= hit[ray]:
+                continue
+            for step in _steps_around_entry(
+                dx * cos[ray] + dy * sin[ray], dx * sin[ray] - dy * cos[ray], radius
+            ):
+                to_x, to_y = cos[ray] * step + x - center_x, sin[ray] * step + y - center_y
+                if math.hypot(to_x, to_y) < radius:
+                    hits[row, ray] = hit[ray] = min(hit[ray], step * codes + number + 1)
+                    break
+    return True
+
+
+def _rays_between_tangents(
+    ahead: float, right: float, radius: float, angle: float
+) -> Iterable[int]:
+    """Return the rays that may hit a circle, given its centre ahead and to the right."""
+    away = math.hypot(ahead, right)
+    if radius >= away * (1 - 1e-9):
+        return _ALL_RAYS
+    center = math.atan2(right, ahead) * PER_RADIAN + MIDDLE
+    # More than any rounding error.
+    half = math.asin(radius / away) * PER_RADIAN + 1e-13 * abs(angle) + 1e-3
+    first = math.ceil(max(center - half, 0.0))
+    last = math.floor(min(center + half, RADAR_RAYS - 1.0))
+    # The forward ray comes after the middle one.
+    return range(first + (first >= FORWARD), last + (last >= FORWARD - 1) + 1)
+
+
+def _steps_around_entry(along: float, aside: float, radius: float) -> Iterable[int]:
+    """Return the steps among which is the first one inside the circle, if there is one."""
+    half_squared = radius * radius - aside * aside
+    half_squared += 1e-9 * radius + 1e-14 * (along * along + radius * radius)
+    if half_squared < 0:
+        return ()
+    half = math.sqrt(half_squared)
+    if along + half <= 0.5:
+        return ()
+    entry = max(math.floor(along - half - 1e-6), 1)
+    return range(entry, min(entry + 3, SENSOR_RANGE))

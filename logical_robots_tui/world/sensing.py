@@ -9,7 +9,7 @@ import numpy as np
 
 from logical_robots_tui.world.circles import Circles, take_nearer_circles
 from logical_robots_tui.world.rays import FORWARD, SENSOR_RANGE, rays_of
-from logical_robots_tui.world.unmoved import stirred
+from logical_robots_tui.world.stationary import may_have_changed
 from logical_robots_tui.world.walls import Walls
 
 if TYPE_CHECKING:
@@ -132,7 +132,9 @@ class Senses:
         """Return what robots see; only robots whose reading may have changed look again."""
         last, anew = self._last, list(range(len(robots)))
         if last is not None and last.shown == shown and len(robots) <= _FEW_ROBOTS:
-            anew = stirred(robots, last.robots, ROBOT_RADIUS, partial(last.reach, self._codes))
+            anew = may_have_changed(
+                robots, last.robots, ROBOT_RADIUS, partial(last.reach, self._codes)
+            )
             if not anew:
                 return last._replace(robots=robots)
         rays = rays_of(robots, anew)

@@ -10,7 +10,7 @@ if TYPE_CHECKING:
 
     from logical_robots_tui.world.state import RobotState
 
-__all__ = ["stirred"]
+__all__ = ["may_have_changed"]
 
 _Spot: TypeAlias = tuple[float, float]
 
@@ -18,7 +18,7 @@ _MARGIN = 1.0
 """Map units; far more than any rounding error."""
 
 
-def stirred(
+def may_have_changed(
     robots: Sequence[RobotState],
     before: Sequence[RobotState],
     radius: float,
