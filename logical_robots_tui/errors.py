@@ -1,4 +1,4 @@
-"""The error tree: everything a player or caller can be told went wrong."""
+"""The exceptions that this package raises on purpose."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ class LogicalRobotsError(Exception):
     """Base of every error that this package raises on purpose.
 
     Attributes:
-        title: A few words for the head of a message box.
+        title: A short title for a message box.
     """
 
     title = "Something went wrong"
