@@ -8,7 +8,7 @@ from collections import Counter
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
-from logical_robots_tui.cli.text import columns, finite, harmless
+from logical_robots_tui.cli.text import UNRELIABLE, columns, finite, harmless
 from logical_robots_tui.game import goals
 
 if TYPE_CHECKING:
@@ -118,7 +118,7 @@ class Outcome:
             if total > len(self.tally.first):
                 lines.append(f"  ... and {total - len(self.tally.first)} more")
         if not self.tally.is_reliable:
-            lines += ["", "A clock ended a thought: another run may go otherwise."]
+            lines += ["", UNRELIABLE]
         pace = self.frame.tick / self.seconds
         lines += ["", f"{self.frame.tick} ticks in {self.seconds:.1f} s ({pace:.0f} ticks/s)"]
         return "\n".join(lines)

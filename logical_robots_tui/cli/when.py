@@ -14,7 +14,7 @@ from logical_robots_tui.cli.command import (
     prefers_json,
 )
 from logical_robots_tui.cli.moment import check_name
-from logical_robots_tui.cli.text import columns, harmless, line_of_json
+from logical_robots_tui.cli.text import UNRELIABLE, columns, harmless, line_of_json
 
 if TYPE_CHECKING:
     import argparse
@@ -127,6 +127,8 @@ def _lines(question: str, found: Holding) -> list[str]:
         where = f"tick {first}" if first == last else f"ticks {first} to {last}"
         others = f" and in {found.failed_in - (last - first + 1)} more" if more else ""
         lines += ["", f"It failed in {where}{others}: {harmless(found.reason)}"]
+    if not found.is_reliable:
+        lines += ["", UNRELIABLE]
     return lines
 
 
@@ -147,4 +149,5 @@ def _data(question: str, found: Holding) -> dict[str, Any]:
         "stretches": stretches,
         "failed_in": found.failed,
         "failure": found.reason or None,
+        "reliable": found.is_reliable,
     }

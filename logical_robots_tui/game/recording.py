@@ -28,7 +28,14 @@ if TYPE_CHECKING:
 
     from logical_robots_tui.world import Level
 
-__all__ = ["MAX_BYTES", "MAX_ENTRIES", "MAX_FOLDER_BYTES", "MAX_HELD_BYTES", "DamagedError", "Recording"]
+__all__ = [
+    "MAX_BYTES",
+    "MAX_ENTRIES",
+    "MAX_FOLDER_BYTES",
+    "MAX_HELD_BYTES",
+    "DamagedError",
+    "Recording",
+]
 
 MAX_BYTES = 64_000_000
 """The largest file; of a longer run as many of the first ticks are kept as there is room for."""
@@ -244,7 +251,6 @@ class _Piece:
     digest: str
     own: bool = True
     fits: bool = True
-
 
     @property
     def ticks(self) -> range:

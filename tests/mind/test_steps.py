@@ -110,7 +110,9 @@ def test_what_a_proof_does_between_its_queries_is_counted() -> None:
         mind = Mind(program, limits=Limits(query_steps=steps))
         try:
             proof = mind.explainer("Ada", [row("Ada")], {"Ada": "x" * 100_000}).proof()
-            found[steps] = [n.text for root in proof.nodes for _, n in root.walk() if "steps" in n.text]
+            found[steps] = [
+                n.text for root in proof.nodes for _, n in root.walk() if "steps" in n.text
+            ]
         except QueryError as error:
             found[steps] = [str(error)]
         mind.close()
