@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import string
 from dataclasses import dataclass, field
 from functools import partial
 from inspect import iscoroutinefunction
 from typing import TYPE_CHECKING, Any, Literal, TypeAlias, TypeVar
 
-from textual.keys import _character_to_key
+from logical_robots_tui.tui.terminal.textual_internals import characters_by_key
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -28,7 +27,7 @@ Scope: TypeAlias = Literal["screen", "level", "text"]
 The text editor binds its keys itself, and a player can't change them.
 """
 
-CHARACTERS = {_character_to_key(char): char for char in string.punctuation}
+CHARACTERS = characters_by_key()
 """The printable characters that Textual has names for, by these."""
 
 _NAMES = {**CHARACTERS, "escape": "esc"}
