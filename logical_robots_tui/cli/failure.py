@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 
 from logical_robots_tui import __version__
 from logical_robots_tui.cli.text import harmless
-from logical_robots_tui.errors import InputError, LogicalRobotsError
+from logical_robots_tui.errors import InputError, LogicalRobotsError, is_out_of_memory
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -77,7 +77,10 @@ def report_own_mistake(error: Exception, *, as_json: bool) -> int:
     if as_json:
         told = {"kind": "own mistake", "message": name, "log": str(kept or "")}
         print(json.dumps({"error": told}, indent=2))
-    _say(f"this is a mistake in the game itself, not yours ({name}). {where}.")
+    if is_out_of_memory(error):
+        _say(f"the game has ended because it may have no more memory. {where}.")
+    else:
+        _say(f"this is a mistake in the game itself, not yours ({name}). {where}.")
     return OWN_MISTAKE
 
 

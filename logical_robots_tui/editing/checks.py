@@ -84,7 +84,7 @@ def _refused(level: Level) -> Iterator[Finding]:
     for kind in KINDS:
         things = getattr(level, kind)
         if len(things) > MOST_OF_A_KIND:
-            text = f"There are {len(things)} {kind}; {MOST_OF_A_KIND} is the most."
+            text = f"There are {len(things)} {kind}; at most {MOST_OF_A_KIND} are allowed."
             yield Finding(text, forbids=True)
         for index, some in enumerate(things):
             try:

@@ -165,7 +165,7 @@ def _check_wall(wall: int) -> None:
 def _check_size(width: int, height: int) -> None:
     if max(width, height) > MOST_SIDE:
         limit = f"{MOST_SIDE} x {MOST_SIDE}"
-        raise LevelError(f"The map would be {width} x {height} units; {limit} is the most.")
+        raise LevelError(f"The map would be {width} x {height} units; at most {limit} is allowed.")
 
 
 def _level(

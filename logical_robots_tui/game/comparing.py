@@ -6,8 +6,8 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from logical_robots_tui.game.advancing import known_frame
-from logical_robots_tui.game.differing import condition_of, first_difference
 from logical_robots_tui.game.frame import Superseded
+from logical_robots_tui.game.proof_difference import condition_of, first_difference
 from logical_robots_tui.game.thinker import Thinker
 from logical_robots_tui.game.worlds import Worlds
 from logical_robots_tui.mind import QueryError
@@ -16,10 +16,10 @@ if TYPE_CHECKING:
     import threading
 
     from logical_robots_tui.game.advancing import Known
-    from logical_robots_tui.game.differing import Differing, Side
+    from logical_robots_tui.game.divergence import Divergence
     from logical_robots_tui.game.game import Game
     from logical_robots_tui.game.packing import Moment
-    from logical_robots_tui.game.parting import Parting
+    from logical_robots_tui.game.proof_difference import ProofDifference, Side
     from logical_robots_tui.mind import Ask, Explanation, Limits, Node, Program, Proof
     from logical_robots_tui.mind.why.explainer import Explainer
 
@@ -40,18 +40,18 @@ class Comparison:
     """
 
     robot: str
-    differing: Differing | None
+    differing: ProofDifference | None
     condition: tuple[Node, Side] | None = None
 
 
-async def compare_proofs(game: Game, parting: Parting) -> Comparison | None:
+async def compare_proofs(game: Game, divergence: Divergence) -> Comparison | None:
     """Prove a decision in both courses and tell where the proofs differ first.
 
     The robot is the first one that decides differently. Cancelling the call ends the work.
 
     Args:
         game: The game; its present course is the one called here.
-        parting: Where its courses part.
+        divergence: Where its courses part.
 
     Returns:
         The comparison, or None if all robots decide the same.
@@ -61,10 +61,10 @@ async def compare_proofs(game: Game, parting: Parting) -> Comparison | None:
         QueryError: A decision can't be proved.
         Superseded: The game went over to another course meanwhile.
     """
-    robot = next((d.robot_name for d in parting.differences if d.matter in _DECISIONS), None)
+    robot = next((d.robot_name for d in divergence.differences if d.matter in _DECISIONS), None)
     if robot is None:
         return None
-    history, tick = game.history, parting.tick
+    history, tick = game.history, divergence.tick
     turns = history.turns
     here = _Course(robot, history.around(tick)[0], history.known(tick), game.limits)
     there = _Course(robot, *history.in_other(tick), game.limits)

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 from logical_robots_tui.game.findings import findings_of
 from logical_robots_tui.game.frame import Superseded
-from logical_robots_tui.game.happenings import happenings
+from logical_robots_tui.game.observations import observe
 from logical_robots_tui.game.thinker import Thinker
 from logical_robots_tui.mind import Limits
 from logical_robots_tui.mind.compilation import check_up
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
     from logical_robots_tui.game.frame import Frame
     from logical_robots_tui.game.game import Game
-    from logical_robots_tui.game.happenings import Happenings
+    from logical_robots_tui.game.observations import Observations
     from logical_robots_tui.mind.diagnosis.finding import Finding
     from logical_robots_tui.mind.diagnosis.sites import Checkup
     from logical_robots_tui.world import Level
@@ -110,15 +110,15 @@ class _Diagnosing:
             checkup = await self._thinker.do(
                 lambda stop: check_up(self._program, stop=stop, limits=self._limits)
             )
-            happened = await happenings(history, first, last)
-            return await self._look(checkup, happened)
+            observed = await observe(history, first, last)
+            return await self._look(checkup, observed)
         finally:
             await self._thinker.close()
 
     # -- inside --------------------------------------------------------------------------------
 
-    async def _look(self, checkup: Checkup, happened: Happenings) -> Diagnosis:
-        ticks = range(happened.first, happened.last + 1)
+    async def _look(self, checkup: Checkup, observed: Observations) -> Diagnosis:
+        ticks = range(observed.first, observed.last + 1)
         robots = len(self._game.level.robots)
         questions = max(1, len(checkup.probes) * robots)
         step = max(1, -(-len(ticks) // max(_FEWEST, _QUESTIONS // questions)))
@@ -137,15 +137,15 @@ class _Diagnosing:
             await self._watch(tally, chosen[begin : begin + _TOGETHER], tally.doubtful_probes())
         close = [n for n, probe in enumerate(checkup.probes) if probe.closeness != "wider"]
         closer: dict[tuple[str, int], Tally] = {}
-        for robot, wanted in _to_explain(happened):
+        for robot, wanted in _to_explain(observed):
             tally_of_it = closer[robot, wanted[0]] = Tally(checkup)
             await self._watch(tally_of_it, wanted, close, (robot,))
-        found = findings_of(tally, happened, closer, self._game.level)
+        found = findings_of(tally, observed, closer, self._game.level)
         return Diagnosis(
             tuple(found),
-            happened.first,
-            happened.last,
-            happened.won_at,
+            observed.first,
+            observed.last,
+            observed.won_at,
             step,
             second,
             checkup.left_out + len(tally.given_up),
@@ -190,15 +190,15 @@ class _Diagnosing:
                 tally.add(frame.tick, names[name], rows)
 
 
-def _to_explain(happened: Happenings) -> list[tuple[str, list[int]]]:
+def _to_explain(observed: Observations) -> list[tuple[str, list[int]]]:
     """Robots, and the ticks in which what they do is to be looked at closely."""
     wanted: dict[tuple[str, int], list[int]] = {}
-    for kind in {kind for kind, _ in happened.notices}:
-        tick, robot = happened.first_notice(kind)
+    for kind in {kind for kind, _ in observed.notices}:
+        tick, robot = observed.first_notice(kind)
         wanted[robot, tick] = [tick]
-    for loss in happened.first_losses():
+    for loss in observed.first_losses():
         wanted[loss.robot, loss.tick] = [loss.tick]
-    for stretch in happened.stretches:
+    for stretch in observed.stretches:
         length = stretch.period or stretch.last - stretch.first
         last = min(stretch.last, stretch.first + max(length, _SAMPLES))
         step = max(1, (last - stretch.first) // _SAMPLES)

@@ -13,8 +13,8 @@ from logical_robots_tui.mind.diagnosis.telling import rule_findings, shortened
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping
 
-    from logical_robots_tui.game.happenings import Happenings
     from logical_robots_tui.game.movement import Stretch
+    from logical_robots_tui.game.observations import Observations
     from logical_robots_tui.mind.diagnosis.counting import Tally
     from logical_robots_tui.mind.diagnosis.sites import Checkup, Span
     from logical_robots_tui.world import Level
@@ -30,7 +30,7 @@ _MOST_LEAVES = 3
 
 def findings_of(
     tally: Tally,
-    happened: Happenings,
+    observed: Observations,
     closer: Mapping[tuple[str, int], Tally],
     level: Level,
 ) -> list[Finding]:
@@ -38,16 +38,16 @@ def findings_of(
 
     Args:
         tally: What was counted in the whole run.
-        happened: What else happened.
+        observed: What else was observed in it.
         closer: By robot and first tick what was counted in that robot's reasoning then.
         level: Where it was.
     """
     found = [
-        *_of_notices(happened, closer),
-        *_of_memory(tally.checkup, happened, closer),
-        *_of_texts(tally.checkup, happened, level),
-        *rule_findings(tally, won=happened.won_at is not None),
-        *_of_movement(happened, closer),
+        *_of_notices(observed, closer),
+        *_of_memory(tally.checkup, observed, closer),
+        *_of_texts(tally.checkup, observed, level),
+        *rule_findings(tally, won=observed.won_at is not None),
+        *_of_movement(observed, closer),
     ]
     return sorted(found, key=lambda each: each.severity == "note")
 
@@ -55,11 +55,13 @@ def findings_of(
 # -- notices -----------------------------------------------------------------------------------
 
 
-def _of_notices(happened: Happenings, closer: Mapping[tuple[str, int], Tally]) -> Iterator[Finding]:
-    for named in dict.fromkeys(kind for kind, _ in happened.notices):
-        tick, robot = happened.first_notice(named)
-        tally, message = closer[robot, tick], happened.notices[named, robot][2]
-        often = sum(each[1] for (kind, _), each in happened.notices.items() if kind == named)
+def _of_notices(
+    observed: Observations, closer: Mapping[tuple[str, int], Tally]
+) -> Iterator[Finding]:
+    for named in dict.fromkeys(kind for kind, _ in observed.notices):
+        tick, robot = observed.first_notice(named)
+        tally, message = closer[robot, tick], observed.notices[named, robot][2]
+        often = sum(each[1] for (kind, _), each in observed.notices.items() if kind == named)
         first = f"{message} First at tick {tick}, in all {often} times."
         if named == "several rows":
             yield _of_several(tally, robot, tick, first)
@@ -156,27 +158,27 @@ def _stops(tally: Tally) -> list[Span]:
 
 
 def _of_memory(
-    checkup: Checkup, happened: Happenings, closer: Mapping[tuple[str, int], Tally]
+    checkup: Checkup, observed: Observations, closer: Mapping[tuple[str, int], Tally]
 ) -> Iterator[Finding]:
     reads = {field.name: field for field in reversed(checkup.reads)}
     writes = {field.name: field for field in reversed(checkup.writes)}
     for name, field in reads.items():
-        if name not in happened.fields and (name not in writes or checkup.writes_all):
-            close = closest(name, {*writes, *happened.fields})
+        if name not in observed.fields and (name not in writes or checkup.writes_all):
+            close = closest(name, {*writes, *observed.fields})
             hint = f"Is {close} meant?" if close else "It is null all the time."
             message = f"memory.{name} is read, and no memory ever had a field {name}."
             made = [rule.memory for rule in checkup.rules if rule.memory is not None]
             others = (writes[close].span,) if close in writes else tuple(made)
             yield Finding(
-                "memory never written", "warning", field.span, happened.first, message, hint, others
+                "memory never written", "warning", field.span, observed.first, message, hint, others
             )
     for name, field in writes.items():
         if name not in reads and not checkup.reads_all:
             close = closest(name, reads)
             hint = f"{close} is read; is that meant?" if close else "It could be left out."
             message = f"The field {name} of memory is written and never read."
-            yield Finding("memory never read", "note", field.span, happened.first, message, hint)
-    for loss in happened.first_losses():
+            yield Finding("memory never read", "note", field.span, observed.first, message, hint)
+    for loss in observed.first_losses():
         name, tick, robot = loss.field, loss.tick, loss.robot
         if name not in reads:
             continue
@@ -189,9 +191,9 @@ def _of_memory(
         yield Finding("memory lost", "warning", span, tick, message, hint, others, robot)
 
 
-def _of_texts(checkup: Checkup, happened: Happenings, level: Level) -> Iterator[Finding]:
+def _of_texts(checkup: Checkup, observed: Observations, level: Level) -> Iterator[Finding]:
     names = {robot.name for robot in level.robots} | {beacon.name for beacon in level.beacons}
-    known = {*names, *_SEEN, *happened.texts}
+    known = {*names, *_SEEN, *observed.texts}
     times = Counter(field.name for field in checkup.texts)
     for field in checkup.texts:
         if field.name in known or times[field.name] > 1:
@@ -201,18 +203,18 @@ def _of_texts(checkup: Checkup, happened: Happenings, level: Level) -> Iterator[
         )
         hint = f'Is "{close}" meant?' if close else "Robots and beacons have other names here."
         message = f'Nothing in this level is called "{field.name}".'
-        yield Finding("unknown text", "warning", field.span, happened.first, message, hint)
+        yield Finding("unknown text", "warning", field.span, observed.first, message, hint)
 
 
 # -- movement ----------------------------------------------------------------------------------
 
 
 def _of_movement(
-    happened: Happenings, closer: Mapping[tuple[str, int], Tally]
+    observed: Observations, closer: Mapping[tuple[str, int], Tally]
 ) -> Iterator[Finding]:
     told: set[tuple[str, Span | None]] = set()
-    for stretch in sorted(happened.stretches, key=lambda each: _ORDER.index(each.kind)):
-        if happened.won_at is not None and stretch.kind != "blocked":
+    for stretch in sorted(observed.stretches, key=lambda each: _ORDER.index(each.kind)):
+        if observed.won_at is not None and stretch.kind != "blocked":
             continue
         leaves = _leaves(closer[stretch.robot, stretch.first])
         by_distance = [span for each in zip_longest(*leaves) for span in each if span]
@@ -222,7 +224,7 @@ def _of_movement(
             continue
         told.add((stretch.kind, span))
         others = tuple(each for each in spans if span is None or each.line != span.line)
-        is_doubtful = happened.won_at is None and stretch.kind != "unfinished"
+        is_doubtful = observed.won_at is None and stretch.kind != "unfinished"
         yield Finding(
             stretch.kind,
             "warning" if is_doubtful else "note",

@@ -126,10 +126,10 @@ class Game:
         """The breakpoints that were hit in the present tick when it was run through."""
         return self.history.hits_at(self._frame.tick)
 
-    def trouble_with(self, breakpoint_: Breakpoint) -> str:
+    def problem_with(self, breakpoint_: Breakpoint) -> str:
         """Why a breakpoint can't be hit, one sentence, or ""."""
         mistake = mistake_in(breakpoint_, self.level, self.program)
-        return mistake or self._present_watch().troubles.get(breakpoint_, "")
+        return mistake or self._present_watch().problems.get(breakpoint_, "")
 
     def listen(self, listener: Callable[[Frame], None]) -> None:
         """Call `listener` with each new present frame, on the event loop's thread."""

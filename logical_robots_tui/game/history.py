@@ -6,17 +6,17 @@ from typing import TYPE_CHECKING
 
 from logical_robots_tui.game.advancing import Known
 from logical_robots_tui.game.course import Course
+from logical_robots_tui.game.divergence import find_divergence
 from logical_robots_tui.game.frame import NoSuchTickError
-from logical_robots_tui.game.parting import parting
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
     from logical_robots_tui.game.breakpoints import Hit
+    from logical_robots_tui.game.divergence import Divergence
     from logical_robots_tui.game.frame import Frame
     from logical_robots_tui.game.marks import Marks
     from logical_robots_tui.game.packing import Moment, Packed
-    from logical_robots_tui.game.parting import Parting
     from logical_robots_tui.mind import Program
     from logical_robots_tui.world import Level
 
@@ -40,7 +40,7 @@ class History:
     Attributes:
         turns: How often the present course became another one.
         dropped: The first tick that was kept when there was no more room for earlier ones, or 0.
-        parting: Where the present course and the other one part, or None as far as both are known.
+        divergence: Where the current course and the other one diverge, or None if they have not.
     """
 
     def __init__(
@@ -56,7 +56,7 @@ class History:
         self._other: Course | None = None
         self.turns = 0
         self.dropped = 0
-        self.parting: Parting | None = None
+        self.divergence: Divergence | None = None
 
     @property
     def first(self) -> int:
@@ -95,7 +95,7 @@ class History:
         if frame.tick <= self.last:
             self._leave(self._course.up_to(frame.tick - 1))
         packed = self._course.add(frame, program)
-        self._look_for_parting(frame.tick)
+        self._look_for_divergence(frame.tick)
         if packed:
             self._keep_within_bounds()
 
@@ -108,7 +108,7 @@ class History:
         if tick < self.last:
             self._leave(self._course.up_to(tick))
         self._course.change_level(frame, level)
-        self._look_for_parting(tick)
+        self._look_for_divergence(tick)
 
     def begins_with(self, start: Frame, level: Level) -> bool:
         """Whether the present course begins so, with nobody put elsewhere by hand."""
@@ -135,7 +135,7 @@ class History:
             raise NoSuchTickError("There is no other future.")
         self._course, self._other = self._other, self._course
         self.turns += 1
-        self.parting = self.parting and self.parting.turned()
+        self.divergence = self.divergence and self.divergence.reversed()
 
     def around(self, tick: int) -> tuple[Moment, Moment]:
         """The moments before and after a tick; for the start, tick 0, twice the same.
@@ -224,23 +224,23 @@ class History:
 
     # -- inside --------------------------------------------------------------------------------
 
-    def _look_for_parting(self, tick: int) -> None:
+    def _look_for_divergence(self, tick: int) -> None:
         there = self._other
-        if self.parting is None and there is not None and there.first <= tick <= there.last:
-            self.parting = parting(self._course.moment(tick), there.moment(tick))
+        if self.divergence is None and there is not None and there.first <= tick <= there.last:
+            self.divergence = find_divergence(self._course.moment(tick), there.moment(tick))
 
     def _leave(self, new: Course) -> None:
         """Go over to the present course as it was up to some tick, and keep how it went on."""
         left = self._course
         self._go_over_to(new)
         if self._other is None or self._other.last <= left.last:
-            self._other, self.parting = left, None
+            self._other, self.divergence = left, None
 
     def _go_over_to(self, new: Course) -> None:
         self._course = new
         self.turns += 1
-        if self.parting is not None and self.parting.tick > new.last:
-            self.parting = None
+        if self.divergence is not None and self.divergence.tick > new.last:
+            self.divergence = None
 
     def _packs(self) -> Iterator[Packed]:
         yield from self._course.packs
@@ -249,6 +249,6 @@ class History:
 
     def _keep_within_bounds(self) -> None:
         if self.kept_bytes > self._most_bytes:
-            self._other = self.parting = None
+            self._other = self.divergence = None
         while self.kept_bytes > self._most_bytes and self._course.forget_pack():
             self.dropped = self._course.first

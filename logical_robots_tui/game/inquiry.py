@@ -8,7 +8,7 @@ from functools import partial
 from typing import TYPE_CHECKING, TypeVar
 
 from logical_robots_tui.game.frame import Superseded
-from logical_robots_tui.game.holding import rows_that_count
+from logical_robots_tui.game.matches import matching_rows
 from logical_robots_tui.game.pins import read
 from logical_robots_tui.game.thinker import Thinker
 from logical_robots_tui.mind import Limits, ProgramError, QueryError, Stopped, Table
@@ -296,4 +296,4 @@ def _table(name: str, frame: Frame, mind: Mind, stop: threading.Event) -> Table:
         return mind.query(name, sensors, memories, stop=stop)
     question = mind.program.question(name, stop=stop, limits=mind.limits)
     table = mind.ask(question, sensors, memories, stop=stop, in_order=False)
-    return rows_that_count(question, table)
+    return matching_rows(question, table)

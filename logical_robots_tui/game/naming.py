@@ -56,7 +56,7 @@ def target(
     if is_folder(path):
         raise InputError("is a folder.", place=str(path), hint="Choose another name.")
     if is_there(path) and not is_file(path):
-        raise InputError("is no ordinary file.", place=str(path), hint="Choose another name.")
+        raise InputError("is not a regular file.", place=str(path), hint="Choose another name.")
     if real(path).parent == shipped_folder(folder).resolve():
         raise InputError(
             f"The {folder} that came with the game stay as they are.",

@@ -78,11 +78,11 @@ class Reading:
 
     Attributes:
         value: The value, or the number of rows.
-        trouble: Why there is no value, one sentence, or "".
+        problem: Why there is no value, one sentence, or "".
     """
 
     value: Value = None
-    trouble: str = ""
+    problem: str = ""
 
     @property
     def number(self) -> float | None:
@@ -135,15 +135,15 @@ def pin_of_cell(
 def read(pin: Pin, table: Table | QueryError) -> Reading:
     """What a pin says of the rows of its predicate, or why it says nothing."""
     if isinstance(table, QueryError):
-        return Reading(trouble=str(table))
+        return Reading(problem=str(table))
     for name in (*(name for name, _ in pin.where), pin.column):
         if table.rows and name not in (*table.columns, MIND, ""):
-            return Reading(trouble=f"{pin.predicate} has no column {name}.")
+            return Reading(problem=f"{pin.predicate} has no column {name}.")
     rows = list(_matching(table, pin.where))
     if not pin.column:
         return Reading(len(rows))
     if len(rows) != 1:
-        return Reading(trouble=f"{len(rows)} rows." if rows else "No row.")
+        return Reading(problem=f"{len(rows)} rows." if rows else "No row.")
     return _inside(rows[0][table.columns.index(pin.column)], pin.path)
 
 
@@ -176,10 +176,10 @@ def _inside(value: Value, path: Path) -> Reading:
     for step in path:
         if isinstance(step, str):
             if not isinstance(value, Mapping) or step not in value:
-                return Reading(trouble=f"There is no field {step}.")
+                return Reading(problem=f"There is no field {step}.")
             value = value[step]
         elif isinstance(value, Sequence) and not isinstance(value, str) and step < len(value):
             value = value[step]
         else:
-            return Reading(trouble=f"There is no item {step}.")
+            return Reading(problem=f"There is no item {step}.")
     return Reading(value)

@@ -28,10 +28,21 @@ if TYPE_CHECKING:
 
     from logical_robots_tui.world import Level
 
-__all__ = ["MAX_BYTES", "MAX_ENTRIES", "MAX_FOLDER_BYTES", "DamagedError", "Recording"]
+__all__ = [
+    "MAX_BYTES",
+    "MAX_ENTRIES",
+    "MAX_FOLDER_BYTES",
+    "MAX_HELD_BYTES",
+    "DamagedError",
+    "Recording",
+]
 
 MAX_BYTES = 64_000_000
 """The largest file; of a longer run as many of the first ticks are kept as there is room for."""
+
+MAX_HELD_BYTES = 192_000_000
+"""What is held in memory of a run, packed: of its first ticks what a file has room for, then the
+latest ones."""
 
 MAX_ENTRIES = 200
 MAX_FOLDER_BYTES = 256_000_000
@@ -52,7 +63,9 @@ class DamagedError(ValueError):
 
 
 class Recording:
-    """What each tick of a run left behind, from tick 0 on without gaps.
+    """What each tick of a run left behind, from tick 0 on.
+
+    Where that takes more than `MAX_HELD_BYTES` there is a gap: those ticks are to be computed anew.
 
     Args:
         key: Stands for everything on which the run depends, as a file name.
@@ -80,15 +93,25 @@ class Recording:
         """Whether every tick would be the same again: no guard ended a thought."""
         return self._lasting >= self.last
 
+    def is_in_gap(self, tick: int) -> bool:
+        """Whether what a tick left behind was held, and is not any more."""
+        return tick < self._packed and tick not in self._piece(tick).ticks
+
+    def return_to_gap(self) -> None:
+        """Forget what comes after the gap, so that it can be filled."""
+        before = list(_without_gap(self._pieces))
+        if len(before) < len(self._pieces):
+            self._pieces, self._loose = before, []
+
     def moment(self, tick: int) -> Moment:
-        """What a known tick left behind.
+        """What a tick left behind that is held.
 
         Raises:
             DamagedError: It was read from a file that is damaged or false.
         """
         if tick >= self._packed:
             return self._loose[tick - self._packed]
-        piece = self._pieces[bisect_right(self._pieces, tick, key=_first_of) - 1]
+        piece = self._piece(tick)
         return self._checked(_moment_of(piece, tick - piece.first), tick)
 
     def add(self, moment: Moment) -> None:
@@ -104,6 +127,7 @@ class Recording:
         if len(self._loose) >= _TOGETHER or sum(each.weight for each in self._loose) > _HEAVY:
             self._pieces += _pieces_of(self._loose)
             self._loose = []
+            self._drop_some()
 
     def forget(self) -> None:
         """Begin anew with the start, also on disk."""
@@ -136,19 +160,32 @@ class Recording:
 
     @property
     def _packed(self) -> int:
-        """How many moments are packed."""
-        return self._pieces[-1].first + self._pieces[-1].count if self._pieces else 0
+        """The tick after those that are packed."""
+        return self._pieces[-1].ticks.stop if self._pieces else 0
+
+    def _piece(self, tick: int) -> _Piece:
+        """The piece in which a packed tick is, unless that is in the gap."""
+        return self._pieces[bisect_right(self._pieces, tick, key=_first_of) - 1]
+
+    def _drop_some(self) -> None:
+        """Drop the oldest of the pieces that no file will hold, until there is room."""
+        total = sum(len(piece.content) for piece in self._pieces)
+        at = len(_that_fit(_without_gap(self._pieces))) or 1
+        while total > MAX_HELD_BYTES and at < len(self._pieces) - 1:
+            total -= len(self._pieces.pop(at).content)
 
     def _up_to(self, last: float) -> Iterator[_Piece]:
-        """All up to a tick in pieces."""
-        for piece in self._pieces:
-            if piece.first + piece.count - 1 > last:
+        """All up to a tick, or up to the gap, in pieces."""
+        before = list(_without_gap(self._pieces))
+        for piece in before:
+            if piece.ticks[-1] > last:
                 few = range(piece.first, int(last) + 1)
                 yield from _pieces_of([self.moment(tick) for tick in few])
                 return
             yield piece
-        few = range(self._packed, int(last) + 1)
-        yield from _pieces_of([self.moment(tick) for tick in few])
+        if len(before) == len(self._pieces):
+            few = range(self._packed, int(last) + 1)
+            yield from _pieces_of([self.moment(tick) for tick in few])
 
     def _read(self) -> None:
         """Take over what is on disk, if that is a recording of this run."""
@@ -215,8 +252,23 @@ class _Piece:
     own: bool = True
     fits: bool = True
 
+    @property
+    def ticks(self) -> range:
+        """Of its moments."""
+        return range(self.first, self.first + self.count)
+
 
 _first_of = attrgetter("first")
+
+
+def _without_gap(pieces: Sequence[_Piece]) -> Iterator[_Piece]:
+    """The pieces before the gap."""
+    last = 0
+    for piece in pieces:
+        if piece.first != last:
+            return
+        last = piece.ticks.stop
+        yield piece
 
 
 def _pieces_of(moments: Sequence[Moment]) -> Iterator[_Piece]:

@@ -122,7 +122,7 @@ def _read(path: Path, *, pipes: bool = False) -> Source:
     if path.is_dir():
         raise InputError("is a folder, not a program", place=place, hint="Name a file in it.")
     if not pipes and path.exists() and not path.is_file():
-        raise InputError("is no ordinary file", place=place, hint="A program is a text file.")
+        raise InputError("is not a regular file", place=place, hint="A program is a text file.")
     try:
         if pipes:
             with path.open("rb") as file:

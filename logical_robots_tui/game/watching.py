@@ -6,7 +6,7 @@ from collections import Counter
 from typing import TYPE_CHECKING, TypeAlias
 
 from logical_robots_tui.game.breakpoints import OF_QUESTIONS, Breakpoint, Hit
-from logical_robots_tui.game.holding import rows_that_count
+from logical_robots_tui.game.matches import matching_rows
 from logical_robots_tui.mind import ProgramError, QueryError, Table
 from logical_robots_tui.mind.sqlite.stored import to_json
 
@@ -33,12 +33,12 @@ class Watch:
         breakpoints: What to watch for.
 
     Attributes:
-        troubles: Why a breakpoint could not be watched for in the latest tick, by breakpoint.
+        problems: Why a breakpoint could not be watched for in the latest tick, by breakpoint.
     """
 
     def __init__(self, breakpoints: Sequence[Breakpoint]) -> None:
         self.breakpoints = breakpoints
-        self.troubles: dict[Breakpoint, str] = {}
+        self.problems: dict[Breakpoint, str] = {}
         self._asked: dict[str, tuple[Frame, Table]] = {}
         self._questions: dict[str, Question | ProgramError] = {}
 
@@ -60,14 +60,14 @@ class Watch:
                 if each.event in OF_QUESTIONS:
                     values = self._change_of_rows(each, past, frame, mind, stop)
                 else:
-                    values = "; ".join(_happenings(each, past, frame))
+                    values = "; ".join(_occurrences(each, past, frame))
             except ProgramError as error:
-                self.troubles[each] = f"This can't be asked: {error.diagnostics[0].message}."
+                self.problems[each] = f"This can't be asked: {error.diagnostics[0].message}."
                 continue
             except QueryError as error:
-                self.troubles[each] = f"Tick {frame.tick}: {error}"
+                self.problems[each] = f"Tick {frame.tick}: {error}"
                 continue
-            self.troubles.pop(each, None)
+            self.problems.pop(each, None)
             if values:
                 found.append(Hit(each, frame.tick, values))
         return tuple(found)
@@ -90,7 +90,7 @@ class Watch:
         table = self._table(each.subject, frame, mind, stop)
         question = self._questions.get(each.subject)
         if each.event != "change" and question is not None and not isinstance(question, Exception):
-            table = rows_that_count(question, table)
+            table = matching_rows(question, table)
         return _rows_for(each, table)
 
     def _table(self, subject: str, frame: Frame, mind: Mind, stop: threading.Event) -> Table:
@@ -175,7 +175,7 @@ def _told(value: Value) -> str:
     return text if len(text) <= _LONGEST else f"{text[:_LONGEST]}…"
 
 
-def _happenings(each: Breakpoint, past: Frame, frame: Frame) -> Iterator[str]:
+def _occurrences(each: Breakpoint, past: Frame, frame: Frame) -> Iterator[str]:
     match each.event:
         case "enters":
             yield from _moved(each, past, frame, "is in")

@@ -7,7 +7,7 @@ holds the rows of a moment; a `Mind` asks for them.
 
 from typing import TYPE_CHECKING
 
-from logical_robots_tui.later import names_from
+from logical_robots_tui.later import lazy_exports
 
 if TYPE_CHECKING:
     from logical_robots_tui.mind.decision import Decision, Notice, NoticeKind
@@ -42,7 +42,7 @@ __all__ = [
     "Table",
 ]
 
-__getattr__ = names_from(
+__getattr__ = lazy_exports(
     __name__,
     {
         "Ask": "why.explanation",

@@ -124,7 +124,7 @@ def test_what_is_inside_walls_or_outside_the_map_is_told() -> None:
     )
     level = replace(level, robots=(Robot("Ann", 398, 50), Robot("Bob", -1, 50)))
     assert [(finding.text, finding.x) for finding in check(level)] == [
-        ('Robot "Bob" stands outside the map. The map is 400 x 200 units.', -1),
+        ('Robot "Bob" is outside the map. The map is 400 x 200 units.', -1),
         ('Robot "Ann" is inside a wall.', 398),
         ('Beacon "lamp" is inside a wall.', 2),
         ('Beacon "star" is outside the map.', 500),
@@ -137,9 +137,9 @@ def test_what_is_inside_walls_or_outside_the_map_is_told() -> None:
 def test_switches_and_goals_that_name_nothing_are_told() -> None:
     area = goal(victory_robots=("Ann", "ann"), on_beacon="lamb", off_beacon="xyz")
     assert texts(check(hall(beacons=(Beacon("lamp", 60, 60),), areas=(area,)))) == [
-        'Area "home" is a goal for "ann", which is no robot here. Did you mean "Ann"?',
-        'Area "home" is switched by "lamb", which is no beacon here. Did you mean "lamp"?',
-        'Area "home" is switched by "xyz", which is no beacon here.',
+        'Area "home" is a goal for "ann", but there is no such robot. Did you mean "Ann"?',
+        'Area "home" is switched by "lamb", but there is no such beacon. Did you mean "lamp"?',
+        'Area "home" is switched by "xyz", but there is no such beacon.',
     ]
 
 
@@ -180,11 +180,11 @@ def test_names_used_twice_are_told_and_those_of_robots_forbid_loading() -> None:
         ),
         (
             {"beacons": tuple(Beacon(f"b{i}", 60, 60) for i in range(1001))},
-            Finding("There are 1001 beacons; 1000 is the most.", forbids=True),
+            Finding("There are 1001 beacons; at most 1000 are allowed.", forbids=True),
         ),
         (
             {"width": 4001, "walls": np.zeros((200, 4001), np.bool_)},
-            Finding("The map is 4001 x 200 units; 4000 x 4000 is the most.", forbids=True),
+            Finding("The map is 4001 x 200 units; at most 4000 x 4000 is allowed.", forbids=True),
         ),
     ],
 )

@@ -61,7 +61,7 @@ def test_the_same_size_is_the_level_itself() -> None:
     ("size", "message"),
     [
         ((0, 5), '"width" must be 1 or more'),
-        ((5, 4001), "The map is 5 x 4001 units; 4000 x 4000 is the most."),
+        ((5, 4001), "The map is 5 x 4001 units; at most 4000 x 4000 is allowed."),
     ],
 )
 def test_a_size_out_of_bounds_is_refused(size: tuple[int, int], message: str) -> None:

@@ -38,7 +38,7 @@ def test_what_can_be_no_path_is_refused(tmp_path: Path, monkeypatch: pytest.Monk
     assert typed_path("~/mine.l") == tmp_path / "mine.l"
     with pytest.raises(InputError, match="no such home"):
         typed_path("~nobody-of-that-name/mine.l")
-    with pytest.raises(InputError, match="is no path"):
+    with pytest.raises(InputError, match="is not a valid path"):
         typed_path("/tmp/mine\0.l")
 
 

@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     import argparse
 
     from logical_robots_tui.cli.command import Commands
-    from logical_robots_tui.game import Holding
+    from logical_robots_tui.game import Matches
     from logical_robots_tui.mind import Program, Question
     from logical_robots_tui.world import Level
 
@@ -76,15 +76,15 @@ def start(options: argparse.Namespace) -> int:
 
 async def _search(
     level: Level, program: Program, question: Question, options: argparse.Namespace
-) -> Holding:
+) -> Matches:
     """Ask at every tick up to victory or the last one."""
-    from logical_robots_tui.game import when_it_holds
+    from logical_robots_tui.game import find_matches
 
     async with run_shown(level, program, options.ticks) as (run, show):
-        return await when_it_holds(run, question, options.ticks, options.robot or "", show)
+        return await find_matches(run, question, options.ticks, options.robot or "", show)
 
 
-def _lines(question: str, found: Holding) -> list[str]:
+def _lines(question: str, found: Matches) -> list[str]:
     """What was found, for a person."""
     ticks = f"{found.ticks} {'tick' if found.ticks == 1 else 'ticks'}"
     end = f"{ticks}, up to victory" if found.won_at is not None else ticks
@@ -111,7 +111,7 @@ def _row(first: int, last: int) -> tuple[str, str, str]:
     return str(first), str(last), str(last - first + 1)
 
 
-def _data(question: str, found: Holding) -> dict[str, Any]:
+def _data(question: str, found: Matches) -> dict[str, Any]:
     """What was found, for scripts."""
     stretches = found.stretches
     return {

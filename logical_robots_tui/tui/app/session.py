@@ -107,11 +107,11 @@ class Session:
         """What is known of other ticks, or None before there is a program."""
         return self.game.history if self.game is not None else None
 
-    def trouble_with(self, breakpoint_: Breakpoint) -> str:
+    def problem_with(self, breakpoint_: Breakpoint) -> str:
         """Why a breakpoint can't be hit, one sentence, or ""."""
         if self.game is None:
             return mistake_in(breakpoint_, self.level, None)
-        return self.game.trouble_with(breakpoint_)
+        return self.game.problem_with(breakpoint_)
 
     @property
     def won_at(self) -> int | None:

@@ -123,15 +123,15 @@ class Travel:
         if game is None or history is None or history.other is None:
             self._say_there_is_none()
             return
-        if history.parting is None:
+        if history.divergence is None:
             known = min(history.last, history.other[-1])
             self._screen.tell(f"The two futures are the same as far as both are known, to {known}.")
             return
-        from logical_robots_tui.tui.timeline.divergence import PartingPage
+        from logical_robots_tui.tui.timeline.divergence import DivergencePage
 
-        if history.first <= history.parting.tick <= history.last:
-            self.go_to(history.parting.tick)
-        self._screen.app.push_screen(PartingPage(game, history.parting))
+        if history.first <= history.divergence.tick <= history.last:
+            self.go_to(history.divergence.tick)
+        self._screen.app.push_screen(DivergencePage(game, history.divergence))
 
     def _say_there_is_none(self) -> None:
         self._screen.tell(
@@ -154,7 +154,7 @@ class Travel:
         """Set a breakpoint, and say so."""
         session = self._screen.session
         session.breakpoints.add(breakpoint_)
-        trouble = session.trouble_with(breakpoint_)
+        trouble = session.problem_with(breakpoint_)
         if trouble:
             self._screen.warn(f"{breakpoint_.words}: {trouble}")
         else:

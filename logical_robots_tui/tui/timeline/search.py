@@ -11,7 +11,7 @@ from logical_robots_tui.tui.commands.table import with_keys
 from logical_robots_tui.tui.theme.safe_text import one_line
 
 if TYPE_CHECKING:
-    from logical_robots_tui.game import Game, Sought
+    from logical_robots_tui.game import Game, SearchResult
     from logical_robots_tui.tui.app.main_screen import MainScreen
 
 __all__ = ["Search"]
@@ -67,10 +67,10 @@ class Search:
                 raise Superseded  # the player went on to something else
             patience.told(tick)
 
-        from logical_robots_tui.game import seek
+        from logical_robots_tui.game import search_ticks
 
         try:
-            sought = await seek(game, self._question, way, told)
+            sought = await search_ticks(game, self._question, way, told)
         except Superseded:
             return
         except ProgramError as error:
@@ -84,13 +84,13 @@ class Search:
         else:
             self._say_there_is_none(sought, way)
 
-    def _say_there_is_none(self, sought: Sought, way: Literal[-1, 1]) -> None:
+    def _say_there_is_none(self, sought: SearchResult, way: Literal[-1, 1]) -> None:
         side = "after" if way > 0 else "before"
         tick = self._screen.session.frame.tick
         question = one_line(self._question)
         here = "It holds here. " if sought.holds_here else ""
         words = f"{here}No {'other ' * bool(here)}tick {side} {tick} is known in which it holds"
-        trouble = f" It failed in some: {one_line(sought.trouble)}" if sought.trouble else ""
+        trouble = f" It failed in some: {one_line(sought.problem)}" if sought.problem else ""
         more = with_keys(" {seek} asks for another question.")
         self._screen.tell(f"{words}: {question}.{trouble or more}")
 

@@ -1,4 +1,4 @@
-"""Parting: what differs when two courses of a game go different ways."""
+"""Divergence: what differs when two courses of a game go different ways."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ if TYPE_CHECKING:
     from logical_robots_tui.game.packing import Moment
     from logical_robots_tui.mind import Decision
 
-__all__ = ["Difference", "Matter", "Parting", "parting"]
+__all__ = ["Difference", "Divergence", "Matter", "find_divergence"]
 
 Matter: TypeAlias = Literal["desire", "memory", "notices", "position", "battery"]
 
@@ -35,7 +35,7 @@ class Difference:
 
 
 @dataclass(frozen=True, slots=True)
-class Parting:
+class Divergence:
     """The first tick in which two courses are not the same.
 
     Attributes:
@@ -47,9 +47,9 @@ class Parting:
     tick: int
     differences: tuple[Difference, ...]
 
-    def turned(self) -> Parting:
+    def reversed(self) -> Divergence:
         """The same as seen from the other course."""
-        return Parting(
+        return Divergence(
             self.tick,
             tuple(
                 Difference(each.robot_name, each.matter, each.there, each.here)
@@ -58,7 +58,7 @@ class Parting:
         )
 
 
-def parting(here: Moment, there: Moment) -> Parting | None:
+def find_divergence(here: Moment, there: Moment) -> Divergence | None:
     """Whether two courses part in a tick; None if they don't.
 
     Args:
@@ -67,7 +67,7 @@ def parting(here: Moment, there: Moment) -> Parting | None:
     """
     if here.decisions == there.decisions and here.after == there.after:
         return None
-    return Parting(here.after.tick, (*_of_decisions(here, there), *_of_robots(here, there)))
+    return Divergence(here.after.tick, (*_of_decisions(here, there), *_of_robots(here, there)))
 
 
 def _of_decisions(here: Moment, there: Moment) -> Iterator[Difference]:

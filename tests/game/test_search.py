@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from logical_robots_tui.game import Breakpoint, Game, seek
+from logical_robots_tui.game import Breakpoint, Game, search_ticks
 from logical_robots_tui.mind import Program, ProgramError
 from tests.game.playing import COUNTER, hall
 
@@ -32,7 +32,7 @@ async def game(tmp_path: Path) -> AsyncIterator[Game]:
 
 async def sought(game: Game, begin: int, way: int, query: str = HERE) -> int | None:
     game.go_to(begin)
-    return (await seek(game, query, 1 if way > 0 else -1)).tick
+    return (await search_ticks(game, query, 1 if way > 0 else -1)).tick
 
 
 @pytest.mark.parametrize(
@@ -66,7 +66,7 @@ async def test_the_nearest_tick_beside_those_around_here_is_found(
 async def test_it_is_known_how_far_was_looked_and_whether_it_holds_here(game: Game) -> None:
     game.go_to(77)
     told: list[int] = []
-    found = await seek(game, HERE, 1, told.append)
+    found = await search_ticks(game, HERE, 1, told.append)
     assert (found.tick, found.last, found.holds_here) == (None, 100, True)
     assert told == sorted(told)
     assert told[-1] == 100
@@ -80,20 +80,20 @@ async def test_expressions_count_where_they_are_true(game: Game) -> None:
 async def test_ticks_in_which_it_fails_are_passed_over_and_told(game: Game) -> None:
     game.go_to(0)
     query = f'{CLOCK}x in ["a"], (if t < 20 then x.field else t) == 33'
-    found = await seek(game, query, 1)
+    found = await search_ticks(game, query, 1)
     assert found.tick == 33
-    assert found.trouble.startswith("Tick 0: This failed: ")
+    assert found.problem.startswith("Tick 0: This failed: ")
 
 
 async def test_a_wrong_question_is_refused(game: Game) -> None:
     with pytest.raises(ProgramError, match="robot_nam"):
-        await seek(game, "Sensor(robot_nam:)", 1)
+        await search_ticks(game, "Sensor(robot_nam:)", 1)
 
 
 async def test_a_search_that_is_cancelled_ends_and_changes_nothing(game: Game) -> None:
     game.go_to(0)
     begun = asyncio.Event()
-    search = asyncio.create_task(seek(game, "1 == 2", 1, lambda _tick: begun.set()))
+    search = asyncio.create_task(search_ticks(game, "1 == 2", 1, lambda _tick: begun.set()))
     await begun.wait()
     search.cancel()
     with suppress(asyncio.CancelledError):

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from logical_robots_tui.game import Holding, Run, when_it_holds
+from logical_robots_tui.game import Matches, Run, find_matches
 from logical_robots_tui.mind import Limits, Mind, Program
 from tests.game.playing import COUNTER, hall
 
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 CLOCK = "Sensor(sensor:), t == sensor.clock, "
 QUERY = f"{CLOCK}t in [3, 4, 9]"
-FOUND = Holding(20, None, ((3, 4), (9, 9)))
+FOUND = Matches(20, None, ((3, 4), (9, 9)))
 
 
 @pytest.fixture(autouse=True)
@@ -35,11 +35,11 @@ def level(tmp_path: Path) -> Level:
 
 async def found(
     level: Level, query: str = QUERY, ticks: int = 20, robot: str = "", text: str = COUNTER
-) -> Holding:
+) -> Matches:
     program = Program.compile(text)
     run = Run(level, program, limits=Limits(think_seconds=0.3))
     try:
-        return await when_it_holds(run, program.question(query), ticks, robot)
+        return await find_matches(run, program.question(query), ticks, robot)
     finally:
         await run.close()
 
@@ -115,10 +115,10 @@ async def test_the_answer_of_another_question_is_dropped(level: Level, folder: P
 async def test_what_failed_may_hold_another_time_and_is_not_kept(
     level: Level, folder: Path
 ) -> None:
-    holding = await found(level, f'{CLOCK}x in ["a"], (if t == 2 then x.field else 1) == 1', 5)
-    assert holding.stretches == ((1, 1), (3, 5))
-    assert holding.failed == ((2, 2),)
-    assert "neither a record nor a list" in holding.reason
+    matches = await found(level, f'{CLOCK}x in ["a"], (if t == 2 then x.field else 1) == 1', 5)
+    assert matches.stretches == ((1, 1), (3, 5))
+    assert matches.failed == ((2, 2),)
+    assert "neither a record nor a list" in matches.reason
     assert kept(folder) == 0
 
 

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Literal, TypeAlias
 
 from logical_robots_tui.game.advancing import Known, known_frame
 from logical_robots_tui.game.frame import NoSuchTickError
-from logical_robots_tui.game.holding import rows_that_count
+from logical_robots_tui.game.matches import matching_rows
 from logical_robots_tui.game.thinker import Thinker
 from logical_robots_tui.game.worlds import Worlds
 from logical_robots_tui.mind import QueryError, Stopped
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from logical_robots_tui.game.packing import Moment
     from logical_robots_tui.mind import Program, Question
 
-__all__ = ["Sought", "seek"]
+__all__ = ["SearchResult", "search_ticks"]
 
 _TOGETHER = 16  # ticks that are asked at once
 _ROBOTS = 200  # that are taken from history at once, so that the event loop is not held up
@@ -32,28 +32,28 @@ _Tick: TypeAlias = "tuple[Moment, Known]"
 
 
 @dataclass(frozen=True, slots=True)
-class Sought:
+class SearchResult:
     """How a search ended.
 
     Attributes:
         tick: The tick that was found, or None.
         last: The last tick that was asked.
         holds_here: Whether the question holds in the tick where the search began.
-        trouble: Why it failed in the first tick in which it did, or "".
+        problem: Why it failed in the first tick in which it did, or "".
     """
 
     tick: int | None
     last: int
     holds_here: bool
-    trouble: str = ""
+    problem: str = ""
 
 
-async def seek(
+async def search_ticks(
     game: Game,
     query: str,
     way: Literal[-1, 1],
     told: Callable[[int], object] = lambda _tick: None,
-) -> Sought:
+) -> SearchResult:
     """Find the nearest tick after or before the present one in which a question holds.
 
     If it holds in the present tick, the ticks next to it in which it does, too, are passed over.
@@ -72,7 +72,7 @@ async def seek(
     end = history.last if way > 0 else history.first
     ticks = range(here, end + way, way)
     worlds: list[Worlds] = []
-    thinker = Thinker("seek")
+    thinker = Thinker("search")
 
     def ask(question: Question, some: Sequence[_Tick], stop: threading.Event) -> list[bool | str]:
         answers: list[bool | str] = []
@@ -84,14 +84,14 @@ async def seek(
             try:
                 sensors, memories = frame.sensors, frame.memories_before
                 table = mind.ask(question, sensors, memories, stop=stop, in_order=False)
-                answers.append(bool(rows_that_count(question, table).rows))
+                answers.append(bool(matching_rows(question, table).rows))
             except QueryError as error:
                 answers.append(str(error))
             if stop.is_set():
                 raise Stopped
         return answers
 
-    trouble, holds_here, is_outside, last = "", False, False, here
+    problem, holds_here, is_outside, last = "", False, False, here
     try:
         question = await thinker.do(partial(_compiled, game, program, query))
         together = max(1, min(_TOGETHER, _ROBOTS // len(game.level.robots)))
@@ -106,17 +106,17 @@ async def seek(
             ):
                 last = tick
                 if isinstance(answer, str):
-                    trouble = trouble or f"Tick {tick}: {answer}"
+                    problem = problem or f"Tick {tick}: {answer}"
                 holds = answer is True
                 if tick == here:
                     holds_here = holds
                 elif holds and is_outside:
-                    return Sought(tick, tick, holds_here, trouble)
+                    return SearchResult(tick, tick, holds_here, problem)
                 is_outside = is_outside or not holds
             told(last)
     finally:
         await thinker.close()
-    return Sought(None, last, holds_here, trouble)
+    return SearchResult(None, last, holds_here, problem)
 
 
 def _taken(history: History, tick: int) -> _Tick:

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from logical_robots_tui.game import Difference, Parting
+from logical_robots_tui.game import Difference, Divergence
 from logical_robots_tui.game.comparing import Comparison
-from logical_robots_tui.game.differing import Differing
+from logical_robots_tui.game.proof_difference import ProofDifference
 from logical_robots_tui.mind import Ask, Node
 from logical_robots_tui.mind.why.probing import Span
 from logical_robots_tui.tui.timeline.divergence import derivation, told
@@ -12,7 +12,7 @@ from logical_robots_tui.values import Desire
 
 
 def test_each_difference_is_told_with_as_many_digits_as_it_needs() -> None:
-    parting = Parting(
+    divergence = Divergence(
         7,
         (
             Difference("Ada", "desire", Desire(0.5, 1.0), None),
@@ -21,7 +21,7 @@ def test_each_difference_is_told_with_as_many_digits_as_it_needs() -> None:
             Difference("Bo", "notices", (), ("Robot has no row for Bo.",)),
         ),
     )
-    assert told(parting).plain.splitlines() == [
+    assert told(divergence).plain.splitlines() == [
         "Ada",
         "  desire",
         "    here   left 0.5, right 1",
@@ -41,13 +41,13 @@ def test_each_difference_is_told_with_as_many_digits_as_it_needs() -> None:
 
 
 def test_where_only_an_area_differs_that_is_said() -> None:
-    assert "an area" in told(Parting(3, ())).plain
+    assert "an area" in told(Divergence(3, ())).plain
 
 
 def test_the_first_derivation_that_differs_is_told_with_lines_and_condition() -> None:
     here = Node("rule", "Drive(robot_name:) :- Explore()", holds=True, span=Span(0, 9, 35, ""))
     there = Node("rule", "Drive(robot_name:) :- Steer()", holds=True, span=Span(0, 9, 31, ""))
-    differing = Differing("rule", Ask("Drive", {"robot_name": "Ada"}), here, there)
+    differing = ProofDifference("rule", Ask("Drive", {"robot_name": "Ada"}), here, there)
     condition = Node("denial", "~Fresh(robot_name:)", holds=False)
     assert derivation(Comparison("Ada", differing, (condition, "there"))).plain.splitlines() == [
         'What Ada decides differs first in Drive(robot_name: "Ada")',
@@ -59,14 +59,14 @@ def test_the_first_derivation_that_differs_is_told_with_lines_and_condition() ->
 
 def test_a_value_a_failed_step_and_nothing_are_told_apart() -> None:
     asked = Ask("Robot", {})
-    value = Differing("value", asked, Node("read", "memory.n", values=(3,)), None)
+    value = ProofDifference("value", asked, Node("read", "memory.n", values=(3,)), None)
     assert derivation(Comparison("Ada", value)).plain.splitlines()[1:] == [
         "  here   memory.n = 3",
         "  there  there is nothing in its place",
     ]
-    step = Differing("step", asked, Node("condition", "d < 20", holds=False), None)
+    step = ProofDifference("step", asked, Node("condition", "d < 20", holds=False), None)
     assert "d < 20  does not hold" in derivation(Comparison("Ada", step)).plain
-    call = Differing("step", Ask("Steer", {"col0": 0.5}), None, None)
+    call = ProofDifference("step", Ask("Steer", {"col0": 0.5}), None, None)
     assert derivation(Comparison("Ada", call)).plain.startswith(
         "What Ada decides differs first in Steer(0.5)"
     )

@@ -8,7 +8,7 @@ import pytest
 
 from logical_robots_tui.game import Game
 from logical_robots_tui.game.comparing import Comparison, compare_proofs
-from logical_robots_tui.game.differing import Differing, condition_of, first_difference
+from logical_robots_tui.game.proof_difference import ProofDifference, condition_of, first_difference
 from logical_robots_tui.mind import Mind, Program
 from logical_robots_tui.world import World
 from tests.game.playing import hall
@@ -58,7 +58,7 @@ class Two:
         self.found = first_difference(mine, other, here, there)
 
     @property
-    def difference(self) -> Differing:
+    def difference(self) -> ProofDifference:
         assert self.found is not None
         return self.found
 
@@ -180,8 +180,8 @@ async def played(level: Level, here: str, there: str) -> Comparison | None:
         game.go_to(1)
         game.use(Program.compile(here))
         await game.step()
-        assert game.history.parting is not None
-        return await compare_proofs(game, game.history.parting)
+        assert game.history.divergence is not None
+        return await compare_proofs(game, game.history.divergence)
     finally:
         await game.close()
 
@@ -203,8 +203,8 @@ async def test_a_robot_put_elsewhere_by_hand_has_no_derivation_that_differs(leve
             await game.step()
         game.go_to(1)
         game.change_level(level, {"Ada": (60.0, 25.0, 0.0)})
-        assert game.history.parting is not None
-        assert await compare_proofs(game, game.history.parting) is None
+        assert game.history.divergence is not None
+        assert await compare_proofs(game, game.history.divergence) is None
     finally:
         await game.close()
 

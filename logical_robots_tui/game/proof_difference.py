@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from logical_robots_tui.mind import Explanation, Node, Proof
     from logical_robots_tui.values import Value
 
-__all__ = ["Differing", "Side", "condition_of", "first_difference"]
+__all__ = ["ProofDifference", "Side", "condition_of", "first_difference"]
 
 Side: TypeAlias = Literal["here", "there"]
 
@@ -31,7 +31,7 @@ _STATED = ("alternative", "call", "condition", "denial", "element", "value")
 
 
 @dataclass(frozen=True, slots=True)
-class Differing:
+class ProofDifference:
     """The first difference of two proofs.
 
     Attributes:
@@ -51,7 +51,7 @@ class Differing:
 
 def first_difference(
     here: Proof, there: Proof, here_text: str, there_text: str
-) -> Differing | None:
+) -> ProofDifference | None:
     """Where two proofs of the same predicate differ first, or None if they don't.
 
     Args:
@@ -69,7 +69,7 @@ def first_difference(
 
 
 def condition_of(
-    differing: Differing, here: Explanation | None, there: Explanation | None
+    differing: ProofDifference, here: Explanation | None, there: Explanation | None
 ) -> tuple[Node, Side] | None:
     """Why a row does not come from the same rule in both: a condition, and where it holds.
 
@@ -100,7 +100,9 @@ class _Walk:
     def __init__(self, here: str, there: str, *, values: bool) -> None:
         self._here, self._there, self._values = here, there, values
 
-    def rules(self, asked: Ask, here: Sequence[Node], there: Sequence[Node]) -> Differing | None:
+    def rules(
+        self, asked: Ask, here: Sequence[Node], there: Sequence[Node]
+    ) -> ProofDifference | None:
         """The first difference of the rules that give a row, or that fail to."""
         others = list(there)
         alone: list[Node] = []
@@ -119,7 +121,7 @@ class _Walk:
             for walk in (self, _Walk(self._here, self._there, values=True)):
                 if (found := walk._rule(asked, mine, other)) is not None:
                     return found
-        return Differing("rule", asked, mine, other)
+        return ProofDifference("rule", asked, mine, other)
 
     def _are_edited(self, here: Node, there: Node) -> bool:
         """Whether one rule was made from the other: either program lacks one, much is the same."""
@@ -128,15 +130,17 @@ class _Walk:
         mine, other = ([step.text for step in _steps(node)] for node in (here, there))
         return 2 * len(set(mine) & set(other)) >= max(len(mine), len(other), 1)
 
-    def _rule(self, asked: Ask, here: Node, there: Node) -> Differing | None:
+    def _rule(self, asked: Ask, here: Node, there: Node) -> ProofDifference | None:
         """The first difference within the derivations by a rule."""
         if (found := self._nodes(asked, _steps(here), _steps(there))) is not None:
             return found
         if here.holds != there.holds:
-            return Differing("rule", asked, here, there)
+            return ProofDifference("rule", asked, here, there)
         return self._nodes(asked, _columns(here), _columns(there))
 
-    def _nodes(self, asked: Ask, here: Sequence[Node], there: Sequence[Node]) -> Differing | None:
+    def _nodes(
+        self, asked: Ask, here: Sequence[Node], there: Sequence[Node]
+    ) -> ProofDifference | None:
         if any(node.kind == "contributor" for node in (*here, *there)):
             return self._contributors(asked, here, there)
         for mine, other in zip(here, there, strict=False):
@@ -149,11 +153,11 @@ class _Walk:
         # What could not be reached behind a step that failed says nothing of its own.
         if any(node.holds is False for node in (*here, *there)) and rest[0].holds is not False:
             return None
-        return Differing("step", asked, *_sides(here[at : at + 1], there[at : at + 1]))
+        return ProofDifference("step", asked, *_sides(here[at : at + 1], there[at : at + 1]))
 
     def _contributors(
         self, asked: Ask, here: Sequence[Node], there: Sequence[Node]
-    ) -> Differing | None:
+    ) -> ProofDifference | None:
         """The first difference of what contributed to an aggregate, in whichever order."""
         mine, others = ([n for n in side if n.kind == "contributor"] for side in (here, there))
         alone: list[Node] = []
@@ -167,29 +171,29 @@ class _Walk:
             if found := self._pair(asked, node, same):
                 return found
         if self._values and (alone or others):
-            return Differing("step", asked, *_sides(alone, others))
+            return ProofDifference("step", asked, *_sides(alone, others))
         if only := _only_in(alone, self._there):
-            return Differing("rule", only[0], only[1], None)
+            return ProofDifference("rule", only[0], only[1], None)
         if only := _only_in(others, self._here):
-            return Differing("rule", only[0], None, only[1])
+            return ProofDifference("rule", only[0], None, only[1])
         return None
 
-    def _pair(self, asked: Ask, here: Node, there: Node) -> Differing | None:
+    def _pair(self, asked: Ask, here: Node, there: Node) -> ProofDifference | None:
         """The first difference of two nodes that stand at the same place."""
         has_values = here.kind in ("contributor", "note")  # in its text
         if here.kind != there.kind or (here.text != there.text and not has_values):
-            return Differing("step", asked, here, there)
+            return ProofDifference("step", asked, here, there)
         if here.holds != there.holds and here.kind in _DECIDED_AT_ONCE:
-            return Differing("step", asked, here, there)
+            return ProofDifference("step", asked, here, there)
         if (found := self._below(asked, here, there)) is not None:
             return found
         if here.holds != there.holds:
-            return Differing("step", asked, here, there)
+            return ProofDifference("step", asked, here, there)
         if self._values and (here.text != there.text or not _have_same_values(here, there)):
-            return Differing("value", asked, here, there)
+            return ProofDifference("value", asked, here, there)
         return None
 
-    def _below(self, asked: Ask, here: Node, there: Node) -> Differing | None:
+    def _below(self, asked: Ask, here: Node, there: Node) -> ProofDifference | None:
         """The first difference of what two nodes follow from, rules that were called first."""
         if here.holds is False and here.kind in _DECIDED_AT_ONCE:
             return None

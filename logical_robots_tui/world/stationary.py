@@ -1,4 +1,4 @@
-"""Who senses the same as a moment ago: who stands still and sees nobody who moved."""
+"""Stationary robots with nothing moving in view, which can reuse their last reading."""
 
 from __future__ import annotations
 
@@ -10,29 +10,29 @@ if TYPE_CHECKING:
 
     from logical_robots_tui.world.state import RobotState
 
-__all__ = ["stirred"]
+__all__ = ["may_have_changed"]
 
 _Spot: TypeAlias = tuple[float, float]
 
 _MARGIN = 1.0
-"""Map units; far more than rounding can amount to."""
+"""Map units; far more than any rounding error."""
 
 
-def stirred(
+def may_have_changed(
     robots: Sequence[RobotState],
     before: Sequence[RobotState],
     radius: float,
     reach: Callable[[int], float],
 ) -> list[int]:
-    """Return the places of the robots that may sense something else than before.
+    """Return the indices of the robots whose reading may have changed.
 
-    All others stand as they stood, and nobody who moved was or is where they look.
+    All others have not moved, and no moving robot was or is in their view.
 
     Args:
         robots: All robots, in file order.
-        before: The same robots a moment ago.
+        before: The same robots at the last reading.
         radius: Map units within which a ray hits a robot.
-        reach: Tells of a robot, by its place, the longest distance that it sensed before.
+        reach: Returns the longest distance in a robot's last reading, by the robot's index.
     """
     spots: list[_Spot] = []
     found: list[int] = []
@@ -53,7 +53,7 @@ def stirred(
 
 
 def _in_front(robot: RobotState, spots: Sequence[_Spot], radius: float) -> list[float]:
-    """Return how far away those spots are around which a circle is not all behind a robot."""
+    """Return the distances of the spots whose circle is not entirely behind the robot."""
     cos, sin = math.cos(robot.angle), math.sin(robot.angle)
     ways = [(x - robot.x, y - robot.y) for x, y in spots]
     return [math.hypot(dx, dy) for dx, dy in ways if dx * cos + dy * sin > -radius]

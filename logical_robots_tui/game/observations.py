@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from logical_robots_tui.values import Value
     from logical_robots_tui.world import RobotState
 
-__all__ = ["Happenings", "Loss", "happenings"]
+__all__ = ["Loss", "Observations", "observe"]
 
 _AT_ONCE = 200  # ticks, before others get their turn
 _MOST_TEXTS = 10_000
@@ -41,7 +41,7 @@ class Loss:
 
 
 @dataclass(slots=True)
-class Happenings:
+class Observations:
     """What happened in the ticks of a run.
 
     Attributes:
@@ -76,7 +76,7 @@ class Happenings:
         return list(first.values())
 
 
-async def happenings(history: History, first: int, last: int) -> Happenings:
+async def observe(history: History, first: int, last: int) -> Observations:
     """Go through the ticks of a history.
 
     Args:
@@ -84,7 +84,7 @@ async def happenings(history: History, first: int, last: int) -> Happenings:
         first: The first tick, from 1.
         last: The last one.
     """
-    found = Happenings(first, last)
+    found = Observations(first, last)
     paths: dict[str, list[RobotState]] = {}
     level = history.level_at(last)
     at_home = {name: area.name for area in level.areas for name in area.victory_robots}
@@ -115,7 +115,7 @@ async def happenings(history: History, first: int, last: int) -> Happenings:
     return found
 
 
-def _remembered(found: Happenings, tick: int, before: Any, after: Any) -> None:
+def _remembered(found: Observations, tick: int, before: Any, after: Any) -> None:
     for robot, memory in after.items():
         old = before.get(robot)
         if memory == old:

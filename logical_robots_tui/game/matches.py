@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from logical_robots_tui.game.run import Run
     from logical_robots_tui.mind import Mind, Question, Table
 
-__all__ = ["Holding", "rows_that_count", "when_it_holds"]
+__all__ = ["Matches", "find_matches", "matching_rows"]
 
 MAX_ENTRIES = 500
 MAX_BYTES = 10_000_000
@@ -31,7 +31,7 @@ SUFFIX = ".when"
 _LARGEST = 1_000_000  # bytes of one answer
 
 
-def rows_that_count(question: Question, table: Table, robot: str = "") -> Table:
+def matching_rows(question: Question, table: Table, robot: str = "") -> Table:
     """The rows of an answer for which a question holds.
 
     Of an expression these are the values that are neither null, false nor 0; of conditions without
@@ -62,7 +62,7 @@ def _counts(question: Question, value: object) -> bool:
 
 
 @dataclass(frozen=True, slots=True)
-class Holding:
+class Matches:
     """In which ticks of a run a question holds.
 
     Attributes:
@@ -90,13 +90,13 @@ class Holding:
         return sum(last - first + 1 for first, last in self.failed)
 
 
-async def when_it_holds(
+async def find_matches(
     run: Run,
     question: Question,
     ticks: int,
     robot: str = "",
     told: Callable[[int], object] = lambda _tick: None,
-) -> Holding:
+) -> Matches:
     """Ask a question at every tick of a run up to victory, or find what was asked before.
 
     Args:
@@ -118,7 +118,7 @@ async def when_it_holds(
             )
         except QueryError as error:
             return frame, str(error)
-        return frame, bool(rows_that_count(question, table, robot).rows)
+        return frame, bool(matching_rows(question, table, robot).rows)
 
     holds: list[tuple[int, int]] = []
     failed: list[tuple[int, int]] = []
@@ -131,7 +131,7 @@ async def when_it_holds(
         elif answer:
             _add(holds, last)
         told(last)
-    found = Holding(last, won_at, tuple(holds), tuple(failed), reason)
+    found = Matches(last, won_at, tuple(holds), tuple(failed), reason)
     if run.lasts and not failed:  # it might have failed for want of time only
         _keep(name, found)
     return found
@@ -150,7 +150,7 @@ def _folder() -> CacheFolder | None:
     return None if place is None else CacheFolder(place, SUFFIX, MAX_ENTRIES, MAX_BYTES)
 
 
-def _find(name: str) -> Holding | None:
+def _find(name: str) -> Matches | None:
     folder = _folder()
     content = None if folder is None else folder.read(name, _LARGEST)
     if folder is None or content is None:
@@ -159,7 +159,7 @@ def _find(name: str) -> Holding | None:
     try:
         if digest != _digest(name, body):
             raise ValueError("another answer, or not all of it")
-        found = record(Holding, json.loads(body))
+        found = record(Matches, json.loads(body))
         ends = [end for stretch in found.stretches for end in stretch]
         if ends != sorted(ends) or not all(0 < end <= found.ticks for end in ends):
             raise ValueError("no stretches of these ticks")
@@ -169,7 +169,7 @@ def _find(name: str) -> Holding | None:
     return found
 
 
-def _keep(name: str, found: Holding) -> None:
+def _keep(name: str, found: Matches) -> None:
     body = json.dumps(asdict(found)).encode()
     folder = _folder()
     if folder is not None and len(body) < _LARGEST:
