@@ -46,6 +46,7 @@ class Diagnosis:
         step: Every how many ticks all was looked at.
         second_step: Every how many ticks was looked for what seemed never to happen.
         left_out: How many places could not be watched.
+        is_reliable: Whether no clock ended a thought of the run.
     """
 
     findings: tuple[Finding, ...]
@@ -55,6 +56,7 @@ class Diagnosis:
     step: int
     second_step: int
     left_out: int
+    is_reliable: bool = True
 
 
 async def diagnose(
@@ -87,6 +89,8 @@ def extent(found: Diagnosis) -> str:
         said += f" Looked at every {found.second_step}. tick: what is rarer may be missed."
     if found.left_out:
         said += f" Of {found.left_out} places too much was to be asked: nothing is said of them."
+    if not found.is_reliable:
+        said += " A clock ended a thought: another run may go otherwise."
     return said
 
 
@@ -149,6 +153,7 @@ class _Diagnosing:
             step,
             second,
             checkup.left_out + len(tally.given_up),
+            self._game.history.is_reliable_up_to(observed.last),
         )
 
     async def _watch(

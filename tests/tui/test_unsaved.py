@@ -16,8 +16,8 @@ from textual.widgets import Button, Input
 
 from logical_robots_tui.game import load_program
 from logical_robots_tui.game.drafts import Drafts
-from logical_robots_tui.tui.commands.actions import Actions
 from logical_robots_tui.tui.commands.help import Help
+from logical_robots_tui.tui.labyrinth.view import LabyrinthView
 from logical_robots_tui.tui.layout.question import Question
 from logical_robots_tui.tui.level_editor.controller import EditingDoor
 from logical_robots_tui.tui.library.save_dialog import SaveAs
@@ -286,9 +286,9 @@ async def test_a_mistake_of_our_own_keeps_the_text_and_shows_no_traceback(
         async with opened(data_dir) as game:
             await game.press("2", *"hello")
             await game.until(lambda: game.editor.text.startswith("hello"))
-            monkeypatch.setattr(Actions, "rays", lambda self: 1 / 0)
+            monkeypatch.setattr(LabyrinthView, "look_at_next", lambda self: 1 / 0)
             game.main.action_command("labyrinth")
-            await game.press("y")
+            await game.press("f")
             await game.until(lambda: not game.app.is_running)
     assert isinstance(caught.value.__cause__, ZeroDivisionError)
     assert isinstance(game.app.mistake, ZeroDivisionError)

@@ -12,8 +12,7 @@ from logical_robots_tui.editing.delta import alike
 from logical_robots_tui.editing.native_text import write_native
 from logical_robots_tui.game import is_shipped
 from logical_robots_tui.game.drafts import Draft
-from logical_robots_tui.tui.commands.table import command, editing_commands
-from logical_robots_tui.tui.level_editor.actions import EditActions
+from logical_robots_tui.tui.commands.keymap import command, commands
 from logical_robots_tui.tui.level_editor.editor import LevelEditor
 from logical_robots_tui.tui.level_editor.lines import InfoLine, ToolLine
 from logical_robots_tui.tui.level_editor.live import Live
@@ -89,14 +88,12 @@ class EditMode:
         self._drafts = drafts
         self._path = base.source or key or f"new {base.name} {token_hex(4)}"
         self._is_unwanted = self._is_over = False
-        self.actions = EditActions(self)
         self.pointer = Pointer(self)
         self._tools = ToolLine(self.editor)
         self._info = InfoLine(self.editor)
         self._checked: Level | None = None
-        known = editing_commands().values()
         self._ids = dict.fromkeys(command("edit_level").keys, "stop_editing")
-        self._ids |= {key: entry.id for entry in known for key in entry.keys}
+        self._ids |= {key: entry.id for entry in commands("level") for key in entry.keys}
 
     @property
     def has_changes(self) -> bool:
@@ -122,7 +119,7 @@ class EditMode:
         pane.note("editing")
         if not self._tools.is_attached:
             grid = min(coarsest_cell(self.editor.level.walls), _COARSEST)
-            self.actions.settle(grid=grid)
+            self.editor.configure(grid=grid)
             pane.mount(self._tools, self._info)
             self._bring_back()
         self._tools.display = self._info.display = True
@@ -154,12 +151,28 @@ class EditMode:
             if line.is_attached:
                 line.remove()
 
+    def test(self) -> None:
+        """Play the level from its start, for a moment."""
+        self.leave()
+        self.is_testing = True
+        self.screen.labyrinth.note(f"test: {command('test').key_name} ends it")
+        self._restart()
+        self.screen.session.run()
+
+    def _end_test(self) -> None:
+        self._restart()
+        self.enter()
+
+    def _restart(self) -> None:
+        self.screen.session.restart()
+        self.screen.celebration.forget()
+
     # -- keys ----------------------------------------------------------------------------------
 
     def obeys(self, key: str) -> bool:
         """Do what a key means while a level is edited; whether it means anything."""
         if self.is_testing and self._ids.get(key) in _BACK_FROM_TEST:
-            self.actions.end_test()
+            self._end_test()
             return True
         if not self.is_on or not self.screen.labyrinth.has_focus:
             return False
@@ -174,7 +187,7 @@ class EditMode:
     def do(self, command_id: str) -> None:
         """Do a command."""
         if self.is_on:
-            getattr(self.actions, command_id)()
+            command(command_id).run(self, self.screen.spawn)
             self.redraw()
 
     # -- what becomes of it --------------------------------------------------------------------
