@@ -284,12 +284,12 @@ FILLS_CACHES = """if True:
     import os, sys
     from pathlib import Path
     from logical_robots_tui.confinement import MOST_BYTES, MOST_FILES, check_quota, confine
-    from logical_robots_tui.game import holding, recording
+    from logical_robots_tui.game import matches, recording
     from logical_robots_tui.mind import cache
 
     own = Path(sys.argv[1])
     confine(own)
-    folders = recording._folder(), cache._entries(), holding._folder()
+    folders = recording._folder(), cache._entries(), matches._folder()
     for folder, count in zip(folders, (20, 400, 400)):
         for number in range(count):
             folder.keep(f"e{number}", [bytes(folder.most_bytes // count * 2)])

@@ -203,7 +203,7 @@ class LogicalRobotsApp(SparingApp, inherit_bindings=False):
 
     def last_words(self) -> None:
         """Write what was typed to its draft, and where the game stands."""
-        self.main.keeper.flush()
+        self.main.autosave.flush()
         self.main.editing.flush()
         self.main.bookmark.flush()
 

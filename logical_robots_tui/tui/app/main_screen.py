@@ -10,6 +10,7 @@ from textual.binding import BindingsMap
 from textual.screen import Screen
 from textual.widgets import Input, Static, TextArea
 
+from logical_robots_tui.game.drafts import Drafts
 from logical_robots_tui.garbage import collect_seldom
 from logical_robots_tui.tui.app.background import in_background
 from logical_robots_tui.tui.app.permissions import Freedoms
@@ -36,9 +37,9 @@ from logical_robots_tui.tui.program.controller import Scribe
 from logical_robots_tui.tui.program.editor import Editor
 from logical_robots_tui.tui.program.file_watch import FileWatch
 from logical_robots_tui.tui.program.pane import ProgramPane
+from logical_robots_tui.tui.recovery.autosave import Autosave, program_draft
 from logical_robots_tui.tui.recovery.bookmark import Bookmark
 from logical_robots_tui.tui.recovery.offers import Offers
-from logical_robots_tui.tui.recovery.program_drafts import Keeper
 from logical_robots_tui.tui.theme.safe_text import one_line
 from logical_robots_tui.tui.timeline.controller import Travel
 from logical_robots_tui.tui.timeline.search import Search
@@ -105,15 +106,17 @@ class MainScreen(Screen[None]):
             used=journal.used,
             stopped=lambda hits: self.travel.tell_hits(hits),
         )
-        self.keeper = Keeper(
-            data_dir / "drafts",
-            text=lambda: self.program.text,
-            source=lambda: self.session.source,
+        self.drafts = Drafts(data_dir / "drafts")
+        self.autosave = Autosave(
+            self.drafts,
+            state=lambda: (self.session.source, self.program.text),
+            draft=program_draft,
             failed=self.warn,
+            what="What you type",
         )
         self.library = Library(self, data_dir / "programs")
-        self.editing = EditingDoor(self, data_dir)
-        self.bookmark = Bookmark(self, data_dir / "places")
+        self.editing = EditingDoor(self, data_dir / "levels", self.drafts)
+        self.bookmark = Bookmark(self, self.drafts)
         self.offers = Offers(self)
         self.guide = Guide(self)
         self.scribe = Scribe(self, data_dir / "copied.txt")
@@ -174,9 +177,9 @@ class MainScreen(Screen[None]):
 
     async def on_unmount(self) -> None:
         """Bring the text to safety and stop all work."""
-        self.keeper.close()
+        self.autosave.stop()
         self.editing.close()
-        self.bookmark.close()
+        self.drafts.close()
         await self.session.close()
         await self.journal.close()
 
@@ -317,7 +320,7 @@ class MainScreen(Screen[None]):
 
     @on(TextArea.Changed)
     def _text_changed(self) -> None:
-        self.keeper.edited()
+        self.autosave.edited()
         self.redrawing.soon()
 
     @on(Editor.Leave)
