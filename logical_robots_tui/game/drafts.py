@@ -1,4 +1,4 @@
-"""Drafts: text that was typed and not saved, kept so that nothing can lose it."""
+"""Drafts: unsaved text, kept on disk so that it survives crashes."""
 
 from __future__ import annotations
 
@@ -22,14 +22,14 @@ if TYPE_CHECKING:
 __all__ = ["OLD_DRAFTS_KEPT", "Draft", "Drafts", "fingerprint"]
 
 OLD_DRAFTS_KEPT = 50
-"""How many drafts that nobody wanted stay in the folder ``old``."""
+"""How many discarded drafts are kept in the folder ``old``."""
 
 _serials = itertools.count()
 _held_locks: set[int] = set()
 
 
 def fingerprint(text: str) -> str:
-    """A short name for a text: the same text, the same name."""
+    """Return a short digest of a text."""
     return hashlib.sha256(text.encode("utf-8", "surrogatepass")).hexdigest()[:16]
 
 
@@ -39,11 +39,11 @@ class Draft:
 
     Attributes:
         program: Name of the program, to show.
-        path: Path of the program's file; drafts of one path follow each other.
-        text: What was typed.
+        path: Path of the program's file; a newer draft of the same path replaces the older one.
+        text: The unsaved text.
         base: Fingerprint of the program's text as it was read from the file.
         saved: When the draft was made, with time zone, to show.
-        turn: Counts on from draft to draft, whatever the clock says; 0 where nothing counted.
+        turn: A counter that orders drafts regardless of the clock; 0 if unknown.
     """
 
     program: str
@@ -56,15 +56,15 @@ class Draft:
 
 
 class Drafts:
-    """The drafts of one session, each in its own file, under a lock held while the session lives.
+    """The drafts of one session, each in its own file, locked while the session lives.
 
-    What a session that is over left behind is adopted by the next one and stays apart from what
-    that one keeps itself, until somebody takes it or puts it away. A session still alive keeps its
-    own. What a disk does not let be moved or removed stays where it is, and is offered again the
-    next time. All methods may be called from any thread and from a signal handler.
+    The next session adopts the drafts of a session that has ended, and keeps them apart from its
+    own until they are taken or put away. Drafts of a live session are left alone. Drafts that the
+    disk does not allow to be moved or removed stay in place and are offered again next time. All
+    methods may be called from any thread and from a signal handler.
 
     Args:
-        folder: Where the drafts of all sessions are; it is made when needed.
+        folder: The folder of the drafts of all sessions; created when needed.
     """
 
     def __init__(self, folder: Path) -> None:
@@ -79,7 +79,7 @@ class Drafts:
         self._unwritten: set[str] = set()
 
     def keep(self, draft: Draft) -> None:
-        """Write a draft in the place of the one before it; one made earlier changes nothing.
+        """Write a draft, replacing an older one; a draft older than the stored one is ignored.
 
         Raises:
             OSError: It can't be written.
@@ -99,7 +99,7 @@ class Drafts:
             self._unwritten.discard(draft.path)
 
     def unwritten(self) -> list[tuple[Draft, OSError]]:
-        """What can't be written, now either, each with the reason; it ends with the session."""
+        """Return the drafts that still can't be written, with reasons; they are lost at exit."""
         found = []
         with self._guard:
             for draft in [self._mine[path] for path in sorted(self._unwritten)]:
@@ -110,13 +110,13 @@ class Drafts:
         return found
 
     def get(self, path: str) -> Draft | None:
-        """The draft of a program that this session kept, or None."""
+        """Return this session's draft of a program, or None."""
         return self._mine.get(path)
 
     def take(self, path: str) -> Draft | None:
-        """Make the adopted draft of a program one's own; None if there is none.
+        """Turn the adopted draft of a program into an own one; return None if there is none.
 
-        One's own draft of the same program goes into the folder ``old``.
+        An own draft of the same program is moved to the folder ``old``.
         """
         with self._guard:
             draft = self._adopted.pop(path, None)
@@ -131,7 +131,7 @@ class Drafts:
             return draft
 
     def drop(self, path: str) -> None:
-        """Forget the draft of a program, because its text is saved or is the file's again."""
+        """Delete the draft of a program whose text was saved or equals the file again."""
         with self._guard:
             self._dropped[path] = next(_serials)
             self._unwritten.discard(path)
@@ -140,17 +140,17 @@ class Drafts:
                     self._file(path).unlink(missing_ok=True)
 
     def put_away(self, path: str) -> None:
-        """Move the adopted draft of a program into the folder ``old``; it is not wanted now."""
+        """Move the adopted draft of a program to the folder ``old``."""
         with self._guard:
             if self._adopted.pop(path, None) is not None:
                 with suppress(OSError):
                     self._retire(self._adopted_file(path))
 
     def adopt(self) -> list[Draft]:
-        """Take over what sessions that are over left behind.
+        """Take over the drafts of sessions that have ended.
 
         Returns:
-            All adopted drafts, newest first; one for each path.
+            All adopted drafts, newest first, one per path.
 
         Raises:
             OSError: The folder can't be used.
@@ -165,7 +165,7 @@ class Drafts:
             return sorted(self._adopted.values(), key=_newness, reverse=True)
 
     def close(self) -> None:
-        """End the session; its drafts stay for the next one."""
+        """End the session; its drafts remain for the next one."""
         with self._guard:
             if self._lock is None:
                 return
@@ -229,7 +229,7 @@ class Drafts:
                 _release(lock)
 
     def _clear(self, session: str) -> None:
-        """Remove what a session that is over leaves besides drafts: its lock, half a write."""
+        """Remove the lock and unfinished writes of a session that has ended."""
         for file in (self._lock_file(session), *self.folder.glob(f".{session}-*")):
             file.unlink(missing_ok=True)
 
@@ -258,7 +258,7 @@ def _as_json(draft: Draft) -> str:
 
 
 def _from_json(file: Path) -> Draft | None:
-    """Read a draft; None if the file is not one."""
+    """Read a draft; return None if the file is not one."""
     try:
         data: dict[str, Any] = json.loads(file.read_text("utf-8"))
         saved = datetime.fromisoformat(data["saved"])
@@ -272,11 +272,11 @@ def _from_json(file: Path) -> Draft | None:
 
 
 def _acquire(file: Path) -> int | None:
-    """Lock a file; None if somebody else, or a file system without locks, does not let us."""
+    """Lock a file; return None if it is locked already or the file system has no locks."""
     handle = os.open(file, os.O_RDWR | os.O_CREAT | os.O_CLOEXEC, 0o600)
     try:
         fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
-        if os.fstat(handle).st_ino != file.stat().st_ino:  # removed while we waited for it
+        if os.fstat(handle).st_ino != file.stat().st_ino:  # removed while waiting for the lock
             raise BlockingIOError
     except OSError:
         os.close(handle)
@@ -295,5 +295,5 @@ def _release_all() -> None:
         _release(handle)
 
 
-# A forked child would keep the locks of its parent alive beyond the parent's end.
+# A forked child would hold the locks after its parent has ended.
 os.register_at_fork(after_in_child=_release_all)
