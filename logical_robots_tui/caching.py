@@ -11,9 +11,10 @@ import hashlib
 import os
 import tempfile
 from dataclasses import dataclass
-from importlib import metadata
 from pathlib import Path
 from typing import TYPE_CHECKING
+
+from logical_robots_tui.confinement import is_confined
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -24,6 +25,7 @@ FOLDER_VARIABLE = "LOGICAL_ROBOTS_CACHE_DIR"
 """Environment variable that names another folder; if empty, there is no cache on disk."""
 
 _UNFINISHED = ".unfinished"
+_CONFINED_SHARE = 8  # on a shared machine, where caches count as files of the player
 
 
 def cache_place(name: str, *, named: str = "") -> Path | None:
@@ -110,10 +112,12 @@ class CacheFolder:
                         about = entry.stat(follow_symlinks=False)
                         found.append((about.st_mtime, about.st_size, entry.path))
         found.sort(reverse=True)
+        share = _CONFINED_SHARE if is_confined() else 1
+        most_entries, most_bytes = self.most_entries // share, self.most_bytes // share
         total = 0
         for number, (_, size, path) in enumerate(found, 1):
             total += size
-            if number > self.most_entries or total > self.most_bytes:
+            if number > most_entries or total > most_bytes:
                 with contextlib.suppress(OSError):
                     Path(path).unlink()
 
@@ -125,6 +129,8 @@ def digest_of_code(folders: Iterable[Path], packages: Iterable[str]) -> bytes:
         folders: All Python files in them are included.
         packages: Their versions are included, if they are installed.
     """
+    from importlib import metadata  # slow to load, and most processes don't need it
+
     digest = hashlib.sha256()
     for package in packages:
         with contextlib.suppress(metadata.PackageNotFoundError):

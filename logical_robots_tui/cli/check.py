@@ -49,7 +49,7 @@ def declare(commands: Commands) -> None:
 
 def start(options: argparse.Namespace) -> int:
     """Compile each program and print its diagnostics."""
-    from logical_robots_tui.cli.folders import own_programs
+    from logical_robots_tui.cli.command import own_programs
     from logical_robots_tui.game import load_program
 
     told = []

@@ -9,8 +9,7 @@ import sys
 from importlib import import_module
 from typing import TYPE_CHECKING
 
-from logical_robots_tui.cli.command import add_data_dir, new_command
-from logical_robots_tui.cli.folders import folder_of
+from logical_robots_tui.cli.command import add_data_dir, folder_of, new_command
 from logical_robots_tui.errors import InputError
 from logical_robots_tui.garbage import collect_later
 from logical_robots_tui.paths import is_folder
@@ -86,10 +85,10 @@ def start(options: argparse.Namespace) -> int:
     options.data_dir = folder_of(options.data_dir, options.player)
     if options.plain:
         if options.restricted:
-            _fence_in(options, "logical_robots_tui.cli.plain")
+            _restrict(options, "logical_robots_tui.cli.plain")
         return _play_in_lines(options)
     if options.restricted:
-        _fence_in(options, "logical_robots_tui.tui.app.play")
+        _restrict(options, "logical_robots_tui.tui.app.play")
     return _play_on_screen(options)
 
 
@@ -107,13 +106,13 @@ def _refuse_everybodys(folder: Path) -> None:
         )
 
 
-def _fence_in(options: argparse.Namespace, game: str) -> None:
-    """Load what the game consists of, then raise the fence: within it no library can be loaded."""
-    from logical_robots_tui.cli.fence import fence_in
+def _restrict(options: argparse.Namespace, game: str) -> None:
+    """Load what the game consists of, then restrict this process: after that no library can be."""
+    from logical_robots_tui.cli.restricted import restrict
 
     import_module(game)
     options.data_dir = options.data_dir.absolute()
-    fence_in(options.data_dir)
+    restrict(options.data_dir)
 
 
 def _prepare_screen() -> None:

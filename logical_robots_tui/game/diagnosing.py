@@ -7,7 +7,7 @@ from functools import partial
 from typing import TYPE_CHECKING
 
 from logical_robots_tui.game.findings import findings_of
-from logical_robots_tui.game.game import Superseded
+from logical_robots_tui.game.frame import Superseded
 from logical_robots_tui.game.observations import observe
 from logical_robots_tui.game.thinker import Thinker
 from logical_robots_tui.mind import Limits

@@ -5,6 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
+from logical_robots_tui.errors import LogicalRobotsError
+
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
@@ -12,7 +14,7 @@ if TYPE_CHECKING:
     from logical_robots_tui.values import SensorRow, Value
     from logical_robots_tui.world.state import WorldState
 
-__all__ = ["Frame"]
+__all__ = ["Frame", "NoSuchTickError", "Superseded"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -48,3 +50,13 @@ class Frame:
     def is_reliable(self) -> bool:
         """Whether the tick is the same on any machine: the clock cut off no thought."""
         return all(decision.is_reliable for decision in self.decisions)
+
+
+class NoSuchTickError(LogicalRobotsError):
+    """A tick was asked for that history does not hold."""
+
+    title = "No such tick"
+
+
+class Superseded(Exception):  # noqa: N818 - not an error: the player did something else meanwhile
+    """The work belonged to a run that is over; its result was dropped."""

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 from logical_robots_tui.game.advancing import advance
 from logical_robots_tui.game.breakpoints import Breakpoint, Breakpoints, mistake_in
+from logical_robots_tui.game.frame import Superseded
 from logical_robots_tui.game.history import DEFAULT_LENGTH, History
 from logical_robots_tui.game.intervention import changed_frame
 from logical_robots_tui.game.pace import Pace
@@ -30,15 +31,11 @@ if TYPE_CHECKING:
     from logical_robots_tui.world import Level
     from logical_robots_tui.world.changing import Pose
 
-__all__ = ["Answer", "Game", "Superseded"]
+__all__ = ["Answer", "Game"]
 
 _KNOWN_TOGETHER = 16  # ticks taken from history at once
 _SECONDS_SHOWN = 0.008  # of computing at once when each tick is to be shown soon
 _SECONDS_AWAY = 0.03  # when only the end matters: switching threads costs half a tick
-
-
-class Superseded(Exception):  # noqa: N818 - not an error: the player did something else
-    """The work belonged to a run that has ended; its result was dropped."""
 
 
 @dataclass(frozen=True, slots=True)

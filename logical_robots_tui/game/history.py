@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from logical_robots_tui.errors import LogicalRobotsError
 from logical_robots_tui.game.advancing import Known
 from logical_robots_tui.game.course import Course
 from logical_robots_tui.game.divergence import find_divergence
+from logical_robots_tui.game.frame import NoSuchTickError
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -20,16 +20,10 @@ if TYPE_CHECKING:
     from logical_robots_tui.mind import Program
     from logical_robots_tui.world import Level
 
-__all__ = ["DEFAULT_LENGTH", "History", "NoSuchTickError"]
+__all__ = ["DEFAULT_LENGTH", "History"]
 
 DEFAULT_LENGTH = 20_000
 _MOST_BYTES = 100_000_000
-
-
-class NoSuchTickError(LogicalRobotsError):
-    """History does not hold the requested tick."""
-
-    title = "No such tick"
 
 
 class History:

@@ -7,7 +7,7 @@ import contextlib
 from functools import partial
 from typing import TYPE_CHECKING, TypeVar
 
-from logical_robots_tui.game.game import Superseded
+from logical_robots_tui.game.frame import Superseded
 from logical_robots_tui.game.matches import matching_rows
 from logical_robots_tui.game.pins import read
 from logical_robots_tui.game.thinker import Thinker

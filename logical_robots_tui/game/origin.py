@@ -12,8 +12,7 @@ from functools import partial
 from typing import TYPE_CHECKING, TypeAlias
 
 from logical_robots_tui.game.advancing import known_frame
-from logical_robots_tui.game.game import Superseded
-from logical_robots_tui.game.history import NoSuchTickError
+from logical_robots_tui.game.frame import NoSuchTickError, Superseded
 from logical_robots_tui.game.thinker import Thinker
 from logical_robots_tui.game.worlds import Worlds
 from logical_robots_tui.mind import QueryError

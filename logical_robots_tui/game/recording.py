@@ -27,10 +27,20 @@ if TYPE_CHECKING:
 
     from logical_robots_tui.world import Level
 
-__all__ = ["MAX_BYTES", "MAX_ENTRIES", "MAX_FOLDER_BYTES", "DamagedError", "Recording"]
+__all__ = [
+    "MAX_BYTES",
+    "MAX_ENTRIES",
+    "MAX_FOLDER_BYTES",
+    "MAX_HELD_BYTES",
+    "DamagedError",
+    "Recording",
+]
 
 MAX_BYTES = 64_000_000
 """The largest file; of a longer run only the first ticks are kept."""
+
+MAX_HELD_BYTES = 192_000_000
+"""The most packed bytes in memory: the first ticks that fit into a file, and the latest ones."""
 
 MAX_ENTRIES = 200
 MAX_FOLDER_BYTES = 256_000_000
@@ -49,7 +59,9 @@ class DamagedError(ValueError):
 
 
 class Recording:
-    """The state after each tick of a run, from tick 0 on without gaps.
+    """The state after each tick of a run, from tick 0 on.
+
+    If that takes more than `MAX_HELD_BYTES`, there is a gap of ticks that must be recomputed.
 
     Args:
         key: Digest of everything on which the run depends; used as the file name.
@@ -77,6 +89,16 @@ class Recording:
         """Whether every tick is reproducible: no thought was cut off by the clock."""
         return self._lasting >= self.last
 
+    def is_in_gap(self, tick: int) -> bool:
+        """Return whether the state after a tick was stored, but has been dropped."""
+        return tick < self._packed and tick not in self._piece(tick).ticks
+
+    def return_to_gap(self) -> None:
+        """Drop everything after the gap, so that it can be filled."""
+        before = list(_without_gap(self._pieces))
+        if len(before) < len(self._pieces):
+            self._pieces, self._loose = before, []
+
     def moment(self, tick: int) -> Moment:
         """Return the state after a stored tick.
 
@@ -85,7 +107,7 @@ class Recording:
         """
         if tick >= self._packed:
             return self._loose[tick - self._packed]
-        piece = self._pieces[bisect_right(self._pieces, tick, key=_first_of) - 1]
+        piece = self._piece(tick)
         return self._checked(_moment_of(piece, tick - piece.first), tick)
 
     def add(self, moment: Moment) -> None:
@@ -101,6 +123,7 @@ class Recording:
         if len(self._loose) >= _TOGETHER or sum(each.weight for each in self._loose) > _HEAVY:
             self._pieces += _pieces_of(self._loose)
             self._loose = []
+            self._drop_some()
 
     def forget(self) -> None:
         """Discard everything after the start, also on disk."""
@@ -133,19 +156,32 @@ class Recording:
 
     @property
     def _packed(self) -> int:
-        """The number of packed moments."""
-        return self._pieces[-1].first + self._pieces[-1].count if self._pieces else 0
+        """The tick after the packed ones."""
+        return self._pieces[-1].ticks.stop if self._pieces else 0
+
+    def _piece(self, tick: int) -> _Piece:
+        """Return the piece that contains a packed tick, unless the tick is in the gap."""
+        return self._pieces[bisect_right(self._pieces, tick, key=_first_of) - 1]
+
+    def _drop_some(self) -> None:
+        """Drop the oldest pieces that don't fit into a file, until the memory limit is met."""
+        total = sum(len(piece.content) for piece in self._pieces)
+        at = len(_that_fit(_without_gap(self._pieces))) or 1
+        while total > MAX_HELD_BYTES and at < len(self._pieces) - 1:
+            total -= len(self._pieces.pop(at).content)
 
     def _up_to(self, last: float) -> Iterator[_Piece]:
-        """Yield the pieces up to a tick."""
-        for piece in self._pieces:
-            if piece.first + piece.count - 1 > last:
+        """Yield the pieces up to a tick, or up to the gap."""
+        before = list(_without_gap(self._pieces))
+        for piece in before:
+            if piece.ticks[-1] > last:
                 few = range(piece.first, int(last) + 1)
                 yield from _pieces_of([self.moment(tick) for tick in few])
                 return
             yield piece
-        few = range(self._packed, int(last) + 1)
-        yield from _pieces_of([self.moment(tick) for tick in few])
+        if len(before) == len(self._pieces):
+            few = range(self._packed, int(last) + 1)
+            yield from _pieces_of([self.moment(tick) for tick in few])
 
     def _read(self) -> None:
         """Load the file, if it is a recording of this run."""
@@ -212,8 +248,23 @@ class _Piece:
     own: bool = True
     fits: bool = True
 
+    @property
+    def ticks(self) -> range:
+        """Of its moments."""
+        return range(self.first, self.first + self.count)
+
 
 _first_of = attrgetter("first")
+
+
+def _without_gap(pieces: Sequence[_Piece]) -> Iterator[_Piece]:
+    """Yield the pieces before the gap."""
+    last = 0
+    for piece in pieces:
+        if piece.first != last:
+            return
+        last = piece.ticks.stop
+        yield piece
 
 
 def _pieces_of(moments: Sequence[Moment]) -> Iterator[_Piece]:

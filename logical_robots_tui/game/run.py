@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import json
+import math
 import platform
 import sqlite3
 from dataclasses import asdict
@@ -104,7 +105,7 @@ class Run:
             await self._reach(last, lambda _tick: None)
             try:
                 return await self._thinker.do(
-                    lambda _stop: [self._recording.moment(tick) for tick in range(first, last + 1)]
+                    lambda stop: [self._moment(tick, stop) for tick in range(first, last + 1)]
                 )
             except DamagedError:
                 self._forget()
@@ -176,14 +177,24 @@ class Run:
     def _reached(self, tick: int, stop: threading.Event, *, until: float) -> Frame | None:
         """Return the frame of a tick, or None if it can't be computed in time."""
         try:
-            while self._recording.last < tick:
-                self._go_on(stop)
-                if perf_counter() > until:
-                    break
+            if self._recording.is_in_gap(max(tick - 1, 0)):
+                self._recording.return_to_gap()
+            self._go_on_to(tick, stop, until)
             return self._known(tick) if tick <= self._recording.last else None
         except DamagedError:
             self._forget()
             return None
+
+    def _moment(self, tick: int, stop: threading.Event) -> Moment:
+        self._go_on_to(tick, stop, math.inf)
+        return self._recording.moment(tick)
+
+    def _go_on_to(self, tick: int, stop: threading.Event, until: float) -> None:
+        """Compute the ticks up to one, if there is time for all of them until then."""
+        if self._recording.is_in_gap(tick):
+            self._recording.return_to_gap()
+        while self._recording.last < tick and perf_counter() < until:
+            self._go_on(stop)
 
     def _forget(self) -> None:
         """Start over, because the file is not a recording of this run."""

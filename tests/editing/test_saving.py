@@ -67,7 +67,7 @@ def test_what_could_not_be_loaded_is_not_saved(
 
 
 def test_our_own_levels_are_not_overwritten() -> None:
-    with pytest.raises(LevelError, match="can.t be changed"):
+    with pytest.raises(LevelError, match="can't be changed"):
         save_level(room(), SHIPPED[0])
 
 

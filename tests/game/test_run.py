@@ -327,6 +327,26 @@ async def test_of_a_run_that_is_too_long_the_first_ticks_are_kept(
     assert await frames(level, 500) == expected
 
 
+async def test_what_is_held_in_memory_is_bounded_and_what_is_dropped_computed_anew(
+    level: Level, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    expected = await frames(level, 500)
+    monkeypatch.setattr(recording, "MAX_BYTES", 4_000)
+    monkeypatch.setattr(recording, "MAX_HELD_BYTES", 8_000)
+    run = Run(level, Program.compile(COUNTER))
+    assert [frame async for frame in run.each(0, 500, lambda frame, *_: frame)] == expected
+    held = run._recording
+    assert sum(len(piece.content) for piece in held._pieces) <= 8_000
+    in_gap = [tick for tick in range(500) if held.is_in_gap(tick)]
+    assert in_gap[0] > 31
+    assert in_gap == list(range(in_gap[0], in_gap[-1] + 1))
+    for tick in (in_gap[0], 500, in_gap[-1], in_gap[-1] + 1, 5, 499):
+        assert await run.frame(tick) == expected[tick]
+    assert [m.after for m in await run.moments(0, 500)] == [f.after for f in expected]
+    await run.close()
+    assert await known(level) == in_gap[0] - 1
+
+
 async def test_a_recording_that_is_too_large_is_dropped(
     level: Level, folder: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -40,6 +40,8 @@ __all__ = ["LogicalRobotsApp"]
 
 _TWICE = 2.0  # seconds between two presses that are meant as one wish
 
+_INPUT = (events.InputEvent, events.Paste)
+
 
 class LogicalRobotsApp(SparingApp, inherit_bindings=False):
     """The game in a terminal.
@@ -129,6 +131,8 @@ class LogicalRobotsApp(SparingApp, inherit_bindings=False):
         if isinstance(event, events.Resize) and self._is_cut(event.size):
             columns, lines = LARGEST
             self.main.warn(f"Only {columns} columns and {lines} lines of this terminal are drawn.")
+        if isinstance(event, _INPUT) and not self.screen_stack:
+            return  # the game is about to end
         if isinstance(event, events.MouseDown | events.MouseMove) and self._is_gone(event):
             return
         if isinstance(event, events.Key | events.Paste) and not event.is_forwarded:
@@ -168,8 +172,6 @@ class LogicalRobotsApp(SparingApp, inherit_bindings=False):
 
         Textual would look for what that is a part of, to begin or go on with a selection there.
         """
-        if not self.screen_stack:
-            return True
         try:
             widget, _ = self.screen.get_widget_at(event.x, event.y)
         except NoWidget:

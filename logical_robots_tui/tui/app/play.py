@@ -68,6 +68,10 @@ def play(
     put_back = end_on_hangup(app.last_words, app.leave_soon)
     try:
         app.run(mouse=may_use_mouse(os.environ))
+    except Exception:
+        if app.mistake is None:
+            app.last_words()
+            raise
     finally:
         put_back()
     if app.mistake is not None:

@@ -10,7 +10,6 @@ from typing import TYPE_CHECKING, Any
 from logical_robots_tui.game import (
     Breakpoints,
     Frame,
-    Game,
     Pace,
     Superseded,
     compile_program,
@@ -23,7 +22,7 @@ from logical_robots_tui.tui.program.state import ProgramState
 if TYPE_CHECKING:
     from collections.abc import Callable, Coroutine, Mapping
 
-    from logical_robots_tui.game import Breakpoint, Hit, Place, Source
+    from logical_robots_tui.game import Breakpoint, Game, Hit, Place, Source
     from logical_robots_tui.game.history import History
     from logical_robots_tui.mind import Predicate, Program, Table
     from logical_robots_tui.tui.app.background import Spawn, Work
@@ -308,6 +307,8 @@ class Session:
             self._changed()
 
     def _use(self, program: Program) -> None:
+        from logical_robots_tui.game import Game  # takes time that the first picture needs
+
         self._think_with(program)
         self._used(program)
         if self.game is None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from time import monotonic
 from typing import TYPE_CHECKING, Literal
 
-from logical_robots_tui.game import Superseded, search_ticks
+from logical_robots_tui.game import Superseded
 from logical_robots_tui.mind import ProgramError
 from logical_robots_tui.tui.commands.table import with_keys
 from logical_robots_tui.tui.theme.safe_text import one_line
@@ -66,6 +66,8 @@ class Search:
             if about != self._about(session.game):
                 raise Superseded  # the player went on to something else
             patience.told(tick)
+
+        from logical_robots_tui.game import search_ticks
 
         try:
             sought = await search_ticks(game, self._question, way, told)

@@ -5,15 +5,8 @@ from __future__ import annotations
 import asyncio
 from typing import TYPE_CHECKING, Any
 
-from logical_robots_tui.cli.command import (
-    add_json,
-    add_level_and_program,
-    new_command,
-    number_from,
-    opened,
-    prefers_json,
-)
-from logical_robots_tui.cli.moment import check_name
+from logical_robots_tui.cli.command import prefers_json
+from logical_robots_tui.cli.runs.common import new_run_command, opened, run_shown
 from logical_robots_tui.cli.text import columns, harmless, line_of_json
 
 if TYPE_CHECKING:
@@ -46,28 +39,19 @@ exit status: 0 it holds in some tick, 1 in none, 2 bad level, program or questio
 
 def declare(commands: Commands) -> None:
     """Add the command to the list."""
-    command = new_command(
+    command = new_run_command(
         commands,
         "when",
         start=start,
-        wants_json=prefers_json,
         summary="say in which ticks of a run something holds",
         description="Ask a question in Logica at every tick of a run, and tell in which it holds.",
         epilog=EPILOG,
+        ticks=(DEFAULT_TICKS, "end after this many ticks"),
+        robot="only what holds in this robot's mind",
     )
-    add_level_and_program(command)
     command.add_argument(
         "question", metavar="QUESTION", help="a call, an expression, conditions, or whole rules"
     )
-    command.add_argument(
-        "--ticks",
-        type=number_from(1),
-        default=DEFAULT_TICKS,
-        metavar="N",
-        help="end after this many ticks (default: %(default)s)",
-    )
-    command.add_argument("--robot", metavar="R", help="only what holds in this robot's mind")
-    add_json(command)
 
 
 def start(options: argparse.Namespace) -> int:
@@ -76,8 +60,6 @@ def start(options: argparse.Namespace) -> int:
     from logical_robots_tui.mind import ProgramError, QueryError
 
     level, program = opened(options)
-    if options.robot is not None:
-        check_name("robot", options.robot, (robot.name for robot in level.robots))
     try:
         question = program.question(options.question)
     except ProgramError as error:
@@ -96,15 +78,10 @@ async def _search(
     level: Level, program: Program, question: Question, options: argparse.Namespace
 ) -> Matches:
     """Ask at every tick up to victory or the last one."""
-    from logical_robots_tui.cli.patience import Patience
-    from logical_robots_tui.game import Run, find_matches
+    from logical_robots_tui.game import find_matches
 
-    run = Run(level, program)
-    with Patience(level.title, options.ticks) as show:
-        try:
-            return await find_matches(run, question, options.ticks, options.robot or "", show)
-        finally:
-            await run.close()
+    async with run_shown(level, program, options.ticks) as (run, show):
+        return await find_matches(run, question, options.ticks, options.robot or "", show)
 
 
 def _lines(question: str, found: Matches) -> list[str]:

@@ -1,9 +1,10 @@
 """Restricted mode: what this process may still do on a shared or public machine.
 
-The fence is an audit hook of Python: once up, nothing in this process can take it down. It refuses
-files outside of the player's folder (whatever way they are named and through whatever symbolic
-link), other programs than the game's own helpers, and connections. Only the installed Python and
-the game itself can be read besides, because they are loaded bit by bit while the game runs.
+It is enforced by an audit hook of Python: once set, nothing in this process can remove it. It
+refuses files outside of the player's folder (whatever way they are named and through whatever
+symbolic link), other programs than the game's own helpers, and connections. Only the installed
+Python and the game itself can be read besides, because they are loaded bit by bit while the game
+runs.
 """
 
 from __future__ import annotations
@@ -22,7 +23,7 @@ from logical_robots_tui.confinement import WHY, confine
 from logical_robots_tui.errors import InputError
 from logical_robots_tui.shipped import shipped_folder
 
-__all__ = ["LIMITS", "MOST_GAMES", "fence_in"]
+__all__ = ["LIMITS", "MOST_GAMES", "restrict"]
 
 MOST_GAMES = 4
 """Games that one player may have open at the same time, each of at most three processes."""
@@ -64,7 +65,7 @@ _REFUSED = frozenset(
 _HELPERS = ("logical_robots_tui.game.measuring", "logical_robots_tui.mind.compiling.worker")
 
 
-def fence_in(own: Path) -> None:
+def restrict(own: Path) -> None:
     """Keep this process and its children within a folder and within `LIMITS`, for good.
 
     Everything that is looked for at home is looked for in the folder from now on.
@@ -93,7 +94,7 @@ def fence_in(own: Path) -> None:
     for name, bound in LIMITS.items():
         _limit(getattr(resource, name), bound, grace=_GRACE if name == "RLIMIT_CPU" else 0)
     confine(own, shipped_folder("levels"), shipped_folder("programs"))
-    sys.addaudithook(_Fence(own))
+    sys.addaudithook(_AuditHook(own))
 
 
 def _hold_place(own: Path) -> None:
@@ -123,7 +124,7 @@ def _limit(which: int, bound: int, grace: int) -> None:
     resource.setrlimit(which, (min(bound, last), last))
 
 
-class _Fence:
+class _AuditHook:
     """Refuses, by raising PermissionError, what Python announces before it does it."""
 
     def __init__(self, own: Path) -> None:

@@ -5,13 +5,7 @@ from __future__ import annotations
 import asyncio
 from typing import TYPE_CHECKING, Any, TypeAlias
 
-from logical_robots_tui.cli.command import (
-    add_level_and_program,
-    new_command,
-    number_from,
-    opened,
-)
-from logical_robots_tui.cli.moment import check_name
+from logical_robots_tui.cli.runs.common import check_name, new_run_command, opened
 from logical_robots_tui.cli.text import line_of_json
 
 if TYPE_CHECKING:
@@ -48,21 +42,16 @@ exit status: 0 won, 1 not won within the ticks, 2 bad level or program
 
 def declare(commands: Commands) -> None:
     """Add the command to the list."""
-    command = new_command(
+    command = new_run_command(
         commands,
         "trace",
         start=start,
         summary="tell every tick of a run as JSON, one line each",
         description="Tell every tick of a run, up to victory, as one line of JSON each.",
         epilog=EPILOG,
-        wants_json=lambda _options: True,
-    )
-    command.add_argument(
-        "--ticks",
-        type=number_from(1),
-        default=DEFAULT_TICKS,
-        metavar="N",
-        help="end after this many ticks (default: %(default)s)",
+        ticks=(DEFAULT_TICKS, "end after this many ticks"),
+        robot="tell of this robot only",
+        only_json=True,
     )
     command.add_argument(
         "--predicates",
@@ -71,9 +60,7 @@ def declare(commands: Commands) -> None:
         metavar="A,B",
         help="also tell the rows of these predicates",
     )
-    command.add_argument("--robot", metavar="R", help="tell of this robot only")
     command.add_argument("--times", action="store_true", help="also tell how long thinking took")
-    add_level_and_program(command)
 
 
 def start(options: argparse.Namespace) -> int:
@@ -81,8 +68,6 @@ def start(options: argparse.Namespace) -> int:
     level, program = opened(options)
     for name in options.predicates:
         check_name("predicate", name, (p.name for p in program.predicates if p.has_rows))
-    if options.robot is not None:
-        check_name("robot", options.robot, (robot.name for robot in level.robots))
     won = asyncio.run(_trace(level, program, options))
     return WON if won else NOT_WON
 

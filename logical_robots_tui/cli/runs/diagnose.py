@@ -8,14 +8,8 @@ import sys
 import textwrap
 from typing import TYPE_CHECKING, Any
 
-from logical_robots_tui.cli.command import (
-    add_json,
-    add_level_and_program,
-    new_command,
-    number_from,
-    opened,
-    prefers_json,
-)
+from logical_robots_tui.cli.command import prefers_json
+from logical_robots_tui.cli.runs.common import new_run_command, opened
 from logical_robots_tui.cli.text import harmless, line_of_json
 
 if TYPE_CHECKING:
@@ -47,24 +41,15 @@ exit status: 0 nothing or only notes, 1 there are warnings, 2 bad level or progr
 
 def declare(commands: Commands) -> None:
     """Add the command to the list."""
-    command = new_command(
+    new_run_command(
         commands,
         "diagnose",
         start=start,
-        wants_json=prefers_json,
         summary="look through a whole run for what may be a mistake",
         description="Run a program, watch all its rules and conditions, and say what stands out.",
         epilog=EPILOG,
+        ticks=(DEFAULT_TICKS, "end after this many ticks, or at victory"),
     )
-    add_level_and_program(command)
-    command.add_argument(
-        "--ticks",
-        type=number_from(1),
-        default=DEFAULT_TICKS,
-        metavar="N",
-        help="end after this many ticks, or at victory (default: %(default)s)",
-    )
-    add_json(command)
 
 
 def start(options: argparse.Namespace) -> int:

@@ -9,15 +9,8 @@ import shlex
 import shutil
 from typing import TYPE_CHECKING, Any
 
-from logical_robots_tui.cli.command import (
-    add_json,
-    add_level_and_program,
-    new_command,
-    number_from,
-    opened,
-    prefers_json,
-)
-from logical_robots_tui.cli.moment import check_name, frame_at
+from logical_robots_tui.cli.command import number_from, prefers_json
+from logical_robots_tui.cli.runs.common import check_name, frame_at, new_run_command, opened
 from logical_robots_tui.cli.text import harmless, line_of_json, written
 
 if TYPE_CHECKING:
@@ -55,18 +48,17 @@ _MOST_VALUES = 5  # in a line; --json has more
 
 def declare(commands: Commands) -> None:
     """Add the command to the list."""
-    command = new_command(
+    command = new_run_command(
         commands,
         "why",
         start=start,
-        wants_json=prefers_json,
         summary="say why a robot did what it did, or why not",
         description="Run a program to a tick, then tell for each rule which parts of it held.",
         epilog=EPILOG,
+        first_tick=1,
+        robot="in whose mind",
+        needs_robot=True,
     )
-    add_level_and_program(command)
-    command.add_argument("--tick", type=number_from(1), required=True, metavar="N", help="the tick")
-    command.add_argument("--robot", required=True, metavar="R", help="in whose mind")
     command.add_argument(
         "--predicate", default="Robot", metavar="P", help="which predicate (default: %(default)s)"
     )
@@ -91,13 +83,11 @@ def declare(commands: Commands) -> None:
         metavar="N",
         help="with --tree: how many predicates deep",
     )
-    add_json(command)
 
 
 def start(options: argparse.Namespace) -> int:
     """Say why."""
     level, program = opened(options)
-    check_name("robot", options.robot, (robot.name for robot in level.robots))
     own = [predicate.name for predicate in program.predicates if predicate.kind == "program"]
     check_name("predicate", options.predicate, own)
     explanation, nodes, complete, nearest = asyncio.run(_explain(level, program, options))

@@ -1,23 +1,101 @@
-"""How a run went, in words and as JSON."""
+"""``logical-robots run``: a level under a program, without a screen."""
 
 from __future__ import annotations
 
+import asyncio
 import json
 import math
 from collections import Counter
 from dataclasses import dataclass, field
+from time import perf_counter
 from typing import TYPE_CHECKING, Any
 
+from logical_robots_tui.cli.command import prefers_json
+from logical_robots_tui.cli.runs.common import new_run_command, opened
+from logical_robots_tui.cli.runs.progress import progress_bar
 from logical_robots_tui.cli.text import columns, finite, harmless
-from logical_robots_tui.game import goals
 
 if TYPE_CHECKING:
+    import argparse
+    from collections.abc import Callable
+
+    from logical_robots_tui.cli.command import Commands
     from logical_robots_tui.game import Frame
+    from logical_robots_tui.mind import Program
     from logical_robots_tui.world import Level
 
-__all__ = ["Outcome", "Tally"]
+__all__ = ["declare", "play_out"]
 
+WON, NOT_WON = 0, 1
+DEFAULT_TICKS = 5000
 SAMPLE = 10  # notices told in full
+
+EPILOG = """\
+examples:
+  logical-robots run 01-first-steps first-steps            say how it went
+  logical-robots run 01-first-steps first-steps --json     say it as JSON
+  logical-robots run 01-first-steps first-steps | jq .won  piped, it is JSON
+  logical-robots run my-level.toml my-program.l --ticks 900
+
+exit status: 0 won, 1 not won within the ticks, 2 bad level or program
+"""
+
+
+def declare(commands: Commands) -> None:
+    """Add the command to the list."""
+    command = new_run_command(
+        commands,
+        "run",
+        start=start,
+        summary="run a program in a level without a screen",
+        description="Run a program in a level without a screen, as fast as the machine can.",
+        epilog=EPILOG,
+        ticks=(DEFAULT_TICKS, "give up after this many ticks"),
+    )
+    command.add_argument("--times", action="store_true", help="tell in JSON, too, how long it took")
+
+
+def start(options: argparse.Namespace) -> int:
+    """Run the program in the level and say how it went."""
+    level, program = opened(options)
+    with progress_bar(level.title, options.ticks) as show:
+        outcome = asyncio.run(play_out(level, program, options.program, options.ticks, show))
+    print(outcome.as_json(times=options.times) if prefers_json(options) else outcome.in_words())
+    return WON if outcome.won_at is not None else NOT_WON
+
+
+async def play_out(
+    level: Level,
+    program: Program,
+    program_name: str,
+    ticks: int,
+    show: Callable[[int], object] = lambda _tick: None,
+) -> Outcome:
+    """Run until the level is won or the ticks are over.
+
+    Args:
+        level: Where it happens.
+        program: What the robots think.
+        program_name: What to call it in the outcome.
+        ticks: How many ticks to try.
+        show: Told each finished tick.
+    """
+    from logical_robots_tui.game import Game
+
+    game = Game(level, program, history=1)
+    tally = Tally()
+
+    def look(frame: Frame) -> None:
+        tally.count(frame)
+        show(frame.tick)
+
+    game.listen(look)
+    began = perf_counter()
+    try:
+        frame = await game.run_until(tick=ticks)
+    finally:
+        await game.close()
+    return Outcome(level, program_name, frame, tally, perf_counter() - began)
 
 
 @dataclass
@@ -77,6 +155,8 @@ class Outcome:
         Args:
             times: Whether to tell how long it took, which is never the same twice.
         """
+        from logical_robots_tui.game import goals
+
         ticks = self.frame.tick
         found: dict[str, Any] = {
             "level": self.level.name,
@@ -124,6 +204,8 @@ class Outcome:
         return "\n".join(lines)
 
     def _verdict(self) -> str:
+        from logical_robots_tui.game import goals
+
         title = harmless(self.level.title)
         if self.won_at is not None:
             return f"{title}: won at tick {self.won_at}."

@@ -6,15 +6,8 @@ import argparse
 import asyncio
 from typing import TYPE_CHECKING, Any
 
-from logical_robots_tui.cli.command import (
-    add_json,
-    add_level_and_program,
-    new_command,
-    number_from,
-    opened,
-    prefers_json,
-)
-from logical_robots_tui.cli.moment import check_name
+from logical_robots_tui.cli.command import prefers_json
+from logical_robots_tui.cli.runs.common import new_run_command, opened, run_shown
 from logical_robots_tui.cli.text import harmless, line_of_json, written
 
 if TYPE_CHECKING:
@@ -47,18 +40,17 @@ exit status: 0 it was found, 2 bad level, program, robot or value
 
 def declare(commands: Commands) -> None:
     """Add the command to the list."""
-    command = new_command(
+    command = new_run_command(
         commands,
         "origin",
         start=start,
-        wants_json=prefers_json,
         summary="say where a value in a memory comes from",
         description="Run a program to a tick, then follow a value back to where it was made.",
         epilog=EPILOG,
+        first_tick=1,
+        robot="whose memory",
+        needs_robot=True,
     )
-    add_level_and_program(command)
-    command.add_argument("--tick", type=number_from(1), required=True, metavar="N", help="the tick")
-    command.add_argument("--robot", required=True, metavar="R", help="whose memory")
     command.add_argument(
         "--value",
         type=_path,
@@ -66,13 +58,11 @@ def declare(commands: Commands) -> None:
         metavar="PART",
         help="a part of it, such as memory.plan.at or memory.seen[0] (default: all of it)",
     )
-    add_json(command)
 
 
 def start(options: argparse.Namespace) -> int:
     """Follow the value."""
     level, program = opened(options)
-    check_name("robot", options.robot, (robot.name for robot in level.robots))
     origin = asyncio.run(_search(level, program, options))
     if prefers_json(options):
         data = {"complete": origin.complete, "links": [*map(_data, origin.links)]}
@@ -83,16 +73,11 @@ def start(options: argparse.Namespace) -> int:
 
 
 async def _search(level: Level, program: Program, options: argparse.Namespace) -> Origin:
-    from logical_robots_tui.cli.patience import Patience
-    from logical_robots_tui.game import Run, origin_in_run
+    from logical_robots_tui.game import origin_in_run
 
-    run = Run(level, program)
-    with Patience(level.title, options.tick) as show:
-        try:
-            await run.frame(options.tick, show)
-            return await origin_in_run(run, options.robot, options.value, options.tick, show)
-        finally:
-            await run.close()
+    async with run_shown(level, program, options.tick) as (run, show):
+        await run.frame(options.tick, show)
+        return await origin_in_run(run, options.robot, options.value, options.tick, show)
 
 
 def _lines(origin: Origin) -> Iterator[str]:

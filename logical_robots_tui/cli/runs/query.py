@@ -6,15 +6,8 @@ import asyncio
 import sys
 from typing import TYPE_CHECKING
 
-from logical_robots_tui.cli.command import (
-    add_json,
-    add_level_and_program,
-    new_command,
-    number_from,
-    opened,
-    prefers_json,
-)
-from logical_robots_tui.cli.moment import check_name, frame_at
+from logical_robots_tui.cli.command import prefers_json
+from logical_robots_tui.cli.runs.common import frame_at, new_run_command, opened
 from logical_robots_tui.cli.text import columns, line_of_json, written
 
 if TYPE_CHECKING:
@@ -43,22 +36,17 @@ exit status: 0 there are rows, 1 there are none, 2 bad level, program or query
 
 def declare(commands: Commands) -> None:
     """Add the command to the list."""
-    command = new_command(
+    command = new_run_command(
         commands,
         "query",
         start=start,
-        wants_json=prefers_json,
         summary="ask anything about one tick of a run",
         description="Run a program to a tick, then answer a question in Logica about that tick.",
         epilog=EPILOG,
+        first_tick=0,
+        robot="only what holds in this robot's mind",
     )
-    add_level_and_program(command)
     command.add_argument("query", metavar="QUERY", help="a call, an expression, or whole rules")
-    command.add_argument(
-        "--tick", type=number_from(0), required=True, metavar="N", help="the tick; 0 is the start"
-    )
-    command.add_argument("--robot", metavar="R", help="only what holds in this robot's mind")
-    add_json(command)
 
 
 def start(options: argparse.Namespace) -> int:
@@ -67,8 +55,6 @@ def start(options: argparse.Namespace) -> int:
     from logical_robots_tui.mind import ProgramError
 
     level, program = opened(options)
-    if options.robot is not None:
-        check_name("robot", options.robot, (robot.name for robot in level.robots))
     try:
         table = asyncio.run(_ask(level, program, options.query, options.tick))
     except ProgramError as error:
