@@ -1,4 +1,4 @@
-"""Divergence: what differs when two courses of a game go different ways."""
+"""Divergence: where two courses of a game begin to differ, and how."""
 
 from __future__ import annotations
 
@@ -18,14 +18,14 @@ Matter: TypeAlias = Literal["desire", "memory", "notices", "position", "battery"
 
 @dataclass(frozen=True, slots=True)
 class Difference:
-    """In what the two courses differ for one robot.
+    """A difference between the two courses for one robot.
 
     Attributes:
-        robot_name: Whom it is about.
+        robot_name: Name of the robot.
         matter: ``desire``, ``memory`` or ``notices`` of its decision, or its ``position`` (with
-            where it looks and how its engines run) or ``battery`` after the tick.
-        here: What it is in the present course.
-        there: What it is in the other one.
+            heading and engines) or ``battery`` after the tick.
+        here: The value in the current course.
+        there: The value in the other one.
     """
 
     robot_name: str
@@ -36,19 +36,18 @@ class Difference:
 
 @dataclass(frozen=True, slots=True)
 class Divergence:
-    """The first tick in which two courses are not the same.
+    """The first tick in which two courses differ.
 
     Attributes:
-        tick: That tick.
-        differences: In what they differ for robots of both, decisions first; in file order of the
-            robots.
+        tick: The tick.
+        differences: The differences for robots of both courses, decisions first, in file order.
     """
 
     tick: int
     differences: tuple[Difference, ...]
 
     def reversed(self) -> Divergence:
-        """The same as seen from the other course."""
+        """Return the same from the point of view of the other course."""
         return Divergence(
             self.tick,
             tuple(
@@ -59,11 +58,11 @@ class Divergence:
 
 
 def find_divergence(here: Moment, there: Moment) -> Divergence | None:
-    """Whether two courses part in a tick; None if they don't.
+    """Compare a tick of two courses; return None if it is the same in both.
 
     Args:
-        here: What the tick left behind in the present course.
-        there: The same in the other one.
+        here: The moment in the current course.
+        there: The moment in the other one.
     """
     if here.decisions == there.decisions and here.after == there.after:
         return None

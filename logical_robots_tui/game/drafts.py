@@ -1,4 +1,4 @@
-"""What is not saved, kept so that nothing can lose it: texts, levels, and where a game stood."""
+"""Drafts: unsaved texts, levels and places, kept on disk so that they survive crashes."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 __all__ = ["OLD_DRAFTS_KEPT", "Draft", "Drafts", "Key", "Kind"]
 
 OLD_DRAFTS_KEPT = 50
-"""How many drafts that nobody wanted stay in the folder ``old``."""
+"""How many discarded drafts are kept in the folder ``old``."""
 
 Kind: TypeAlias = Literal["program", "level", "place"]
 Key: TypeAlias = tuple[Kind, str]
@@ -57,15 +57,15 @@ class Draft:
 
 
 class Drafts:
-    """The drafts of one session, each in its own file, under a lock held while the session lives.
+    """The drafts of one session, each in its own file, locked while the session lives.
 
-    What a session that is over left behind is adopted by the next one and stays apart from what
-    that one keeps itself, until somebody takes it or puts it away. A session still alive keeps its
-    own. What a disk does not let be moved or removed stays where it is, and is offered again the
-    next time. All methods may be called from any thread and from a signal handler.
+    The next session adopts the drafts of a session that has ended, and keeps them apart from its
+    own until they are taken or put away. Drafts of a live session are left alone. Drafts that the
+    disk does not allow to be moved or removed stay in place and are offered again next time. All
+    methods may be called from any thread and from a signal handler.
 
     Args:
-        folder: Where the drafts of all sessions are; it is made when needed.
+        folder: The folder of the drafts of all sessions; created when needed.
     """
 
     def __init__(self, folder: Path) -> None:
@@ -107,7 +107,7 @@ class Drafts:
             self._unwritten.discard(draft.key)
 
     def unwritten(self) -> list[tuple[Draft, OSError]]:
-        """What can't be written, now either, each with the reason; it ends with the session."""
+        """Return the drafts that still can't be written, with reasons; they are lost at exit."""
         found = []
         with self._guard:
             for draft in [self._mine[key] for key in sorted(self._unwritten)]:
@@ -180,7 +180,7 @@ class Drafts:
             return sorted(found, key=lambda draft: draft.turn, reverse=True)
 
     def close(self) -> None:
-        """End the session; its drafts stay for the next one."""
+        """End the session; its drafts remain for the next one."""
         with self._guard:
             if self._lock is None:
                 return
@@ -266,7 +266,7 @@ def _number(file: Path) -> int:
 
 
 def _from_json(file: Path) -> Draft | None:
-    """Read a draft; None if the file is not one."""
+    """Read a draft; return None if the file is not one."""
     try:
         found = json.loads(file.read_text("utf-8"))
         draft = Draft(**found | {"saved": datetime.fromisoformat(found["saved"])})
@@ -282,11 +282,11 @@ def _from_json(file: Path) -> Draft | None:
 
 
 def _acquire(file: Path) -> int | None:
-    """Lock a file; None if somebody else, or a file system without locks, does not let us."""
+    """Lock a file; return None if it is locked already or the file system has no locks."""
     handle = os.open(file, os.O_RDWR | os.O_CREAT | os.O_CLOEXEC, 0o600)
     try:
         fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
-        if os.fstat(handle).st_ino != file.stat().st_ino:  # removed while we waited for it
+        if os.fstat(handle).st_ino != file.stat().st_ino:  # removed while waiting for the lock
             raise BlockingIOError
     except OSError:
         os.close(handle)
@@ -305,5 +305,5 @@ def _release_all() -> None:
         _release(handle)
 
 
-# A forked child would keep the locks of its parent alive beyond the parent's end.
+# A forked child would hold the locks after its parent has ended.
 os.register_at_fork(after_in_child=_release_all)

@@ -1,4 +1,4 @@
-"""Findings about a run: those about rules, and those that need the world and the robots."""
+"""Findings about a run: about rules, notices, memories, texts and movement."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 __all__ = ["findings_of"]
 
 _SEEN = ("wall", "beacon", "robot", "nothing")
-"""What a ray may end at."""
+"""The kinds of objects that a ray can hit."""
 
 _MOST_PLACES = 6
 _MOST_LEAVES = 3
@@ -34,13 +34,13 @@ def findings_of(
     closer: Mapping[tuple[str, int], Tally],
     level: Level,
 ) -> list[Finding]:
-    """All findings, the most telling first.
+    """Return all findings, the most significant first.
 
     Args:
-        tally: What was counted in the whole run.
+        tally: The counts over the whole run.
         observed: What else was observed in it.
-        closer: By robot and first tick what was counted in that robot's reasoning then.
-        level: Where it was.
+        closer: By robot and first tick, the counts in that robot's reasoning at that tick.
+        level: The level.
     """
     found = [
         *_of_notices(observed, closer),
@@ -62,7 +62,7 @@ def _of_notices(
         tick, robot = observed.first_notice(named)
         tally, message = closer[robot, tick], observed.notices[named, robot][2]
         often = sum(each[1] for (kind, _), each in observed.notices.items() if kind == named)
-        first = f"{message} First at tick {tick}, in all {often} times."
+        first = f"{message} First at tick {tick}, {often} times in total."
         if named == "several rows":
             yield _of_several(tally, robot, tick, first)
         elif named == "bad engine":
@@ -71,7 +71,7 @@ def _of_notices(
             rules = [r.span for r in tally.checkup.rules if r.predicate == "Robot"]
             stops = _stops(tally)
             span, others = _split([*stops, *rules])
-            hint = "No rule covers this case; each must fail somewhere."
+            hint = "No rule covers this case; each fails somewhere."
             yield Finding("no row", "warning", span, tick, first, hint, others, robot)
         else:
             hint = "Go to that tick and ask why."
@@ -79,12 +79,12 @@ def _of_notices(
 
 
 def _of_several(tally: Tally, robot: str, tick: int, first: str) -> Finding:
-    """Which rules, or which part of one, gave several rows."""
+    """Return the rules, or the part of one, that produced several rows."""
     checkup = tally.checkup
     given = tally.robots.get((robot, tick), {})
     gave = [checkup.rules[number].span for number in sorted(given)]
     if len(given) > 1:
-        hint = "Several rules hold at once; they have to exclude each other."
+        hint = "Several rules hold at once; make them mutually exclusive."
         bodies = [body for n in sorted(given) if (body := checkup.rules[n].body) is not None]
         lines = " and ".join(str(span.line) for span in gave)
         message = f"{first} They come from the rules in lines {lines}."
@@ -92,12 +92,12 @@ def _of_several(tally: Tally, robot: str, tick: int, first: str) -> Finding:
         return Finding("several rows", "warning", gave[-1], tick, message, hint, others, robot)
     places = [place for number in given for place in _multiplied(tally, number, set())]
     span, others = _split([*places, *gave])
-    hint = "Something in it holds in several ways; a predicate may have one row too many."
+    hint = "Part of it holds in several ways; a predicate may have a surplus row."
     return Finding("several rows", "warning", span, tick, first, hint, others, robot)
 
 
 def _multiplied(tally: Tally, rule: int, seen: set[int]) -> list[Span]:
-    """Where several ways come from in a rule that held in one tick."""
+    """Return the parts of a rule that held in several ways in one tick."""
     checkup = tally.checkup
     seen.add(rule)
     for number, site in enumerate(checkup.sites):
@@ -115,13 +115,13 @@ def _multiplied(tally: Tally, rule: int, seen: set[int]) -> list[Span]:
 
 
 def _alike_facts(checkup: Checkup, facts: list[int]) -> list[int]:
-    """The facts that are there twice."""
+    """Return the duplicate facts."""
     texts = Counter(checkup.rules[n].key for n in facts)
     return [n for n in facts if texts[checkup.rules[n].key] > 1]
 
 
 def _of_null(tally: Tally, robot: str, tick: int, first: str) -> Finding:
-    """Where an engine that was null got its value from."""
+    """Return where the value of a null engine came from."""
     leaves = _leaves(tally)
     nulls = [
         site.span
@@ -130,17 +130,17 @@ def _of_null(tally: Tally, robot: str, tick: int, first: str) -> Finding:
     ]
     span, others = _split([*nulls, *(span for leaf in leaves for span in leaf)])
     quoted = f" `{shortened(span.text)}` was null." if nulls and span else ""
-    hint = "Say with Coalesce or `if` what to do when there is no value."
+    hint = "Use Coalesce or `if` to handle a missing value."
     return Finding("bad engine", "warning", span, tick, f"{first}{quoted}", hint, others, robot)
 
 
 def _split(places: list[Span]) -> tuple[Span | None, tuple[Span, ...]]:
-    """The first of some places, if there is one, and those that follow."""
+    """Split places into the first, if there is one, and the rest."""
     return (places[0] if places else None), tuple(places[1 : _MOST_PLACES + 1])
 
 
 def _stops(tally: Tally) -> list[Span]:
-    """Where the rules of `Robot` ended in one tick."""
+    """Return where the rules of `Robot` failed in one tick."""
     found = []
     for rule, each in enumerate(tally.checkup.rules):
         if each.predicate != "Robot":
@@ -165,8 +165,8 @@ def _of_memory(
     for name, field in reads.items():
         if name not in observed.fields and (name not in writes or checkup.writes_all):
             close = closest(name, {*writes, *observed.fields})
-            hint = f"Is {close} meant?" if close else "It is null all the time."
-            message = f"memory.{name} is read, and no memory ever had a field {name}."
+            hint = f"Is {close} meant?" if close else "It is always null."
+            message = f"memory.{name} is read, but no memory ever had a field {name}."
             made = [rule.memory for rule in checkup.rules if rule.memory is not None]
             others = (writes[close].span,) if close in writes else tuple(made)
             yield Finding(
@@ -175,7 +175,7 @@ def _of_memory(
     for name, field in writes.items():
         if name not in reads and not checkup.reads_all:
             close = closest(name, reads)
-            hint = f"{close} is read; is that meant?" if close else "It could be left out."
+            hint = f"{close} is read; did you mean that?" if close else "It can be removed."
             message = f"The field {name} of memory is written and never read."
             yield Finding("memory never read", "note", field.span, observed.first, message, hint)
     for loss in observed.first_losses():
@@ -187,7 +187,7 @@ def _of_memory(
         places = [rule.memory or rule.span for rule in rules]
         span, others = _split([*places, reads[name].span])
         message = f"{robot} forgot memory.{name} at tick {tick}: the new memory has no such field."
-        hint = f"It is read in line {reads[name].span.line}; every memory has to have it."
+        hint = f"It is read in line {reads[name].span.line}; every new memory must include it."
         yield Finding("memory lost", "warning", span, tick, message, hint, others, robot)
 
 
@@ -241,9 +241,9 @@ _ORDER = ("circle", "blocked", "still", "unfinished")
 
 _HINTS = {
     "blocked": "It pushes against a wall; does it turn soon enough, and to the right side?",
-    "still": "Nothing makes it go on; which condition should?",
-    "circle": "It does the same again and again; what should end that?",
-    "unfinished": "Is that what it should do then, and with the right values?",
+    "still": "Nothing makes it move on; which condition should?",
+    "circle": "It repeats the same movement; what should end that?",
+    "unfinished": "Should it do that here, and with these values?",
 }
 
 
@@ -260,10 +260,10 @@ def _moved(stretch: Stretch, span: Span | None) -> str:
 
 
 def _leaves(tally: Tally) -> list[list[Span]]:
-    """Where a robot's desire came from, the most frequent and the outermost first.
+    """Return where a robot's desire came from, the most frequent and outermost first.
 
     Returns:
-        For each place where it was chosen that, and where the values in it came from.
+        For each place where it was chosen, that place and the sources of its values.
     """
     found = [
         (tally.checkup.rules[site.rule].is_function, -tally.sites[number].looks, number)

@@ -1,6 +1,6 @@
-"""When a question holds: what its answer at a tick counts for, and the ticks of a run.
+"""The ticks of a run in which a question holds.
 
-What was asked of a whole run is kept in the cache folder, beside what the run left behind.
+The answers for a whole run are cached on disk, next to the run itself.
 """
 
 from __future__ import annotations
@@ -32,15 +32,15 @@ _LARGEST = 1_000_000  # bytes of one answer
 
 
 def matching_rows(question: Question, table: Table, robot: str = "") -> Table:
-    """The rows of an answer for which a question holds.
+    """Return the rows of an answer for which a question holds.
 
-    Of an expression these are the values that are neither null, false nor 0; of conditions without
-    variables the minds in which they are true; of all else every row.
+    For an expression these are the values that are not null, false or 0; for conditions without
+    variables, the minds in which they are true; for anything else, all rows.
 
     Args:
-        question: What was asked.
-        table: What it gave at a tick.
-        robot: In whose mind; "" is any. Where all reason alike, it is any, too.
+        question: The question.
+        table: Its answer at a tick.
+        robot: The robot whose mind counts; "" means any, as it does where all reason alike.
     """
     viewers = table.viewers or ("",) * len(table.rows)
     kept = [
@@ -58,20 +58,20 @@ def matching_rows(question: Question, table: Table, robot: str = "") -> Table:
 def _counts(question: Question, value: object) -> bool:
     if question.gives == "truth":
         return value == "true"
-    return question.gives == "rows" or value not in (None, False)  # 0 is equal to False
+    return question.gives == "rows" or value not in (None, False)  # 0 equals False
 
 
 @dataclass(frozen=True, slots=True)
 class Matches:
-    """In which ticks of a run a question holds.
+    """The ticks of a run in which a question holds.
 
     Attributes:
-        ticks: The last tick that was asked; the first one is 1.
+        ticks: The last tick that was evaluated; the first one is 1.
         won_at: The tick of victory, if the run ended with it.
         stretches: First and last tick of each stretch in which it holds, ascending.
-        failed: The same of those in which it failed.
-        reason: Why it failed first, or "".
-        is_reliable: Whether no clock ended a thought in these ticks.
+        failed: The same for the stretches in which it failed.
+        reason: Why it first failed, or "".
+        is_reliable: Whether no time limit ended a thought in these ticks.
     """
 
     ticks: int
@@ -83,12 +83,12 @@ class Matches:
 
     @property
     def holds_in(self) -> int:
-        """In how many ticks it holds."""
+        """The number of ticks in which it holds."""
         return sum(last - first + 1 for first, last in self.stretches)
 
     @property
     def failed_in(self) -> int:
-        """In how many ticks it failed."""
+        """The number of ticks in which it failed."""
         return sum(last - first + 1 for first, last in self.failed)
 
 
@@ -99,13 +99,13 @@ async def find_matches(
     robot: str = "",
     told: Callable[[int], object] = lambda _tick: None,
 ) -> Matches:
-    """Ask a question at every tick of a run up to victory, or find what was asked before.
+    """Evaluate a question at every tick of a run up to victory, or load the cached answer.
 
     Args:
-        run: Whose ticks.
-        question: Compiled for the program of the run.
-        ticks: The last tick to ask at, if the run is not won before.
-        robot: In whose mind; "" is any.
+        run: The run.
+        question: A question compiled for the program of the run.
+        ticks: The last tick to evaluate, if the run is not won before.
+        robot: The robot whose mind counts; "" means any.
         told: Called with each tick.
     """
     about = (run.key, question.text, question.sql, robot, ticks)
@@ -143,7 +143,7 @@ async def find_matches(
 
 
 def _add(stretches: list[tuple[int, int]], tick: int) -> None:
-    """Add a tick to the last stretch, or begin another one."""
+    """Add a tick to the last stretch, or begin a new one."""
     if stretches and stretches[-1][1] == tick - 1:
         stretches[-1] = (stretches[-1][0], tick)
     else:

@@ -1,4 +1,4 @@
-"""What happened in a run beside reasoning: notices, movement, what was remembered."""
+"""Observations of a run: notices, movement and memories."""
 
 from __future__ import annotations
 
@@ -20,19 +20,19 @@ if TYPE_CHECKING:
 
 __all__ = ["Loss", "Observations", "observe"]
 
-_AT_ONCE = 200  # ticks, before others get their turn
+_AT_ONCE = 200  # ticks before yielding to others
 _MOST_TEXTS = 10_000
-_MOST_STRETCHES = 4  # of each kind: in a crowd many robots do the same
+_MOST_STRETCHES = 4  # of each kind, because in a crowd many robots do the same
 
 
 @dataclass(frozen=True, slots=True)
 class Loss:
-    """A field that a robot's memory had, and then no more.
+    """A field that a robot's memory lost.
 
     Attributes:
-        robot: Whose memory.
-        field: Its name.
-        tick: The tick that left a memory without it.
+        robot: Name of the robot.
+        field: Name of the field.
+        tick: The tick whose new memory lacks it.
     """
 
     robot: str
@@ -42,17 +42,17 @@ class Loss:
 
 @dataclass(slots=True)
 class Observations:
-    """What happened in the ticks of a run.
+    """What was observed in a run.
 
     Attributes:
         first: The first tick.
         last: The last one.
         won_at: The tick of victory, or None.
-        notices: By kind and robot the first tick of a notice, how many, and what it said.
-        fields: The fields that memories had, each with the first tick.
+        notices: By kind and robot, the first tick of a notice, their number, and the message.
+        fields: The fields that memories had, each with its first tick.
         texts: Texts that were in memories.
-        losses: For each field and robot the first time that it was lost.
-        stretches: What kept robots from getting on.
+        losses: For each field and robot, the first loss.
+        stretches: The ticks in which robots made no progress.
     """
 
     first: int
@@ -65,11 +65,11 @@ class Observations:
     stretches: list[Stretch] = field(default_factory=list)
 
     def first_notice(self, kind: NoticeKind) -> tuple[int, str]:
-        """Tick and robot of the first notice of a kind."""
+        """Return tick and robot of the first notice of a kind."""
         return min((each[0], robot) for (of, robot), each in self.notices.items() if of == kind)
 
     def first_losses(self) -> list[Loss]:
-        """For each field that was lost the first time."""
+        """Return the first loss of each field."""
         first: dict[str, Loss] = {}
         for loss in sorted(self.losses.values(), key=lambda each: (each.tick, each.robot)):
             first.setdefault(loss.field, loss)
@@ -77,7 +77,7 @@ class Observations:
 
 
 async def observe(history: History, first: int, last: int) -> Observations:
-    """Go through the ticks of a history.
+    """Observe the ticks of a history.
 
     Args:
         history: The history.

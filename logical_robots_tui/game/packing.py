@@ -1,4 +1,4 @@
-"""Packing: ticks that are over as few bytes, from which each of them is restored exactly."""
+"""Packing: compressing finished ticks so that each can be restored exactly."""
 
 from __future__ import annotations
 
@@ -24,8 +24,8 @@ if TYPE_CHECKING:
 
 __all__ = ["Moment", "Packed", "is_moment", "laid_out", "moment_in"]
 
-_QUICKEST = 1  # of zlib's levels; from tick to tick so little changes that more is not needed
-_KEPT_OPEN = 4  # for those who step through them
+_QUICKEST = 1  # zlib level; so little changes from tick to tick that more is not needed
+_KEPT_OPEN = 4  # for stepping through them
 _BODY_BYTES = 1_000  # of a robot's state and decision
 _DEEPEST = 200  # that a memory read from a file may be nested
 _HEAVIEST_OPEN = 24_000_000  # bytes of objects in all of these
@@ -36,15 +36,15 @@ _body_of = attrgetter(*_BODY)
 
 @dataclass(frozen=True, slots=True)
 class Moment:
-    """What a finished tick left behind; sensors are not kept, the world senses them again.
+    """The state after a finished tick; sensors are not stored, because the world can sense again.
 
     Attributes:
         after: The world after the tick.
         memories: Each robot's memory after the tick, by robot name.
-        decisions: What was decided in the tick, one per robot in file order; () at the start.
+        decisions: The decisions of the tick, one per robot in file order; () at the start.
         think_milliseconds: How long thinking took.
         driven: Map units that all robots together have driven since the start.
-        weight: Bytes of objects in it that are not in the moment before, about.
+        weight: Approximate bytes of its objects that are not in the previous moment.
     """
 
     after: WorldState
@@ -56,7 +56,7 @@ class Moment:
 
     @classmethod
     def of(cls, frame: Frame, driven: float) -> Moment:
-        """What the tick of a frame left behind, and how far all had driven by then."""
+        """Return the moment of a frame, given the distance driven so far."""
         milliseconds = frame.think_milliseconds
         return cls(
             frame.after, frame.memories, frame.decisions, milliseconds, driven, _weight_of(frame)
@@ -64,12 +64,12 @@ class Moment:
 
     @property
     def is_reliable(self) -> bool:
-        """Whether the tick would be the same on any machine: no guard ended a thought in it."""
+        """Whether the tick is the same on any machine: the clock cut off no thought."""
         return all(decision.is_reliable for decision in self.decisions)
 
 
 def _weight_of(frame: Frame) -> int:
-    """Bytes of objects in a tick that are not in the one before: bodies, and changed memories."""
+    """Return the bytes of objects that are new in a tick: robot states and changed memories."""
     before = frame.memories_before
     memories = [d.weight for d in frame.decisions if d.memory is not before.get(d.robot_name)]
     notices = [len(notice.message) for d in frame.decisions for notice in d.notices]
@@ -77,17 +77,17 @@ def _weight_of(frame: Frame) -> int:
 
 
 class Packed:
-    """Moments that follow each other.
+    """Consecutive moments.
 
-    What one robot did and remembered tick after tick stands together, so that what is alike lies
-    near each other and is packed well.
+    The values of one robot over all ticks are stored together, so that similar values are adjacent
+    and compress well.
 
     Args:
         moments: At least one.
 
     Attributes:
         first: Tick of the first of them.
-        weight: Bytes of objects in all of them when they are opened, about.
+        weight: Approximate bytes of all their objects when unpacked.
     """
 
     __slots__ = ("_bytes", "first", "weight")
@@ -98,11 +98,11 @@ class Packed:
         self._bytes = zlib.compress(marshal.dumps(laid_out(moments)), _QUICKEST)
 
     def __len__(self) -> int:
-        """How many bytes it takes."""
+        """Return its size in bytes."""
         return len(self._bytes)
 
     def moment(self, at: int) -> Moment:
-        """One of the moments, by its place among them, counted from 0."""
+        """Return one of the moments by index."""
         return moment_in(_opened.runs(self), at)
 
     def opened(self) -> list[tuple[Any, ...]]:
@@ -112,13 +112,13 @@ class Packed:
 
 
 def laid_out(moments: Sequence[Moment]) -> list[Any]:
-    """Moments as numbers, texts, lists and tuples, what is alike near each other."""
-    # Robots and areas may come and go where the level was changed.
+    """Return moments as numbers, texts, lists and tuples, with similar values adjacent."""
+    # Robots and areas may come and go when the level is edited.
     return [_run_of(list(run)) for _, run in groupby(moments, _names_of)]
 
 
 def moment_in(runs: Sequence[Any], at: int) -> Moment:
-    """One of the moments that were laid out, also after a journey through JSON."""
+    """Return one of the moments from this layout, also after a round trip through JSON."""
     rest = iter(runs)
     begin, names, area_names, told, areas, bodies, thoughts = next(rest)
     while at >= len(told):
@@ -148,7 +148,7 @@ def moment_in(runs: Sequence[Any], at: int) -> Moment:
 
 
 class _Opened:
-    """The packs that were opened last, as far as they are not heavy."""
+    """A cache of the packs that were unpacked last, except large ones."""
 
     def __init__(self) -> None:
         self._runs: OrderedDict[Packed, list[tuple[Any, ...]]] = OrderedDict()
@@ -175,7 +175,7 @@ def _names_of(moment: Moment) -> tuple[list[str], list[str]]:
 
 
 def _run_of(moments: Sequence[Moment]) -> tuple[Any, ...]:
-    """Moments of the same robots and areas, to be written."""
+    """Return the layout of moments with the same robots and areas."""
     first = moments[0].after
     return (
         first.tick,
@@ -191,7 +191,7 @@ def _run_of(moments: Sequence[Moment]) -> tuple[Any, ...]:
 
 
 def _thought_of(moment: Moment, at: int, name: str) -> tuple[object, ...]:
-    """A robot's memory, desire and notices."""
+    """Return a robot's memory, desire and notices."""
     if not moment.decisions:
         return moment.memories[name], None, ()
     decision = moment.decisions[at]

@@ -1,9 +1,9 @@
-"""In what two proofs of one decision differ first, walked through side by side.
+"""The first difference between two proofs of one decision.
 
-Two proofs are made of the same steps until one of them takes another rule, has a step that the
-other one lacks, or comes to another value. Values are compared only where all else is the same.
-Steps are compared before the columns that are made from them, and what a node follows from before
-the node itself, so that the first difference is no consequence of another one that is shown.
+Two proofs have the same steps until one of them uses another rule, has a step that the other one
+lacks, or produces another value. Values are compared only where everything else is the same. Steps
+are compared before the columns computed from them, and the premises of a node before the node
+itself, so that the first difference is not merely a consequence of another.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ __all__ = ["ProofDifference", "Side", "condition_of", "first_difference"]
 Side: TypeAlias = Literal["here", "there"]
 
 _DECIDED_AT_ONCE = ("call", "denial")
-"""Nodes of which what follows is about something else where they don't hold."""
+"""Nodes whose children are about something else where they don't hold."""
 
 _STATED = ("alternative", "call", "condition", "denial", "element", "value")
 
@@ -36,9 +36,9 @@ class ProofDifference:
 
     Attributes:
         kind: ``rule``: a row comes from another rule; ``step``: a derivation by the same rule has
-            another step, or one holds in one of the proofs only; ``value``: all is the same but for
-            a value.
-        asked: The row in whose derivation that is, with the values that it has in both proofs.
+            a different step, or a step that holds in one proof only; ``value``: only a value
+            differs.
+        asked: The row whose derivation differs, with the values that it has in both proofs.
         here: The node in one of the proofs, or None if there is none.
         there: The node in the other one.
     """
@@ -52,13 +52,13 @@ class ProofDifference:
 def first_difference(
     here: Proof, there: Proof, here_text: str, there_text: str
 ) -> ProofDifference | None:
-    """Where two proofs of the same predicate differ first, or None if they don't.
+    """Return the first difference between two proofs of a predicate, or None.
 
     Args:
-        here: One of them.
+        here: One proof.
         there: The other one.
-        here_text: The program that the first one is about.
-        there_text: The program that the other one is about.
+        here_text: The program of the first proof.
+        there_text: The program of the other one.
     """
     mine, other = here.explanation, there.explanation
     asked = Ask(mine.predicate, _common(mine.given, other.given), mine.within)
@@ -71,15 +71,15 @@ def first_difference(
 def condition_of(
     differing: ProofDifference, here: Explanation | None, there: Explanation | None
 ) -> tuple[Node, Side] | None:
-    """Why a row does not come from the same rule in both: a condition, and where it holds.
+    """Return the condition because of which a row comes from different rules in two proofs.
 
     Args:
-        differing: Says that another rule was taken.
-        here: The explanation of the row in the program of the one proof, if it is known.
-        there: The same in that of the other one.
+        differing: A difference of kind ``rule``.
+        here: The explanation of the row in the program of the first proof, if known.
+        there: The same for the other one.
 
     Returns:
-        What holds on one side only, and on which, or None if that can't be told.
+        The condition that holds on one side only, and on which side; None if it is unknown.
     """
     stopped = _stopped(differing.there, here)
     if stopped is not None:
@@ -89,12 +89,12 @@ def condition_of(
 
 
 class _Walk:
-    """Goes through two proofs at once.
+    """Traverses two proofs in parallel.
 
     Args:
         here: The program of the first one, in one line.
-        there: That of the other one.
-        values: Whether values count.
+        there: The program of the other one.
+        values: Whether to compare values.
     """
 
     def __init__(self, here: str, there: str, *, values: bool) -> None:
@@ -103,7 +103,7 @@ class _Walk:
     def rules(
         self, asked: Ask, here: Sequence[Node], there: Sequence[Node]
     ) -> ProofDifference | None:
-        """The first difference of the rules that give a row, or that fail to."""
+        """Return the first difference between the rules that produce a row, or fail to."""
         others = list(there)
         alone: list[Node] = []
         for node in here:
@@ -124,14 +124,14 @@ class _Walk:
         return ProofDifference("rule", asked, mine, other)
 
     def _are_edited(self, here: Node, there: Node) -> bool:
-        """Whether one rule was made from the other: either program lacks one, much is the same."""
+        """Return whether one rule is an edited version of the other."""
         if here.text in self._there or there.text in self._here:
             return False
         mine, other = ([step.text for step in _steps(node)] for node in (here, there))
         return 2 * len(set(mine) & set(other)) >= max(len(mine), len(other), 1)
 
     def _rule(self, asked: Ask, here: Node, there: Node) -> ProofDifference | None:
-        """The first difference within the derivations by a rule."""
+        """Return the first difference within derivations by a rule."""
         if (found := self._nodes(asked, _steps(here), _steps(there))) is not None:
             return found
         if here.holds != there.holds:
@@ -150,7 +150,7 @@ class _Walk:
             return None
         at = min(len(here), len(there))
         rest = [*here[at : at + 1], *there[at : at + 1]]
-        # What could not be reached behind a step that failed says nothing of its own.
+        # Steps after a failed one were not evaluated.
         if any(node.holds is False for node in (*here, *there)) and rest[0].holds is not False:
             return None
         return ProofDifference("step", asked, *_sides(here[at : at + 1], there[at : at + 1]))
@@ -158,7 +158,7 @@ class _Walk:
     def _contributors(
         self, asked: Ask, here: Sequence[Node], there: Sequence[Node]
     ) -> ProofDifference | None:
-        """The first difference of what contributed to an aggregate, in whichever order."""
+        """Return the first difference between the contributors to an aggregate, in any order."""
         mine, others = ([n for n in side if n.kind == "contributor"] for side in (here, there))
         alone: list[Node] = []
         for node in mine:
@@ -179,7 +179,7 @@ class _Walk:
         return None
 
     def _pair(self, asked: Ask, here: Node, there: Node) -> ProofDifference | None:
-        """The first difference of two nodes that stand at the same place."""
+        """Return the first difference between two nodes at the same place."""
         has_values = here.kind in ("contributor", "note")  # in its text
         if here.kind != there.kind or (here.text != there.text and not has_values):
             return ProofDifference("step", asked, here, there)
@@ -194,7 +194,7 @@ class _Walk:
         return None
 
     def _below(self, asked: Ask, here: Node, there: Node) -> ProofDifference | None:
-        """The first difference of what two nodes follow from, rules that were called first."""
+        """Return the first difference between the premises of two nodes, called rules first."""
         if here.holds is False and here.kind in _DECIDED_AT_ONCE:
             return None
         if here.asked is not None and there.asked is not None:
@@ -208,7 +208,7 @@ class _Walk:
 
 
 def _stopped(rule: Node | None, explanation: Explanation | None) -> Node | None:
-    """What stopped a rule in an explanation, if it stands in that program, too."""
+    """Return the step that stopped a rule in an explanation, if that program has the rule."""
     if rule is None or explanation is None:
         return None
     found = (each for each in explanation.rules if each.span.text == rule.text)
@@ -217,7 +217,7 @@ def _stopped(rule: Node | None, explanation: Explanation | None) -> Node | None:
 
 
 def _only_in(nodes: Sequence[Node], program: str) -> tuple[Ask, Node] | None:
-    """The first rule in proofs that another program does not have, with what was asked of it."""
+    """Return the first rule in proofs that another program lacks, with the row asked for."""
     for node in nodes:
         for _, each in node.walk():
             for rule in _rules(each):
@@ -231,7 +231,7 @@ def _rules(node: Node) -> list[Node]:
 
 
 def _steps(node: Node) -> list[Node]:
-    """What a node is made from, in order; of a call not its rules."""
+    """Return the parts of a node, in order, without the rules of a call."""
     return [child for child in node.children if child.kind not in ("rule", "column")]
 
 
@@ -245,7 +245,7 @@ def _sides(here: Sequence[Node], there: Sequence[Node]) -> Iterator[Node | None]
 
 
 def _common(here: Mapping[str, Value], there: Mapping[str, Value]) -> dict[str, Value]:
-    """The values that are the same in both."""
+    """Return the values that are the same in both."""
     return {
         name: value for name, value in here.items() if name in there and alike(value, there[name])
     }
@@ -258,6 +258,6 @@ def _have_same_values(here: Node, there: Node) -> bool:
 
 
 def _in_one_line(text: str) -> str:
-    """A program as the texts of its rules are: without line ends and comments."""
+    """Return a program like the texts of its rules: without line ends and comments."""
     lines = (line.split("#")[0] if '"' not in line else line for line in text.split("\n"))
     return " ".join(" ".join(lines).split())

@@ -1,4 +1,4 @@
-"""A run: any tick of a level under a program, computed once and kept for the next process."""
+"""A run: any tick of a level under a program, computed once and cached on disk."""
 
 from __future__ import annotations
 
@@ -38,22 +38,22 @@ T = TypeVar("T")
 
 _CODE = Path(__file__).parents[1]
 _NOTHING = Watch(())
-_SECONDS = 0.05  # of work in the thread at once
+_SECONDS = 0.05  # of work in the thread at a time
 
 
 class Run:
-    """The ticks of a level under a program from its start; a victory on the way does not end it.
+    """The ticks of a level under a program from its start; a victory does not end the run.
 
-    Ticks that this process or an earlier one has computed are not computed again: the robots only
-    sense again what they sensed then. What was computed is kept on disk by `close`.
+    Ticks that this process or an earlier one has computed are not computed again; only the sensors
+    are. `close` writes the computed ticks to disk.
 
     Args:
-        level: Where it happens.
-        program: What the robots think.
+        level: The level.
+        program: The robots' program.
         limits: Bounds on thinking.
 
     Attributes:
-        key: Stands for everything on which the ticks depend.
+        key: Digest of everything on which the ticks depend.
     """
 
     def __init__(
@@ -75,27 +75,27 @@ class Run:
 
     @property
     def last(self) -> int:
-        """The latest tick that was computed."""
+        """The last computed tick."""
         return self._recording.last
 
     @property
     def lasts(self) -> bool:
-        """Whether all ticks computed would be the same again: no guard ended a thought."""
+        """Whether all computed ticks are reproducible: no thought was cut off by the clock."""
         return self._recording.lasts
 
     async def frame(self, tick: int, told: Callable[[int], object] = lambda _tick: None) -> Frame:
-        """The frame of a tick.
+        """Return the frame of a tick.
 
         Args:
-            tick: Which one; 0 is the start.
-            told: Called meanwhile with the tick up to which was computed.
+            tick: The tick; 0 is the start.
+            told: Called with the last computed tick as work proceeds.
         """
         await self._reach(tick, told)
         (frame,) = [each async for each in self.each(tick, tick, lambda each, _mind, _stop: each)]
         return frame
 
     async def moments(self, first: int, last: int) -> list[Moment]:
-        """What some ticks left behind: the world, memories and decisions; nobody senses again.
+        """Return the states after some ticks: world, memories and decisions, without sensors.
 
         Args:
             first: The first tick, from 0.
@@ -118,16 +118,16 @@ class Run:
         *,
         to_victory: bool = False,
     ) -> AsyncGenerator[T]:
-        """What a piece of work gives for each of some ticks, in their order.
+        """Yield the result of a piece of work for each of some ticks, in order.
 
         Args:
             first: The first tick, from 0.
             last: The last one.
-            work: Done in a thread, with the frame, a mind to ask, and the event that ends it.
-            to_victory: Whether the tick of victory is the last one, if there is one before.
+            work: Called in a thread with the frame, a mind, and the event that stops it.
+            to_victory: Whether to end at the tick of victory, if it comes earlier.
 
         Raises:
-            Stopped: Another piece of work was begun.
+            Stopped: Another piece of work was started.
         """
         tick, over = first, False
         while tick <= last and not over:
@@ -138,14 +138,14 @@ class Run:
             tick += len(found)
 
     async def _reach(self, tick: int, told: Callable[[int], object]) -> None:
-        """Compute the ticks up to one, as far as they are not known."""
+        """Compute the missing ticks up to this one."""
         while self._recording.last < tick:
             until = perf_counter() + _SECONDS
             await self._thinker.do(partial(self._reached, tick, until=until))
             told(self._recording.last)
 
     async def close(self) -> None:
-        """Keep what was computed, and free the mind."""
+        """Save the computed ticks, and free the mind."""
         try:
             await self._thinker.do(lambda _stop: self._recording.save())
         finally:
@@ -161,7 +161,7 @@ class Run:
         to_victory: bool,
         stop: threading.Event,
     ) -> tuple[list[T], bool]:
-        """What the work gives for the next ticks there is time for, and whether that is all."""
+        """Return the results for as many ticks as time allows, and whether those are all."""
         until = perf_counter() + _SECONDS
         done: list[T] = []
         mind, over = None, False
@@ -175,7 +175,7 @@ class Run:
         return done, over
 
     def _reached(self, tick: int, stop: threading.Event, *, until: float) -> Frame | None:
-        """The frame of a tick, or None if the way there takes longer than until then."""
+        """Return the frame of a tick, or None if it can't be computed in time."""
         try:
             if self._recording.is_in_gap(max(tick - 1, 0)):
                 self._recording.return_to_gap()
@@ -197,7 +197,7 @@ class Run:
             self._go_on(stop)
 
     def _forget(self) -> None:
-        """Begin anew: what was read is not what this run left behind."""
+        """Start over, because the file is not a recording of this run."""
         self._recording.forget()
         self._latest = start_frame(self.level)
 
@@ -222,11 +222,11 @@ class Run:
 
 
 def run_key(level: Level, program: Program, limits: Limits) -> str:
-    """What stands for a run: everything on which its ticks depend, down to the code.
+    """Return the digest of everything on which the ticks of a run depend, including the code.
 
     Args:
-        level: Where it happens.
-        program: What the robots think.
+        level: The level.
+        program: The robots' program.
         limits: Bounds on thinking.
     """
     told = {
@@ -246,7 +246,7 @@ def run_key(level: Level, program: Program, limits: Limits) -> str:
 
 @cache
 def _simulation() -> bytes:
-    """What stands for everything that computes a run, as it is now."""
+    """Return the digest of the code that computes a run."""
     folders = [_CODE / part for part in ("world", "mind", "game")]
     code = digest_of_code(folders, ("logica", "numpy", "sqlglot"))
     return code + f"{sqlite3.sqlite_version} {platform.python_version()}".encode()

@@ -1,4 +1,4 @@
-"""Seeking: the nearest tick of a game's history in which a question holds."""
+"""Searching a game's history for ticks in which a question holds."""
 
 from __future__ import annotations
 
@@ -24,20 +24,20 @@ if TYPE_CHECKING:
 
 __all__ = ["SearchResult", "search_ticks"]
 
-_TOGETHER = 16  # ticks that are asked at once
-_ROBOTS = 200  # that are taken from history at once, so that the event loop is not held up
+_TOGETHER = 16  # ticks evaluated at once
+_ROBOTS = 200  # taken from history at once, so that the event loop is not blocked
 
 _Tick: TypeAlias = "tuple[Moment, Known]"
-"""What the tick before left behind, and the tick."""
+"""The state after the previous tick, and the tick."""
 
 
 @dataclass(frozen=True, slots=True)
 class SearchResult:
-    """How a search ended.
+    """The result of a search.
 
     Attributes:
         tick: The tick that was found, or None.
-        last: The last tick that was asked.
+        last: The last tick that was evaluated.
         holds_here: Whether the question holds in the tick where the search began.
         problem: Why it failed in the first tick in which it did, or "".
     """
@@ -54,16 +54,16 @@ async def search_ticks(
     way: Literal[-1, 1],
     told: Callable[[int], object] = lambda _tick: None,
 ) -> SearchResult:
-    """Find the nearest tick after or before the present one in which a question holds.
+    """Find the nearest tick after or before the current one in which a question holds.
 
-    If it holds in the present tick, the ticks next to it in which it does, too, are passed over.
-    Robots sense and reason off the event loop; cancelling the call ends that.
+    If it holds in the current tick, the adjacent ticks in which it holds too are skipped. Robots
+    sense and reason off the event loop; cancelling the call ends the search.
 
     Args:
-        game: In whose history, from the present tick on, and about whose program.
-        query: A call, an expression, conditions, or whole rules of which the last is asked.
-        way: 1 to look at later ticks, -1 at earlier ones.
-        told: Called meanwhile with the tick up to which was looked; what it raises ends the search.
+        game: The game; the search starts at its current tick and uses its program.
+        query: A call, an expression, conditions, or whole rules of which the last is evaluated.
+        way: 1 to search later ticks, -1 to search earlier ones.
+        told: Called with the last tick searched; an exception that it raises ends the search.
 
     Raises:
         ProgramError: The query is wrong.
@@ -99,7 +99,7 @@ async def search_ticks(
             numbers = ticks[at : at + together]
             try:
                 some = [_taken(history, tick) for tick in numbers]
-            except NoSuchTickError:  # forgotten meanwhile
+            except NoSuchTickError:  # dropped in the meantime
                 break
             for tick, answer in zip(
                 numbers, await thinker.do(partial(ask, question, some)), strict=True
@@ -120,7 +120,7 @@ async def search_ticks(
 
 
 def _taken(history: History, tick: int) -> _Tick:
-    """A tick out of a history.
+    """Return a tick from a history.
 
     Raises:
         NoSuchTickError: The history does not hold it.

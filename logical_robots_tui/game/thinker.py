@@ -1,4 +1,4 @@
-"""A thread with a mind, for what is computed off the event loop."""
+"""A thread with a mind, for work off the event loop."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ T = TypeVar("T")
 
 
 class Thinker:
-    """One thread with one mind at a time; what runs in it can be stopped."""
+    """One thread with one mind at a time; its work can be stopped."""
 
     def __init__(self, name: str) -> None:
         self._pool = ThreadPoolExecutor(max_workers=1, thread_name_prefix=f"logical-robots-{name}")
@@ -30,7 +30,7 @@ class Thinker:
         self._visibility: Visibility | None = None
 
     def mind(self, program: Program, level: Level, limits: Limits) -> Mind:
-        """The mind for a program; to be called in the thread."""
+        """Return the mind for a program; call it in the thread."""
         visibility = level.visibility
         if (
             self._mind is None
@@ -51,7 +51,7 @@ class Thinker:
         return self._mind
 
     async def do(self, work: Callable[[threading.Event], T]) -> T:
-        """Run work in the thread, giving it the event that tells it to stop."""
+        """Run work in the thread, passing the event that tells it to stop."""
         stop = self._stop = threading.Event()
 
         def unless_stopped() -> T:
@@ -66,11 +66,11 @@ class Thinker:
             raise
 
     def stop(self) -> None:
-        """Tell the work under way to stop."""
+        """Tell the current work to stop."""
         self._stop.set()
 
     async def close(self) -> None:
-        """Stop the work under way and free the mind."""
+        """Stop the current work and free the mind."""
         self._stop.set()
         await asyncio.get_running_loop().run_in_executor(self._pool, self._forget)
         self._pool.shutdown(wait=False)

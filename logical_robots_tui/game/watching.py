@@ -1,4 +1,4 @@
-"""Watching: which breakpoints a tick hits, and with what values."""
+"""Checking breakpoints: which ones a tick hits, and with what values."""
 
 from __future__ import annotations
 
@@ -21,19 +21,19 @@ if TYPE_CHECKING:
 __all__ = ["Watch"]
 
 _Rows: TypeAlias = "list[tuple[Value, ...]]"
-_FEW = 3  # values that are told
-_LONGEST = 60  # characters of one of them
+_FEW = 3  # values that are reported
+_LONGEST = 60  # characters of each
 _BY_NAME = ("Robot", "Sensor", "Memory")
 
 
 class Watch:
-    """Compares each tick with the one before.
+    """Compares each tick with the previous one.
 
     Args:
-        breakpoints: What to watch for.
+        breakpoints: The breakpoints to check.
 
     Attributes:
-        problems: Why a breakpoint could not be watched for in the latest tick, by breakpoint.
+        problems: Why a breakpoint could not be checked in the latest tick, by breakpoint.
     """
 
     def __init__(self, breakpoints: Sequence[Breakpoint]) -> None:
@@ -43,13 +43,13 @@ class Watch:
         self._questions: dict[str, Question | ProgramError] = {}
 
     def hits(self, past: Frame, frame: Frame, mind: Mind, stop: threading.Event) -> tuple[Hit, ...]:
-        """The breakpoints that a tick hits.
+        """Return the breakpoints that a tick hits.
 
         Args:
             past: The tick before.
             frame: The tick.
-            mind: Whom to ask; the same one each time.
-            stop: Set it from another thread to give up.
+            mind: The mind to evaluate them; the same one each time.
+            stop: Set this from another thread to abort.
 
         Raises:
             Stopped: `stop` was set.
@@ -107,9 +107,9 @@ class Watch:
         return table
 
     def _question(self, subject: str, mind: Mind, stop: threading.Event) -> Question | None:
-        """What to ask about a subject; None if it is a predicate that is better asked by name.
+        """Return the question for a subject; None if it is a predicate best queried by name.
 
-        Of all robots together only questions and `Robot` are asked.
+        Only questions and `Robot` are evaluated for all robots together.
 
         Raises:
             ProgramError: The subject is neither a predicate nor a question.
@@ -131,7 +131,7 @@ class Watch:
 
 
 def _rows_for(each: Breakpoint, table: Table) -> _Rows:
-    """The rows, or the values of one column, that a breakpoint is about."""
+    """Return the rows, or the values of one column, that concern a breakpoint."""
     rows: Sequence[tuple[Value, ...]] = table.rows
     if each.robot and "robot_name" in table.columns:
         at = table.columns.index("robot_name")
@@ -150,7 +150,7 @@ def _rows_for(each: Breakpoint, table: Table) -> _Rows:
 
 
 def _without(rows: _Rows, others: _Rows) -> _Rows:
-    """The rows that are not among others, each as often as it is missing."""
+    """Return the multiset difference of rows."""
     if rows == others:
         return []
     left = Counter(to_json(row) for row in others)
@@ -192,7 +192,7 @@ def _occurrences(each: Breakpoint, past: Frame, frame: Frame) -> Iterator[str]:
 
 
 def _moved(each: Breakpoint, before: Frame, after: Frame, verb: str) -> Iterator[str]:
-    """Who is in an area after and was not before."""
+    """Yield the robots that are in an area after but not before."""
     for then, now in zip(before.after.areas, after.after.areas, strict=True):
         if each.subject in ("", now.name):
             for name in now.visitors:
@@ -211,7 +211,7 @@ def _lost(each: Breakpoint, past: Frame, frame: Frame) -> Iterator[str]:
 
 
 def _seen(row: SensorRow) -> dict[str, float]:
-    """The beacons and robots on a robot's radar, with their distances."""
+    """Return the beacons and robots on a robot's radar, with their distances."""
     return {
         ray["label"]: ray["distance"]
         for ray in row["sensor"]["radar"]

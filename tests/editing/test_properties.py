@@ -35,7 +35,7 @@ def test_texts_and_visibility_are_set_as_they_will_be_loaded() -> None:
         ({"briefing": "b" * 20_001}, "longer than 20000"),
         ({"hints": ("\x1b",)}, "can't be shown"),
         ({"visibility": Visibility("none")}, '"memory" must be'),  # type: ignore[arg-type] # as it is tested
-        ({"width": 5}, "A level has no width to set."),
+        ({"width": 5}, "A level has no property width."),
     ],
 )
 def test_a_text_out_of_bounds_is_refused(values: dict[str, object], message: str) -> None:

@@ -138,7 +138,7 @@ async def test_one_that_is_switched_off_or_deleted_does_not_stop_a_run(game: Gam
         (Breakpoint("change", "WeightedAverage"), "function of its arguments"),
         (Breakpoint("rows"), "needs the name of a predicate"),
         (Breakpoint("enters", "Dor"), 'This level has no area Dor. Did you mean "Door"?'),
-        (Breakpoint("loses sight", "Lmap"), "Nothing here is called Lmap."),
+        (Breakpoint("loses sight", "Lmap"), "Nothing in this level is called Lmap."),
         (Breakpoint("notice", "nonsense"), "No notice is called nonsense."),
         (Breakpoint("blocked", robot="Eve"), "This level has no robot Eve."),
         (Breakpoint("change", "Tens", column="ten"), "Tens has no column ten."),
@@ -193,9 +193,9 @@ async def test_one_whose_predicate_fails_says_in_which_tick(game: Game) -> None:
 def test_words_say_what_a_breakpoint_is_about() -> None:
     told = {
         Breakpoint("rows", "Near"): "Near has rows",
-        Breakpoint("no rows", "Near", "Ada"): "Near has no rows any more for Ada",
+        Breakpoint("no rows", "Near", "Ada"): "Near no longer has rows for Ada",
         Breakpoint("rows", "Near(d:), d < 5"): "Near(d:), d < 5 holds",
-        Breakpoint("no rows", "1 < 2"): "1 < 2 does not hold any more",
+        Breakpoint("no rows", "1 < 2"): "1 < 2 no longer holds",
         Breakpoint("change", "Tens", "Bo", "tens"): "Tens.tens changes for Bo",
         Breakpoint("enters", "Door"): "a robot enters Door",
         Breakpoint("leaves", robot="Ada"): "Ada leaves an area",

@@ -49,7 +49,7 @@ def test_a_name_in_a_folder_that_is_gone_is_refused(
     here.mkdir()
     monkeypatch.chdir(here)
     here.rmdir()
-    with pytest.raises(InputError, match="is gone"):
+    with pytest.raises(InputError, match="no longer exists"):
         target("./mine.l", tmp_path)
 
 
