@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from rich.console import Console
+from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
 from rich.table import Table
 
 from benchmarks.answers import answers
@@ -23,8 +24,10 @@ from benchmarks.history import history
 from benchmarks.inspector import inspector
 from benchmarks.machine import machine
 from benchmarks.measure import Effort, Measurement
+from benchmarks.memory import memory
 from benchmarks.mind import compiling, thinking
 from benchmarks.proofs import proofs
+from benchmarks.schemas import schemas
 from benchmarks.ssh import processor, ssh
 from benchmarks.swarm import swarms
 from benchmarks.whole_game import whole_game
@@ -40,11 +43,13 @@ BENCHMARKS = {
     "crowds": crowds,
     "compile": compiling,
     "think": thinking,
+    "schemas": schemas,
     "swarms": swarms,
     "game": whole_game,
     "breakpoints": breakpoints,
     "editing": editing,
     "history": history,
+    "memory": memory,
     "inspector": inspector,
     "folding": folding,
     "answers": answers,
@@ -71,11 +76,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
     collect_seldom()  # as the commands do
     os.environ["LOGICAL_ROBOTS_CACHE_DIR"] = ""  # what was compiled before would flatter us
     effort = QUICK if options.quick else THOROUGH
-    console = Console(stderr=True)
-    found: list[Measurement] = []
-    for name in options.only or BENCHMARKS:
-        with console.status(f"measuring {name}"):
-            found += BENCHMARKS[name](effort)
+    found = _measure(options.only or list(BENCHMARKS), effort)
     wide = None if sys.stdout.isatty() else 120
     Console(width=wide).print(_table(found, earlier))
     if options.json:
@@ -85,6 +86,26 @@ def main(arguments: Sequence[str] | None = None) -> None:
             sys.stdout.write(text)
         else:
             options.json.write_text(text, encoding="utf-8")
+
+
+def _measure(names: Sequence[str], effort: Effort) -> list[Measurement]:
+    """Run benchmarks, and print each number as it comes."""
+    found: list[Measurement] = []
+    columns = (TextColumn("{task.description}"), BarColumn(), TimeElapsedColumn())
+    with Progress(*columns, console=Console(stderr=True)) as progress:
+        bar = progress.add_task("", total=len(names))
+        for name in names:
+            progress.update(bar, description=name)
+            for one in BENCHMARKS[name](effort):
+                found.append(one)
+                progress.console.print(
+                    f"{one.group}, {one.subject}: {one.value:,.2f} {one.unit}"
+                    + (f" ({one.required})" if one.required else ""),
+                    markup=False,
+                    highlight=False,
+                )
+            progress.advance(bar)
+    return found
 
 
 def _parser() -> argparse.ArgumentParser:

@@ -67,7 +67,7 @@ def _seconds(level: Level, program: Program, ticks: int, subject: str) -> float:
         began = process_time()
         await _run_to(game, 3 + ticks)
         took = process_time() - began
-        assert not any(map(game.trouble_with, wanted))
+        assert not any(map(game.problem_with, wanted))
         await game.close()
         return took
 

@@ -1,9 +1,8 @@
-"""Swarms: one think of very many robots, with each engine."""
+"""Swarms: one think of very many robots."""
 
 from __future__ import annotations
 
 from functools import partial
-from importlib.util import find_spec
 from typing import TYPE_CHECKING
 
 from benchmarks.halls import halls
@@ -11,7 +10,6 @@ from benchmarks.measure import Effort, Measurement, median_of
 from benchmarks.mind import think_milliseconds
 from benchmarks.subjects import program_text, rows_of
 from logical_robots_tui import Mind, Program
-from logical_robots_tui.mind.duck import engine as duck
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -29,7 +27,6 @@ def swarms(effort: Effort) -> Iterator[Measurement]:
     """Milliseconds for one think of a swarm, and what it costs that each sees only itself."""
     text = program_text("steering")
     each, everybody = Program.compile(text), Program.compile(EVERYBODY_SEES_ALL + text)
-    duck.FEWEST = 1  # to see from where on it is quicker
     ratios = []
     for robots, required in REQUIRED.items():
         rows = rows_of(halls(1200, 700, robots=robots, beacons=56))
@@ -37,14 +34,7 @@ def swarms(effort: Effort) -> Iterator[Measurement]:
         own, together = Mind(each), Mind(everybody)
         subject = f"steering, {robots} robots"
         once = partial(think_milliseconds, own, rows, thinks)
-        yield median_of(
-            "swarm", f"{subject}, SQLite", "ms", effort.repeats, once, required=required
-        )
-        if find_spec("duckdb") is not None:
-            with_duckdb = Mind(each, engine="duckdb")
-            once = partial(think_milliseconds, with_duckdb, rows, thinks)
-            yield median_of("swarm", f"{subject}, DuckDB", "ms", effort.repeats, once)
-            with_duckdb.close()
+        yield median_of("swarm", subject, "ms", effort.repeats, once, required=required)
         # Both in turn: the machine may be slower or quicker a moment later.
         ratios.append(
             median_of(

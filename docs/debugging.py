@@ -177,18 +177,18 @@ def page() -> str:
     return f"""\
 # Find a mistake
 
-When a robot does something stupid, the cause often lies many ticks back. Each question below brings
-you one step closer: from what you see to the decision, from the decision to a value, from the value
-to the tick and the rule that made it. All of them are asked about one case, in the game or on the
-command line. [A table](#which-question-for-which-symptom) at the end says which question fits which
-symptom.
+When a robot does something stupid, the cause often lies many ticks back. Each question below
+brings you one step closer: from what you see to the decision, from the decision to a value, from
+the value to the tick and the rule that made it. All of them are asked about one case, in the game
+or on the command line. [A table](#which-question-for-which-symptom) at the end says which question
+fits which symptom.
 
 ```
 logical-robots play {FILES}
 ```
 
-Dot carries a parcel. A sign near the start says `left`: at the far end of the hall the office is to
-the left. Dot sees the sign only while passing it, so it has to remember the word.
+Dot carries a parcel. A sign near the start says `left`: at the far end of the hall the office is
+to the left. Dot sees the sign only while passing it, so it has to remember the word.
 
 ```prolog
 {program}
@@ -196,9 +196,9 @@ the left. Dot sees the sign only while passing it, so it has to remember the wor
 
 ## The symptom
 
-`U` and `{found.wrong}` run until that tick. At the fork Dot has turned right, away from the office.
-`a` selects Dot: a card shows its engines and its memory, and the timeline marks where that memory
-changed.
+`U` and `{found.wrong}` run until that tick. At the fork Dot has turned right, away from the
+office. `a` selects Dot: a card shows its engines and its memory, and the timeline marks where that
+memory changed.
 
 ## Where do I begin? Diagnosis
 
@@ -207,8 +207,8 @@ that never produced a row, conditions that never changed, memories that were los
 
 {pictures["1"]}
 
-`word` was never `"left"`, although the sign says so. `Enter` goes to the first tick of a finding. The
-same on the command line:
+`word` was never `"left"`, although the sign says so. `Enter` goes to the first tick of a finding.
+The same on the command line:
 
 {diagnosis}
 
@@ -216,25 +216,25 @@ Dot does arrive, but late: at tick {won[1]}, after a long detour.
 
 ## Why did it do that? Why
 
-`w` proves the decision at tick {found.turned}: the rule that produced it, with the values of this one
-derivation, and what it called. `→` and `←` open and close lines. A wall is near, so `Drive` turns.
-`Turn` was called with `lamp`, and for every word but `left` it turns right. So `Turn` is correct, and
-the word is wrong. The program highlights the place of the line under the cursor.
+`w` proves the decision at tick {found.turned}: the rule that produced it, with the values of this
+one derivation, and what it called. `→` and `←` open and close lines. A wall is near, so `Drive`
+turns. `Turn` was called with `lamp`, and for every word but `left` it turns right. So `Turn` is
+correct, and the word is wrong. The program highlights the place of the line under the cursor.
 
 {pictures["2"]}
 
-`Enter` asks the same about a call, here `Mind`, which supplied the word. So does `--predicate`, and
-`--tree` follows every call down to what was sensed and remembered:
+`Enter` asks the same about a call, here `Mind`, which supplied the word. So does `--predicate`,
+and `--tree` follows every call down to what was sensed and remembered:
 
 {told(f"logical-robots why {at} --predicate Mind --tree")}
 
-The word was already in memory. The proof also explains why `Sign` has no row here: for each rule that
-produced none, it shows the first part that nothing satisfies.
+The word was already in memory. The proof also explains why `Sign` has no row here: for each rule
+that produced none, it shows the first part that nothing satisfies.
 
 ## Where does the value come from? Origin
 
-`origin` skips all ticks that only kept the value, also through the memories of other robots, and finds
-the tick and the rule that made it, and what it was made from:
+`origin` skips all ticks that only kept the value, also through the memories of other robots, and
+finds the tick and the rule that made it, and what it was made from:
 
 {origin}
 
@@ -257,16 +257,16 @@ The command line shows all of them at once:
 
 ## When did it change? Watch
 
-`@` pins a question, a number of rows, or the value under the cursor, here the word in Dot's memory.
-`V` shows the pinned values, each with a line of the surrounding ticks. `←` and `→` go to where a value
-changes: the `┼` marks where `left` became `lamp`.
+`@` pins a question, a number of rows, or the value under the cursor, here the word in Dot's
+memory. `V` shows the pinned values, each with a line of the surrounding ticks. `←` and `→` go to
+where a value changes: the `┼` marks where `left` became `lamp`.
 
 {pictures["4"]}
 
 ## What happened at that tick?
 
-Press `w` again, and `Enter` on `Mind` and on `Sign`, down to the ray that was chosen. The labyrinth
-shows the ray under the cursor.
+Press `w` again, and `Enter` on `Mind` and on `Sign`, down to the ray that was chosen. The
+labyrinth shows the ray under the cursor.
 
 {pictures["5"]}
 

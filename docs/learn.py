@@ -26,22 +26,16 @@ HEAD = """\
 # The course
 
 One lesson for each level, with the Logica that it needs. Read it next to the game: play the level
-until you are stuck, read on, try again. The game shows the same text bit by bit: the briefing beside
-the labyrinth, `h` for a hint, `t` for the lesson.
+until you are stuck, read on, try again. The game shows the same text bit by bit: the briefing next
+to the labyrinth, `h` for a hint, `t` for the lesson.
 """
 
 SEES = {
     ("own", "own"): "A robot sees only its own memory and sensor.",
-    (
-        "seen",
-        "own",
-    ): "A robot sees its own sensor, and the memories of itself and of the robots on its radar.",
+    ("seen", "own"): "A robot sees its own sensor, and also the memory of each robot on its radar.",
     ("all", "own"): "A robot sees its own sensor, and the memories of all robots.",
     ("own", "all"): "A robot sees its own memory, and the sensors of all robots.",
-    (
-        "seen",
-        "all",
-    ): "A robot sees all sensors, and the memories of itself and of the robots on its radar.",
+    ("seen", "all"): "A robot sees all sensors, and also the memory of each robot on its radar.",
     ("all", "all"): "A robot sees the memories and sensors of all robots.",
 }
 

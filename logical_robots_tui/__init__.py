@@ -13,7 +13,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from logical_robots_tui.later import names_from
+from logical_robots_tui.later import lazy_exports
 
 if TYPE_CHECKING:
     from logical_robots_tui.errors import InputError, LogicalRobotsError
@@ -60,7 +60,7 @@ _HOMES = {
 }
 
 
-__getattr__ = names_from(__name__, _HOMES)
+__getattr__ = lazy_exports(__name__, _HOMES)
 
 
 def __dir__() -> list[str]:

@@ -1,7 +1,7 @@
-"""Folders of what can be made again: bounded, written whole, and never in the way.
+"""Cache folders on disk: bounded, written atomically, and never raising an error.
 
-Many processes may read and write at once, because a file appears whole or not at all. Whatever is
-wrong with the disk, nothing is raised here. Whoever reads an entry checks it.
+Many processes may read and write at once, because a file appears whole or not at all. Errors of the
+disk are ignored here. Readers must check the entries that they get.
 """
 
 from __future__ import annotations
@@ -11,9 +11,10 @@ import hashlib
 import os
 import tempfile
 from dataclasses import dataclass
-from importlib import metadata
 from pathlib import Path
 from typing import TYPE_CHECKING
+
+from logical_robots_tui.confinement import is_confined
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -21,16 +22,17 @@ if TYPE_CHECKING:
 __all__ = ["FOLDER_VARIABLE", "CacheFolder", "cache_place", "digest_of_code"]
 
 FOLDER_VARIABLE = "LOGICAL_ROBOTS_CACHE_DIR"
-"""Environment variable that names another folder; empty for no cache on disk."""
+"""Environment variable that names another folder; if empty, there is no cache on disk."""
 
 _UNFINISHED = ".unfinished"
+_CONFINED_SHARE = 8  # on a shared machine, where caches count as files of the player
 
 
 def cache_place(name: str, *, named: str = "") -> Path | None:
-    """Where entries of a kind are kept, or None for nowhere.
+    """Return the folder for entries of a kind, or None if nothing is to be cached.
 
     Args:
-        name: The folder's name in the system's place for caches.
+        name: The folder's name in the system's cache folder.
         named: Its name in the folder that the environment names, by default that folder itself.
     """
     chosen = os.environ.get(FOLDER_VARIABLE)
@@ -43,13 +45,13 @@ def cache_place(name: str, *, named: str = "") -> Path | None:
 
 @dataclass(frozen=True, slots=True)
 class CacheFolder:
-    """A folder of entries, of which the oldest go when there is no room.
+    """A folder of entries that evicts the oldest when it is full.
 
     Attributes:
-        place: The folder; it need not be there.
-        suffix: How the names of entries end.
-        most_entries: How many there may be.
-        most_bytes: How large they may be together.
+        place: The folder; it need not exist.
+        suffix: The ending of entries' names.
+        most_entries: The largest number of entries.
+        most_bytes: The largest total size.
     """
 
     place: Path
@@ -58,11 +60,11 @@ class CacheFolder:
     most_bytes: int
 
     def read(self, name: str, largest: int) -> bytes | None:
-        """The content of an entry, or None if there is none, or none that can be read.
+        """Return the content of an entry, or None if it is missing or unreadable.
 
         Args:
             name: Of the entry, without the suffix.
-            largest: How many bytes it may have; a larger one is removed.
+            largest: The most bytes it may have; a larger entry is removed.
         """
         path = self._path(name)
         try:
@@ -74,11 +76,11 @@ class CacheFolder:
             self.drop(name)
             return None
         with contextlib.suppress(OSError):
-            os.utime(path)  # the entries used last are the last to go
+            os.utime(path)  # the most recently used entries are evicted last
         return content
 
     def keep(self, name: str, content: Iterable[bytes]) -> None:
-        """Keep an entry, given in pieces, and remove the oldest if there are too many."""
+        """Store an entry, given in pieces, and evict the oldest if there are too many."""
         with contextlib.suppress(OSError):
             self.place.mkdir(mode=0o700, parents=True, exist_ok=True)
             handle, unfinished = tempfile.mkstemp(suffix=_UNFINISHED, dir=self.place)
@@ -101,7 +103,7 @@ class CacheFolder:
         return self.place / f"{name}{self.suffix}"
 
     def _make_room(self) -> None:
-        """Remove the oldest entries beyond the bounds, leftovers of killed processes among them."""
+        """Evict the oldest entries beyond the limits, including leftovers of killed processes."""
         found = []
         with os.scandir(self.place) as entries:
             for entry in entries:
@@ -110,21 +112,25 @@ class CacheFolder:
                         about = entry.stat(follow_symlinks=False)
                         found.append((about.st_mtime, about.st_size, entry.path))
         found.sort(reverse=True)
+        share = _CONFINED_SHARE if is_confined() else 1
+        most_entries, most_bytes = self.most_entries // share, self.most_bytes // share
         total = 0
         for number, (_, size, path) in enumerate(found, 1):
             total += size
-            if number > self.most_entries or total > self.most_bytes:
+            if number > most_entries or total > most_bytes:
                 with contextlib.suppress(OSError):
                     Path(path).unlink()
 
 
 def digest_of_code(folders: Iterable[Path], packages: Iterable[str]) -> bytes:
-    """What stands for code as it is now.
+    """Return a digest of the code as it is now.
 
     Args:
-        folders: All Python files in them count.
-        packages: Their versions count, of those that are installed.
+        folders: All Python files in them are included.
+        packages: Their versions are included, if they are installed.
     """
+    from importlib import metadata  # slow to load, and most processes don't need it
+
     digest = hashlib.sha256()
     for package in packages:
         with contextlib.suppress(metadata.PackageNotFoundError):

@@ -1,4 +1,4 @@
-"""Where a player's files may be on a shared machine, and how many: for the whole process.
+"""Confine a player's files on a shared machine to one folder with a quota, for the whole process.
 
 Without `confine` everything is allowed.
 """
@@ -18,7 +18,7 @@ __all__ = ["MOST_BYTES", "MOST_FILES", "WHY", "check_mine", "check_quota", "conf
 
 MOST_FILES = 2_000
 MOST_BYTES = 200 * 2**20
-"""Of all files in a player's folder."""
+"""Total size of all files in a player's folder."""
 
 WHY = "restricted mode allows only your own files"
 
@@ -33,26 +33,26 @@ _confined: list[_Confinement] = []
 
 
 def confine(own: Path, *readable: Path) -> None:
-    """Let files that a player names be in these folders only, for good.
+    """Allow only files in these folders, permanently.
 
     Args:
         own: The player's folder.
-        readable: What else may be read.
+        readable: Other folders that may be read.
     """
     folders = tuple(os.path.realpath(folder) for folder in readable)
     _confined.append(_Confinement(os.path.realpath(own), folders))
 
 
 def is_confined() -> bool:
-    """Whether the player's files are confined to a folder."""
+    """Return whether the player's files are confined to a folder."""
     return bool(_confined)
 
 
 def check_mine(path: str | Path) -> None:
-    """Refuse what is neither the player's nor came with the game, be it there or not.
+    """Refuse a path that belongs neither to the player nor to the game, whether it exists or not.
 
     Raises:
-        PermissionError: It is neither; that says nothing about whether it exists.
+        PermissionError: It belongs to neither; the error does not reveal whether it exists.
     """
     where = os.path.realpath(path)
     for confined in _confined:
@@ -62,11 +62,11 @@ def check_mine(path: str | Path) -> None:
 
 
 def check_quota(path: Path, size: int) -> None:
-    """Refuse to write a file for which there is no room.
+    """Refuse to write a file that would exceed the quota.
 
     Args:
         path: The file.
-        size: Its bytes afterwards.
+        size: Its size in bytes afterwards.
 
     Raises:
         OSError: The player's folder would hold too many files or bytes.
@@ -75,15 +75,15 @@ def check_quota(path: Path, size: int) -> None:
         sizes = {found.path: found.stat().st_size for found in _files(confined.own)}
         before = sizes.get(os.path.realpath(path))
         if before is None and len(sizes) >= MOST_FILES:
-            said = f"your folder is full: it holds {MOST_FILES:,} files, and that is the most"
+            said = f"your folder is full: it holds {MOST_FILES:,} files, the most allowed"
             raise OSError(EDQUOT, said, str(path))
         if size > (before or 0) and sum(sizes.values()) - (before or 0) + size > MOST_BYTES:
-            said = f"your folder is full: {MOST_BYTES // 2**20} MB are the most"
+            said = f"your folder is full: at most {MOST_BYTES // 2**20} MB are allowed"
             raise OSError(EDQUOT, said, str(path))
 
 
 def _files(folder: str) -> Iterator[os.DirEntry[str]]:
-    """The files in a folder and in those within it, as far as they can be looked at."""
+    """Yield the readable files in a folder and its subfolders."""
     folders = [folder]
     while folders:
         try:

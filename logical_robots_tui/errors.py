@@ -1,15 +1,15 @@
-"""The error tree: everything a player or caller can be told went wrong."""
+"""The exceptions that this package raises on purpose."""
 
 from __future__ import annotations
 
-__all__ = ["InputError", "LogicalRobotsError"]
+__all__ = ["InputError", "LogicalRobotsError", "is_out_of_memory"]
 
 
 class LogicalRobotsError(Exception):
     """Base of every error that this package raises on purpose.
 
     Attributes:
-        title: A few words for the head of a message box.
+        title: A short title for a message box.
     """
 
     title = "Something went wrong"
@@ -37,3 +37,12 @@ class InputError(LogicalRobotsError):
         if not self.hint:
             return head
         return f"{head}{'' if head.endswith(('.', '!', '?')) else '.'} {self.hint}"
+
+
+def is_out_of_memory(error: BaseException | None) -> bool:
+    """Whether an error came about because this process may have no more memory, or thread."""
+    while error is not None:
+        if isinstance(error, MemoryError) or str(error) == "can't start new thread":
+            return True
+        error = error.__cause__ or error.__context__
+    return False

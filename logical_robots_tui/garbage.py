@@ -1,4 +1,4 @@
-"""How often Python looks for objects that keep only each other alive."""
+"""How often Python's garbage collector looks for reference cycles."""
 
 from __future__ import annotations
 
@@ -8,16 +8,16 @@ __all__ = ["collect_later", "collect_seldom"]
 
 
 def collect_seldom() -> None:
-    """Let Python look for garbage in circles a thirtieth as often as it would.
+    """Run the cycle collector a thirtieth as often as by default.
 
-    A tick, a picture and a compiled program are made of many thousand objects that go when they
-    are no longer used. To look for circles among them took a tenth of the time. For commands, which
-    have their process to themselves; a library leaves this to the program that uses it.
+    A tick, a screen update and a compiled program consist of many thousand objects that reference
+    counting frees. Looking for cycles among them took a tenth of the time. Only commands call this,
+    because they own their process; a library leaves it to the program that uses it.
     """
     gc.set_threshold(20_000, 20, 20)
     gc.enable()
 
 
 def collect_later() -> None:
-    """Let Python look for nothing until ``collect_seldom``: what loads at a start is to stay."""
+    """Turn the collector off until ``collect_seldom``: objects loaded at the start stay alive."""
     gc.disable()

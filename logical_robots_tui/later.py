@@ -1,4 +1,4 @@
-"""Names of a package that are loaded when they are first used."""
+"""Package exports that are loaded on first use."""
 
 from __future__ import annotations
 
@@ -9,15 +9,15 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
 
-__all__ = ["names_from"]
+__all__ = ["lazy_exports"]
 
 
-def names_from(package: str, homes: Mapping[str, str]) -> Callable[[str], object]:
-    """Return what a package is to have as its ``__getattr__`` (PEP 562).
+def lazy_exports(package: str, homes: Mapping[str, str]) -> Callable[[str], object]:
+    """Return a ``__getattr__`` (PEP 562) for a package that loads its exports on first use.
 
     Args:
-        package: Its name.
-        homes: For each name to load later the module within the package that has it.
+        package: The package's name.
+        homes: For each exported name, the module within the package that defines it.
     """
 
     def load(name: str) -> object:

@@ -1,7 +1,7 @@
-"""Asking about paths that players type or the system names, whatever they are.
+"""Checks on arbitrary paths, which players type or the system names.
 
-Of a path in a folder that may not be looked into, or with a name that is too long, pathlib raises
-an error where there is nothing but a question; here the answer is no.
+For a path in an unreadable folder, or with a name that is too long, pathlib's checks raise an
+error; the checks here return False.
 """
 
 from __future__ import annotations
@@ -26,42 +26,42 @@ _OF_THE_KERNEL = ("/proc", "/sys", "/dev")
 
 
 def is_there(path: Path) -> bool:
-    """Whether there is anything that this process can see."""
+    """Return whether this process can see anything at the path."""
     return os.path.exists(path)  # noqa: PTH110 - pathlib raises errors
 
 
 def is_file(path: Path) -> bool:
-    """Whether there is a file that this process can see."""
+    """Return whether this process can see a file at the path."""
     return os.path.isfile(path)  # noqa: PTH113 - pathlib raises errors
 
 
 def is_folder(path: Path) -> bool:
-    """Whether there is a folder that this process can see."""
+    """Return whether this process can see a folder at the path."""
     return os.path.isdir(path)  # noqa: PTH112 - pathlib raises errors
 
 
 def real(path: Path) -> Path:
-    """Where a path leads to through all symbolic links; as far as that goes, if in a circle."""
+    """Resolve all symbolic links of a path, as far as possible if they form a loop."""
     return Path(os.path.realpath(path))
 
 
 def read_ordinary(path: Path, most: int) -> bytes:
-    """The first bytes of an ordinary file, and nothing that could block or answer without end.
+    """Return the first bytes of a regular file; refuse anything that could block or never end.
 
     Args:
         path: The file.
-        most: How many bytes.
+        most: The largest number of bytes to return.
 
     Raises:
-        OSError: It is none, or can't be read.
+        OSError: It is not a regular file, or can't be read.
     """
     check_mine(path)
     where = real(path)
     if any(where.is_relative_to(folder) for folder in _OF_THE_KERNEL):
-        raise OSError(None, "is no ordinary file", str(path))
+        raise OSError(None, "not a regular file", str(path))
     with open(path, "rb", opener=_open_without_waiting) as file:
         if not stat.S_ISREG(os.fstat(file.fileno()).st_mode):
-            raise OSError(None, "is no ordinary file", str(path))
+            raise OSError(None, "not a regular file", str(path))
         return file.read(most)
 
 
@@ -70,13 +70,13 @@ def _open_without_waiting(path: str, flags: int) -> int:
 
 
 def typed_path(text: str) -> Path:
-    """The path that a player has typed, in which ``~`` stands for a home.
+    """Return the path that a player has typed, with ``~`` expanded.
 
     Raises:
-        InputError: It can't be a path, or it is nobody's home, or the player may not name it.
+        InputError: It is not a valid path, names an unknown home, or is not allowed.
     """
     if "\0" in text:
-        raise InputError("is no path", place=text)
+        raise InputError("is not a valid path", place=text)
     if is_confined():
         try:
             if text.startswith("~") and text[1:2] not in ("", "/"):

@@ -1,4 +1,4 @@
-"""The levels and programs that come with the game, found by name."""
+"""Finding shipped levels and programs by name."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ ShippedKind: TypeAlias = Literal["levels", "programs"]
 def shipped_folder(kind: ShippedKind) -> Path:
     """Return the folder of the shipped levels or programs.
 
-    An installed copy has it inside the package, a checkout beside the package.
+    It is inside an installed package, and beside the package in a checkout.
 
     Args:
         kind: ``levels`` or ``programs``.
@@ -28,7 +28,7 @@ def shipped_folder(kind: ShippedKind) -> Path:
 
 
 def shipped_names(kind: ShippedKind, suffix: str) -> list[str]:
-    """Return the names of what is shipped, without their ending, sorted.
+    """Return the sorted names of the shipped files, without their ending.
 
     Args:
         kind: ``levels`` or ``programs``.
@@ -41,11 +41,11 @@ def shipped_names(kind: ShippedKind, suffix: str) -> list[str]:
 
 
 def did_you_mean(word: str, options: Iterable[str]) -> str:
-    """Return a question naming the option most like a mistyped word, or "".
+    """Return a question that suggests the option closest to a mistyped word, or "".
 
     Args:
         word: What was typed.
-        options: What would have been right.
+        options: The valid words.
     """
     by_folded = {option.casefold(): option for option in options}
     close = difflib.get_close_matches(word.casefold(), by_folded, n=1, cutoff=0.6)

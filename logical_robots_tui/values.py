@@ -1,4 +1,4 @@
-"""The values that pass between the parts; they belong to no part alone."""
+"""The values that pass between the parts of the package."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ if TYPE_CHECKING:
 __all__ = ["Desire", "SensorRow", "Value"]
 
 Value: TypeAlias = "bool | int | float | str | Sequence[Value] | Mapping[str, Value] | None"
-"""What a program can compute or remember: null, text, number, list or record."""
+"""A value that a program can compute or remember: null, text, number, list or record."""
 
 SensorRow: TypeAlias = dict[str, Any]
 """``{"robot_name": str, "sensor": {...}}``, as the program's ``Sensor`` predicate sees it."""
@@ -19,9 +19,9 @@ SensorRow: TypeAlias = dict[str, Any]
 
 @dataclass(frozen=True, slots=True)
 class Desire:
-    """What a program wants of one robot's engines.
+    """The engine power that a program wants for one robot.
 
-    Values outside [-1, 1] are legal: driving clamps them, the battery pays for them as given.
+    Values outside [-1, 1] are legal: driving clamps them, but the battery pays for the given value.
 
     Attributes:
         left_engine: Wanted power of the left engine; 1.0 is one map unit a tick.

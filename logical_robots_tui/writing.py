@@ -1,4 +1,4 @@
-"""Writing files so that each is always either the old or the new one."""
+"""Writing files atomically."""
 
 from __future__ import annotations
 
@@ -23,14 +23,14 @@ _TEMPORARY = re.compile(r"\.(.+)\.[0-9a-f]{8}")
 def write_atomically(path: Path, text: str | bytes) -> None:
     """Replace a file's content in one step, keeping its permissions.
 
-    What a symbolic link leads to is replaced, not the link; a device or a pipe is written to.
+    Replaces the target of a symbolic link, not the link. Writes directly to a device or a pipe.
 
     Args:
-        path: The file; its folder must exist. A new one gets the permissions that are usual here.
-        text: The new content; text is written as UTF-8, with its line ends as they are.
+        path: The file; its folder must exist. A new file gets the default permissions.
+        text: The new content; text is written as UTF-8 with its line ends unchanged.
 
     Raises:
-        OSError: It can't be written; the old content is still there.
+        OSError: It can't be written; the old content is intact.
     """
     content = text.encode("utf-8") if isinstance(text, str) else text
     if is_there(path) and not is_file(path):
@@ -54,7 +54,7 @@ def write_atomically(path: Path, text: str | bytes) -> None:
 
 
 def _opened_beside(path: Path) -> tuple[Path, int]:
-    """A new file in the same folder, locked as long as it is written to."""
+    """Create a temporary file in the same folder, locked while it is being written."""
     while True:
         temporary = path.with_name(f".{path.name}.{token_hex(4)}")
         handle = os.open(temporary, os.O_WRONLY | os.O_CREAT | os.O_EXCL | os.O_CLOEXEC, 0o666)
@@ -62,11 +62,11 @@ def _opened_beside(path: Path) -> tuple[Path, int]:
             fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
         if os.fstat(handle).st_nlink:
             return temporary, handle
-        os.close(handle)  # swept before it was locked
+        os.close(handle)  # removed before it was locked
 
 
 def _sweep(path: Path) -> None:
-    """Remove what was left where writing a file of this folder was killed."""
+    """Remove temporary files in this folder that killed processes left behind."""
     with suppress(OSError):
         for name in os.listdir(path.parent):  # noqa: PTH208 - names are looked at first
             found = _TEMPORARY.fullmatch(name)
@@ -78,7 +78,7 @@ def _remove_if_left(temporary: Path) -> None:
     with suppress(OSError):
         handle = os.open(temporary, os.O_RDONLY | os.O_CLOEXEC | os.O_NOFOLLOW | os.O_NONBLOCK)
         try:
-            fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)  # fails while somebody writes
+            fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)  # fails while another process writes
             temporary.unlink()
         finally:
             os.close(handle)

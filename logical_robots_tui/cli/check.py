@@ -6,7 +6,7 @@ import json
 from dataclasses import asdict
 from typing import TYPE_CHECKING
 
-from logical_robots_tui.cli.command import add_data_dir, add_engine, check_engine, new_command
+from logical_robots_tui.cli.command import add_data_dir, new_command
 from logical_robots_tui.cli.text import harmless
 
 if TYPE_CHECKING:
@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
 
     from logical_robots_tui.cli.command import Commands
-    from logical_robots_tui.mind import Diagnostic, Engine
+    from logical_robots_tui.mind import Diagnostic
 
 __all__ = ["declare"]
 
@@ -44,21 +44,19 @@ def declare(commands: Commands) -> None:
     )
     command.add_argument("programs", metavar="PROGRAM", nargs="+", help="a program's name or file")
     command.add_argument("--json", action="store_true", help="print JSON")
-    add_engine(command)
     add_data_dir(command)
 
 
 def start(options: argparse.Namespace) -> int:
     """Compile each program and print its diagnostics."""
-    from logical_robots_tui.cli.folders import own_programs
+    from logical_robots_tui.cli.command import own_programs
     from logical_robots_tui.game import load_program
 
-    check_engine(options)
     told = []
     status = FINE
     for name in options.programs:
         text = load_program(name, own_programs(options.data_dir), pipes=True).text
-        found = diagnostics(text, options.engine)
+        found = diagnostics(text)
         if any(diagnostic.severity == "error" for diagnostic in found):
             status = WRONG
         told.append({"file": name, "diagnostics": [asdict(diagnostic) for diagnostic in found]})
@@ -70,15 +68,14 @@ def start(options: argparse.Namespace) -> int:
     return status
 
 
-def diagnostics(text: str, engine: Engine = "sqlite") -> tuple[Diagnostic, ...]:
+def diagnostics(text: str) -> tuple[Diagnostic, ...]:
     """Errors of a program that can't run, or the warnings of one that can."""
-    from logical_robots_tui.mind import Program, ProgramError, why_not_duckdb
+    from logical_robots_tui.mind import Program, ProgramError
 
     try:
-        program = Program.compile(text)
+        return Program.compile(text).warnings
     except ProgramError as error:
         return error.diagnostics
-    return program.warnings + (why_not_duckdb(program) if engine == "duckdb" else ())
 
 
 def _lines(file: str, text: str, diagnostic: Diagnostic) -> Iterator[str]:

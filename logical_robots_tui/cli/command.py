@@ -10,24 +10,18 @@ from typing import TYPE_CHECKING, TypeAlias
 if TYPE_CHECKING:
     from collections.abc import Callable
 
+    Commands: TypeAlias = "argparse._SubParsersAction[argparse.ArgumentParser]"
+
 __all__ = [
     "Commands",
     "add_data_dir",
-    "add_engine",
     "add_json",
-    "add_level_and_program",
-    "check_engine",
+    "folder_of",
     "new_command",
     "number_from",
-    "opened",
+    "own_programs",
     "prefers_json",
 ]
-
-if TYPE_CHECKING:
-    from logical_robots_tui.mind import Program
-    from logical_robots_tui.world import Level
-
-    Commands: TypeAlias = "argparse._SubParsersAction[argparse.ArgumentParser]"
 
 
 def new_command(
@@ -62,37 +56,6 @@ def new_command(
     return command
 
 
-def add_level_and_program(command: argparse.ArgumentParser) -> None:
-    """Add what is to be run, and the options that go with it; `opened` reads them."""
-    command.add_argument("level", metavar="LEVEL", help="a level's name or file")
-    command.add_argument("program", metavar="PROGRAM", help="a program's name or file")
-    add_engine(command)
-    add_data_dir(command)
-
-
-def opened(options: argparse.Namespace) -> tuple[Level, Program]:
-    """The level and the compiled program that were named.
-
-    Raises:
-        InputError: One of them can't be read.
-        ProgramFileError: The program is wrong.
-    """
-    from logical_robots_tui.cli.failure import ProgramFileError
-    from logical_robots_tui.cli.folders import own_programs
-    from logical_robots_tui.game import load_program
-    from logical_robots_tui.mind import Program, ProgramError
-    from logical_robots_tui.world import load_level
-
-    check_engine(options)
-    level = load_level(options.level)
-    source = load_program(options.program, own_programs(options.data_dir), pipes=True)
-    try:
-        return level, Program.compile(source.text)
-    except ProgramError as error:
-        place = str(source.path if options.program == str(source.path) else options.program)
-        raise ProgramFileError(place, error) from error
-
-
 def number_from(least: int) -> Callable[[str], int]:
     """A reader of whole numbers from `least` up, for an option."""
 
@@ -118,27 +81,27 @@ def add_data_dir(command: argparse.ArgumentParser) -> None:
     )
 
 
-def add_engine(command: argparse.ArgumentParser) -> None:
-    """Add the option that says what robots think with."""
-    command.add_argument(
-        "--engine",
-        choices=("sqlite", "duckdb"),
-        default="sqlite",
-        help="what the robots think with; duckdb is quicker for 200 and more (default: "
-        "%(default)s)",
-    )
+def folder_of(data_dir: Path | None, player: str | None = None) -> Path:
+    """The folder for everything of a player's.
 
-
-def check_engine(options: argparse.Namespace) -> None:
-    """Make sure that what the robots are to think with is there.
-
-    Raises:
-        InputError: It is not installed.
+    Args:
+        data_dir: The folder that was named, or None for the system's place for it.
+        player: A name, where many players share an account.
     """
-    if options.engine == "duckdb":
-        from logical_robots_tui.mind import check_installed
+    if data_dir is None:
+        from platformdirs import user_data_path
 
-        check_installed()
+        data_dir = user_data_path("logical-robots", appauthor=False)
+    return data_dir / "players" / player if player else data_dir
+
+
+def own_programs(data_dir: Path | None) -> Path:
+    """The folder with the player's own programs.
+
+    Args:
+        data_dir: The folder for everything of the player's, or None for the system's place for it.
+    """
+    return folder_of(data_dir) / "programs"
 
 
 def add_json(command: argparse.ArgumentParser) -> None:

@@ -52,7 +52,7 @@ def start(options: argparse.Namespace) -> int:
 
         print(*shipped_names("levels", ".toml"), sep="\n")
     elif options.what == "programs":
-        from logical_robots_tui.cli.folders import own_programs
+        from logical_robots_tui.cli.command import own_programs
         from logical_robots_tui.game.source import list_programs
 
         print(*list_programs(own_programs(None)), sep="\n")

@@ -25,8 +25,7 @@ if TYPE_CHECKING:
 __all__ = ["declare"]
 
 FINE, TROUBLE = 0, 1
-PACKAGES = ("logica", "textual", "rich", "numpy", "orjson", "sqlglot", "duckdb")
-OPTIONAL = ("duckdb",)
+PACKAGES = ("logica", "textual", "rich", "numpy", "orjson", "sqlglot")
 
 EPILOG = """\
 examples:
@@ -144,8 +143,7 @@ def _versions() -> Iterator[Finding]:
         try:
             yield Finding("versions", package, version(package))
         except PackageNotFoundError:
-            trouble = "" if package in OPTIONAL else "the game can't do without it"
-            yield Finding("versions", package, "not installed", trouble)
+            yield Finding("versions", package, "not installed", "the game can't do without it")
 
 
 def _places(data_dir: Path | None) -> Iterator[Finding]:

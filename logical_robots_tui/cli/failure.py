@@ -3,19 +3,27 @@
 from __future__ import annotations
 
 import json
+import logging
+import platform
 import sys
+import traceback
 from contextlib import suppress
+from datetime import UTC, datetime
 from typing import TYPE_CHECKING, Any
 
+from logical_robots_tui import __version__
 from logical_robots_tui.cli.text import harmless
-from logical_robots_tui.errors import InputError, LogicalRobotsError
+from logical_robots_tui.errors import InputError, LogicalRobotsError, is_out_of_memory
 
 if TYPE_CHECKING:
+    from pathlib import Path
+
     from logical_robots_tui.mind import Diagnostic, ProgramError
 
 __all__ = [
     "BAD_INPUT",
     "OWN_MISTAKE",
+    "CrashLog",
     "ProgramFileError",
     "report",
     "report_output",
@@ -63,15 +71,16 @@ def report_output(error: OSError) -> int:
 
 def report_own_mistake(error: Exception, *, as_json: bool) -> int:
     """Keep the traceback of a mistake of ours in a log file, name it, return the exit status."""
-    from logical_robots_tui.cli.crash import keep
-
-    kept = keep(error)
+    kept = _write_log("".join(traceback.format_exception(error)))
     name = type(error).__name__
     where = f"The details are in {kept}" if kept else "The details could not be kept in a file"
     if as_json:
         told = {"kind": "own mistake", "message": name, "log": str(kept or "")}
         print(json.dumps({"error": told}, indent=2))
-    _say(f"this is a mistake in the game itself, not yours ({name}). {where}.")
+    if is_out_of_memory(error):
+        _say(f"the game has ended because it may have no more memory. {where}.")
+    else:
+        _say(f"this is a mistake in the game itself, not yours ({name}). {where}.")
     return OWN_MISTAKE
 
 
@@ -115,3 +124,38 @@ def _say(head: str, *more: str) -> None:
     lines = f"logical-robots: {harmless(head)}", *map(harmless, more)
     with suppress(OSError):  # the exit status still tells
         print(*lines, sep="\n", file=sys.stderr)
+
+
+class CrashLog(logging.Handler):
+    """Keeps what the parts log about mistakes of our own, each in a file, and prints nothing."""
+
+    def emit(self, record: logging.LogRecord) -> None:
+        """Write one record to a new file in the system's place for logs."""
+        _write_log(self.format(record))
+
+
+def _write_log(what: str) -> Path | None:
+    """Write a new file in the system's place for logs; None if it can't be written."""
+    moment = datetime.now(UTC)
+    text = "\n".join(
+        [
+            f"logical-robots {__version__}, Python {platform.python_version()}, {sys.platform}",
+            moment.isoformat(timespec="seconds"),
+            "",
+            what,
+        ]
+    )
+    try:
+        folder = _log_folder()
+        folder.mkdir(parents=True, exist_ok=True)
+        path = folder / f"crash-{moment:%Y%m%d-%H%M%S-%f}.log"
+        path.write_text(text, encoding="utf-8")
+    except OSError:
+        return None
+    return path
+
+
+def _log_folder() -> Path:
+    from platformdirs import user_log_path
+
+    return user_log_path("logical-robots", appauthor=False)

@@ -61,7 +61,7 @@ def list_all_levels(options: argparse.Namespace) -> int:
 
 def list_all_programs(options: argparse.Namespace) -> int:
     """Print the name and file of each program."""
-    from logical_robots_tui.cli.folders import own_programs
+    from logical_robots_tui.cli.command import own_programs
     from logical_robots_tui.game import list_programs, load_program
 
     own = own_programs(options.data_dir)

@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from logical_robots_tui import __version__
-from logical_robots_tui.cli import crash, failure
+from logical_robots_tui.cli import failure
 from logical_robots_tui.errors import LogicalRobotsError
 from logical_robots_tui.garbage import collect_seldom
 
@@ -25,13 +25,13 @@ PROGRAM = "logical-robots"
 
 _HOMES = {
     "play": "play",
-    "run": "run",
-    "trace": "trace",
-    "query": "query",
-    "when": "when",
-    "why": "why",
-    "origin": "origin",
-    "diagnose": "diagnose",
+    "run": "runs.run",
+    "trace": "runs.trace",
+    "query": "runs.query",
+    "when": "runs.when",
+    "why": "runs.why",
+    "origin": "runs.origin",
+    "diagnose": "runs.diagnose",
     "check": "check",
     "help": "help",
     "levels": "listing",
@@ -92,7 +92,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     _open_what_is_closed()
     for stream in (sys.stdout, sys.stderr):
         stream.reconfigure(errors="backslashreplace")  # type: ignore[union-attr] # typed as TextIO
-    logging.getLogger("logical_robots_tui").handlers = [crash.LogKeeper(logging.ERROR)]
+    logging.getLogger("logical_robots_tui").handlers = [failure.CrashLog(logging.ERROR)]
     typed = _with_command(sys.argv[1:] if arguments is None else arguments)
     options = parser(typed[0]).parse_args(typed)
     try:

@@ -41,7 +41,6 @@ if TYPE_CHECKING:
 
     from logical_robots_tui.game import Frame, Source
     from logical_robots_tui.game.victory import Victory
-    from logical_robots_tui.mind import Engine
     from logical_robots_tui.world import Level
 
 __all__ = ["play_in_lines"]
@@ -62,16 +61,13 @@ help            this list
 quit            leave; so does the end of the input"""
 
 
-def play_in_lines(
-    level_name: str | None, program: str | None, data_dir: Path, engine: Engine
-) -> int:
+def play_in_lines(level_name: str | None, program: str | None, data_dir: Path) -> int:
     """Play by lines of text until the player leaves; return the exit status.
 
     Args:
         level_name: A level's name or path; by default the shipped level that was played last.
         program: A program's name or path; by default what the player last used in that level.
         data_dir: Where the player's programs and progress are.
-        engine: What the robots think with.
 
     Raises:
         InputError: The level or the program can't be read.
@@ -89,7 +85,7 @@ def play_in_lines(
             compiled = Program.compile(source.text)
         except ProgramError as error:
             raise ProgramFileError(program or source.name, error) from error
-        table = _Table(level, source, compiled, progress, own, engine)
+        table = _Table(level, source, compiled, progress, own)
         return asyncio.run(table.play())
     finally:
         progress.close()
@@ -105,11 +101,10 @@ class _Table:
         program: Program,
         progress: Progress,
         own: Path,
-        engine: Engine,
     ) -> None:
         self._level, self._source = level, source
         self._progress, self._key, self._own = progress, level_key(level), own
-        self._game = Game(level, program, engine=engine)
+        self._game = Game(level, program)
         self._game.listen(self._tell_events)
         self._past = self._game.frame
         note_level(progress, level)

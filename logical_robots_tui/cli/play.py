@@ -7,18 +7,15 @@ import os
 import re
 import sys
 from importlib import import_module
-from pathlib import Path
 from typing import TYPE_CHECKING
 
-from logical_robots_tui.cli.command import add_data_dir, add_engine, check_engine, new_command
-from logical_robots_tui.cli.folders import folder_of
+from logical_robots_tui.cli.command import add_data_dir, folder_of, new_command
 from logical_robots_tui.errors import InputError
 from logical_robots_tui.garbage import collect_later
-from logical_robots_tui.paths import is_file, is_folder
-from logical_robots_tui.shipped import shipped_names
+from logical_robots_tui.paths import is_folder
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from pathlib import Path
 
     from logical_robots_tui.cli.command import Commands
 
@@ -53,7 +50,6 @@ def declare(commands: Commands) -> None:
         action="store_true",
         help="no screen: type commands, and read a line for each event",
     )
-    add_engine(command)
     add_data_dir(command)
     command.add_argument(
         "--player",
@@ -79,29 +75,21 @@ def start(options: argparse.Namespace) -> int:
     """Open the game.
 
     Raises:
-        InputError: There is no terminal, no such engine, nobody is named where all have folders, or
-            the level or program can't be used.
+        InputError: There is no terminal, nobody is named where all have folders, or the level or
+            program can't be used.
     """
     if not options.plain:
         _prepare_screen()
-    check_engine(options)
     if options.restricted and not options.player:
         _refuse_everybodys(folder_of(options.data_dir))
     options.data_dir = folder_of(options.data_dir, options.player)
     if options.plain:
         if options.restricted:
-            _fence_in(options, "logical_robots_tui.cli.plain")
+            _restrict(options, "logical_robots_tui.cli.plain")
         return _play_in_lines(options)
-    from logical_robots_tui.tui.app.outline import OUTLINE
-
-    try:
-        if _is_sure_to_open(options):
-            OUTLINE.show(options.data_dir)
-        if options.restricted:
-            _fence_in(options, "logical_robots_tui.tui.app.play")
-        return _play_on_screen(options)
-    finally:
-        OUTLINE.clear()
+    if options.restricted:
+        _restrict(options, "logical_robots_tui.tui.app.play")
+    return _play_on_screen(options)
 
 
 def _refuse_everybodys(folder: Path) -> None:
@@ -118,23 +106,13 @@ def _refuse_everybodys(folder: Path) -> None:
         )
 
 
-def _is_sure_to_open(options: argparse.Namespace) -> bool:
-    """Whether all that was named is there: if not, that is told without opening anything."""
-    levels, programs = shipped_names("levels", ".toml"), shipped_names("programs", ".l")
-    return _is_there(options.level, levels) and _is_there(options.program, programs)
-
-
-def _is_there(name: str | None, shipped: Sequence[str]) -> bool:
-    return name is None or name in shipped or is_file(Path(name))
-
-
-def _fence_in(options: argparse.Namespace, game: str) -> None:
-    """Load what the game consists of, then raise the fence: within it no library can be loaded."""
-    from logical_robots_tui.cli.fence import fence_in
+def _restrict(options: argparse.Namespace, game: str) -> None:
+    """Load what the game consists of, then restrict this process: after that no library can be."""
+    from logical_robots_tui.cli.restricted import restrict
 
     import_module(game)
     options.data_dir = options.data_dir.absolute()
-    fence_in(options.data_dir)
+    restrict(options.data_dir)
 
 
 def _prepare_screen() -> None:
@@ -166,13 +144,13 @@ def _play_on_screen(options: argparse.Namespace) -> int:
 
     free = not options.restricted
     freedoms = Freedoms(programs=free, clipboard=free or options.allow_clipboard)
-    return play(options.level, options.program, options.data_dir, options.engine, freedoms)
+    return play(options.level, options.program, options.data_dir, freedoms)
 
 
 def _play_in_lines(options: argparse.Namespace) -> int:
     from logical_robots_tui.cli.plain import play_in_lines
 
-    return play_in_lines(options.level, options.program, options.data_dir, options.engine)
+    return play_in_lines(options.level, options.program, options.data_dir)
 
 
 def _player(text: str) -> str:

@@ -1,6 +1,6 @@
-"""The file of a level in pieces: its head, and one block for each thing.
+"""A level file split into its head and one block for each object.
 
-Each block is a piece of TOML for itself, so a change of one leaves the bytes of all others alone.
+Each block is valid TOML on its own, so changing one leaves the bytes of all others untouched.
 Comments directly above a block belong to it.
 """
 
@@ -26,12 +26,12 @@ _HEADER = re.compile(
 
 @dataclass
 class Block:
-    """The text of one thing, with the comments above it and the empty lines below.
+    """The text of one object, with the comments above it and the empty lines below.
 
     Attributes:
-        kind: What it is.
+        kind: The kind of object.
         text: Its lines.
-        new: Whether it was not in the file, so that empty lines have to set it apart.
+        new: Whether it is not yet in the file, so that it needs empty lines around it.
     """
 
     kind: Kind
@@ -40,26 +40,26 @@ class Block:
 
 
 class Blocks:
-    """A file in pieces.
+    """A file split into blocks.
 
     Attributes:
-        head: What comes before the first block.
+        head: The text before the first block.
         blocks: In file order.
 
     Args:
         text: The file's text, with line feeds between lines.
 
     Raises:
-        ValueError: It is laid out otherwise, so that pieces don't make sense for themselves.
+        ValueError: The file has another layout, in which pieces are not valid on their own.
     """
 
     def __init__(self, text: str) -> None:
-        # A row of a drawing may look like a comment.
+        # A row of the drawing may look like a comment.
         if not (self._split(text, with_comments=True) or self._split(text, with_comments=False)):
             raise ValueError("The pieces say something else than the whole.")
 
     def _split(self, text: str, *, with_comments: bool) -> bool:
-        """Take a text to pieces; return whether they say the same as the whole."""
+        """Split a text; return whether the pieces mean the same as the whole."""
         found = list(_HEADER.finditer(text))
         starts = [match.start() for match in found]
         if with_comments:
@@ -81,11 +81,11 @@ class Blocks:
         return [block for block in self.blocks if block.kind == kind]
 
     def replace(self, kind: Kind, wanted: Sequence[Block]) -> None:
-        """Put other blocks of a kind in place of those there; known ones keep their places.
+        """Replace the blocks of a kind; existing blocks keep their places.
 
         Args:
-            kind: Of the blocks.
-            wanted: In their order, which known ones among them may not change.
+            kind: The kind of the blocks.
+            wanted: The new blocks; existing ones among them must be in their old order.
         """
         kept = {id(block) for block in wanted}
         self.blocks = [b for b in self.blocks if b.kind != kind or id(b) in kept]
@@ -111,7 +111,7 @@ class Blocks:
         return text
 
     def _first_place(self, kind: Kind) -> int:
-        """Return where a block of a kind goes if none is there: behind those of kinds before."""
+        """Return the position for the first block of a kind: after those of preceding kinds."""
         before = KINDS[: KINDS.index(kind)]
         places = [i + 1 for i, block in enumerate(self.blocks) if block.kind in before]
         first = [i for i, block in enumerate(self.blocks) if block.kind == kind]
@@ -119,7 +119,7 @@ class Blocks:
 
 
 def _comments_above(text: str, start: int) -> int:
-    """Return where the comments begin that stand directly above a line."""
+    """Return the start of the comments directly above a line."""
     while start:
         line = text.rfind("\n", 0, start - 1) + 1
         if not text[line:start].lstrip(" \t").startswith("#"):
@@ -129,7 +129,7 @@ def _comments_above(text: str, start: int) -> int:
 
 
 def _joined(pieces: Any) -> dict[str, Any]:
-    """Return what pieces of TOML say together."""
+    """Return the merged content of pieces of TOML."""
     whole: dict[str, Any] = {}
     for number, piece in enumerate(pieces):
         for key, value in piece.items():

@@ -1,4 +1,4 @@
-"""What looks wrong with a level: each finding says what and where."""
+"""Checking levels for likely mistakes."""
 
 from __future__ import annotations
 
@@ -27,22 +27,22 @@ if TYPE_CHECKING:
 __all__ = ["Finding", "check", "refusals"]
 
 _UNTOLD = {
-    "robots": "; each needs a name of its own",
-    "beacons": "; a radar can't tell them apart",
+    "robots": "; each needs a unique name",
+    "beacons": "; a radar can't distinguish them",
     "areas": "",
 }
-_MOST_NAMES = 3  # listed in one finding
+_MOST_NAMES = 3  # most names listed in one finding
 
 
 @dataclass(frozen=True, slots=True)
 class Finding:
-    """Something that looks wrong.
+    """A likely mistake.
 
     Attributes:
-        text: What, in a sentence.
-        x: Where, map units, or None if it is nowhere in particular.
-        y: Map units.
-        forbids: Whether the level can't be loaded because of it.
+        text: The mistake, in a sentence.
+        x: Its position in map units, or None if it has none.
+        y: The same.
+        forbids: Whether it prevents the level from being loaded.
     """
 
     text: str
@@ -52,7 +52,7 @@ class Finding:
 
 
 def check(level: Level) -> list[Finding]:
-    """Return all that looks wrong with a level, or only what forbids loading it if there is any.
+    """Return all likely mistakes in a level, or only those that prevent loading, if any.
 
     The largest level takes about a second.
     """
@@ -66,13 +66,13 @@ def check(level: Level) -> list[Finding]:
 
 
 def refusals(level: Level) -> list[Finding]:
-    """Return what forbids loading a level; that takes little time."""
+    """Return the mistakes that prevent a level from being loaded; this is fast."""
     twice = [finding for finding in _names_used_twice(level) if finding.forbids]
     return [*_refused(level), *twice]
 
 
 def _refused(level: Level) -> Iterator[Finding]:
-    """What the reader of levels would refuse."""
+    """Yield what the level reader would refuse."""
     top = Fields(words_of(level), level.name)
     try:
         read_words(top)
@@ -84,7 +84,7 @@ def _refused(level: Level) -> Iterator[Finding]:
     for kind in KINDS:
         things = getattr(level, kind)
         if len(things) > MOST_OF_A_KIND:
-            text = f"There are {len(things)} {kind}; {MOST_OF_A_KIND} is the most."
+            text = f"There are {len(things)} {kind}; at most {MOST_OF_A_KIND} are allowed."
             yield Finding(text, forbids=True)
         for index, some in enumerate(things):
             try:
@@ -107,14 +107,14 @@ def _names_used_twice(level: Level) -> Iterator[Finding]:
 
 
 def _in_vain(level: Level) -> Iterator[Finding]:
-    """Robots outside the map, and areas that name nothing."""
+    """Yield robots outside the map, and areas with unknown names."""
     for odd in oddities(level):
         some = getattr(level, odd.kind)[odd.index]
         yield Finding(f"{odd.message} {odd.hint}".rstrip(), some.x, some.y)
 
 
 def _misplaced(level: Level) -> Iterator[Finding]:
-    """What stands inside walls; beacons and areas that lie outside the map."""
+    """Yield objects inside walls, and beacons and areas outside the map."""
     for some in all_things(level):
         on_map = 0 <= some.x < level.width and 0 <= some.y < level.height
         in_wall = on_map and bool(level.walls[math.floor(some.y), math.floor(some.x)])
@@ -132,7 +132,7 @@ def _misplaced(level: Level) -> Iterator[Finding]:
 
 
 def _where_an_area_is(area: Area, level: Level) -> str:
-    """Return where an area is whose middle is in a wall or off the map, or "" if that is fine."""
+    """Return how an area is misplaced whose centre is in a wall or off the map, or ""."""
     window, disc = units_of(area, level)
     if not disc.any():
         return "is outside the map"
@@ -140,7 +140,7 @@ def _where_an_area_is(area: Area, level: Level) -> str:
 
 
 def _goals(level: Level) -> Iterator[Finding]:
-    """Goals that robots don't get to."""
+    """Yield goals that robots can't reach."""
     goals = [area for area in level.areas if area.victory_robots]
     if not goals:
         return
@@ -148,21 +148,21 @@ def _goals(level: Level) -> Iterator[Finding]:
     beacons = {beacon.name for beacon in level.beacons}
     for area in goals:
         if always_solid(area, beacons):
-            text = f'Nobody can be inside the goal "{area.name}": it is solid.'
+            text = f'No robot can be inside the goal "{area.name}": it is solid.'
             yield Finding(text, area.x, area.y)
             continue
         never, hardly = reach.to(area)
         if never:
-            text = f'{_listed(never)} can\'t get to the goal "{area.name}".'
+            text = f'{_listed(never)} can\'t reach the goal "{area.name}".'
             yield Finding(text, area.x, area.y)
         if hardly:
             way = "only through gaps narrower than a robot"
-            text = f'The way of {_listed(hardly)} to the goal "{area.name}" leads {way}.'
+            text = f'{_listed(hardly)} can reach the goal "{area.name}" {way}.'
             yield Finding(text, area.x, area.y)
 
 
 def _open_rim(walls: NDArray[np.bool_]) -> Iterator[Finding]:
-    """Gaps through which robots can leave the map."""
+    """Yield gaps through which robots can leave the map."""
     height, width = walls.shape
     for side, rim in (("top", walls[0]), ("bottom", walls[-1])):
         y = 0.5 if side == "top" else height - 0.5
@@ -183,11 +183,11 @@ def _gaps(rim: NDArray[np.bool_]) -> list[tuple[float, int]]:
 
 def _open(side: str, size: int) -> str:
     units = "1 unit" if size == 1 else f"{size} units"
-    return f"The rim is open on the {side}, for {units}."
+    return f"The outer wall has a gap on the {side}, {units} wide."
 
 
 def _listed(names: Sequence[str]) -> str:
-    """Return names as one says them."""
+    """Return names as an English list."""
     shown = list(names[:_MOST_NAMES])
     more = len(names) - len(shown)
     if more:

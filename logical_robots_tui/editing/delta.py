@@ -1,4 +1,4 @@
-"""The difference between two levels, kept small: what undoing and redoing is made of."""
+"""Compact differences between two levels, for undo and redo."""
 
 from __future__ import annotations
 
@@ -21,12 +21,12 @@ _VALUES = tuple(field.name for field in fields(Level) if field.name not in _APAR
 
 @dataclass(frozen=True, slots=True)
 class Delta:
-    """How one level becomes another, and back.
+    """The change from one level to another, in both directions.
 
     Attributes:
-        values: (attribute, before, after) of the plain ones that differ.
-        lists: What differs of robots, beacons and areas.
-        walls: What differs of the walls.
+        values: (attribute, before, after) of simple attributes that differ.
+        lists: The differences of robots, beacons and areas.
+        walls: The difference of the walls.
     """
 
     values: tuple[tuple[str, Any, Any], ...]
@@ -35,7 +35,7 @@ class Delta:
 
     @classmethod
     def between(cls, before: Level, after: Level) -> Delta:
-        """Return the difference; names and sources of the levels don't count."""
+        """Return the difference, ignoring names and sources of the levels."""
         pairs = [(name, getattr(before, name), getattr(after, name)) for name in _VALUES]
         lists = [_Splice.between(n, getattr(before, n), getattr(after, n)) for n in _LISTS]
         return cls(
@@ -50,11 +50,11 @@ class Delta:
         return not (self.values or self.lists or self.walls)
 
     def apply(self, level: Level) -> Level:
-        """Return the level after, from the one before."""
+        """Return the new level, given the old one."""
         return self._change(level, forward=True)
 
     def revert(self, level: Level) -> Level:
-        """Return the level before, from the one after."""
+        """Return the old level, given the new one."""
         return self._change(level, forward=False)
 
     def _change(self, level: Level, *, forward: bool) -> Level:
@@ -67,7 +67,7 @@ class Delta:
 
 
 class _Splice(NamedTuple):
-    """What one list has in place of a part of another."""
+    """Replaces a slice of a list."""
 
     name: str
     start: int
@@ -88,7 +88,7 @@ class _Splice(NamedTuple):
 
 
 class _Flips(NamedTuple):
-    """Units of a part of the walls that are turned over."""
+    """Flips units in a part of the walls."""
 
     top: int
     left: int
@@ -103,7 +103,7 @@ class _Flips(NamedTuple):
 
 
 class _Redrawn(NamedTuple):
-    """Walls of another size."""
+    """Replaces all walls, when the size changes."""
 
     old: PackedBits
     new: PackedBits

@@ -1,4 +1,4 @@
-"""A level being edited: what it is now, and the way back and forth."""
+"""A level being edited, with undo and redo."""
 
 from __future__ import annotations
 
@@ -18,14 +18,13 @@ class _Step(NamedTuple):
 
 
 class Edits:
-    """A level and all that was done to it.
+    """A level and the steps that were applied to it.
 
-    Everything can be undone and redone without limit: of each step only the difference is kept,
-    except that of the newest the level before is held until the next one begins, so that a
-    stroke may go on in it.
+    Undo and redo are unlimited: for each step only the difference is stored. For the newest step
+    the previous level is kept until the next step begins, so that a stroke can extend it.
 
     Args:
-        level: To begin with.
+        level: The initial level.
     """
 
     def __init__(self, level: Level) -> None:
@@ -37,37 +36,37 @@ class Edits:
 
     @property
     def level(self) -> Level:
-        """The level as it is now."""
+        """The current level."""
         return self._level
 
     @property
     def changed(self) -> bool:
-        """Whether it differs from what was saved last, as far as steps tell."""
+        """Whether there are steps since the last save."""
         return self._position != self._saved
 
     @property
     def can_undo(self) -> str:
-        """What would be undone, or ""."""
+        """The step that would be undone, or ""."""
         if self._open is not None:
             return self._open[0]
         return self._done[-1].what if self._done else ""
 
     @property
     def can_redo(self) -> str:
-        """What would be redone, or ""."""
+        """The step that would be redone, or ""."""
         return self._undone[-1].what if self._undone else ""
 
     def do(self, what: str, level: Level, *, goes_on: bool = False) -> bool:
-        """Take a step; what was undone before can't be redone any more.
+        """Apply a step; steps that were undone before can no longer be redone.
 
         Args:
             what: A few words for the player, such as "paint walls".
-            level: The level after it, made from the present one.
-            goes_on: Whether it belongs to the step before, if that was called the same and
-                nothing was undone or saved since.
+            level: The level after the step, made from the current one.
+            goes_on: Whether to merge it with the previous step, if that has the same description
+                and nothing was undone or saved since.
 
         Returns:
-            False if nothing changed, so that there is no step.
+            False if nothing changed, and so no step was added.
         """
         if level is self._level:
             return False
@@ -81,7 +80,7 @@ class Edits:
         return True
 
     def undo(self) -> str:
-        """Go a step back and return what was undone, or "" if there is nothing."""
+        """Undo a step and return its description, or "" if there is none."""
         self._close()
         if not self._done:
             return ""
@@ -91,7 +90,7 @@ class Edits:
         return step.what
 
     def redo(self) -> str:
-        """Go a step forward again and return what was redone, or "" if there is nothing."""
+        """Redo a step and return its description, or "" if there is none."""
         if not self._undone:
             return ""
         step = self._undone.pop()
@@ -100,7 +99,7 @@ class Edits:
         return step.what
 
     def saved(self) -> None:
-        """Note that the level is saved as it is now."""
+        """Mark the current level as saved."""
         self._close()
         self._saved = self._position
 
@@ -109,7 +108,7 @@ class Edits:
         return len(self._done) + (self._open is not None)
 
     def _close(self) -> None:
-        """Keep only the difference of the newest step."""
+        """Reduce the newest step to its difference."""
         if self._open is not None:
             what, before = self._open
             self._open = None

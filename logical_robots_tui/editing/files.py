@@ -25,33 +25,31 @@ __all__ = ["save_level"]
 
 
 def save_level(level: Level, path: Path, *, anew: bool = False) -> Level:
-    """Write a level to a file, in the format that its ending says.
+    """Write a level to a file, in the format given by its ending.
 
-    A file of this game that is there already is changed where the levels differ; one that says
-    the same is not touched. The file is always either the old or the new one.
+    An existing file of this game is changed only where the levels differ, and left untouched if
+    they are equal. The write is atomic.
 
     Args:
-        level: What to write.
-        path: The file; missing folders are made.
-        anew: Whether nothing of a file that is there already is kept.
+        level: The level.
+        path: The file; missing folders are created.
+        anew: Whether to overwrite an existing file completely.
 
     Returns:
         The level with the name and source of the file.
 
     Raises:
-        LevelError: It can't be loaded as it is, or the file can't be written.
+        LevelError: The level could not be loaded again, or the file can't be written.
     """
     place = str(path)
     if path.suffix.lower() not in SUFFIXES:
-        hint = "End it with .toml, or with .json for the web platform."
-        raise LevelError(
-            "The ending of the file says no format of a level.", place=place, hint=hint
-        )
+        hint = "Use .toml, or .json for the web platform."
+        raise LevelError("The file has no ending of a level format.", place=place, hint=hint)
     for finding in refusals(level):
         raise LevelError(finding.text, place=place)
     try:
         if real(path).parent == shipped_folder("levels").resolve():
-            message = "The levels that came with the game stay as they are."
+            message = "The levels of the game can't be changed."
             raise LevelError(message, place=place, hint="Save it in another folder.")
         path.parent.mkdir(parents=True, exist_ok=True)
         before, text = _texts(level, path, anew)
@@ -68,7 +66,7 @@ def save_level(level: Level, path: Path, *, anew: bool = False) -> Level:
 
 
 def _texts(level: Level, path: Path, anew: bool) -> tuple[str, str]:
-    """Return the text that a file has, or "", and the text that it is to have."""
+    """Return the current text of a file, or "", and its new text."""
     is_web = path.suffix.lower() == WEB
     if anew:
         return "", write_web(level) if is_web else write_native(level)
@@ -77,7 +75,7 @@ def _texts(level: Level, path: Path, anew: bool) -> tuple[str, str]:
         if not is_web:
             return before, rewritten(before, level)
         earlier = load_level(path)
-    except LevelError:  # there is none, or it is no level
+    except LevelError:  # it doesn't exist, or is not a level
         return _texts(level, path, anew=True)
     text = write_web(level)
     return before, before if write_web(earlier) == text else text

@@ -1,4 +1,4 @@
-"""New levels: an empty room, and labyrinths drawn by lot."""
+"""New levels: empty rooms and random labyrinths."""
 
 from __future__ import annotations
 
@@ -28,21 +28,21 @@ _Cell = tuple[int, int]
 
 
 def empty_room(width: int, height: int, *, wall: int = 10) -> Level:
-    """Return a room with a rim of wall, a robot on its left and a goal on its right.
+    """Return a walled room with a robot on the left and a goal on the right.
 
     Args:
-        width: Map units, with the rim.
-        height: Map units, with the rim.
-        wall: Map units that the rim is thick.
+        width: Map units, including the outer wall.
+        height: Map units, including the outer wall.
+        wall: Thickness of the outer wall in map units.
 
     Raises:
-        LevelError: It is larger than a level can be, or too small for a robot.
+        LevelError: It is too large for a level, or too small for a robot.
     """
     _check_wall(wall)
     _check_size(width, height)
     room = min(width, height) - 2 * wall
     if room < _LEAST_CORRIDOR:
-        message = f"A room of {width} x {height} units has no room for a robot inside its rim."
+        message = f"A room of {width} x {height} units has no room for a robot inside its walls."
         raise LevelError(message)
     walls = np.ones((height, width), np.bool_)
     walls[wall:-wall, wall:-wall] = False
@@ -61,32 +61,32 @@ def labyrinth(
     corridor: int = 60,
     wall: int = 10,
 ) -> Level:
-    """Return a labyrinth in which every place can be reached; the same numbers give the same one.
+    """Return a random labyrinth in which every cell is reachable; reproducible by its arguments.
 
-    The robot starts in the upper left corner, and the goal is where the way is longest.
+    The robot starts in the upper left corner, and the goal is in the cell with the longest path.
 
     Args:
-        columns: Places across.
-        rows: Places down.
-        seed: Draws the lots.
-        loops: The share, 0 to 1, of the walls between places that is opened in addition.
-        corridor: Map units that a place is wide.
-        wall: Map units that a wall is thick.
+        columns: Cells across.
+        rows: Cells down.
+        seed: Seed of the random numbers.
+        loops: The fraction, 0 to 1, of the remaining walls between cells to open.
+        corridor: Width of a cell in map units.
+        wall: Thickness of walls in map units.
 
     Raises:
-        LevelError: A number is out of bounds, or the labyrinth would be too large.
+        LevelError: A number is out of range, or the labyrinth would be too large.
     """
     if columns < 1 or rows < 1 or columns * rows < 2:
-        raise LevelError(f"A labyrinth needs at least 2 places, not {columns} x {rows}.")
+        raise LevelError(f"A labyrinth needs at least 2 cells, not {columns} x {rows}.")
     if not 0 <= loops <= 1:
-        raise LevelError(f"The share of loops must be from 0 to 1, not {loops:g}.")
+        raise LevelError(f"The share of loops must be between 0 and 1, not {loops:g}.")
     if not _LEAST_CORRIDOR <= corridor <= MOST_SIDE:
         message = f"A corridor must be {_LEAST_CORRIDOR} to {MOST_SIDE} units wide, not {corridor}."
-        raise LevelError(message, hint="A robot is 18 wide; 50 and more drive well.")
+        raise LevelError(message, hint="A robot is 18 wide; use at least 50.")
     _check_wall(wall)
     step = corridor + wall
     _check_size(columns * step + wall, rows * step + wall)
-    doors = _doors(columns, rows, loops, Random(seed))  # noqa: S311 - no secret is made of it
+    doors = _doors(columns, rows, loops, Random(seed))  # noqa: S311 - not for security
 
     walls = np.ones((rows * step + wall, columns * step + wall), np.bool_)
     for column, row in _cells(columns, rows):
@@ -104,7 +104,7 @@ def labyrinth(
 
 
 def _doors(columns: int, rows: int, loops: float, random: Random) -> list[tuple[_Cell, _Cell]]:
-    """Return between which places one can go, the upper or left one first."""
+    """Return the pairs of connected cells, the upper or left one first."""
     start = (0, 0)
     seen, way, doors = {start}, [start], []
     while way:
@@ -133,12 +133,12 @@ def _doors(columns: int, rows: int, loops: float, random: Random) -> list[tuple[
 
 
 def _drawn(lots: Sequence[_T], random: Random) -> _T:
-    """Draw a lot; only ``random()`` gives the same numbers in every version of Python."""
+    """Choose at random; only ``random()`` gives the same numbers in every version of Python."""
     return lots[int(random.random() * len(lots))]
 
 
 def _farthest(doors: list[tuple[_Cell, _Cell]]) -> _Cell:
-    """Return the place with the longest way from the first one."""
+    """Return the cell with the longest path from the first one."""
     ways: dict[_Cell, list[_Cell]] = {}
     for one, other in doors:
         ways.setdefault(one, []).append(other)
@@ -165,7 +165,7 @@ def _check_wall(wall: int) -> None:
 def _check_size(width: int, height: int) -> None:
     if max(width, height) > MOST_SIDE:
         limit = f"{MOST_SIDE} x {MOST_SIDE}"
-        raise LevelError(f"The map would be {width} x {height} units; {limit} is the most.")
+        raise LevelError(f"The map would be {width} x {height} units; at most {limit} is allowed.")
 
 
 def _level(

@@ -1,4 +1,4 @@
-"""A level written anew as a file of this game, laid out as one would by hand."""
+"""Writing a new level file of this game, laid out as if by hand."""
 
 from __future__ import annotations
 
@@ -45,14 +45,14 @@ def block_text(kind: Kind, record: Record) -> str:
 
 
 def needs_leniency(level: Level) -> bool:
-    """Return whether a level can be read only if its file says that it is lenient."""
+    """Return whether a level can be read only with ``lenient = true``."""
     return next(oddities(level), None) is not None
 
 
 def toml_text(key: str, value: object) -> str:
-    """Return a value as it is written behind a key."""
+    """Return a value as written after a key."""
     if key in _LONG_TEXTS:
-        # The line break behind the opening quotes is not part of the text.
+        # The line break after the opening quotes is not part of the text.
         return '"""\n' + tomlkit.string(f"{value}\n", multiline=True).as_string()[3:]
     if isinstance(value, dict):
         inner = ", ".join(f"{name} = {toml_text(name, part)}" for name, part in value.items())

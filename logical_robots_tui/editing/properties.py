@@ -1,4 +1,4 @@
-"""What belongs to a level as a whole: its size, its texts, what its programs may see."""
+"""Editing the properties of a level: its size, its texts, what its programs may see."""
 
 from __future__ import annotations
 
@@ -28,11 +28,11 @@ def set_words(level: Level, **values: Any) -> Level:
             ``hints``, ``lesson``, ``further``, ``starter``, ``solution``, ``visibility``.
 
     Raises:
-        LevelError: A text is too long or can't be shown, or a value is none for this.
+        LevelError: A text is too long or can't be shown, or a value is invalid.
     """
     for name in values:
         if name not in Words.__annotations__:
-            raise LevelError(f"A level has no {name} to set.")
+            raise LevelError(f"A level has no property {name}.")
     words = read_words(Fields(words_of(replace(level, **values)), level.name))
     changed = replace(level, **words)
     return level if words_of(changed) == words_of(level) else changed
@@ -41,18 +41,18 @@ def set_words(level: Level, **values: Any) -> Level:
 def resize(
     level: Level, width: int, height: int, *, left: int = 0, top: int = 0, wall: bool = False
 ) -> Level:
-    """Give a level another size; what stood in it moves along.
+    """Resize a level; its objects move along.
 
     Args:
         level: The level.
-        width: New map units across.
-        height: New map units down.
-        left: Map units to put in before the first column; negative ones cut.
-        top: Map units to put in before the first row; negative ones cut.
-        wall: Whether the new room is wall.
+        width: New width in map units.
+        height: New height in map units.
+        left: Map units to insert before the first column; negative values cut.
+        top: Map units to insert before the first row; negative values cut.
+        wall: Whether new space is wall.
 
     Raises:
-        LevelError: The size is out of bounds, or something would stand too far from the map.
+        LevelError: The size is out of range, or an object would be too far from the map.
     """
     sizes = Fields({"width": width, "height": height}, level.name)
     width, height = sizes.whole("width", least=1), sizes.whole("height", least=1)
@@ -61,7 +61,7 @@ def resize(
         return level
     for some in all_things(level):
         if max(abs(some.x + left), abs(some.y + top)) > MOST_OF_A_NUMBER:
-            raise LevelError(f'"{some.name}" would stand too far from the map.')
+            raise LevelError(f'"{some.name}" would be too far from the map.')
     walls = np.full((height, width), wall, np.bool_)
     new_rows, old_rows = _overlap(height, level.height, top)
     new_columns, old_columns = _overlap(width, level.width, left)
@@ -79,7 +79,7 @@ def resize(
 
 
 def _overlap(new: int, old: int, shift: int) -> tuple[slice, slice]:
-    """Return what the new and the old size have in common, as places in either."""
+    """Return the overlap of the old and new size, as slices of each."""
     first, last = max(shift, 0), min(old + shift, new)
     last = max(last, first)
     return slice(first, last), slice(first - shift, last - shift)

@@ -1,4 +1,4 @@
-"""Which goals robots can get to, as points and with room for their bodies."""
+"""Which goals robots can reach, as points and with room for their bodies."""
 
 from __future__ import annotations
 
@@ -18,14 +18,16 @@ if TYPE_CHECKING:
 
 __all__ = ["Reach", "always_solid", "units_of"]
 
-_MARGIN = int(ROBOT_RADIUS) + 2  # map units around the map, where robots can drive as well
+_MARGIN = (
+    int(ROBOT_RADIUS) + 2
+)  # margin in map units around the map, where robots can drive as well
 
 
 class Reach:
-    """Where the robots of a level can get to.
+    """The parts of a level that its robots can reach.
 
-    Walls are in the way, and areas that are solid and that nothing switches off. A robot is a
-    point for both; but where its body doesn't fit, it gets through by luck only.
+    Obstacles are walls, and solid areas that nothing switches off. Collisions treat a robot as a
+    point, but where its body doesn't fit it gets through only by luck.
 
     Args:
         level: The level.
@@ -48,11 +50,11 @@ class Reach:
         }
 
     def to(self, area: Area) -> tuple[list[str], list[str]]:
-        """Return who of the robots that a goal is for has a hard time getting there.
+        """Return the robots that have trouble reaching their goal.
 
         Returns:
-            Names of those that can't, and of those that can only where they don't fit. A robot
-            that is walled in all around from the start is neither.
+            Names of those that can't, and of those that can only through gaps where they don't
+            fit. A robot that is completely walled in at the start is in neither list.
         """
         narrow = self._narrow.within(area.x + _MARGIN, area.y + _MARGIN, area.radius)
         wide = self._near(area, area.radius + ROBOT_RADIUS)
@@ -68,7 +70,7 @@ class Reach:
         return never, hardly
 
     def _start(self, robot: Robot) -> frozenset[int]:
-        """Return the region that a robot stands in, or those that it can leave a wall to."""
+        """Return the region of a robot, or those that it can reach if it starts in a wall."""
         row, column = math.floor(robot.y) + _MARGIN, math.floor(robot.x) + _MARGIN
         row = min(max(row, 0), self._shape[0] - 1)
         column = min(max(column, 0), self._shape[1] - 1)
@@ -78,19 +80,19 @@ class Reach:
         return self._narrow.within(column + 0.5, row + 0.5, 1.0)
 
     def _near(self, some: Robot | Area, reach: float) -> frozenset[int]:
-        """Return the regions with room for a robot that are near to something."""
+        """Return the regions with room for a robot near an object."""
         x, y = some.x + _MARGIN, some.y + _MARGIN
         x, y = min(max(x, 0.0), self._shape[1]), min(max(y, 0.0), self._shape[0])
         return self._wide.within(x, y, reach)
 
 
 def always_solid(area: Area, beacons: set[str]) -> bool:
-    """Return whether an area is solid from the start, and no beacon of these switches it off."""
+    """Return whether an area is solid from the start, and none of these beacons switches it off."""
     return area.impenetrable and not area.on_beacon and area.off_beacon not in beacons
 
 
 def units_of(area: Area, level: Level) -> tuple[tuple[slice, slice], NDArray[np.bool_]]:
-    """Return the part of the map around an area, and which units there have their middle in it."""
+    """Return the part of the map around an area, and the units with their centre inside it."""
     left, right = _span(area.x, area.radius, level.width)
     top, bottom = _span(area.y, area.radius, level.height)
     dx = np.arange(left, right) + 0.5 - area.x
@@ -105,7 +107,7 @@ def _span(middle: float, radius: float, size: int) -> tuple[int, int]:
 
 
 def _with_room(blocked: NDArray[np.bool_]) -> NDArray[np.bool_]:
-    """Return the units that nothing is nearer to than a robot's radius."""
+    """Return the units farther from all obstacles than a robot's radius."""
     reach = math.ceil(ROBOT_RADIUS) - 1
     beside = row_clearances(blocked, reach + 1)
     free = np.ones(blocked.shape, np.bool_)

@@ -1,4 +1,4 @@
-"""Levels as the records of a file of this game: the inverse of reading them."""
+"""Converting levels to the records of a level file; the inverse of reading them."""
 
 from __future__ import annotations
 
@@ -16,21 +16,21 @@ if TYPE_CHECKING:
 __all__ = ["Record", "Thing", "all_things", "record_of", "words_of", "written_number"]
 
 Thing = Robot | Beacon | Area
-"""What stands in a labyrinth."""
+"""An object in a labyrinth."""
 
 Record = dict[str, object]
-"""Keys and values of a table of TOML, in the order in which they are written."""
+"""Keys and values of a TOML table, in the order in which they are written."""
 
 
 def all_things(level: Level) -> Iterator[Thing]:
-    """Return everything that stands in a labyrinth."""
+    """Yield all objects in a labyrinth."""
     yield from level.robots
     yield from level.beacons
     yield from level.areas
 
 
 def record_of(thing: Thing) -> Record:
-    """Return the record of a robot, beacon or area; what is as if missing is left out."""
+    """Return the record of a robot, beacon or area, without default values."""
     if isinstance(thing, Robot):
         return _robot(thing)
     if isinstance(thing, Beacon):
@@ -39,7 +39,7 @@ def record_of(thing: Thing) -> Record:
 
 
 def words_of(level: Level) -> Record:
-    """Return the record of what is neither drawn nor stands in the labyrinth."""
+    """Return the record of a level's texts and visibility."""
     record: Record = {
         "title": level.title,
         "idea": level.idea,
@@ -108,12 +108,12 @@ def _area(area: Area) -> Record:
 
 
 def written_number(value: float) -> float | int:
-    """Return a number as one would write it."""
+    """Return a number in its simplest form."""
     return int(value) if isinstance(value, float) and value.is_integer() else value
 
 
 def _heading(angle: float) -> Record:
-    """Return a heading in degrees where they say it exactly, else in radians."""
+    """Return a heading in degrees if they are exact, otherwise in radians."""
     if angle == 0:
         return {}
     degrees = math.degrees(angle)

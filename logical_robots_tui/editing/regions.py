@@ -1,4 +1,4 @@
-"""Which parts of a map hang together."""
+"""Connected regions of a map."""
 
 from __future__ import annotations
 
@@ -13,14 +13,14 @@ __all__ = ["Regions"]
 
 
 class Regions:
-    """The regions of a map: sets of units between which one can go without leaving the set.
+    """The connected components of a map.
 
-    Made of the runs in which units follow each other in a row, so that the largest map takes
-    little more than it takes to look at it once.
+    Built from runs of adjacent units in a row, so that even the largest map is little slower than a
+    single scan.
 
     Args:
         units: Bool array of shape (height, width); the units that belong to any region.
-        corners: Whether units that only touch at a corner hang together.
+        corners: Whether units that only touch at a corner are connected.
     """
 
     def __init__(self, units: NDArray[np.bool_], *, corners: bool) -> None:
@@ -44,7 +44,7 @@ class Regions:
         return int(self._region[run])
 
     def within(self, x: float, y: float, radius: float) -> frozenset[int]:
-        """Return the regions that come nearer to a point than ``radius``."""
+        """Return the regions that are closer to a point than ``radius``."""
         first, last = self._row.searchsorted((y - radius - 1, y + radius + 1)).tolist()
         runs = slice(first, last)
         dx = x - np.clip(x, self._start[runs], self._stop[runs])
@@ -73,7 +73,7 @@ class Regions:
 
 
 def _roots(count: int, one: NDArray[np.intp], other: NDArray[np.intp]) -> NDArray[np.intp]:
-    """Return for each of ``count`` things the least that it hangs together with."""
+    """Return the smallest connected index for each of ``count`` nodes."""
     root = np.arange(count)
     while True:
         low, high = np.minimum(root[one], root[other]), np.maximum(root[one], root[other])

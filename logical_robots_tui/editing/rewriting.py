@@ -1,4 +1,4 @@
-"""Changing the file of a level: what stays the same in the level keeps its bytes in the file."""
+"""Rewriting a level file with minimal changes to its bytes."""
 
 from __future__ import annotations
 
@@ -34,17 +34,17 @@ _INSTEAD = {"angle": "heading", "heading": "angle"}
 
 
 def rewritten(text: str, level: Level) -> str:
-    """Return the text of a level's file with another level in it.
+    """Return the text of a level file, changed to describe another level.
 
-    Comments, the order of keys and everything that is the same in both levels stay as they are. A
-    file that is laid out so that this can't be done is written anew.
+    Comments, the order of keys and everything that is the same in both levels are preserved. A file
+    whose layout doesn't allow this is rewritten completely.
 
     Args:
-        text: The file's text as it is now.
-        level: What it is to say.
+        text: The file's current text.
+        level: The new level.
 
     Raises:
-        LevelError: The text is no level.
+        LevelError: The text is not a level.
     """
     mark = "\ufeff" if text.startswith("\ufeff") else ""
     of_windows = text.count("\r\n") * 2 > text.count("\n")
@@ -59,7 +59,7 @@ def rewritten(text: str, level: Level) -> str:
 
 
 def _changed(text: str, before: Level, level: Level) -> str | None:
-    """Return a changed text, or None if that doesn't lead to the level."""
+    """Return the changed text, or None if it would not describe the level."""
     try:
         blocks = Blocks(text)
         inline = []
@@ -79,7 +79,7 @@ def _changed(text: str, before: Level, level: Level) -> str | None:
 
 
 def _blocks(blocks: list[Block], old: Sequence[Thing], new: Sequence[Thing]) -> list[Block]:
-    """Return the blocks of things, the known ones with what changed of them."""
+    """Return the blocks of objects; existing ones with their changes."""
     found: list[Block] = []
     matcher = SequenceMatcher(None, old, new, autojunk=False)
     for _, start, stop, new_start, new_stop in matcher.get_opcodes():
@@ -98,7 +98,7 @@ def _blocks(blocks: list[Block], old: Sequence[Thing], new: Sequence[Thing]) -> 
 
 
 def _pairs(old: Sequence[Thing], new: Sequence[Thing]) -> list[int | None]:
-    """Return for each new thing which old one it was, ascending; by name where that tells."""
+    """Return the index of the old object for each new one, ascending; matched by name first."""
     names = {thing.name for thing in old} & {thing.name for thing in new}
     if len(old) == len(new) or not names:
         return [i if i < len(old) else None for i in range(len(new))]
@@ -120,7 +120,7 @@ def _table(block: Block, before: Record, after: Record) -> str:
 
 
 def _update(table: Any, before: Record, after: Record) -> None:
-    """Change those keys of a table of TOML that differ between two records."""
+    """Change the keys of a TOML table that differ between two records."""
     for key in before:
         if key not in after and key in table:
             del table[key]
@@ -145,13 +145,13 @@ def _as_record(value: object) -> Record:
 
 
 def _head(head: str, before: Level, level: Level, inline: Sequence[Kind]) -> str:
-    """Return the part of a file above its blocks, changed.
+    """Return the changed head of a file.
 
     Args:
-        head: As it is.
-        before: What the file says.
-        level: What it is to say.
-        inline: Kinds of things that are listed in it, not in blocks, and differ.
+        head: The current head.
+        before: The level in the file.
+        level: The new level.
+        inline: The kinds of objects that are listed inline instead of in blocks, and differ.
     """
     same_walls = before.walls.shape == level.walls.shape and (before.walls == level.walls).all()
     old, new = words_of(before), words_of(level)
@@ -161,7 +161,7 @@ def _head(head: str, before: Level, level: Level, inline: Sequence[Kind]) -> str
     drawing: str = tomllib.loads(head)["walls"]
     place = find_drawing(drawing, head)
     mark = "the drawing"
-    if place is not None:  # tomlkit is slow at long texts, and rows that stay shall stay
+    if place is not None:  # tomlkit is slow for long texts, and unchanged rows must be preserved
         while mark in head:
             mark += " itself"
         head = head[:place] + mark + head[place + len(drawing) :]
@@ -181,7 +181,7 @@ def _head(head: str, before: Level, level: Level, inline: Sequence[Kind]) -> str
 
 
 def _drawing(document: tomlkit.TOMLDocument, drawing: str, level: Level) -> str:
-    """Return a drawing of other walls, finer than before if it must be."""
+    """Return a drawing of the new walls, with smaller cells if necessary."""
     cell = int(str(document["cell"]))
     earlier = drawing.removesuffix("\n").split("\n")
     if not expresses(level.walls, cell):

@@ -1,7 +1,7 @@
-"""What a stroke covers: brushes, lines and rectangles, as masks of map units.
+"""Brush strokes, lines and rectangles, as masks of map units.
 
 Strokes snap to a grid. On a grid of 1 every map unit counts; on a coarser one whole squares are
-covered, so that a level drawn in coarse characters stays one.
+covered, so that a level drawn with large cells keeps them.
 """
 
 from __future__ import annotations
@@ -25,16 +25,16 @@ __all__ = ["Patch", "Point", "rectangle", "stroke"]
 Point = tuple[float, float]
 """Map units (x, y)."""
 
-_PIECE = 64.0  # squares of the grid; a long line is drawn in pieces, each with its small box
+_PIECE = 64.0  # squares of the grid; a long line is drawn in pieces with small bounding boxes
 
 
 class Patch(NamedTuple):
     """Part of a map.
 
     Attributes:
-        top: Map units to its first row.
-        left: Map units to its first column.
-        mask: Bool array of shape (height, width), which units belong to it.
+        top: Its first row, in map units.
+        left: Its first column, in map units.
+        mask: Bool array of shape (height, width); the units that belong to it.
     """
 
     top: int
@@ -49,21 +49,21 @@ class Patch(NamedTuple):
 
 
 def stroke(points: Sequence[Point], width: int, grid: int, shape: tuple[int, int]) -> Patch | None:
-    """Return what a round brush covers on its way from point to point.
+    """Return the units that a round brush covers along a path.
 
-    Its way is without gaps, also diagonal ones, which a robot could slip through.
+    The path has no gaps, not even diagonal ones, through which a robot could slip.
 
     Args:
-        points: Where the brush goes, at least one.
-        width: Of the brush, in squares of the grid.
-        grid: Map units of a square.
-        shape: Of the map (height, width).
+        points: The path, at least one point.
+        width: Width of the brush in squares of the grid.
+        grid: Size of a square in map units.
+        shape: Shape of the map (height, width).
 
     Returns:
         The patch, or None if no unit of the map is covered.
 
     Raises:
-        LevelError: A width, grid or point is out of bounds.
+        LevelError: A width, grid or point is out of range.
     """
     _check(width, grid, points)
     way = [(_snapped(x / grid, width), _snapped(y / grid, width)) for x, y in points]
@@ -87,17 +87,17 @@ def stroke(points: Sequence[Point], width: int, grid: int, shape: tuple[int, int
 def rectangle(
     corner: Point, opposite: Point, border: int, grid: int, shape: tuple[int, int]
 ) -> Patch | None:
-    """Return what a rectangle covers; the squares of both corners belong to it.
+    """Return the units that a rectangle covers, including the squares of both corners.
 
     Args:
         corner: One corner.
-        opposite: The corner across.
-        border: Squares of the grid that its border is wide inwards; 0 covers all of it.
-        grid: Map units of a square.
-        shape: Of the map (height, width).
+        opposite: The opposite corner.
+        border: Width of the border in squares of the grid; 0 fills the rectangle.
+        grid: Size of a square in map units.
+        shape: Shape of the map (height, width).
 
     Raises:
-        LevelError: A border, grid or corner is out of bounds.
+        LevelError: A border, grid or corner is out of range.
     """
     _check(max(border, 1), grid, (corner, opposite))
     xs = sorted(math.floor(x / grid) for x, _ in (corner, opposite))
@@ -151,7 +151,7 @@ class _Box(NamedTuple):
         )
 
     def distances(self, start: Point, stop: Point) -> NDArray[np.float64]:
-        """Return how far the squares' centres are from a line."""
+        """Return the distances of the squares' centres from a line."""
         dx, dy = stop[0] - start[0], stop[1] - start[1]
         x = (np.arange(self.left, self.right) + 0.5 - start[0])[None, :]
         y = (np.arange(self.top, self.bottom) + 0.5 - start[1])[:, None]
@@ -161,7 +161,7 @@ class _Box(NamedTuple):
         return distances
 
     def patch(self, mask: NDArray[np.bool_], grid: int, shape: tuple[int, int]) -> Patch:
-        """Return squares as map units; the last ones may be cut by the rim."""
+        """Return squares as map units; the edge of the map may cut the last ones."""
         top, left = self.top * grid, self.left * grid
         units = mask.repeat(grid, axis=0).repeat(grid, axis=1)
         return Patch(top, left, units[: shape[0] - top, : shape[1] - left])
@@ -177,7 +177,7 @@ def _check(width: int, grid: int, points: Sequence[Point]) -> None:
 
 
 def _snapped(place: float, width: int) -> float:
-    """Return the place of a brush at which it covers whole squares."""
+    """Return the position at which a brush covers whole squares."""
     return math.floor(place) + 0.5 if width % 2 else float(math.floor(place + 0.5))
 
 
@@ -186,9 +186,9 @@ def _between(start: Point, stop: Point, share: float) -> Point:
 
 
 def _reach(start: Point, stop: Point, width: int) -> float:
-    """Return how far from its middle a line covers squares.
+    """Return the distance from its centre within which a line covers squares.
 
-    A line of one square needs as much as makes neighbours share a side (Reveillès' standard line).
+    A line one square wide needs enough for neighbours to share a side (Reveillès' standard line).
     """
     dx, dy = abs(stop[0] - start[0]), abs(stop[1] - start[1])
     thinnest = (dx + dy) / (2 * math.hypot(dx, dy)) if dx or dy else 0.5

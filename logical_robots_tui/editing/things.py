@@ -1,7 +1,6 @@
 """Placing, moving, changing and removing robots, beacons and areas.
 
-Every function returns a new level that can be loaded, or raises a ``LevelError`` that says why it
-couldn't be.
+Every function returns a new, valid level, or raises a ``LevelError`` with the reason.
 """
 
 from __future__ import annotations
@@ -40,7 +39,7 @@ __all__ = [
 Kind: TypeAlias = Literal["robots", "beacons", "areas"]
 
 KINDS: tuple[Kind, ...] = ("robots", "beacons", "areas")
-_SMALLER = ROBOT_RADIUS - BEACON_RADIUS  # map units by which a beacon is harder to hit
+_SMALLER = ROBOT_RADIUS - BEACON_RADIUS  # handicap of beacons in map units when picking an object
 _READ: dict[Kind, Callable[[Fields], Thing]] = {
     "robots": read_robot,
     "beacons": read_beacon,
@@ -50,11 +49,11 @@ _READ: dict[Kind, Callable[[Fields], Thing]] = {
 
 @dataclass(frozen=True, slots=True, order=True)
 class Ref:
-    """One thing of a level.
+    """A reference to one object of a level.
 
     Attributes:
-        kind: Which list of the level it is in.
-        index: Its place in that list.
+        kind: The list of the level that contains it.
+        index: Its index in that list.
     """
 
     kind: Kind
@@ -67,20 +66,20 @@ def thing(level: Level, ref: Ref) -> Thing:
 
 
 def add(level: Level, new: Thing) -> tuple[Level, Ref]:
-    """Place a robot, beacon or area, the last of its kind.
+    """Add a robot, beacon or area, as the last of its kind.
 
-    A robot whose name is taken gets a number behind it.
+    A number is appended to the name of a robot if it is taken.
 
     Returns:
-        The level, and where the new thing is.
+        The level, and a reference to the new object.
 
     Raises:
-        LevelError: There are too many of them, or something of it is out of bounds.
+        LevelError: There are too many of them, or a value is out of range.
     """
     kind = kind_of(new)
     things = _list(level, kind)
     if len(things) >= MOST_OF_A_KIND:
-        raise LevelError(f"There are {MOST_OF_A_KIND} {kind} already; more would be too many.")
+        raise LevelError(f"There are {MOST_OF_A_KIND} {kind} already, the most allowed.")
     if isinstance(new, Robot):
         new = replace(new, name=_free_name(new.name, {robot.name for robot in level.robots}))
     ref = Ref(kind, len(things))
@@ -88,18 +87,18 @@ def add(level: Level, new: Thing) -> tuple[Level, Ref]:
 
 
 def change(level: Level, ref: Ref, **values: Any) -> Level:
-    """Set properties of a thing: its place, heading, name, colour or any other.
+    """Set properties of an object, such as its position, heading, name or colour.
 
-    When a robot is given another name, the areas that are a goal for it follow; when the last
-    beacon of a name is, the areas that it switches do.
+    Renaming a robot updates the areas that are a goal for it; renaming the last beacon of a name
+    updates the areas that it switches.
 
     Args:
         level: The level.
-        ref: The thing.
+        ref: The object.
         **values: By the names of the attributes of ``Robot``, ``Beacon`` or ``Area``.
 
     Raises:
-        LevelError: A value is out of bounds, or no value for this, or the name is another robot's.
+        LevelError: A value is invalid or out of range, or another robot has that name.
     """
     before = thing(level, ref)
     known = {field.name for field in fields(before)}
@@ -116,36 +115,36 @@ def change(level: Level, ref: Ref, **values: Any) -> Level:
 
 
 def duplicate(level: Level, ref: Ref, dx: float, dy: float) -> tuple[Level, Ref]:
-    """Place another one like a thing, so many map units beside it.
+    """Add a copy of an object, shifted by some map units.
 
     Raises:
-        LevelError: There are too many of its kind, or it would stand too far away.
+        LevelError: There are too many of its kind, or it would be too far away.
     """
     original = thing(level, ref)
     return add(level, replace(original, x=original.x + dx, y=original.y + dy))
 
 
 def remove(level: Level, ref: Ref) -> Level:
-    """Take a thing away; what names it goes on naming it.
+    """Remove an object; references to its name remain.
 
     Raises:
         LevelError: It is the last robot.
     """
     thing(level, ref)
     if ref.kind == "robots" and len(level.robots) == 1:
-        raise LevelError("The last robot has to stay: a level needs at least one.")
+        raise LevelError("A level needs at least one robot.")
     things = _list(level, ref.kind)
     return _with(level, ref.kind, (*things[: ref.index], *things[ref.index + 1 :]))
 
 
 def ref_at(level: Level, x: float, y: float, reach: float = 0.0) -> Ref | None:
-    """Return the thing at a point: the nearest robot or beacon, else the smallest area there.
+    """Return the object at a point: the nearest robot or beacon, otherwise the smallest area.
 
     Args:
         level: The level.
         x: Map units.
         y: Map units.
-        reach: Map units by which a robot or beacon may be missed.
+        reach: Tolerance for robots and beacons in map units.
     """
 
     def away(some: Thing) -> float:
@@ -167,7 +166,7 @@ def ref_at(level: Level, x: float, y: float, reach: float = 0.0) -> Ref | None:
 
 
 def kind_of(some: Thing) -> Kind:
-    """Return which list of a level a thing belongs to."""
+    """Return the list of a level to which an object belongs."""
     return (
         "robots" if isinstance(some, Robot) else "beacons" if isinstance(some, Beacon) else "areas"
     )
@@ -184,7 +183,7 @@ def _with(level: Level, kind: Kind, things: tuple[Thing, ...]) -> Level:
 
 
 def reread(level: Level, ref: Ref, some: Thing) -> Thing:
-    """Return a thing as it will be when it is loaded again.
+    """Return an object as it will be when it is loaded again.
 
     Raises:
         LevelError: It couldn't be loaded.
@@ -194,7 +193,7 @@ def reread(level: Level, ref: Ref, some: Thing) -> Thing:
 
 
 def _checked(level: Level, ref: Ref, some: Thing) -> Thing:
-    """Return a thing as it will be when it is loaded again, with a name of its own."""
+    """Return an object as it will be when it is loaded again, with a unique name."""
     top = Fields({}, level.name)
     found = reread(level, ref, some)
     if ref.kind == "robots":
@@ -206,7 +205,7 @@ def _checked(level: Level, ref: Ref, some: Thing) -> Thing:
 
 
 def _followed(level: Level, before: Thing, after: Thing) -> Level:
-    """Return a level whose areas go on meaning a thing that has a new name."""
+    """Return a level whose areas refer to a renamed object by its new name."""
     names = {before.name: after.name}
     if isinstance(before, Robot):
         areas = tuple(
@@ -228,7 +227,7 @@ def _followed(level: Level, before: Thing, after: Thing) -> Level:
 
 
 def _free_name(name: str, taken: set[str]) -> str:
-    """Return a name that nobody has, made by counting on: Ann, Ann 2, Ann 3."""
+    """Return an unused name by counting: Ann, Ann 2, Ann 3."""
     return name if name not in taken else next(n for n in _numbered(name) if n not in taken)
 
 

@@ -1,4 +1,4 @@
-"""Painting walls: every function returns a level with other walls, or the level itself."""
+"""Painting walls: every function returns a level with changed walls, or the level itself."""
 
 from __future__ import annotations
 
@@ -24,13 +24,13 @@ def paint(
 
     Args:
         level: The level.
-        points: Map units (x, y), at least one; what lies outside the map is left out.
-        width: Of the brush, in squares of the grid.
-        grid: Map units of a square.
+        points: Map units (x, y), at least one; anything outside the map is ignored.
+        width: Width of the brush in squares of the grid.
+        grid: Size of a square in map units.
         wall: Whether to paint walls, or to erase them.
 
     Raises:
-        LevelError: A width, grid or point is out of bounds.
+        LevelError: A width, grid or point is out of range.
     """
     return _with(level, stroke(points, width, grid, level.walls.shape), wall)
 
@@ -48,14 +48,14 @@ def paint_rectangle(
 
     Args:
         level: The level.
-        corner: Map units (x, y) in one of its corners.
-        opposite: Map units (x, y) in the corner across.
-        border: Squares of the grid that its border is wide; 0 fills it.
-        grid: Map units of a square.
+        corner: One corner (x, y) in map units.
+        opposite: The opposite corner (x, y) in map units.
+        border: Width of the border in squares of the grid; 0 fills the rectangle.
+        grid: Size of a square in map units.
         wall: Whether to paint walls, or to erase them.
 
     Raises:
-        LevelError: A border, grid or corner is out of bounds.
+        LevelError: A border, grid or corner is out of range.
     """
     return _with(level, rectangle(corner, opposite, border, grid, level.walls.shape), wall)
 
@@ -63,13 +63,13 @@ def paint_rectangle(
 def fill(level: Level, x: float, y: float, *, wall: bool = True) -> Level:
     """Turn the region around a point into wall, or the walls around it into floor.
 
-    Units hang together if they share a side.
+    Units are connected if they share a side.
 
     Args:
         level: The level.
         x: Map units; outside the map nothing changes.
         y: Map units.
-        wall: Whether to fill floor with wall, or to take walls away.
+        wall: Whether to fill floor with wall, or to remove walls.
     """
     if not (0 <= x < level.width and 0 <= y < level.height):
         return level

@@ -1,4 +1,4 @@
-"""A level as a file of the web platform, and what such a file can't say."""
+"""Writing a level file of the web platform, and what such a file can't express."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ _SEEN = Visibility(memory="all", sensor="all")
 
 
 def write_web(level: Level) -> str:
-    """Return the text of a file of the web platform; reading it gives the same labyrinth."""
+    """Return the text of a web platform file; reading it gives the same labyrinth."""
     digits = np.where(level.walls, ord("1"), ord("0")).astype(np.uint8)
     record = {
         "width": level.width,
@@ -34,7 +34,7 @@ def write_web(level: Level) -> str:
 
 
 def lost_in_web(level: Level) -> list[str]:
-    """Return the attributes of a level that a file of the web platform can't say."""
+    """Return the attributes of a level that a web platform file can't express."""
     lost = [name for name in _WORDS if getattr(level, name)]
     if level.visibility != _SEEN:
         lost.append("visibility")

@@ -1,33 +1,52 @@
 """The game: world + mind + history. Run, pause, step, step back. No screen."""
 
-from logical_robots_tui.game.breakpoints import (
-    EVENTS,
-    Breakpoint,
-    Breakpoints,
-    Event,
-    Hit,
-    mistake_in,
-    subjects,
-)
-from logical_robots_tui.game.compiling import compile_program, mistake_in_question
-from logical_robots_tui.game.frame import Frame
-from logical_robots_tui.game.game import Answer, Game, Superseded
-from logical_robots_tui.game.goal import Goal, goals
-from logical_robots_tui.game.history import History, NoSuchTickError
-from logical_robots_tui.game.holding import Holding, rows_that_count, when_it_holds
-from logical_robots_tui.game.inquiry import Inquiry
-from logical_robots_tui.game.marks import MARK_KINDS, Mark, MarkKind
-from logical_robots_tui.game.origin import Link, Origin, origin_in_game, origin_in_run, read_path
-from logical_robots_tui.game.pace import FLAT_OUT, SPEEDS, Pace
-from logical_robots_tui.game.parting import Difference, Parting
-from logical_robots_tui.game.pins import MIND, ROBOT_COLUMNS, Path, Pin, Reading, pin_of_cell, read
-from logical_robots_tui.game.place import Place, place_of
-from logical_robots_tui.game.reference import is_shipped, level_key, reference_for
-from logical_robots_tui.game.rules import count_rules
-from logical_robots_tui.game.run import Run, run_key
-from logical_robots_tui.game.seeking import Sought, seek
-from logical_robots_tui.game.source import Source, list_programs, load_program, save_program
-from logical_robots_tui.game.start import start_frame
+from typing import TYPE_CHECKING
+
+from logical_robots_tui.later import lazy_exports
+
+if TYPE_CHECKING:
+    from logical_robots_tui.game.breakpoints import (
+        EVENTS,
+        Breakpoint,
+        Breakpoints,
+        Event,
+        Hit,
+        mistake_in,
+        subjects,
+    )
+    from logical_robots_tui.game.compiling import compile_program, mistake_in_question
+    from logical_robots_tui.game.divergence import Difference, Divergence
+    from logical_robots_tui.game.frame import Frame, NoSuchTickError, Superseded
+    from logical_robots_tui.game.game import Answer, Game
+    from logical_robots_tui.game.goal import Goal, goals
+    from logical_robots_tui.game.history import History
+    from logical_robots_tui.game.inquiry import Inquiry
+    from logical_robots_tui.game.marks import MARK_KINDS, Mark, MarkKind
+    from logical_robots_tui.game.matches import Matches, find_matches, matching_rows
+    from logical_robots_tui.game.origin import (
+        Link,
+        Origin,
+        origin_in_game,
+        origin_in_run,
+        read_path,
+    )
+    from logical_robots_tui.game.pace import FLAT_OUT, SPEEDS, Pace
+    from logical_robots_tui.game.pins import (
+        MIND,
+        ROBOT_COLUMNS,
+        Path,
+        Pin,
+        Reading,
+        pin_of_cell,
+        read,
+    )
+    from logical_robots_tui.game.place import Place, place_of
+    from logical_robots_tui.game.reference import is_shipped, level_key, reference_for
+    from logical_robots_tui.game.rules import count_rules
+    from logical_robots_tui.game.run import Run, run_key
+    from logical_robots_tui.game.search import SearchResult, search_ticks
+    from logical_robots_tui.game.source import Source, list_programs, load_program, save_program
+    from logical_robots_tui.game.start import start_frame
 
 __all__ = [
     "EVENTS",
@@ -40,36 +59,38 @@ __all__ = [
     "Breakpoint",
     "Breakpoints",
     "Difference",
+    "Divergence",
     "Event",
     "Frame",
     "Game",
     "Goal",
     "History",
     "Hit",
-    "Holding",
     "Inquiry",
     "Link",
     "Mark",
     "MarkKind",
+    "Matches",
     "NoSuchTickError",
     "Origin",
     "Pace",
-    "Parting",
     "Path",
     "Pin",
     "Place",
     "Reading",
     "Run",
-    "Sought",
+    "SearchResult",
     "Source",
     "Superseded",
     "compile_program",
     "count_rules",
+    "find_matches",
     "goals",
     "is_shipped",
     "level_key",
     "list_programs",
     "load_program",
+    "matching_rows",
     "mistake_in",
     "mistake_in_question",
     "origin_in_game",
@@ -79,11 +100,36 @@ __all__ = [
     "read",
     "read_path",
     "reference_for",
-    "rows_that_count",
     "run_key",
     "save_program",
-    "seek",
+    "search_ticks",
     "start_frame",
     "subjects",
-    "when_it_holds",
 ]
+
+_NAMES = {
+    "breakpoints": "EVENTS Breakpoint Breakpoints Event Hit mistake_in subjects",
+    "compiling": "compile_program mistake_in_question",
+    "frame": "Frame NoSuchTickError Superseded",
+    "game": "Answer Game",
+    "goal": "Goal goals",
+    "history": "History",
+    "matches": "Matches find_matches matching_rows",
+    "inquiry": "Inquiry",
+    "marks": "MARK_KINDS Mark MarkKind",
+    "origin": "Link Origin origin_in_game origin_in_run read_path",
+    "pace": "FLAT_OUT SPEEDS Pace",
+    "divergence": "Difference Divergence",
+    "pins": "MIND ROBOT_COLUMNS Path Pin Reading pin_of_cell read",
+    "place": "Place place_of",
+    "reference": "is_shipped level_key reference_for",
+    "rules": "count_rules",
+    "run": "Run run_key",
+    "search": "SearchResult search_ticks",
+    "source": "Source list_programs load_program save_program",
+    "start": "start_frame",
+}
+
+__getattr__ = lazy_exports(
+    __name__, {name: module for module, names in _NAMES.items() for name in names.split()}
+)

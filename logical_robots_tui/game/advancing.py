@@ -1,4 +1,4 @@
-"""Advancing: the next ticks of a game, computed, or as they are known from history."""
+"""Advancing a game: computing the next ticks, or replaying them from history."""
 
 from __future__ import annotations
 
@@ -26,11 +26,11 @@ __all__ = ["Advance", "Known", "advance", "known_frame"]
 
 @dataclass(frozen=True, slots=True)
 class Advance:
-    """One tick further.
+    """The next tick.
 
     Attributes:
         frame: The tick.
-        hits: The breakpoints that it hits.
+        hits: The breakpoints that it hit.
     """
 
     frame: Frame
@@ -39,11 +39,11 @@ class Advance:
 
 @dataclass(frozen=True, slots=True)
 class Known:
-    """A tick that is known from history.
+    """A tick stored in history.
 
     Attributes:
-        level: In which the robots sensed in it.
-        moment: What it left behind.
+        level: The level in which the robots sensed.
+        moment: The state after the tick.
     """
 
     level: Level
@@ -61,18 +61,18 @@ def advance(
     seconds: float,
     most: int | None = None,
 ) -> list[Advance]:
-    """The ticks after a past one, up to victory or a breakpoint. Blocks.
+    """Return the ticks after a past one, up to victory or a breakpoint. Blocks.
 
     Args:
-        worlds: Where to compute them.
+        worlds: The worlds to compute them in.
         level: The level to compute them in.
-        mind: What to think with, and to ask for breakpoints.
-        past: After which tick.
-        known: The first of the next ticks if they are known; no others are computed then.
-        watch: What to stop at.
-        stop: Set it from another thread to give up.
-        seconds: How much time to begin another one in.
-        most: At most so many, by default as many as there is time for.
+        mind: The mind that thinks, and evaluates breakpoints.
+        past: The tick before.
+        known: The next ticks if they are stored; no others are computed then.
+        watch: The breakpoints to stop at.
+        stop: Set this from another thread to abort.
+        seconds: No tick is started after this time.
+        most: The largest number of ticks; by default as many as time allows.
 
     Raises:
         Stopped: `stop` was set.
@@ -98,7 +98,7 @@ def advance(
 def known_frame(
     worlds: Worlds, before: WorldState, memories_before: Mapping[str, Value], known: Known
 ) -> Frame:
-    """A frame as it was: the robots sense again what they sensed then."""
+    """Restore a frame by letting the robots sense again."""
     world, moment = worlds.of(known.level), known.moment
     if not moment.decisions:
         return fresh_frame(world, moment.after, moment.memories)
@@ -116,7 +116,7 @@ def known_frame(
 
 
 def _next_frame(world: World, mind: Mind, past: Frame, stop: threading.Event) -> Frame:
-    """Sense, think and act once, from a past frame."""
+    """Sense, think and act once, starting from a past frame."""
     before = past.after
     world.restore(before)
     sensors = tuple(world.sense())

@@ -1,4 +1,4 @@
-"""Breakpoints: what a run is to stop at."""
+"""Breakpoints: conditions at which a run stops."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ Event: TypeAlias = Literal[
 
 EVENTS: dict[Event, str] = {
     "rows": "a predicate has rows, or a question holds",
-    "no rows": "a predicate has no rows any more, or a question does not hold",
+    "no rows": "a predicate no longer has rows, or a question no longer holds",
     "change": "a predicate or the answer to a question changes",
     "enters": "a robot enters an area",
     "leaves": "a robot leaves an area",
@@ -30,23 +30,23 @@ EVENTS: dict[Event, str] = {
     "loses sight": "a robot loses sight of something",
     "notice": "a notice appears",
 }
-"""What can happen, in words."""
+"""Descriptions of the events."""
 
 OF_QUESTIONS = frozenset[Event]({"rows", "no rows", "change"})
-"""The events for which the program has to be asked."""
+"""The events that require evaluating the program."""
 
 
 @dataclass(frozen=True, slots=True)
 class Breakpoint:
-    """Something that a run is to stop at, in the tick in which it begins.
+    """A condition at which a run stops, in the tick in which it begins to hold.
 
     Attributes:
-        event: What happens.
-        subject: The name of the predicate, or any question about the program; the name of the
-            area, or of what is lost sight of; or the kind of the notice. "" is any, but for
+        event: The kind of event.
+        subject: The name of a predicate, or any question about the program; the name of the area
+            or of what is lost sight of; or the kind of the notice. "" means any, except for
             predicates.
-        robot: Whom it happens to; of a predicate, whose rows count. "" is any.
-        column: For ``change`` which column counts; "" is the whole row.
+        robot: The robot concerned; for a predicate, the robot whose rows count. "" means any.
+        column: For ``change``, the column that counts; "" means the whole row.
     """
 
     event: Event
@@ -56,20 +56,20 @@ class Breakpoint:
 
     @property
     def is_named(self) -> bool:
-        """Whether its subject is a name, and not a question that has to be compiled."""
+        """Whether its subject is a name rather than a question that has to be compiled."""
         return self.event not in OF_QUESTIONS or self.subject.isidentifier() or not self.subject
 
     @property
     def words(self) -> str:
-        """What it says, such as ``Ada enters Home``."""
+        """Its description, such as ``Ada enters Home``."""
         who = self.robot or "a robot"
         whose = f" for {self.robot}" if self.robot else ""
         match self.event:
             case "rows":
                 return f"{self.subject} {'has rows' if self.is_named else 'holds'}{whose}"
             case "no rows":
-                what = "has no rows" if self.is_named else "does not hold"
-                return f"{self.subject} {what} any more{whose}"
+                what = "no longer has rows" if self.is_named else "no longer holds"
+                return f"{self.subject} {what}{whose}"
             case "change":
                 column = f".{self.column}" if self.column else ""
                 return f"{self.subject}{column} changes{whose}"
@@ -89,9 +89,9 @@ class Hit:
     """A breakpoint that was hit.
 
     Attributes:
-        breakpoint: Which one.
-        tick: When.
-        values: Whom it happened to and with what values, in words.
+        breakpoint: The breakpoint.
+        tick: The tick.
+        values: The robots concerned and the values, in words.
     """
 
     breakpoint: Breakpoint
@@ -100,7 +100,7 @@ class Hit:
 
 
 class Breakpoints:
-    """The breakpoints of a player, in the order in which they were set."""
+    """A player's breakpoints, in the order in which they were set."""
 
     def __init__(self, breakpoints: Iterable[Breakpoint] = ()) -> None:
         self._is_on = dict.fromkeys(breakpoints, True)
@@ -113,29 +113,29 @@ class Breakpoints:
 
     @property
     def on(self) -> tuple[Breakpoint, ...]:
-        """Those that a run stops at."""
+        """The enabled breakpoints."""
         return tuple(each for each, is_on in self._is_on.items() if is_on)
 
     def add(self, breakpoint_: Breakpoint) -> None:
-        """Set a breakpoint; one that is there already is switched on."""
+        """Set a breakpoint, or enable an existing one."""
         self._is_on[breakpoint_] = True
 
     def remove(self, breakpoint_: Breakpoint) -> None:
-        """Delete a breakpoint, if it is there."""
+        """Delete a breakpoint, if it exists."""
         self._is_on.pop(breakpoint_, None)
 
     def is_on(self, breakpoint_: Breakpoint) -> bool:
-        """Whether a run stops at it."""
+        """Return whether it is enabled."""
         return self._is_on.get(breakpoint_, False)
 
     def switch(self, breakpoint_: Breakpoint) -> None:
-        """Switch a breakpoint off, or on again."""
+        """Enable or disable a breakpoint."""
         if breakpoint_ in self._is_on:
             self._is_on[breakpoint_] = not self._is_on[breakpoint_]
 
 
 def subjects(event: Event, level: Level, program: Program | None) -> tuple[str, ...]:
-    """The names that an event can be about in a level under a program."""
+    """Return the possible subjects of an event in a level under a program."""
     if event in OF_QUESTIONS:
         return tuple(each.name for each in program.predicates if each.has_rows) if program else ()
     if event in ("enters", "leaves"):
@@ -147,9 +147,9 @@ def subjects(event: Event, level: Level, program: Program | None) -> tuple[str, 
 
 
 def mistake_in(breakpoint_: Breakpoint, level: Level, program: Program | None) -> str:
-    """Why a breakpoint can't be hit in a level under a program, one sentence, or "".
+    """Return why a breakpoint can't be hit in a level under a program, one sentence, or "".
 
-    Of a question only the compiler knows whether it can be asked.
+    Questions are not checked here, because only the compiler can.
     """
     robot, subject = breakpoint_.robot, breakpoint_.subject
     names = tuple(each.name for each in level.robots)
@@ -168,9 +168,10 @@ def mistake_in(breakpoint_: Breakpoint, level: Level, program: Program | None) -
             return predicate.reason
         what = "The program has no predicate"
     else:
-        what = {"loses sight": "Nothing here is called", "notice": "No notice is called"}.get(
-            breakpoint_.event, "This level has no area"
-        )
+        what = {
+            "loses sight": "Nothing in this level is called",
+            "notice": "No notice is called",
+        }.get(breakpoint_.event, "This level has no area")
     if not subject or subject in known:
         return ""
     return f"{what} {subject}. {did_you_mean(subject, known)}".rstrip()

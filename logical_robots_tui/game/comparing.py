@@ -1,4 +1,4 @@
-"""Comparing: the first derivation that differs where two courses of a game part."""
+"""Comparing proofs: the first derivation that differs where two courses of a game diverge."""
 
 from __future__ import annotations
 
@@ -6,8 +6,8 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from logical_robots_tui.game.advancing import known_frame
-from logical_robots_tui.game.differing import condition_of, first_difference
-from logical_robots_tui.game.game import Superseded
+from logical_robots_tui.game.frame import Superseded
+from logical_robots_tui.game.proof_difference import condition_of, first_difference
 from logical_robots_tui.game.thinker import Thinker
 from logical_robots_tui.game.worlds import Worlds
 from logical_robots_tui.mind import QueryError
@@ -16,10 +16,10 @@ if TYPE_CHECKING:
     import threading
 
     from logical_robots_tui.game.advancing import Known
-    from logical_robots_tui.game.differing import Differing, Side
+    from logical_robots_tui.game.divergence import Divergence
     from logical_robots_tui.game.game import Game
     from logical_robots_tui.game.packing import Moment
-    from logical_robots_tui.game.parting import Parting
+    from logical_robots_tui.game.proof_difference import ProofDifference, Side
     from logical_robots_tui.mind import Ask, Explanation, Limits, Node, Program, Proof
     from logical_robots_tui.mind.why.explainer import Explainer
 
@@ -30,41 +30,41 @@ _DECISIONS = ("desire", "memory", "notices")
 
 @dataclass(frozen=True, slots=True)
 class Comparison:
-    """What makes a robot decide differently in two courses.
+    """Why a robot decides differently in two courses.
 
     Attributes:
         robot: Name of the robot.
-        differing: The first difference of the proofs of its decisions; None if none is found.
-        condition: Where another rule was taken, a condition that holds on one side only, and on
-            which; None if there is none or it can't be told.
+        differing: The first difference between the proofs of its decisions; None if there is none.
+        condition: If another rule was chosen, a condition that holds on one side only, and on
+            which side; None if there is none or it is unknown.
     """
 
     robot: str
-    differing: Differing | None
+    differing: ProofDifference | None
     condition: tuple[Node, Side] | None = None
 
 
-async def compare_proofs(game: Game, parting: Parting) -> Comparison | None:
-    """Prove a decision in both courses and tell where the proofs differ first.
+async def compare_proofs(game: Game, divergence: Divergence) -> Comparison | None:
+    """Prove a decision in both courses and find the first difference between the proofs.
 
     The robot is the first one that decides differently. Cancelling the call ends the work.
 
     Args:
-        game: The game; its present course is the one called here.
-        parting: Where its courses part.
+        game: The game; its current course is called "here".
+        divergence: Where its courses diverge.
 
     Returns:
         The comparison, or None if all robots decide the same.
 
     Raises:
-        NoSuchTickError: One of the courses does not hold that tick any more.
+        NoSuchTickError: One of the courses no longer holds that tick.
         QueryError: A decision can't be proved.
-        Superseded: The game went over to another course meanwhile.
+        Superseded: The game switched to another course in the meantime.
     """
-    robot = next((d.robot_name for d in parting.differences if d.matter in _DECISIONS), None)
+    robot = next((d.robot_name for d in divergence.differences if d.matter in _DECISIONS), None)
     if robot is None:
         return None
-    history, tick = game.history, parting.tick
+    history, tick = game.history, divergence.tick
     turns = history.turns
     here = _Course(robot, history.around(tick)[0], history.known(tick), game.limits)
     there = _Course(robot, *history.in_other(tick), game.limits)
@@ -88,18 +88,18 @@ async def compare_proofs(game: Game, parting: Parting) -> Comparison | None:
 
 
 class _Course:
-    """One of the courses at the tick in question, and who is asked about it."""
+    """One of the courses at the tick in question, and the thread that examines it."""
 
     def __init__(self, robot: str, before: Moment, known: Known, limits: Limits) -> None:
         self._robot, self._before, self._known, self._limits = robot, before, known, limits
         self._thinker = Thinker("compare")
 
     async def proof(self, program: Program) -> Proof:
-        """The proof of the decision."""
+        """Prove the decision."""
         return await self._thinker.do(lambda stop: self._explainer(program, stop).proof())
 
     async def why(self, program: Program, asked: Ask) -> Explanation | None:
-        """What each rule of a predicate gave; None if that can't be told."""
+        """Explain what each rule of a predicate produced; None if that is unknown."""
 
         def work(stop: threading.Event) -> Explanation:
             explainer = self._explainer(program, stop)

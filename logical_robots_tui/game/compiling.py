@@ -1,4 +1,4 @@
-"""Compiling off the event loop: programs, and questions about them."""
+"""Compiling programs and questions off the event loop."""
 
 from __future__ import annotations
 
@@ -15,16 +15,16 @@ __all__ = ["compile_program", "mistake_in_question"]
 
 
 async def compile_program(text: str, report: Report | None = None) -> Program:
-    """Compile Logica text without holding up the event loop.
+    """Compile Logica text without blocking the event loop.
 
     Cancelling the call ends the compilation.
 
     Args:
         text: The program.
-        report: Called on the event loop with the number of predicates compiled and of all.
+        report: Called on the event loop with the numbers of compiled predicates and of all.
 
     Raises:
-        ProgramError: The program is wrong; holds diagnostics with line, column and hint.
+        ProgramError: The program is wrong; the error holds diagnostics with line, column and hint.
     """
     stop = threading.Event()
     loop = asyncio.get_running_loop()
@@ -34,8 +34,8 @@ async def compile_program(text: str, report: Report | None = None) -> Program:
             loop.call_soon_threadsafe(report, done, of_all)
 
     def work() -> Program:
-        # A mind will be wanted next.
-        from logical_robots_tui.mind import Mind, Program  # noqa: F401 - to have it loaded
+        # A mind will be needed next.
+        from logical_robots_tui.mind import Mind, Program  # noqa: F401 - to load it
 
         return Program.compile(text, stop=stop, report=pass_on)
 
@@ -47,13 +47,13 @@ async def compile_program(text: str, report: Report | None = None) -> Program:
 
 
 async def mistake_in_question(program: Program, query: str) -> str:
-    """What is wrong with a question about a program, in words, or "".
+    """Return what is wrong with a question about a program, in words, or "".
 
-    Cancelling the call ends the compilation. What is right is compiled when it is asked.
+    Cancelling the call ends the compilation.
 
     Args:
-        program: What it is about.
-        query: A call, an expression, conditions, or whole rules of which the last is asked.
+        program: The program.
+        query: A call, an expression, conditions, or whole rules of which the last is evaluated.
     """
     stop = threading.Event()
     try:

@@ -1,4 +1,4 @@
-"""Where a player goes on, and what is kept on the way: on the screen and in lines the same."""
+"""Where a player continues, and what progress is kept; shared by the screen and plain mode."""
 
 from __future__ import annotations
 
@@ -31,20 +31,20 @@ _LAST_LEVEL = "level"
 
 
 def level_to_begin_with(progress: Progress) -> str:
-    """The shipped level that was played last, or the first one.
+    """Return the shipped level that was played last, or the first one.
 
     Raises:
-        InputError: The game came without its levels.
+        InputError: The levels are missing from the installation.
     """
     names = list_levels()
     if not names:
-        raise InputError("The game came without its levels.", hint="Install it again.")
+        raise InputError("The levels are missing from this installation.", hint="Install it again.")
     last = progress.fact(_LAST_LEVEL)
     return last if last in names else names[0]
 
 
 def note_level(progress: Progress, level: Level) -> None:
-    """The player has gone to a level."""
+    """Record that the player has opened a level."""
     if is_shipped(level):
         progress.set_fact(_LAST_LEVEL, level.name)
 
@@ -52,12 +52,12 @@ def note_level(progress: Progress, level: Level) -> None:
 def program_to_begin_with(
     progress: Progress, level: Level, named: str | None, own: Path
 ) -> tuple[Source, str | None]:
-    """The program to open in a level, and the text last used there if the player goes on with it.
+    """Return the program to open in a level, and the text last used there if it is to continue.
 
     Args:
-        progress: What the player has tried before.
-        level: Where to begin.
-        named: A program's name or path, or None for what the level starts with.
+        progress: The player's progress.
+        level: The level.
+        named: A program's name or path, or None for the level's default.
         own: Folder of the player's programs.
 
     Raises:
@@ -69,6 +69,6 @@ def program_to_begin_with(
 
 
 def keep_if_own(progress: Progress, key: str, text: str) -> None:
-    """Keep a program with the level of that key, unless it came with the game."""
+    """Keep a program with the level of that key, unless it is a shipped one."""
     if text not in shipped_texts().values():
         progress.keep(key, text)

@@ -1,4 +1,4 @@
-"""A course: one way that a game went, tick after tick."""
+"""A course: one history of a game, tick after tick."""
 
 from __future__ import annotations
 
@@ -22,25 +22,25 @@ if TYPE_CHECKING:
 __all__ = ["Course"]
 
 _TOGETHER = 32  # moments in a pack, unless they are heavy
-_HEAVY = 12_000_000  # bytes of objects in a pack, unless one moment has more
+_HEAVY = 12_000_000  # bytes of objects in a pack, unless a single moment has more
 
 _begin_of = attrgetter("first")
 
 
 class Course:
-    """The last ticks of one way that a game went, without gaps.
+    """The last ticks of one history of a game, without gaps.
 
-    Courses that part share what they have in common, for what is packed never changes.
+    Courses that diverge share their common packs, because packs never change.
 
     Args:
-        frame: Where it begins.
-        level: The level in which it does.
-        length: How many ticks to be able to restore.
+        frame: The first frame.
+        level: The level at the first frame.
+        length: How many ticks can be restored.
 
     Attributes:
-        marks: What happened in which of its ticks.
+        marks: The events of its ticks.
         hits: The breakpoints that were hit, by tick.
-        levels: Which level it went through when.
+        levels: The level at each tick.
     """
 
     def __init__(self, frame: Frame, level: Level, length: int) -> None:
@@ -50,36 +50,36 @@ class Course:
         self._length = length
         self._packs: list[Packed] = []
         self._loose = [Moment(frame.after, frame.memories, frame.decisions, 0.0, 0.0)]
-        self._oldest = frame.tick  # that is kept, be it too old or not
+        self._oldest = frame.tick  # that is kept, whether too old or not
         self._programs: list[tuple[int, Program]] = []
         self._unreliable_from: int | None = None
 
     @property
     def last(self) -> int:
-        """The latest tick that was finished."""
+        """The last finished tick."""
         return self._loose[-1].after.tick
 
     @property
     def first(self) -> int:
-        """The earliest tick that can be restored: one of which the moment before is kept."""
+        """The earliest tick that can be restored; its previous moment is stored."""
         oldest = max(self._oldest, self.last - self._length)
         return oldest + 1 if oldest else 0
 
     @property
     def packs(self) -> Iterator[Packed]:
-        """All that is packed."""
+        """All packs."""
         return iter(self._packs)
 
     @property
     def loose_weight(self) -> int:
-        """Bytes of objects in what is not packed, about."""
+        """Approximate bytes of objects that are not packed."""
         return sum(moment.weight for moment in self._loose)
 
     def add(self, frame: Frame, program: Program) -> bool:
-        """Keep the tick that follows the last one, and which program decided in it.
+        """Store the tick after the last one, and the program that decided it.
 
         Returns:
-            Whether some ticks were packed.
+            Whether ticks were packed.
         """
         before = self._loose[-1]
         self._loose.append(Moment.of(frame, before.driven + driven(frame.before, frame.after)))
@@ -94,7 +94,7 @@ class Course:
             try:
                 self._packs.append(Packed(self._loose[:together]))
             except MemoryError:
-                self._packs.clear()  # what is older goes as well, for there are no gaps
+                self._packs.clear()  # drop everything older as well, because there must be no gaps
                 self._forget_before(self._loose[together].after.tick)
             del self._loose[:together]
             is_packed = True
@@ -103,9 +103,9 @@ class Course:
         return is_packed
 
     def change_level(self, frame: Frame, level: Level) -> None:
-        """Go on from the last tick in another level, as a frame in its place says.
+        """Continue from the last tick in another level; the frame replaces that tick.
 
-        What was packed never changes; the last tick never is.
+        Packs never change, and the last tick is never packed.
         """
         before = self._loose[-1]
         self._loose[-1] = Moment(
@@ -121,7 +121,7 @@ class Course:
         self.levels.change(frame.tick, level)
 
     def forget_pack(self) -> bool:
-        """Drop the oldest ticks; False if so few are left that they are not packed."""
+        """Drop the oldest pack; return False if nothing is packed."""
         if self._packs:
             begin = self._begin_after_first_pack()
             del self._packs[0]
@@ -129,7 +129,7 @@ class Course:
         return bool(self._packs)
 
     def moment(self, tick: int) -> Moment:
-        """What a tick left behind, from the one before `first` to `last`."""
+        """Return the state after a tick, from the one before `first` to `last`."""
         begin = self._loose[0].after.tick
         if tick >= begin:
             return self._loose[tick - begin]
@@ -137,7 +137,7 @@ class Course:
         return pack.moment(tick - pack.first)
 
     def up_to(self, tick: int) -> Course:
-        """The same course up to one of its ticks."""
+        """Return a copy of the course up to a tick."""
         copy = Course.__new__(Course)
         copy.marks = self.marks.copy(tick)
         copy.levels = self.levels.up_to(tick)
@@ -154,23 +154,23 @@ class Course:
         return copy
 
     def programs(self, tick: int) -> list[tuple[int, Program]]:
-        """The programs up to a tick, each with the first tick in which it decided."""
+        """Return the programs up to a tick, each with the first tick that it decided."""
         return [(begin, program) for begin, program in self._programs if begin <= tick]
 
     def program_at(self, tick: int) -> Program | None:
-        """The program that decided in a tick; None at the start."""
+        """Return the program that decided a tick; None at the start."""
         return next((program for begin, program in reversed(self._programs) if begin <= tick), None)
 
     def is_all_by(self, text: str, tick: int) -> bool:
-        """Whether one program's text decided in every tick up to that one."""
+        """Return whether a single program text decided every tick up to this one."""
         return all(program.text == text for begin, program in self._programs if begin <= tick)
 
     def is_reliable_up_to(self, tick: int) -> bool:
-        """Whether no clock ended a thought up to the end of a tick."""
+        """Return whether no thought was cut off by the clock up to this tick."""
         return self._unreliable_from is None or tick < self._unreliable_from
 
     def _ready(self) -> int:
-        """How many of the oldest loose moments to pack now; at least the last one stays loose."""
+        """Return how many of the oldest unpacked moments to pack now; never the last one."""
         loose = self._loose
         together, weight = 1, loose[0].weight
         while together < min(len(loose) - 1, _TOGETHER) and weight <= _HEAVY:

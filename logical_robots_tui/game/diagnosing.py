@@ -1,4 +1,4 @@
-"""Diagnosis of a run: every rule and condition watched tick by tick, and what stands out."""
+"""Diagnosis of a run: observes every rule and condition tick by tick and reports anomalies."""
 
 from __future__ import annotations
 
@@ -7,8 +7,8 @@ from functools import partial
 from typing import TYPE_CHECKING
 
 from logical_robots_tui.game.findings import findings_of
-from logical_robots_tui.game.game import Superseded
-from logical_robots_tui.game.happenings import happenings
+from logical_robots_tui.game.frame import Superseded
+from logical_robots_tui.game.observations import observe
 from logical_robots_tui.game.thinker import Thinker
 from logical_robots_tui.mind import Limits
 from logical_robots_tui.mind.compilation import check_up
@@ -20,32 +20,33 @@ if TYPE_CHECKING:
 
     from logical_robots_tui.game.frame import Frame
     from logical_robots_tui.game.game import Game
-    from logical_robots_tui.game.happenings import Happenings
+    from logical_robots_tui.game.observations import Observations
     from logical_robots_tui.mind.diagnosis.finding import Finding
     from logical_robots_tui.mind.diagnosis.sites import Checkup
     from logical_robots_tui.world import Level
 
 __all__ = ["Diagnosis", "diagnose", "extent"]
 
-_FEWEST = 20  # ticks that are looked at
-_QUESTIONS = 20_000  # that all robots are asked at most when some ticks are looked at
-_MORE_QUESTIONS = 60_000  # when what seems never to happen is looked for in the others
-_TOGETHER = 20  # ticks, before what is settled is no longer asked
-_SAMPLES = 12  # ticks in which a robot's way is explained
+_FEWEST = 20  # ticks that are examined
+_QUESTIONS = 20_000  # most probes of all robots when only some ticks are examined
+_MORE_QUESTIONS = 60_000  # the same when searching the other ticks for what seems never to happen
+_TOGETHER = 20  # ticks before settled probes are dropped
+_SAMPLES = 12  # ticks in which a robot's movement is explained
 
 
 @dataclass(frozen=True, slots=True)
 class Diagnosis:
-    """What was found in a run.
+    """The result of a diagnosis.
 
     Attributes:
-        findings: The most telling first.
+        findings: The most significant first.
         first: The first tick of the run.
         last: The last one.
         won_at: The tick of victory, or None.
-        step: Every how many ticks all was looked at.
-        second_step: Every how many ticks was looked for what seemed never to happen.
-        left_out: How many places could not be watched.
+        step: The interval, in ticks, at which everything was examined.
+        second_step: The interval of the search for what seemed never to happen.
+        left_out: How many places could not be observed.
+        is_reliable: Whether no time limit ended a thought of the run.
     """
 
     findings: tuple[Finding, ...]
@@ -55,6 +56,7 @@ class Diagnosis:
     step: int
     second_step: int
     left_out: int
+    is_reliable: bool = True
 
 
 async def diagnose(
@@ -63,30 +65,32 @@ async def diagnose(
     report: Callable[[int, int], None] = lambda _done, _all: None,
     limits: Limits | None = None,
 ) -> Diagnosis:
-    """Diagnose what a game's history holds of its present program. Cancel it to stop it.
+    """Diagnose the current program over a game's history. Cancel the call to stop.
 
     Args:
-        game: The game; it may go on meanwhile.
-        report: Called with how much is done and how much there is to do.
-        limits: Bounds on compiling and thinking.
+        game: The game; it may continue in the meantime.
+        report: Called with the amount of work done and the total.
+        limits: Limits on compiling and thinking.
 
     Raises:
-        QueryError: The program is too entangled.
-        Superseded: Another future began meanwhile.
+        QueryError: The program is too complex.
+        Superseded: Another future began in the meantime.
     """
     return await _Diagnosing(game, report, limits or Limits()).diagnose()
 
 
 def extent(found: Diagnosis) -> str:
-    """What was looked at, one or two sentences."""
+    """Return what was examined, in one or two sentences."""
     if found.last < found.first:
-        return "There are no ticks to look at yet."
+        return "There are no ticks to examine yet."
     end = "won" if found.won_at is not None else "not won"
     said = f"Ticks {found.first} to {found.last}, {end}."
     if found.second_step > 1:
-        said += f" Looked at every {found.second_step}. tick: what is rarer may be missed."
+        said += f" Only one tick in {found.second_step} was examined: rare events may be missed."
     if found.left_out:
-        said += f" Of {found.left_out} places too much was to be asked: nothing is said of them."
+        said += f" Places not covered, because they are too expensive to examine: {found.left_out}."
+    if not found.is_reliable:
+        said += " A time limit ended a thought: another run may differ."
     return said
 
 
@@ -110,15 +114,15 @@ class _Diagnosing:
             checkup = await self._thinker.do(
                 lambda stop: check_up(self._program, stop=stop, limits=self._limits)
             )
-            happened = await happenings(history, first, last)
-            return await self._look(checkup, happened)
+            observed = await observe(history, first, last)
+            return await self._look(checkup, observed)
         finally:
             await self._thinker.close()
 
     # -- inside --------------------------------------------------------------------------------
 
-    async def _look(self, checkup: Checkup, happened: Happenings) -> Diagnosis:
-        ticks = range(happened.first, happened.last + 1)
+    async def _look(self, checkup: Checkup, observed: Observations) -> Diagnosis:
+        ticks = range(observed.first, observed.last + 1)
         robots = len(self._game.level.robots)
         questions = max(1, len(checkup.probes) * robots)
         step = max(1, -(-len(ticks) // max(_FEWEST, _QUESTIONS // questions)))
@@ -137,18 +141,19 @@ class _Diagnosing:
             await self._watch(tally, chosen[begin : begin + _TOGETHER], tally.doubtful_probes())
         close = [n for n, probe in enumerate(checkup.probes) if probe.closeness != "wider"]
         closer: dict[tuple[str, int], Tally] = {}
-        for robot, wanted in _to_explain(happened):
+        for robot, wanted in _to_explain(observed):
             tally_of_it = closer[robot, wanted[0]] = Tally(checkup)
             await self._watch(tally_of_it, wanted, close, (robot,))
-        found = findings_of(tally, happened, closer, self._game.level)
+        found = findings_of(tally, observed, closer, self._game.level)
         return Diagnosis(
             tuple(found),
-            happened.first,
-            happened.last,
-            happened.won_at,
+            observed.first,
+            observed.last,
+            observed.won_at,
             step,
             second,
             checkup.left_out + len(tally.given_up),
+            self._game.history.is_reliable_up_to(observed.last),
         )
 
     async def _watch(
@@ -158,13 +163,13 @@ class _Diagnosing:
         probes: Sequence[int],
         viewers: tuple[str, ...] | None = None,
     ) -> None:
-        """Ask probes at some ticks."""
+        """Evaluate probes at some ticks."""
         names = {tally.checkup.probes[number].name: number for number in probes}
         for tick in ticks if names else ():
             if self._game.history.turns != self._turns:
                 raise Superseded
             if tick < self._game.history.first:
-                continue  # it was forgotten meanwhile
+                continue  # it was dropped in the meantime
             frame = self._game.frame_at(tick)
             level = self._game.history.level_at(tick)
             await self._thinker.do(partial(self._ask, tally, names, frame, level, viewers))
@@ -180,7 +185,7 @@ class _Diagnosing:
         viewers: tuple[str, ...] | None,
         stop: threading.Event,
     ) -> None:
-        """Ask the probes of these names at a frame, and count what they give. In the thread."""
+        """Evaluate probes by name at a frame, and count the results. Runs in the thread."""
         mind = self._thinker.mind(tally.checkup.program, level, self._limits)
         sensors, memories = frame.sensors, frame.memories_before
         for name, rows in mind.each([*names], sensors, memories, viewers=viewers, stop=stop):
@@ -190,15 +195,15 @@ class _Diagnosing:
                 tally.add(frame.tick, names[name], rows)
 
 
-def _to_explain(happened: Happenings) -> list[tuple[str, list[int]]]:
-    """Robots, and the ticks in which what they do is to be looked at closely."""
+def _to_explain(observed: Observations) -> list[tuple[str, list[int]]]:
+    """Return robots with the ticks in which their behaviour needs a closer look."""
     wanted: dict[tuple[str, int], list[int]] = {}
-    for kind in {kind for kind, _ in happened.notices}:
-        tick, robot = happened.first_notice(kind)
+    for kind in {kind for kind, _ in observed.notices}:
+        tick, robot = observed.first_notice(kind)
         wanted[robot, tick] = [tick]
-    for loss in happened.first_losses():
+    for loss in observed.first_losses():
         wanted[loss.robot, loss.tick] = [loss.tick]
-    for stretch in happened.stretches:
+    for stretch in observed.stretches:
         length = stretch.period or stretch.last - stretch.first
         last = min(stretch.last, stretch.first + max(length, _SAMPLES))
         step = max(1, (last - stretch.first) // _SAMPLES)

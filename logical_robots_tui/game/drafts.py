@@ -1,156 +1,170 @@
-"""Drafts: text that was typed and not saved, kept so that nothing can lose it."""
+"""Drafts: unsaved texts, levels and places, kept on disk so that they survive crashes."""
 
 from __future__ import annotations
 
 import fcntl
 import hashlib
-import itertools
 import json
 import os
 import secrets
 import threading
 from contextlib import suppress
-from dataclasses import dataclass, field, replace
+from dataclasses import asdict, dataclass, field, replace
 from datetime import UTC, datetime
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Literal, TypeAlias, get_args
 
 from logical_robots_tui.writing import write_atomically
 
 if TYPE_CHECKING:
     from pathlib import Path
 
-__all__ = ["OLD_DRAFTS_KEPT", "Draft", "Drafts", "fingerprint"]
+__all__ = ["OLD_DRAFTS_KEPT", "Draft", "Drafts", "Key", "Kind"]
 
 OLD_DRAFTS_KEPT = 50
-"""How many drafts that nobody wanted stay in the folder ``old``."""
+"""How many discarded drafts are kept in the folder ``old``."""
 
-_serials = itertools.count()
+Kind: TypeAlias = Literal["program", "level", "place"]
+Key: TypeAlias = tuple[Kind, str]
+"""What a draft is of: its kind, and the path of its file. Drafts of one key follow each other."""
+
 _held_locks: set[int] = set()
-
-
-def fingerprint(text: str) -> str:
-    """A short name for a text: the same text, the same name."""
-    return hashlib.sha256(text.encode("utf-8", "surrogatepass")).hexdigest()[:16]
 
 
 @dataclass(frozen=True, slots=True)
 class Draft:
-    """Unsaved text of one program.
+    """Something that is not saved.
 
     Attributes:
-        program: Name of the program, to show.
-        path: Path of the program's file; drafts of one path follow each other.
-        text: What was typed.
-        base: Fingerprint of the program's text as it was read from the file.
+        kind: A program's text, a level's text, or the place where a game stood.
+        name: What to call it.
+        path: Path of the file that it belongs to, or what stands for that.
+        text: What there is of it.
         saved: When the draft was made, with time zone, to show.
-        turn: Counts on from draft to draft, whatever the clock says; 0 where nothing counted.
+        turn: Counts on from draft to draft, whatever the clock says.
     """
 
-    program: str
+    kind: Kind
+    name: str
     path: str
     text: str
-    base: str
     saved: datetime = field(default_factory=lambda: datetime.now(UTC))
     turn: int = field(default=0, compare=False)
-    _serial: int = field(default_factory=lambda: next(_serials), repr=False, compare=False)
+
+    @property
+    def key(self) -> Key:
+        """What it is of."""
+        return self.kind, self.path
 
 
 class Drafts:
-    """The drafts of one session, each in its own file, under a lock held while the session lives.
+    """The drafts of one session, each in its own file, locked while the session lives.
 
-    What a session that is over left behind is adopted by the next one and stays apart from what
-    that one keeps itself, until somebody takes it or puts it away. A session still alive keeps its
-    own. What a disk does not let be moved or removed stays where it is, and is offered again the
-    next time. All methods may be called from any thread and from a signal handler.
+    The next session adopts the drafts of a session that has ended, and keeps them apart from its
+    own until they are taken or put away. Drafts of a live session are left alone. Drafts that the
+    disk does not allow to be moved or removed stay in place and are offered again next time. All
+    methods may be called from any thread and from a signal handler.
 
     Args:
-        folder: Where the drafts of all sessions are; it is made when needed.
+        folder: The folder of the drafts of all sessions; created when needed.
     """
 
     def __init__(self, folder: Path) -> None:
         self.folder = folder
-        self._session = f"{datetime.now(UTC):%Y%m%d%H%M%S}{secrets.token_hex(4)}"
+        self._session = secrets.token_hex(8)
         self._guard = threading.RLock()
         self._lock: int | None = None
-        self._turn = 0
-        self._mine: dict[str, Draft] = {}
-        self._adopted: dict[str, Draft] = {}
-        self._dropped: dict[str, int] = {}
-        self._unwritten: set[str] = set()
+        self._turn = self._turns_before = 0
+        self._latest: dict[Key, int] = {}
+        self._mine: dict[Key, Draft] = {}
+        self._adopted: dict[Key, Draft] = {}
+        self._unwritten: set[Key] = set()
 
-    def keep(self, draft: Draft) -> None:
-        """Write a draft in the place of the one before it; one made earlier changes nothing.
+    def next_turn(self) -> int:
+        """Take a turn for a draft that is written later: what has a later one counts."""
+        with self._guard:
+            self._turn += 1
+            return self._turn
+
+    def keep(self, draft: Draft, turn: int | None = None) -> None:
+        """Write a draft in the place of the one before it.
+
+        Args:
+            draft: The draft.
+            turn: When it was made; after a later draft or drop nothing changes. By default now.
 
         Raises:
             OSError: It can't be written.
         """
         with self._guard:
-            newest = self._mine.get(draft.path)
-            if newest is not None and newest._serial > draft._serial:
+            if not self._is_turn_of(draft.key, turn):
                 return
-            if self._dropped.get(draft.path, -1) > draft._serial:
-                return
-            self._mine[draft.path] = draft
-            self._unwritten.add(draft.path)
+            self._mine[draft.key] = draft
+            self._unwritten.add(draft.key)
             self._hold_lock()
-            self._turn += 1
-            self._mine[draft.path] = draft = replace(draft, turn=self._turn)
-            write_atomically(self._file(draft.path), _as_json(draft))
-            self._unwritten.discard(draft.path)
+            draft = replace(draft, turn=self._turns_before + self._latest[draft.key])
+            self._mine[draft.key] = draft
+            write_atomically(self._file(draft.key), json.dumps(asdict(draft), default=str))
+            self._unwritten.discard(draft.key)
 
     def unwritten(self) -> list[tuple[Draft, OSError]]:
-        """What can't be written, now either, each with the reason; it ends with the session."""
+        """Return the drafts that still can't be written, with reasons; they are lost at exit."""
         found = []
         with self._guard:
-            for draft in [self._mine[path] for path in sorted(self._unwritten)]:
+            for draft in [self._mine[key] for key in sorted(self._unwritten)]:
                 try:
-                    self.keep(draft)
+                    self.keep(draft, self._latest.get(draft.key))
                 except OSError as error:
                     found.append((draft, error))
         return found
 
-    def get(self, path: str) -> Draft | None:
-        """The draft of a program that this session kept, or None."""
-        return self._mine.get(path)
+    def get(self, key: Key) -> Draft | None:
+        """The draft that this session kept, or None."""
+        return self._mine.get(key)
 
-    def take(self, path: str) -> Draft | None:
-        """Make the adopted draft of a program one's own; None if there is none.
+    def take(self, key: Key) -> Draft | None:
+        """Make an adopted draft one's own; None if there is none.
 
-        One's own draft of the same program goes into the folder ``old``.
+        One's own draft of the same goes into the folder ``old``.
         """
         with self._guard:
-            draft = self._adopted.pop(path, None)
+            draft = self._adopted.pop(key, None)
             if draft is not None:
-                self._mine[path] = draft
-                self._unwritten.add(path)
+                self._mine[key] = draft
+                self._unwritten.add(key)
                 with suppress(OSError):
-                    if self._file(path).exists():
-                        self._retire(self._file(path))
-                    self._adopted_file(path).replace(self._file(path))
-                    self._unwritten.discard(path)
+                    if self._file(key).exists():
+                        self._retire(self._file(key))
+                    self._adopted_file(key).replace(self._file(key))
+                    self._unwritten.discard(key)
             return draft
 
-    def drop(self, path: str) -> None:
-        """Forget the draft of a program, because its text is saved or is the file's again."""
-        with self._guard:
-            self._dropped[path] = next(_serials)
-            self._unwritten.discard(path)
-            if self._mine.pop(path, None) is not None:
-                with suppress(OSError):
-                    self._file(path).unlink(missing_ok=True)
+    def drop(self, key: Key, turn: int | None = None) -> None:
+        """Forget a draft, because it is saved or is as in its file again.
 
-    def put_away(self, path: str) -> None:
-        """Move the adopted draft of a program into the folder ``old``; it is not wanted now."""
+        Args:
+            key: What it is of.
+            turn: When that was so; after a later draft nothing changes. By default now.
+        """
         with self._guard:
-            if self._adopted.pop(path, None) is not None:
+            if not self._is_turn_of(key, turn):
+                return
+            self._unwritten.discard(key)
+            if self._mine.pop(key, None) is not None:
                 with suppress(OSError):
-                    self._retire(self._adopted_file(path))
+                    self._file(key).unlink(missing_ok=True)
 
-    def adopt(self) -> list[Draft]:
+    def put_away(self, key: Key) -> None:
+        """Move an adopted draft into the folder ``old``; it is not wanted now."""
+        with self._guard:
+            if self._adopted.pop(key, None) is not None:
+                with suppress(OSError):
+                    self._retire(self._adopted_file(key))
+
+    def adopt(self, kind: Kind) -> list[Draft]:
         """Take over what sessions that are over left behind.
 
         Returns:
-            All adopted drafts, newest first; one for each path.
+            The adopted drafts of a kind, newest first; one for each path.
 
         Raises:
             OSError: The folder can't be used.
@@ -158,14 +172,15 @@ class Drafts:
         with self._guard:
             if self.folder.is_dir():
                 self._hold_lock()
-                for session in sorted({p.name.partition("-")[0] for p in self._draft_files()}):
-                    if session != self._session:
-                        self._adopt_session(session)
-                self._remove_dead_locks()
-            return sorted(self._adopted.values(), key=_newness, reverse=True)
+                sessions = {file.name.partition("-")[0] for file in self._draft_files()}
+                sessions |= {file.stem for file in self.folder.glob("*.lock")}
+                for session in sorted(sessions - {self._session}):
+                    self._adopt_session(session)
+            found = [draft for draft in self._adopted.values() if draft.kind == kind]
+            return sorted(found, key=lambda draft: draft.turn, reverse=True)
 
     def close(self) -> None:
-        """End the session; its drafts stay for the next one."""
+        """End the session; its drafts remain for the next one."""
         with self._guard:
             if self._lock is None:
                 return
@@ -177,11 +192,18 @@ class Drafts:
 
     # -- files ---------------------------------------------------------------------------------
 
-    def _file(self, path: str) -> Path:
-        return self.folder / f"{self._session}-{fingerprint(path)}.json"
+    def _is_turn_of(self, key: Key, turn: int | None) -> bool:
+        turn = self.next_turn() if turn is None else turn
+        if self._latest.get(key, 0) > turn:
+            return False
+        self._latest[key] = turn
+        return True
 
-    def _adopted_file(self, path: str) -> Path:
-        return self.folder / f"{self._session}-{fingerprint(path)}-adopted.json"
+    def _file(self, key: Key) -> Path:
+        return self.folder / f"{self._session}-{_fingerprint(key)}.json"
+
+    def _adopted_file(self, key: Key) -> Path:
+        return self.folder / f"{self._session}-{_fingerprint(key)}-adopted.json"
 
     def _lock_file(self, session: str) -> Path:
         return self.folder / f"{session}.lock"
@@ -194,7 +216,8 @@ class Drafts:
             self.folder.mkdir(parents=True, exist_ok=True)
             self._lock = _acquire(self._lock_file(self._session))
             drafts = map(_from_json, self._draft_files())
-            self._turn = max([self._turn, *(draft.turn for draft in drafts if draft is not None)])
+            turns = [draft.turn for draft in drafts if draft is not None]
+            self._turns_before = max([0, *turns, *map(_number, self.folder.glob("old/*-*.json"))])
 
     def _adopt_session(self, session: str) -> None:
         lock = _acquire(self._lock_file(session))
@@ -203,7 +226,9 @@ class Drafts:
         try:
             for file in self._draft_files(session):
                 self._adopt_file(file)
-            self._clear(session)
+            # What else it leaves: its lock, half a write.
+            for file in (self._lock_file(session), *self.folder.glob(f".{session}-*")):
+                file.unlink(missing_ok=True)
         finally:
             _release(lock)
 
@@ -212,71 +237,56 @@ class Drafts:
         if draft is None:
             self._retire(file)
             return
-        rival = self._adopted.get(draft.path)
-        if rival is not None and _newness(rival) >= _newness(draft):
+        rival = self._adopted.get(draft.key)
+        if rival is not None and rival.turn >= draft.turn:
             self._retire(file)
             return
         if rival is not None:
-            self._retire(self._adopted_file(draft.path))
-        file.replace(self._adopted_file(draft.path))
-        self._adopted[draft.path] = draft
-
-    def _remove_dead_locks(self) -> None:
-        for file in self.folder.glob("*.lock"):
-            if file.stem != self._session and (lock := _acquire(file)) is not None:
-                if not self._draft_files(file.stem):
-                    self._clear(file.stem)
-                _release(lock)
-
-    def _clear(self, session: str) -> None:
-        """Remove what a session that is over leaves besides drafts: its lock, half a write."""
-        for file in (self._lock_file(session), *self.folder.glob(f".{session}-*")):
-            file.unlink(missing_ok=True)
+            self._retire(self._adopted_file(draft.key))
+        file.replace(self._adopted_file(draft.key))
+        self._adopted[draft.key] = draft
 
     def _retire(self, file: Path) -> None:
         old = self.folder / "old"
         old.mkdir(exist_ok=True)
-        file.replace(old / f"{datetime.now(UTC):%Y%m%d%H%M%S%f}-{file.name}")
-        for surplus in sorted(old.glob("*.json"))[:-OLD_DRAFTS_KEPT]:
+        file.replace(old / f"{self._turns_before + self.next_turn()}-{file.name}")
+        for surplus in sorted(old.glob("*-*.json"), key=_number)[:-OLD_DRAFTS_KEPT]:
             surplus.unlink(missing_ok=True)
 
 
-def _newness(draft: Draft) -> tuple[int, datetime]:
-    return draft.turn, draft.saved
+def _fingerprint(key: Key) -> str:
+    """A short name for a key: the same key, the same name."""
+    return hashlib.sha256(" ".join(key).encode("utf-8", "surrogatepass")).hexdigest()[:16]
 
 
-def _as_json(draft: Draft) -> str:
-    data = {
-        "program": draft.program,
-        "path": draft.path,
-        "base": draft.base,
-        "saved": draft.saved.isoformat(),
-        "turn": draft.turn,
-        "text": draft.text,
-    }
-    return json.dumps(data, indent=1)
+def _number(file: Path) -> int:
+    """What the name of a file in the folder ``old`` begins with."""
+    number = file.name.partition("-")[0]
+    return int(number) if number.isdecimal() else 0
 
 
 def _from_json(file: Path) -> Draft | None:
-    """Read a draft; None if the file is not one."""
+    """Read a draft; return None if the file is not one."""
     try:
-        data: dict[str, Any] = json.loads(file.read_text("utf-8"))
-        saved = datetime.fromisoformat(data["saved"])
-        turn = int(data.get("turn", 0))
-        program, path, text, base = (data[key] for key in ("program", "path", "text", "base"))
+        found = json.loads(file.read_text("utf-8"))
+        draft = Draft(**found | {"saved": datetime.fromisoformat(found["saved"])})
     except (OSError, ValueError, KeyError, TypeError, RecursionError):
         return None
-    if saved.tzinfo is None or not all(isinstance(t, str) for t in (program, path, text, base)):
-        return None
-    return Draft(program, path, text, base, saved, turn)
+    is_whole = (
+        draft.kind in get_args(Kind)
+        and draft.saved.tzinfo is not None
+        and isinstance(draft.turn, int)
+        and all(isinstance(part, str) for part in (draft.name, draft.path, draft.text))
+    )
+    return draft if is_whole else None
 
 
 def _acquire(file: Path) -> int | None:
-    """Lock a file; None if somebody else, or a file system without locks, does not let us."""
+    """Lock a file; return None if it is locked already or the file system has no locks."""
     handle = os.open(file, os.O_RDWR | os.O_CREAT | os.O_CLOEXEC, 0o600)
     try:
         fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
-        if os.fstat(handle).st_ino != file.stat().st_ino:  # removed while we waited for it
+        if os.fstat(handle).st_ino != file.stat().st_ino:  # removed while waiting for the lock
             raise BlockingIOError
     except OSError:
         os.close(handle)
@@ -295,5 +305,5 @@ def _release_all() -> None:
         _release(handle)
 
 
-# A forked child would keep the locks of its parent alive beyond the parent's end.
+# A forked child would hold the locks after its parent has ended.
 os.register_at_fork(after_in_child=_release_all)

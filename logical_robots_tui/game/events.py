@@ -1,4 +1,4 @@
-"""What happened in a tick, in sentences."""
+"""The events of a tick, as sentences."""
 
 from __future__ import annotations
 
@@ -17,12 +17,12 @@ __all__ = ["events_between"]
 
 
 def events_between(level: Level, past: Frame, frame: Frame) -> Iterator[str]:
-    """Tell what is otherwise at a tick than at the one before, a sentence for each event.
+    """Yield a sentence for each event between two consecutive ticks.
 
-    Names and messages are as the level and the program give them.
+    Names and messages are as given by the level and the program.
 
     Args:
-        level: Where it happens.
+        level: The level.
         past: The tick before.
         frame: The tick.
     """
@@ -30,7 +30,7 @@ def events_between(level: Level, past: Frame, frame: Frame) -> Iterator[str]:
         yield from _of_robot(before, now)
     for old, area in zip(past.after.areas, frame.after.areas, strict=True):
         yield from _of_area(old, area)
-    # Areas may share a name, so goals are told apart by their places.
+    # Areas may share a name, so goals are identified by position.
     wanted = [place for place, area in enumerate(level.areas) if area.victory_robots]
     for place, goal in zip(wanted, goals(level, frame.after), strict=True):
         if past.after.areas[place].visitors != frame.after.areas[place].visitors:

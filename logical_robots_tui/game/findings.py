@@ -1,4 +1,4 @@
-"""Findings about a run: those about rules, and those that need the world and the robots."""
+"""Findings about a run: about rules, notices, memories, texts and movement."""
 
 from __future__ import annotations
 
@@ -13,8 +13,8 @@ from logical_robots_tui.mind.diagnosis.telling import rule_findings, shortened
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping
 
-    from logical_robots_tui.game.happenings import Happenings
     from logical_robots_tui.game.movement import Stretch
+    from logical_robots_tui.game.observations import Observations
     from logical_robots_tui.mind.diagnosis.counting import Tally
     from logical_robots_tui.mind.diagnosis.sites import Checkup, Span
     from logical_robots_tui.world import Level
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 __all__ = ["findings_of"]
 
 _SEEN = ("wall", "beacon", "robot", "nothing")
-"""What a ray may end at."""
+"""The kinds of objects that a ray can hit."""
 
 _MOST_PLACES = 6
 _MOST_LEAVES = 3
@@ -30,24 +30,24 @@ _MOST_LEAVES = 3
 
 def findings_of(
     tally: Tally,
-    happened: Happenings,
+    observed: Observations,
     closer: Mapping[tuple[str, int], Tally],
     level: Level,
 ) -> list[Finding]:
-    """All findings, the most telling first.
+    """Return all findings, the most significant first.
 
     Args:
-        tally: What was counted in the whole run.
-        happened: What else happened.
-        closer: By robot and first tick what was counted in that robot's reasoning then.
-        level: Where it was.
+        tally: The counts over the whole run.
+        observed: What else was observed in it.
+        closer: By robot and first tick, the counts in that robot's reasoning at that tick.
+        level: The level.
     """
     found = [
-        *_of_notices(happened, closer),
-        *_of_memory(tally.checkup, happened, closer),
-        *_of_texts(tally.checkup, happened, level),
-        *rule_findings(tally, won=happened.won_at is not None),
-        *_of_movement(happened, closer),
+        *_of_notices(observed, closer),
+        *_of_memory(tally.checkup, observed, closer),
+        *_of_texts(tally.checkup, observed, level),
+        *rule_findings(tally, won=observed.won_at is not None),
+        *_of_movement(observed, closer),
     ]
     return sorted(found, key=lambda each: each.severity == "note")
 
@@ -55,12 +55,14 @@ def findings_of(
 # -- notices -----------------------------------------------------------------------------------
 
 
-def _of_notices(happened: Happenings, closer: Mapping[tuple[str, int], Tally]) -> Iterator[Finding]:
-    for named in dict.fromkeys(kind for kind, _ in happened.notices):
-        tick, robot = happened.first_notice(named)
-        tally, message = closer[robot, tick], happened.notices[named, robot][2]
-        often = sum(each[1] for (kind, _), each in happened.notices.items() if kind == named)
-        first = f"{message} First at tick {tick}, in all {often} times."
+def _of_notices(
+    observed: Observations, closer: Mapping[tuple[str, int], Tally]
+) -> Iterator[Finding]:
+    for named in dict.fromkeys(kind for kind, _ in observed.notices):
+        tick, robot = observed.first_notice(named)
+        tally, message = closer[robot, tick], observed.notices[named, robot][2]
+        often = sum(each[1] for (kind, _), each in observed.notices.items() if kind == named)
+        first = f"{message} First at tick {tick}, {often} times in total."
         if named == "several rows":
             yield _of_several(tally, robot, tick, first)
         elif named == "bad engine":
@@ -69,7 +71,7 @@ def _of_notices(happened: Happenings, closer: Mapping[tuple[str, int], Tally]) -
             rules = [r.span for r in tally.checkup.rules if r.predicate == "Robot"]
             stops = _stops(tally)
             span, others = _split([*stops, *rules])
-            hint = "No rule covers this case; each must fail somewhere."
+            hint = "No rule covers this case; each fails somewhere."
             yield Finding("no row", "warning", span, tick, first, hint, others, robot)
         else:
             hint = "Go to that tick and ask why."
@@ -77,12 +79,12 @@ def _of_notices(happened: Happenings, closer: Mapping[tuple[str, int], Tally]) -
 
 
 def _of_several(tally: Tally, robot: str, tick: int, first: str) -> Finding:
-    """Which rules, or which part of one, gave several rows."""
+    """Return the rules, or the part of one, that produced several rows."""
     checkup = tally.checkup
     given = tally.robots.get((robot, tick), {})
     gave = [checkup.rules[number].span for number in sorted(given)]
     if len(given) > 1:
-        hint = "Several rules hold at once; they have to exclude each other."
+        hint = "Several rules hold at once; make them mutually exclusive."
         bodies = [body for n in sorted(given) if (body := checkup.rules[n].body) is not None]
         lines = " and ".join(str(span.line) for span in gave)
         message = f"{first} They come from the rules in lines {lines}."
@@ -90,12 +92,12 @@ def _of_several(tally: Tally, robot: str, tick: int, first: str) -> Finding:
         return Finding("several rows", "warning", gave[-1], tick, message, hint, others, robot)
     places = [place for number in given for place in _multiplied(tally, number, set())]
     span, others = _split([*places, *gave])
-    hint = "Something in it holds in several ways; a predicate may have one row too many."
+    hint = "Part of it holds in several ways; a predicate may have a surplus row."
     return Finding("several rows", "warning", span, tick, first, hint, others, robot)
 
 
 def _multiplied(tally: Tally, rule: int, seen: set[int]) -> list[Span]:
-    """Where several ways come from in a rule that held in one tick."""
+    """Return the parts of a rule that held in several ways in one tick."""
     checkup = tally.checkup
     seen.add(rule)
     for number, site in enumerate(checkup.sites):
@@ -113,13 +115,13 @@ def _multiplied(tally: Tally, rule: int, seen: set[int]) -> list[Span]:
 
 
 def _alike_facts(checkup: Checkup, facts: list[int]) -> list[int]:
-    """The facts that are there twice."""
+    """Return the duplicate facts."""
     texts = Counter(checkup.rules[n].key for n in facts)
     return [n for n in facts if texts[checkup.rules[n].key] > 1]
 
 
 def _of_null(tally: Tally, robot: str, tick: int, first: str) -> Finding:
-    """Where an engine that was null got its value from."""
+    """Return where the value of a null engine came from."""
     leaves = _leaves(tally)
     nulls = [
         site.span
@@ -128,17 +130,17 @@ def _of_null(tally: Tally, robot: str, tick: int, first: str) -> Finding:
     ]
     span, others = _split([*nulls, *(span for leaf in leaves for span in leaf)])
     quoted = f" `{shortened(span.text)}` was null." if nulls and span else ""
-    hint = "Say with Coalesce or `if` what to do when there is no value."
+    hint = "Use Coalesce or `if` to handle a missing value."
     return Finding("bad engine", "warning", span, tick, f"{first}{quoted}", hint, others, robot)
 
 
 def _split(places: list[Span]) -> tuple[Span | None, tuple[Span, ...]]:
-    """The first of some places, if there is one, and those that follow."""
+    """Split places into the first, if there is one, and the rest."""
     return (places[0] if places else None), tuple(places[1 : _MOST_PLACES + 1])
 
 
 def _stops(tally: Tally) -> list[Span]:
-    """Where the rules of `Robot` ended in one tick."""
+    """Return where the rules of `Robot` failed in one tick."""
     found = []
     for rule, each in enumerate(tally.checkup.rules):
         if each.predicate != "Robot":
@@ -156,27 +158,27 @@ def _stops(tally: Tally) -> list[Span]:
 
 
 def _of_memory(
-    checkup: Checkup, happened: Happenings, closer: Mapping[tuple[str, int], Tally]
+    checkup: Checkup, observed: Observations, closer: Mapping[tuple[str, int], Tally]
 ) -> Iterator[Finding]:
     reads = {field.name: field for field in reversed(checkup.reads)}
     writes = {field.name: field for field in reversed(checkup.writes)}
     for name, field in reads.items():
-        if name not in happened.fields and (name not in writes or checkup.writes_all):
-            close = closest(name, {*writes, *happened.fields})
-            hint = f"Is {close} meant?" if close else "It is null all the time."
-            message = f"memory.{name} is read, and no memory ever had a field {name}."
+        if name not in observed.fields and (name not in writes or checkup.writes_all):
+            close = closest(name, {*writes, *observed.fields})
+            hint = f"Is {close} meant?" if close else "It is always null."
+            message = f"memory.{name} is read, but no memory ever had a field {name}."
             made = [rule.memory for rule in checkup.rules if rule.memory is not None]
             others = (writes[close].span,) if close in writes else tuple(made)
             yield Finding(
-                "memory never written", "warning", field.span, happened.first, message, hint, others
+                "memory never written", "warning", field.span, observed.first, message, hint, others
             )
     for name, field in writes.items():
         if name not in reads and not checkup.reads_all:
             close = closest(name, reads)
-            hint = f"{close} is read; is that meant?" if close else "It could be left out."
+            hint = f"{close} is read; did you mean that?" if close else "It can be removed."
             message = f"The field {name} of memory is written and never read."
-            yield Finding("memory never read", "note", field.span, happened.first, message, hint)
-    for loss in happened.first_losses():
+            yield Finding("memory never read", "note", field.span, observed.first, message, hint)
+    for loss in observed.first_losses():
         name, tick, robot = loss.field, loss.tick, loss.robot
         if name not in reads:
             continue
@@ -185,13 +187,13 @@ def _of_memory(
         places = [rule.memory or rule.span for rule in rules]
         span, others = _split([*places, reads[name].span])
         message = f"{robot} forgot memory.{name} at tick {tick}: the new memory has no such field."
-        hint = f"It is read in line {reads[name].span.line}; every memory has to have it."
+        hint = f"It is read in line {reads[name].span.line}; every new memory must include it."
         yield Finding("memory lost", "warning", span, tick, message, hint, others, robot)
 
 
-def _of_texts(checkup: Checkup, happened: Happenings, level: Level) -> Iterator[Finding]:
+def _of_texts(checkup: Checkup, observed: Observations, level: Level) -> Iterator[Finding]:
     names = {robot.name for robot in level.robots} | {beacon.name for beacon in level.beacons}
-    known = {*names, *_SEEN, *happened.texts}
+    known = {*names, *_SEEN, *observed.texts}
     times = Counter(field.name for field in checkup.texts)
     for field in checkup.texts:
         if field.name in known or times[field.name] > 1:
@@ -201,18 +203,18 @@ def _of_texts(checkup: Checkup, happened: Happenings, level: Level) -> Iterator[
         )
         hint = f'Is "{close}" meant?' if close else "Robots and beacons have other names here."
         message = f'Nothing in this level is called "{field.name}".'
-        yield Finding("unknown text", "warning", field.span, happened.first, message, hint)
+        yield Finding("unknown text", "warning", field.span, observed.first, message, hint)
 
 
 # -- movement ----------------------------------------------------------------------------------
 
 
 def _of_movement(
-    happened: Happenings, closer: Mapping[tuple[str, int], Tally]
+    observed: Observations, closer: Mapping[tuple[str, int], Tally]
 ) -> Iterator[Finding]:
     told: set[tuple[str, Span | None]] = set()
-    for stretch in sorted(happened.stretches, key=lambda each: _ORDER.index(each.kind)):
-        if happened.won_at is not None and stretch.kind != "blocked":
+    for stretch in sorted(observed.stretches, key=lambda each: _ORDER.index(each.kind)):
+        if observed.won_at is not None and stretch.kind != "blocked":
             continue
         leaves = _leaves(closer[stretch.robot, stretch.first])
         by_distance = [span for each in zip_longest(*leaves) for span in each if span]
@@ -222,7 +224,7 @@ def _of_movement(
             continue
         told.add((stretch.kind, span))
         others = tuple(each for each in spans if span is None or each.line != span.line)
-        is_doubtful = happened.won_at is None and stretch.kind != "unfinished"
+        is_doubtful = observed.won_at is None and stretch.kind != "unfinished"
         yield Finding(
             stretch.kind,
             "warning" if is_doubtful else "note",
@@ -239,9 +241,9 @@ _ORDER = ("circle", "blocked", "still", "unfinished")
 
 _HINTS = {
     "blocked": "It pushes against a wall; does it turn soon enough, and to the right side?",
-    "still": "Nothing makes it go on; which condition should?",
-    "circle": "It does the same again and again; what should end that?",
-    "unfinished": "Is that what it should do then, and with the right values?",
+    "still": "Nothing makes it move on; which condition should?",
+    "circle": "It repeats the same movement; what should end that?",
+    "unfinished": "Should it do that here, and with these values?",
 }
 
 
@@ -258,10 +260,10 @@ def _moved(stretch: Stretch, span: Span | None) -> str:
 
 
 def _leaves(tally: Tally) -> list[list[Span]]:
-    """Where a robot's desire came from, the most frequent and the outermost first.
+    """Return where a robot's desire came from, the most frequent and outermost first.
 
     Returns:
-        For each place where it was chosen that, and where the values in it came from.
+        For each place where it was chosen, that place and the sources of its values.
     """
     found = [
         (tally.checkup.rules[site.rule].is_function, -tally.sites[number].looks, number)

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 from logical_robots_tui.game.advancing import advance
 from logical_robots_tui.game.breakpoints import Breakpoint, Breakpoints, mistake_in
+from logical_robots_tui.game.frame import Superseded
 from logical_robots_tui.game.history import DEFAULT_LENGTH, History
 from logical_robots_tui.game.intervention import changed_frame
 from logical_robots_tui.game.pace import Pace
@@ -26,19 +27,15 @@ if TYPE_CHECKING:
     from logical_robots_tui.game.advancing import Advance, Known
     from logical_robots_tui.game.breakpoints import Hit
     from logical_robots_tui.game.frame import Frame
-    from logical_robots_tui.mind import Engine, Program, Table
+    from logical_robots_tui.mind import Program, Table
     from logical_robots_tui.world import Level
     from logical_robots_tui.world.changing import Pose
 
-__all__ = ["Answer", "Game", "Superseded"]
+__all__ = ["Answer", "Game"]
 
-_KNOWN_TOGETHER = 16  # ticks that are taken from history at once
-_SECONDS_SHOWN = 0.008  # of computing at once, where each tick is soon to be seen
-_SECONDS_AWAY = 0.03  # where the end is what matters: to change between threads costs half a tick
-
-
-class Superseded(Exception):  # noqa: N818 - not an error: the player did something else meanwhile
-    """The work belonged to a run that is over; its result was dropped."""
+_KNOWN_TOGETHER = 16  # ticks taken from history at once
+_SECONDS_SHOWN = 0.008  # of computing at once when each tick is to be shown soon
+_SECONDS_AWAY = 0.03  # when only the end matters: switching threads costs half a tick
 
 
 @dataclass(frozen=True, slots=True)
@@ -46,8 +43,8 @@ class Answer:
     """Rows of a predicate at one tick.
 
     Attributes:
-        run: Number of the run it belongs to; stale when ``game.run_number`` has moved on.
-        tick: The tick it speaks of.
+        run: Number of the run it belongs to; stale if ``game.run_number`` differs.
+        tick: The tick.
         predicate: Name of the predicate.
         table: Its columns and rows.
     """
@@ -61,19 +58,18 @@ class Answer:
 class Game:
     """World, mind and history of one level under one program.
 
-    Ticks are computed off the event loop. Same level, same program: same frames.
+    Ticks are computed off the event loop. The same level and program produce the same frames.
     Going back, restarting or changing the program while a tick is being computed drops that tick.
 
-    After going back, known ticks are gone through again as they were. Only under another program
-    are they computed anew; the course they belonged to is kept then, to compare and go over to.
+    After going back, stored ticks are replayed. They are recomputed only under another program;
+    the course they belonged to is then kept, to compare with and to switch to.
 
     Args:
-        level: Where it happens.
-        program: What the robots think.
-        limits: Bounds on thinking.
-        history: How many ticks can be gone back.
-        engine: What robots think with, as `Mind` has it.
-        breakpoints: What `run` and `run_until` stop at; may change at any time.
+        level: The level.
+        program: The robots' program.
+        limits: Limits on thinking.
+        history: How many ticks it is possible to go back.
+        breakpoints: Where `run` and `run_until` stop; may change at any time.
     """
 
     def __init__(
@@ -83,7 +79,6 @@ class Game:
         *,
         limits: Limits | None = None,
         history: int = DEFAULT_LENGTH,
-        engine: Engine = "sqlite",
         breakpoints: Breakpoints | None = None,
     ) -> None:
         self.program = program
@@ -92,11 +87,11 @@ class Game:
         self.pace = Pace()
         self.breakpoints = Breakpoints() if breakpoints is None else breakpoints
         self._listeners: list[Callable[[Frame], None]] = []
-        self._thinker = Thinker("think", engine)
+        self._thinker = Thinker("think")
         self._asker = Thinker("ask")
         self._running = False
         self._closed = False
-        self._worlds = Worlds(level)  # the worker's; the past has its own, on the event loop
+        self._worlds = Worlds(level)  # used by the worker; the past has its own, on the event loop
         self._frame = start_frame(level)
         self.history = History(self._frame, level, history)
         self._past = Past(self.history)
@@ -108,40 +103,40 @@ class Game:
 
     @property
     def frame(self) -> Frame:
-        """The frame on which the game stands."""
+        """The current frame."""
         return self._frame
 
     @property
     def level(self) -> Level:
-        """The level of the present frame, in which the game goes on."""
+        """The level at the current frame, in which the game continues."""
         return self.history.level_at(self._frame.tick)
 
     @property
     def running(self) -> bool:
-        """Whether `run` is under way."""
+        """Whether `run` is in progress."""
         return self._running
 
     @property
     def won_at(self) -> int | None:
-        """The tick of victory as of the present frame, or None."""
+        """The tick of victory as of the current frame, or None."""
         return self._frame.after.won_at
 
     @property
     def hits(self) -> tuple[Hit, ...]:
-        """The breakpoints that were hit in the present tick when it was run through."""
+        """The breakpoints that were hit in the current tick."""
         return self.history.hits_at(self._frame.tick)
 
-    def trouble_with(self, breakpoint_: Breakpoint) -> str:
-        """Why a breakpoint can't be hit, one sentence, or ""."""
+    def problem_with(self, breakpoint_: Breakpoint) -> str:
+        """Return why a breakpoint can't be hit, one sentence, or ""."""
         mistake = mistake_in(breakpoint_, self.level, self.program)
-        return mistake or self._present_watch().troubles.get(breakpoint_, "")
+        return mistake or self._present_watch().problems.get(breakpoint_, "")
 
     def listen(self, listener: Callable[[Frame], None]) -> None:
-        """Call `listener` with each new present frame, on the event loop's thread."""
+        """Call `listener` with each new current frame, on the event loop's thread."""
         self._listeners.append(listener)
 
     def frame_at(self, tick: int) -> Frame:
-        """The frame of a past tick, exactly as it was.
+        """Restore the exact frame of a past tick.
 
         Raises:
             NoSuchTickError: History does not reach that far.
@@ -149,12 +144,12 @@ class Game:
         return self._frame if tick == self._frame.tick else self._past.frame(tick)
 
     async def query(self, predicate: str, frame: Frame | None = None) -> Answer:
-        """Rows of a predicate of the program at a frame, by default the present one.
+        """Return the rows of a predicate at a frame, by default the current one.
 
-        It is the present program that is asked, also about ticks in which another one decided.
+        The current program is evaluated, even for ticks that another program decided.
 
         Raises:
-            Superseded: The program changed, or a newer query came, before the answer was there.
+            Superseded: The program changed, or a newer query came, before the answer was ready.
             QueryError: The predicate has no rows of its own, or failed.
         """
         frame = frame or self._frame
@@ -173,22 +168,22 @@ class Game:
     # -- moving --------------------------------------------------------------------------------
 
     async def step(self) -> Frame:
-        """Compute the next tick, or take it from history, and make it the present.
+        """Compute the next tick, or replay it from history, and make it the current one.
 
         Cancelling the call stops the thinking and leaves the game where it was.
 
         Raises:
-            Superseded: The game was restarted, gone back or reprogrammed meanwhile.
+            Superseded: The game was restarted, rewound or reprogrammed in the meantime.
         """
         await self._go_on(1)
         return self._frame
 
     def back(self, ticks: int = 1) -> Frame:
-        """Return by so many ticks, or to the earliest one in history."""
+        """Go back a number of ticks, at most to the earliest one in history."""
         return self.go_to(max(self._frame.tick - ticks, self.history.first))
 
     def go_to(self, tick: int) -> Frame:
-        """Go to a tick of history. The game goes on from there.
+        """Go to a tick in history. The game continues from there.
 
         Raises:
             NoSuchTickError: History does not hold it.
@@ -200,7 +195,7 @@ class Game:
         return frame
 
     def restart(self, level: Level | None = None) -> Frame:
-        """Begin again at the start of a level, by default the present one, undoing live edits."""
+        """Restart a level, by default the current one, and undo live edits."""
         self._supersede()
         level = level or self.level
         frame = start_frame(level)
@@ -211,20 +206,20 @@ class Game:
         return frame
 
     def use(self, program: Program) -> None:
-        """Think with another program from the next tick on; world and memories stay."""
+        """Use another program from the next tick on; world and memories are kept."""
         self._supersede()
         self.program = program
         self._is_program_wanted = True
 
     def change_level(self, level: Level, poses: Mapping[str, Pose] | None = None) -> Frame:
-        """Change the end of the present tick, and so all that follows, but nothing before.
+        """Change the level from the end of the current tick on; earlier ticks are unaffected.
 
         Args:
             level: The level.
-            poses: Where robots are put, by name.
+            poses: New poses of robots, by name.
 
         Raises:
-            ValueError: A pose is for nobody.
+            ValueError: A pose is for an unknown robot.
         """
         frame = changed_frame(self._past.worlds, self._frame, self.level, level, poses or {})
         self._supersede()
@@ -234,9 +229,9 @@ class Game:
         return frame
 
     def change_course(self) -> Frame:
-        """Go over to the course that was left when another future began, and to its program.
+        """Switch to the course that was abandoned when another future began, and to its program.
 
-        The tick stays the same, as far as the other course holds it.
+        The tick stays the same, if the other course holds it.
 
         Raises:
             NoSuchTickError: There is no other course.
@@ -250,14 +245,14 @@ class Game:
         return self._frame
 
     def forget_future(self) -> None:
-        """Forget the ticks after the present one, so that they are computed anew."""
+        """Discard the ticks after the current one, so that they are recomputed."""
         self._supersede()
         self.history.forget_future(self._frame.tick)
 
     async def run(self) -> None:
-        """Step at the speed of `pace` until a breakpoint is hit, or paused, won or cancelled.
+        """Step at the speed of `pace` until a breakpoint, a pause, victory or cancellation.
 
-        A game that is already won goes on.
+        A game that is already won continues.
         """
         if self._running:
             return
@@ -285,10 +280,10 @@ class Game:
 
         Args:
             tick: Stop when this tick is finished.
-            condition: Stop when it is true of the frame just finished.
+            condition: Stop when it is true for the frame just finished.
 
         Raises:
-            Superseded: The game was restarted, gone back or reprogrammed meanwhile.
+            Superseded: The game was restarted, rewound or reprogrammed in the meantime.
         """
         was_won = self.won_at is not None
         while tick is None or self._frame.tick < tick:
@@ -299,7 +294,7 @@ class Game:
         return self._frame
 
     def pause(self) -> None:
-        """End `run`, stopping a thought under way; the unfinished tick is dropped."""
+        """End `run` and stop the current thought; the unfinished tick is dropped."""
         if self._running:
             self._running = False
             self._supersede()
@@ -323,7 +318,7 @@ class Game:
         condition: Callable[[Frame], bool] | None = None,
         seconds: float = _SECONDS_SHOWN,
     ) -> bool:
-        """Go some ticks further and show each, up to victory or what is to be stopped at.
+        """Advance some ticks and show each, up to victory, the condition or a breakpoint.
 
         Returns:
             Whether the condition was true or a breakpoint was hit.
@@ -336,7 +331,7 @@ class Game:
         return False
 
     async def _ahead(self, most: int | None, known: list[Known], seconds: float) -> list[Advance]:
-        """The next ticks, as `advance` gives them."""
+        """Return the next ticks, as `advance` does."""
         program, level, past = self.program, self.level, self._frame
         watch = self._present_watch()
 
@@ -350,10 +345,10 @@ class Game:
             raise Superseded from None
 
     def _known_ahead(self, most: int) -> list[Known]:
-        """The next ticks, as far as they are known and would be the same again.
+        """Return the stored next ticks that can be replayed.
 
-        They would under the program that decided in them, unless the level was changed by hand;
-        and until somebody asks for another future, all of a course that ends with this program.
+        Those are the ticks that the current program decided, unless the level was edited; and all
+        of a course that ends with this program, until the player asks for another future.
         """
         history, here = self.history, self._frame.tick
 
@@ -369,14 +364,14 @@ class Game:
         return [history.known(tick) for tick in same]
 
     def _present_watch(self) -> Watch:
-        """What to watch for under the present program."""
+        """Return the watch for the current program."""
         breakpoints = self.breakpoints.on
         if self._watch.breakpoints != breakpoints or self._watched_by is not self.program:
             self._watch, self._watched_by = Watch(breakpoints), self.program
         return self._watch
 
     def _take(self, each: Advance, run: int, *, is_known: bool) -> None:
-        """Make a tick the present, if it still follows the present one."""
+        """Make a tick the current one, if it still follows the current one."""
         frame = each.frame
         follows = frame.before is self._frame.after or not frame.decisions
         if run != self.run_number or not follows:

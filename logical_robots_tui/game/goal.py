@@ -1,4 +1,4 @@
-"""What a level wants, and how far a tick has come."""
+"""Goals of a level, and their state at a tick."""
 
 from __future__ import annotations
 
@@ -13,13 +13,13 @@ __all__ = ["Goal", "goals"]
 
 @dataclass(frozen=True, slots=True)
 class Goal:
-    """One goal area and who is in it.
+    """One goal area and the robots in it.
 
     Attributes:
         area_name: Name of the area.
         active: Whether it counts at this tick.
         wanted: Names of the robots that must all be inside at once.
-        inside: Those of them that are.
+        inside: Names of those that are inside.
     """
 
     area_name: str
@@ -29,19 +29,19 @@ class Goal:
 
     @property
     def reached(self) -> bool:
-        """Whether everybody wanted is in while it counts."""
+        """Whether all required robots are inside while the area is active."""
         return self.active and len(self.inside) == len(self.wanted)
 
     @property
     def words(self) -> str:
-        """Who of those wanted is in, one sentence."""
+        """Which of the required robots are inside, one sentence."""
         if len(self.wanted) == 1:
             return f"{self.area_name}: {self.wanted[0]} is {'in' if self.inside else 'not in yet'}."
         return f"{self.area_name}: {len(self.inside)} of {len(self.wanted)} are in."
 
 
 def goals(level: Level, state: WorldState) -> tuple[Goal, ...]:
-    """The goal areas of a level in file order, as they stand after a tick."""
+    """Return the goal areas of a level in file order, with their state after a tick."""
     return tuple(
         Goal(
             area.name,

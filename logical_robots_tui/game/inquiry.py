@@ -1,4 +1,4 @@
-"""Questions about a tick that is over: any query, and why a robot did what it did."""
+"""Answering questions about finished ticks: queries and explanations."""
 
 from __future__ import annotations
 
@@ -7,8 +7,8 @@ import contextlib
 from functools import partial
 from typing import TYPE_CHECKING, TypeVar
 
-from logical_robots_tui.game.game import Superseded
-from logical_robots_tui.game.holding import rows_that_count
+from logical_robots_tui.game.frame import Superseded
+from logical_robots_tui.game.matches import matching_rows
 from logical_robots_tui.game.pins import read
 from logical_robots_tui.game.thinker import Thinker
 from logical_robots_tui.mind import Limits, ProgramError, QueryError, Stopped, Table
@@ -31,13 +31,13 @@ T = TypeVar("T")
 
 
 class Inquiry:
-    """Answers about frames of a level, beside a game that may go on meanwhile.
+    """Answers questions about frames of a level, while the game may continue.
 
-    Nothing that is asked changes anything. A newer question of the same kind ends an older one.
+    Questions have no side effects. A newer question of the same kind cancels an older one.
 
     Args:
-        level: Where the frames are from.
-        limits: Bounds on compiling and thinking.
+        level: The level of the frames.
+        limits: Limits on compiling and thinking.
     """
 
     def __init__(self, level: Level, limits: Limits | None = None) -> None:
@@ -49,17 +49,17 @@ class Inquiry:
         self._watcher = Thinker("watch")
 
     async def ask(self, program: Program, query: str, frame: Frame) -> Table:
-        """What any query gives at a frame.
+        """Evaluate any query at a frame.
 
         Args:
-            program: The program that it is about.
-            query: A call, an expression, conditions, or whole rules of which the last is asked.
+            program: The program.
+            query: A call, an expression, conditions, or whole rules of which the last is evaluated.
             frame: The tick.
 
         Raises:
-            ProgramError: The query is wrong; the diagnostics speak of its lines and columns.
+            ProgramError: The query is wrong; the diagnostics refer to its lines and columns.
             QueryError: It failed at this tick.
-            Superseded: A newer question came before the answer was there.
+            Superseded: A newer question came before the answer was ready.
         """
 
         def work(mind: Mind, stop: threading.Event) -> Table:
@@ -78,19 +78,19 @@ class Inquiry:
         given: Mapping[str, Value] | None = None,
         within: str = "",
     ) -> Explanation:
-        """Why a predicate has the rows that it has in a robot's reasoning at a frame, or none.
+        """Explain why a predicate has its rows, or none, in a robot's reasoning at a frame.
 
         Args:
             program: The program.
             robot: Name of the robot.
             frame: The tick.
             predicate: One of the program's own predicates.
-            given: Values of some of its columns, where only rows with these are meant.
-            within: A predicate made with ``:=`` in whose rules it is asked, or "".
+            given: Values of some of its columns; only rows with these values are explained.
+            within: A predicate made with ``:=`` whose rules contain the call, or "".
 
         Raises:
             QueryError: There is no such predicate or robot, or a function lacks its arguments.
-            Superseded: A newer question came before the answer was there.
+            Superseded: A newer question came before the answer was ready.
         """
 
         def work(mind: Mind, stop: threading.Event) -> Explanation:
@@ -111,20 +111,20 @@ class Inquiry:
         within: str = "",
         depth: int = 100,
     ) -> Proof:
-        """The whole proof of a row in a robot's reasoning at a frame, as `Mind.proof` gives it.
+        """Return the whole proof of a row in a robot's reasoning at a frame, as `Mind.proof` does.
 
         Args:
             program: The program.
             robot: Name of the robot.
             frame: The tick.
             predicate: One of the program's own predicates.
-            given: Values of some of its columns; the first row with these is proved.
-            within: A predicate made with ``:=`` in whose rules it is asked, or "".
+            given: Values of some of its columns; the first row with these values is proved.
+            within: A predicate made with ``:=`` whose rules contain the call, or "".
             depth: How many predicates deep.
 
         Raises:
             QueryError: As `why` does.
-            Superseded: A newer question came before the answer was there.
+            Superseded: A newer question came before the answer was ready.
         """
 
         def work(mind: Mind, stop: threading.Event) -> Proof:
@@ -135,17 +135,17 @@ class Inquiry:
         return await self._do(self._explainer, program, work)
 
     async def calls(self, program: Program, robot: str, frame: Frame, predicate: str) -> Table:
-        """The calls of a function in a robot's reasoning at a frame, as `Mind.calls` gives them.
+        """Return the calls of a function in a robot's reasoning at a frame, as `Mind.calls` does.
 
         Args:
             program: The program.
             robot: Name of the robot.
             frame: The tick.
-            predicate: A function of the program's own.
+            predicate: A function defined by the program.
 
         Raises:
             QueryError: There is no such robot or function, or a rule that calls it failed.
-            Superseded: A newer survey began before the answer was there.
+            Superseded: A newer survey began before the answer was ready.
         """
 
         def work(mind: Mind, stop: threading.Event) -> Table:
@@ -157,20 +157,20 @@ class Inquiry:
     async def nearest(
         self, program: Program, robot: str, frame: Frame, predicate: str
     ) -> list[tuple[int, Suggestion]]:
-        """Which one change would have given a row to each rule that gave none at a frame.
+        """Return the single changes that would have produced a row, for each rule without one.
 
         Args:
             program: The program.
-            robot: Name of the robot in whose reasoning.
+            robot: Name of the robot.
             frame: The tick.
             predicate: One of the program's own predicates.
 
         Returns:
-            Lines of rules, each with a change; those of a rule the smallest first.
+            Lines of rules, each with a change; the smallest change of a rule first.
 
         Raises:
-            QueryError: The program is too entangled.
-            Superseded: A newer question came before the answer was there.
+            QueryError: The program is too complex.
+            Superseded: A newer question came before the answer was ready.
         """
         from logical_robots_tui.mind.diagnosis.nearest import nearest_misses
 
@@ -196,14 +196,14 @@ class Inquiry:
         return await self._do(self._explainer, program, work)
 
     async def machinery(self, program: Program, frame: Frame) -> list[Machinery]:
-        """How each of the program's predicates is computed at a frame, the slowest first.
+        """Return how each of the program's predicates is computed at a frame, slowest first.
 
         Args:
             program: The program.
             frame: The tick.
 
         Raises:
-            Superseded: A newer question came before the answer was there.
+            Superseded: A newer question came before the answer was ready.
         """
         names = [p.name for p in program.predicates if p.kind == "program" and p.has_rows]
 
@@ -212,7 +212,7 @@ class Inquiry:
             for name in names:
                 with contextlib.suppress(QueryError):
                     sensors, memories = frame.sensors, frame.memories_before
-                    mind.query(name, sensors, memories, stop=stop)  # the first time takes longer
+                    mind.query(name, sensors, memories, stop=stop)  # the first time is slower
                     found.append(mind.machinery(name, sensors, memories, stop=stop))
             return sorted(found, key=lambda each: -each.milliseconds)
 
@@ -221,15 +221,15 @@ class Inquiry:
     async def survey(
         self, program: Program, frame: Frame, predicates: tuple[str, ...] | None = None
     ) -> dict[str, Table | QueryError]:
-        """The rows of many predicates at a frame, or why one has none.
+        """Return the rows of many predicates at a frame, or why one has none.
 
         Args:
             program: The program.
             frame: The tick.
-            predicates: Their names; by default all that have rows.
+            predicates: Their names; by default all predicates that have rows.
 
         Raises:
-            Superseded: A newer survey began before this one was done.
+            Superseded: A newer survey began before this one was finished.
         """
         wanted = predicates
         if wanted is None:
@@ -240,15 +240,15 @@ class Inquiry:
     async def readings(
         self, program: Program, frame: Frame, pins: Sequence[Pin]
     ) -> dict[Pin, Reading]:
-        """What can be read off pins at a frame.
+        """Return the values of pins at a frame.
 
         Args:
             program: The program.
             frame: The tick.
-            pins: What is looked at.
+            pins: The pins.
 
         Raises:
-            Superseded: Other pins, or those of another tick, were asked for before this was done.
+            Superseded: Other pins or another tick were requested before this was finished.
         """
 
         def work(mind: Mind, stop: threading.Event) -> dict[Pin, Reading]:
@@ -277,7 +277,7 @@ class Inquiry:
 def _tables(
     predicates: Iterable[str], frame: Frame, mind: Mind, stop: threading.Event
 ) -> dict[str, Table | QueryError]:
-    """The rows of predicates or questions at a frame, or why one has none."""
+    """Return the rows of predicates or questions at a frame, or why one has none."""
     found: dict[str, Table | QueryError] = {}
     for name in predicates:
         try:
@@ -290,10 +290,10 @@ def _tables(
 
 
 def _table(name: str, frame: Frame, mind: Mind, stop: threading.Event) -> Table:
-    """The rows of a predicate, or those for which a question holds."""
+    """Return the rows of a predicate, or those for which a question holds."""
     sensors, memories = frame.sensors, frame.memories_before
     if name.isidentifier():
         return mind.query(name, sensors, memories, stop=stop)
     question = mind.program.question(name, stop=stop, limits=mind.limits)
     table = mind.ask(question, sensors, memories, stop=stop, in_order=False)
-    return rows_that_count(question, table)
+    return matching_rows(question, table)

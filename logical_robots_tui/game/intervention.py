@@ -1,4 +1,4 @@
-"""Changing the level under way: how the present frame looks afterwards."""
+"""Changing the level of a running game."""
 
 from __future__ import annotations
 
@@ -23,17 +23,17 @@ __all__ = ["changed_frame"]
 def changed_frame(
     worlds: Worlds, frame: Frame, before: Level, after: Level, poses: Mapping[str, Pose]
 ) -> Frame:
-    """A frame whose tick ends in another level; what was thought in the tick stays, if it can.
+    """Return a frame whose tick ends in another level; keeps its decisions if possible.
 
     Args:
-        worlds: Where to look around.
-        frame: The frame as it was.
-        before: The level at the end of its tick so far.
-        after: The level from now on.
-        poses: Where robots are put, by their name in the level after.
+        worlds: The worlds to sense in.
+        frame: The frame.
+        before: The old level.
+        after: The new level.
+        poses: New poses of robots, by their name in the new level.
 
     Raises:
-        ValueError: A pose is for nobody.
+        ValueError: A pose is for an unknown robot.
     """
     state = changed_state(frame.after, before, after, poses)
     if frame.decisions and _is_thought_alike(before, after):
@@ -45,7 +45,7 @@ def changed_frame(
 
 
 def _is_thought_alike(before: Level, after: Level) -> bool:
-    """Whether the same robots think of the same areas, and may see the same of each other."""
+    """Return whether robots, areas and visibility are the same, so that decisions stay valid."""
     return before.visibility == after.visibility and all(
         [thing.name for thing in one] == [thing.name for thing in other]
         for one, other in ((before.robots, after.robots), (before.areas, after.areas))

@@ -1,4 +1,4 @@
-"""Levels by tick: which one a course went through when, if it was changed under way."""
+"""Levels by tick: the level of a course at each tick, if it was edited on the way."""
 
 from __future__ import annotations
 
@@ -19,11 +19,11 @@ _NO_WALLS = np.zeros((0, 0), np.bool_)
 
 
 class Levels:
-    """The levels of one course. All but the latest keep their walls packed.
+    """The levels of one course. All except the latest have packed walls.
 
     Args:
-        tick: Where the course begins.
-        level: Where it begins.
+        tick: The first tick of the course.
+        level: Its first level.
     """
 
     def __init__(self, tick: int, level: Level) -> None:
@@ -34,11 +34,11 @@ class Levels:
 
     @property
     def packed_bytes(self) -> int:
-        """Bytes of the walls that are packed."""
+        """Bytes of the packed walls."""
         return sum(len(packed.walls.data) for packed in self._earlier)
 
     def at(self, tick: int) -> Level:
-        """The level from the end of a tick on."""
+        """Return the level from the end of a tick on."""
         place = max(bisect_right(self._ticks, tick) - 1, 0)
         if place == len(self._earlier):
             return self._latest
@@ -48,22 +48,22 @@ class Levels:
         return self._opened[1]
 
     def is_changed_in(self, tick: int) -> bool:
-        """Whether something was changed at the end of a tick."""
+        """Return whether the level changed at the end of a tick."""
         return tick in self._ticks[1:]
 
     def is_changed_up_to(self, tick: int) -> bool:
-        """Whether something was changed between the beginning and the end of a tick."""
+        """Return whether the level changed after the start, up to the end of a tick."""
         return any(changed <= tick for changed in self._ticks[1:])
 
     def change(self, tick: int, level: Level) -> None:
-        """Go on in another level at the end of a tick, not before the latest one changed."""
+        """Set the level from the end of a tick on, which must not precede the latest change."""
         if tick > self._ticks[-1]:
             self._earlier.append(_Packed.of(self._latest))
             self._ticks.append(tick)
         self._latest = level
 
     def up_to(self, tick: int) -> Levels:
-        """The same up to a tick."""
+        """Return a copy up to a tick."""
         copy = Levels(self._ticks[0], self.at(tick))
         place = max(bisect_right(self._ticks, tick), 1)
         copy._ticks = self._ticks[:place]
@@ -79,7 +79,7 @@ class Levels:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Packed:
-    """A level without its walls, and these."""
+    """A level without its walls, and the packed walls."""
 
     rest: Level
     walls: PackedBits

@@ -1,4 +1,4 @@
-"""Marks: in which ticks something happened that one may want to find again."""
+"""Marks: ticks with notable events, for the timeline."""
 
 from __future__ import annotations
 
@@ -21,19 +21,19 @@ MarkKind: TypeAlias = Literal[
 ]
 
 MARK_KINDS: tuple[MarkKind, ...] = get_args(MarkKind)
-"""All kinds, the rarest and so most telling first."""
+"""All kinds, the rarest and so most significant first."""
 
 
 @dataclass(frozen=True, slots=True)
 class Mark:
-    """Something that happened in a tick.
+    """An event in a tick.
 
     Attributes:
-        kind: ``victory``; ``breakpoint``, one was hit; ``program``, another one decided than in
-            the tick before; ``edit``, the level was changed at the end of it; ``area``, one was
-            switched; ``notice``, one was given that was not there in the tick before; ``memory``,
-            one differs from that of the tick before.
-        names: Whose notices or memories, or which areas; () for the other kinds.
+        kind: ``victory``; ``breakpoint``, one was hit; ``program``, another program decided than
+            in the previous tick; ``edit``, the level was edited at the end of the tick; ``area``,
+            one was switched; ``notice``, one appeared that the previous tick did not have;
+            ``memory``, one changed.
+        names: The robots or areas concerned; () for the other kinds.
     """
 
     kind: MarkKind
@@ -43,11 +43,11 @@ class Mark:
 def marks_of(
     frame: Frame, decisions_before: tuple[Decision, ...]
 ) -> Iterator[tuple[MarkKind, int]]:
-    """What happened in a tick, each with the places of those concerned, as bits.
+    """Return the events of a tick, each with the indices concerned, as bits.
 
     Args:
         frame: The tick.
-        decisions_before: What was decided in the tick before.
+        decisions_before: The decisions of the previous tick.
     """
     before, after = frame.before, frame.after
     if after.won_at == frame.tick and frame.tick:
@@ -67,7 +67,7 @@ def marks_of(
 
 
 def _differing(before: list[object], after: list[object]) -> int:
-    """At which places two lists of one length differ, as bits."""
+    """Return the indices at which two lists of equal length differ, as bits."""
     if before == after:
         return 0
     pairs = zip(before, after, strict=True)
@@ -75,10 +75,10 @@ def _differing(before: list[object], after: list[object]) -> int:
 
 
 class Marks:
-    """The marks of many ticks, found quickly by tick.
+    """The marks of many ticks, indexed by tick.
 
     Args:
-        state: A world; its robots and areas are those that are spoken of.
+        state: A world with the robots and areas that marks refer to.
     """
 
     def __init__(self, state: WorldState) -> None:
@@ -89,12 +89,12 @@ class Marks:
         self.speak_of(state)
 
     def note(self, tick: int, kind: MarkKind, who: int = 1) -> None:
-        """Keep a mark; quickest for a tick after all others.
+        """Store a mark; fastest for a tick after all others.
 
         Args:
-            tick: When.
-            kind: What.
-            who: Places of the robots or areas concerned, as bits.
+            tick: The tick.
+            kind: The kind of event.
+            who: Indices of the robots or areas concerned, as bits.
         """
         if places := self._places.get(kind):
             who = sum(1 << place for now, place in enumerate(places) if who >> now & 1)
@@ -107,7 +107,7 @@ class Marks:
             everyone.insert(at, who)
 
     def speak_of(self, state: WorldState) -> None:
-        """Let the places of robots and areas be those of another world from now on."""
+        """Use the robots and areas of another world for indices from now on."""
         robots = _places([robot.name for robot in state.robots], self._robots)
         areas = _places([area.name for area in state.areas], self._areas)
         self._places: dict[MarkKind, list[int]] = {
@@ -117,7 +117,7 @@ class Marks:
         }
 
     def at(self, tick: int) -> tuple[Mark, ...]:
-        """The marks of one tick, the most telling first."""
+        """Return the marks of one tick, the most significant first."""
         found = []
         for kind, ticks in self._ticks.items():
             at = bisect_left(ticks, tick)
@@ -126,13 +126,13 @@ class Marks:
         return tuple(found)
 
     def has(self, kind: MarkKind, first: int, last: int, robot: str | None = None) -> bool:
-        """Whether a kind of mark is in any of the ticks from `first` to `last`.
+        """Return whether any tick from `first` to `last` has a mark of a kind.
 
         Args:
-            kind: Which kind.
+            kind: The kind.
             first: The first tick.
             last: The last one.
-            robot: Whose memory counts, or None for any.
+            robot: The robot whose memory counts, or None for any.
         """
         ticks = self._ticks[kind]
         begin, end = bisect_left(ticks, first), bisect_right(ticks, last)
@@ -144,13 +144,13 @@ class Marks:
     def nearest(
         self, tick: int, steps: Literal[-1, 1], kinds: Collection[MarkKind], robot: str | None
     ) -> int | None:
-        """The nearest later or earlier tick with a mark, or None.
+        """Return the nearest later or earlier tick with a mark, or None.
 
         Args:
-            tick: Where to begin; its own marks don't count.
-            steps: Which way to look.
-            kinds: Which marks count.
-            robot: Whose changes of memory count besides.
+            tick: The tick to start from; its own marks don't count.
+            steps: The direction.
+            kinds: The kinds of marks that count.
+            robot: A robot whose memory changes count as well.
         """
         found = [self._next(kind, tick, steps, ~0) for kind in kinds]
         if robot in self._robots:
@@ -161,7 +161,7 @@ class Marks:
         return min(known) if steps > 0 else max(known)
 
     def copy(self, last: int) -> Marks:
-        """The same up to a tick."""
+        """Return a copy up to a tick."""
         copy = Marks.__new__(Marks)
         copy._robots, copy._areas = self._robots.copy(), self._areas.copy()
         copy._places = self._places
@@ -196,7 +196,7 @@ class Marks:
 
 
 def _places(names: list[str], known: list[str]) -> list[int]:
-    """Where names are among those known, which the new ones join; [] if that is where they are."""
+    """Return the indices of names among the known ones, adding new ones; [] if identical."""
     left = list(enumerate(known))
     places = []
     for name in names:

@@ -1,4 +1,4 @@
-"""Measuring a program that has won, in a process of its own that yields to everything else."""
+"""Measuring a winning program in a low-priority process."""
 
 from __future__ import annotations
 
@@ -32,17 +32,17 @@ _NICENESS = 10
 
 
 class MeasuringError(Exception):
-    """The process ended before it was done, or a clock ended a thought."""
+    """The process ended early, or the clock cut off a thought."""
 
 
 @dataclass(frozen=True, slots=True)
 class Trial:
-    """How far measuring is.
+    """The progress of measuring.
 
     Attributes:
-        tried: From how many shifted starts the program was tried.
-        wins: From how many of them it won.
-        of_all: How many there are to try.
+        tried: The number of shifted starts tried.
+        wins: The number of them that were won.
+        of_all: The number of starts to try.
     """
 
     tried: int = 0
@@ -51,7 +51,7 @@ class Trial:
 
 
 def patience_for(ticks: int) -> int:
-    """After how many ticks a shifted start is lost, if the given one takes so many."""
+    """Return the tick limit for a shifted start, given the ticks of the original one."""
     return min(2 * ticks + 200, 2 * MOST_TICKS)
 
 
@@ -64,16 +64,16 @@ async def measure(
     """Measure a program; cancelling the call ends the process at once.
 
     Args:
-        level: Where it has won.
-        program: What has won.
-        known: Its measures from the given start, or None to play that too.
+        level: The level that was won.
+        program: The program that won it.
+        known: Its measures from the original start, or None to play that too.
         report: Called on the event loop after each start.
 
     Returns:
-        All measures; None if it does not win from the given start.
+        All measures; None if the program does not win from the original start.
 
     Raises:
-        MeasuringError: The process came to an early end, or a clock ended a thought in it.
+        MeasuringError: The process ended early, or the clock cut off a thought in it.
     """
     loop = asyncio.get_running_loop()
     work = _Work(pickle.dumps((level, program, known)))
@@ -89,13 +89,13 @@ async def measure(
 
 
 class _Work:
-    """A process and what it says; talked to in a thread, ended from any other.
+    """A measuring process; one thread talks to it, any thread can end it.
 
     Args:
-        request: What it is to do.
+        request: The pickled request.
 
     Attributes:
-        is_over: Whether nobody waits for it any more.
+        is_over: Whether the result is no longer needed.
     """
 
     def __init__(self, request: bytes) -> None:
@@ -105,14 +105,14 @@ class _Work:
         self.is_over = False
 
     def end(self) -> None:
-        """End the process, or see to it that it does not begin."""
+        """End the process, or prevent it from starting."""
         with self._guard:
             self.is_over = True
             if self._process is not None:
                 self._process.kill()
 
     def do(self, report: Callable[[Trial], None]) -> Measures | None:
-        """Have it done. Blocks."""
+        """Run the process and return its result. Blocks."""
         with self._guard:
             if self.is_over:
                 raise MeasuringError
@@ -132,7 +132,7 @@ class _Work:
             stdout=subprocess.PIPE,
             stderr=subprocess.DEVNULL,
             env={**os.environ, "OPENBLAS_NUM_THREADS": "1", "PYTHONPATH": _path()},
-            start_new_session=True,  # an interrupt from the keyboard is for the game alone
+            start_new_session=True,  # keyboard interrupts must reach only the game
         )
 
     def _hear(
@@ -154,13 +154,13 @@ class _Work:
 
 
 def _path() -> str:
-    """Where the process finds this package, and what it needs."""
+    """Return the module search path for the process."""
     home = str(Path(__file__).resolve().parents[2])
     return os.pathsep.join(dict.fromkeys([home, *(p for p in sys.path if p)]))
 
 
 def main() -> None:
-    """Measure what standard input says; end when it is closed, even in the middle."""
+    """Process the request on standard input; end at once when it is closed."""
     os.nice(_NICENESS)
     size = int.from_bytes(sys.stdin.buffer.read(8), "big")
     level, program, known = pickle.loads(  # noqa: S301 - from the game that started this process

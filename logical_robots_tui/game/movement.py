@@ -1,4 +1,4 @@
-"""How robots moved in a run: blocked, standing still, going round in a circle."""
+"""How robots moved in a run: blocked, standing still, going in circles."""
 
 from __future__ import annotations
 
@@ -14,26 +14,26 @@ if TYPE_CHECKING:
 __all__ = ["Stretch", "stretches"]
 
 LONG = 150
-"""Ticks for which a robot has to be blocked or to stand still to be told of."""
+"""Ticks for which a robot must be blocked or stand still to be reported."""
 
-_NEAR = 6.0  # map units within which a robot is where it was
-_ALIKE = 0.25  # radians within which it looks the same way
-_AWAY = 20.0  # map units that it has to go away in between
+_NEAR = 6.0  # map units within which a robot counts as not having moved
+_ALIKE = 0.25  # radians within which its heading counts as the same
+_AWAY = 20.0  # map units that it must move away in between
 _ROUNDS = 3
-_SPIN = 3 * math.tau  # radians turned in the time of `LONG`, while staying in one place
-_SMALL = 60.0  # map units across, of a circle
+_SPIN = 3 * math.tau  # radians turned within `LONG` ticks while staying in place
+_SMALL = 60.0  # diameter of a circle in map units
 
 
 @dataclass(frozen=True, slots=True)
 class Stretch:
-    """Ticks in which a robot got no further.
+    """Ticks in which a robot made no progress.
 
     Attributes:
-        kind: How.
-        robot: Its name.
+        kind: The kind of movement.
+        robot: The robot's name.
         first: The first tick.
         last: The last one.
-        period: Ticks of a round, or 0.
+        period: Ticks per round, or 0.
     """
 
     kind: Literal["blocked", "still", "circle", "unfinished"]
@@ -44,7 +44,7 @@ class Stretch:
 
 
 def stretches(path: Sequence[RobotState], first: int) -> Iterator[Stretch]:
-    """What kept a robot from getting on, the longest of each kind.
+    """Yield the longest stretch of each kind in which a robot made no progress.
 
     Args:
         path: The robot at the end of each tick.
@@ -69,7 +69,7 @@ def stretches(path: Sequence[RobotState], first: int) -> Iterator[Stretch]:
 
 
 def _longest(holds: Sequence[bool]) -> tuple[int, int]:
-    """Begin and end of the longest stretch in which something holds; the last of equal ones."""
+    """Return start and end of the longest stretch of True; the last of equally long ones."""
     best, begin = (0, 0), 0
     for at, each in enumerate([*holds, False]):
         if not each:
@@ -80,7 +80,7 @@ def _longest(holds: Sequence[bool]) -> tuple[int, int]:
 
 
 def _round(path: Sequence[RobotState]) -> tuple[int, int] | None:
-    """Where a way that is gone again and again up to the end begins, and its period."""
+    """Return the start and period of a path that repeats until the end."""
     visits = []
     is_away = False
     end = path[-1] if path else None
@@ -103,7 +103,7 @@ def _round(path: Sequence[RobotState]) -> tuple[int, int] | None:
 
 
 def _spin(path: Sequence[RobotState]) -> tuple[int, int] | None:
-    """Where turning in one small place up to the end begins, and the ticks of a turn."""
+    """Return the start of spinning in place until the end, and the ticks per turn."""
     if len(path) < LONG:
         return None
     left = right = path[-1].x

@@ -1,4 +1,4 @@
-"""The file that something of a player's own is saved in, from the name that was typed."""
+"""The file for a player's own level or program, from the name that was typed."""
 
 from __future__ import annotations
 
@@ -24,17 +24,17 @@ def target(
     suffixes: tuple[str, ...] = (SUFFIX,),
     usual: str = SUFFIX,
 ) -> Path:
-    """The file for something of that name; a name with a slash is a path.
+    """Return the file for a name; a name with a slash is a path.
 
     Args:
         name: What was typed.
-        own: Folder of what the player made.
+        own: The folder of the player's files.
         folder: ``programs`` or ``levels``.
-        suffixes: The endings that such files may have.
-        usual: The one that is put to a name without one.
+        suffixes: The allowed endings.
+        usual: The ending that is added to a name without one.
 
     Raises:
-        InputError: It is no name for something of one's own.
+        InputError: The name can't be used for a player's file.
     """
     if not name:
         raise InputError(f"A {folder.removesuffix('s')} needs a name.")
@@ -50,16 +50,16 @@ def target(
             )
         if any(stem in shipped_names(folder, suffix) for suffix in suffixes):
             raise InputError(
-                f"{stem} came with the game and stays as it is.", hint="Choose another name."
+                f"{stem} is part of the game and can't be changed.", hint="Choose another name."
             )
         path = own / f"{stem}{usual}"
     if is_folder(path):
         raise InputError("is a folder.", place=str(path), hint="Choose another name.")
     if is_there(path) and not is_file(path):
-        raise InputError("is no ordinary file.", place=str(path), hint="Choose another name.")
+        raise InputError("is not a regular file.", place=str(path), hint="Choose another name.")
     if real(path).parent == shipped_folder(folder).resolve():
         raise InputError(
-            f"The {folder} that came with the game stay as they are.",
+            f"The {folder} of the game can't be changed.",
             hint="Save it in another folder.",
         )
     return path
@@ -69,5 +69,7 @@ def _from_root(path: Path) -> Path:
     try:
         return path.absolute()
     except OSError as error:
-        hint = "Name it from the root, as in /tmp/name."
-        raise InputError("the folder you are in is gone", place=str(path), hint=hint) from error
+        hint = "Use an absolute path such as /tmp/name."
+        raise InputError(
+            "the current folder no longer exists", place=str(path), hint=hint
+        ) from error

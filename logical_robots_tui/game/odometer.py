@@ -12,7 +12,7 @@ __all__ = ["driven"]
 
 
 def driven(before: WorldState, after: WorldState) -> float:
-    """Map units between the places of all robots before and after, along straight lines."""
+    """Return the total straight-line distance of all robots between two states, in map units."""
     return sum(
         math.hypot(now.x - then.x, now.y - then.y)
         for then, now in zip(before.robots, after.robots, strict=True)

@@ -1,7 +1,7 @@
-"""Where a value in a robot's memory comes from: back through the ticks that only kept it.
+"""The origin of a value in a robot's memory: tracing back through the ticks that only kept it.
 
-A value is followed from the tick in which it is seen to the one in which a rule made it, across
-robots that read each other's memories; and from there on to what it was made from.
+A value is traced from the tick in which it is seen to the one in which a rule made it, across
+robots that read each other's memories, and from there to the values that it was made from.
 """
 
 from __future__ import annotations
@@ -12,8 +12,7 @@ from functools import partial
 from typing import TYPE_CHECKING, TypeAlias
 
 from logical_robots_tui.game.advancing import known_frame
-from logical_robots_tui.game.game import Superseded
-from logical_robots_tui.game.history import NoSuchTickError
+from logical_robots_tui.game.frame import NoSuchTickError, Superseded
 from logical_robots_tui.game.thinker import Thinker
 from logical_robots_tui.game.worlds import Worlds
 from logical_robots_tui.mind import QueryError
@@ -43,11 +42,10 @@ __all__ = [
 ]
 
 MOST_LINKS = 24
-_MOST_READS = 4  # of one link that are followed
+_MOST_READS = 4  # per link that are traced
 
 Source: TypeAlias = "Callable[[int, str, Path], Awaitable[tuple[Made, Mapping[str, Value]]]]"
-"""Gives for a tick, a robot and a part of its memory how that came about, and the memories of all
-robots before that tick."""
+"""Returns how a part of a robot's memory was made in a tick, and all memories before that tick."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -55,15 +53,15 @@ class Link:
     """A value, and the tick in which it was made.
 
     Attributes:
-        robot: In whose memory it was made.
+        robot: The robot in whose memory it was made.
         path: The part of that memory.
         value: The value.
-        tick: The tick in which it was made; 0 if it was there at the start.
-        until: The tick in which it is looked at.
+        tick: The tick in which it was made; 0 if it existed at the start.
+        until: The tick at which it is examined.
         span: The expression that made it.
-        rule: The rule in which that stands.
-        reads: What was read for it.
-        before: Numbers of the links, from 0, of the values among these that are followed.
+        rule: The rule that contains the expression.
+        reads: The values that were read to make it.
+        before: Indices of the links for those of them that are traced further.
     """
 
     robot: str
@@ -82,8 +80,8 @@ class Origin:
     """The history of a value.
 
     Attributes:
-        links: The value itself, then what it was made from, and so on.
-        complete: Whether all was followed to the start or to sensors.
+        links: The value itself, then the values it was made from, and so on.
+        complete: Whether everything was traced to the start or to sensors.
     """
 
     links: tuple[Link, ...]
@@ -97,17 +95,17 @@ async def origin_in_run(
     tick: int,
     told: Callable[[int], object] = lambda _tick: None,
 ) -> Origin:
-    """Where a part of the memory comes from that a robot has after a tick of a run.
+    """Trace a part of a robot's memory after a tick of a run.
 
     Args:
         run: The run.
         robot: Name of the robot.
-        path: The part: names of fields and places in lists.
+        path: The part: field names and list indices.
         tick: The tick, from 1.
-        told: Called meanwhile with the number of ticks that were looked at.
+        told: Called with the number of ticks examined so far.
 
     Raises:
-        QueryError: There is no such robot or part, or how it came about can't be told.
+        QueryError: There is no such robot or part, or its origin can't be determined.
     """
     looked = 0
 
@@ -129,20 +127,20 @@ async def origin_in_game(
     tick: int | None = None,
     told: Callable[[int], object] = lambda _tick: None,
 ) -> Origin:
-    """Where a part of the memory comes from that a robot has after a tick of a game.
+    """Trace a part of a robot's memory after a tick of a game.
 
-    Each tick is asked with the program that decided in it. Cancelling the call ends the work.
+    Each tick is examined with the program that decided it. Cancelling the call ends the work.
 
     Args:
         game: The game.
         robot: Name of the robot.
-        path: The part: names of fields and places in lists.
-        tick: The tick, by default the present one; 0 is the start.
-        told: Called meanwhile with the tick that is looked at.
+        path: The part: field names and list indices.
+        tick: The tick, by default the current one; 0 is the start.
+        told: Called with each tick that is examined.
 
     Raises:
-        QueryError: There is no such robot or part, or how it came about can't be told.
-        Superseded: The game went over to another course meanwhile.
+        QueryError: There is no such robot or part, or its origin can't be determined.
+        Superseded: The game switched to another course in the meantime.
     """
     history = game.history
     turns = history.turns
@@ -161,7 +159,7 @@ async def origin_in_game(
             before, _ = history.around(at)
             known = history.known(at)
         except NoSuchTickError:
-            raise QueryError(f"Tick {at} is not in the timeline any more.") from None
+            raise QueryError(f"Tick {at} is no longer in the timeline.") from None
         program = history.program_at(at) or game.program
 
         def work(stop: threading.Event) -> tuple[Made, Mapping[str, Value]]:
@@ -182,17 +180,17 @@ async def origin_in_game(
 async def origin_of(
     source: Source, robot: str, path: Path, tick: int, *, most: int = MOST_LINKS
 ) -> Origin:
-    """Where a part of the memory comes from that a robot has after a tick.
+    """Trace a part of a robot's memory after a tick.
 
     Args:
-        source: Gives how a part of a memory came about in a tick.
+        source: Returns how a part of a memory was made in a tick.
         robot: Name of the robot.
-        path: The part: names of fields and places in lists.
+        path: The part: field names and list indices.
         tick: The tick, from 1.
-        most: Most links.
+        most: The largest number of links.
 
     Raises:
-        QueryError: There is no such robot or part, or how it came about can't be told.
+        QueryError: There is no such robot or part, or its origin can't be determined.
     """
     links: list[Link] = []
     numbers: dict[tuple[int, str, Path], int] = {}
@@ -225,20 +223,22 @@ async def origin_of(
 
 
 def read_path(text: str) -> Path:
-    """The part of a memory that a text names, such as ``memory.plan.at`` or ``memory.seen[0]``.
+    """Parse the path of a part of a memory, such as ``memory.plan.at`` or ``memory.seen[0]``.
 
     Raises:
-        ValueError: It names none.
+        ValueError: The text is not such a path.
     """
     found = re.fullmatch(r"memory((?:\.[^.\[\]]+|\[-?\d+\])*)", text.strip())
     if found is None:
-        raise ValueError(f"{text!r} is no part of a memory, such as memory.plan or memory.seen[0]")
+        raise ValueError(
+            f"{text!r} is not a part of a memory such as memory.plan or memory.seen[0]"
+        )
     pieces = re.findall(r"\.([^.\[\]]+)|\[(-?\d+)\]", found.group(1))
     return tuple(name if name else int(number) for name, number in pieces)
 
 
 def written_path(path: Path, what: str = "memory") -> str:
-    """The same the other way round."""
+    """Return a path as text; the inverse of `read_path`."""
     return what + "".join(f"[{p}]" if isinstance(p, int) else f".{p}" for p in path)
 
 
@@ -250,7 +250,7 @@ def _source(
 
 
 async def _link(source: Source, robot: str, path: Path, tick: int) -> Link:
-    """The tick in which a value was made, or that it was there from the start."""
+    """Return the link for the tick in which a value was made, or for the start."""
     until = tick
     while True:
         made, memories = await source(tick, robot, path)
@@ -264,7 +264,7 @@ async def _link(source: Source, robot: str, path: Path, tick: int) -> Link:
 
 
 def _kept(made: Made, memories: Mapping[str, Value]) -> tuple[str, Path] | None:
-    """Whose memory, and which part of it, has held a value before, if it was only kept."""
+    """Return the robot and path that held a value before, if the tick only kept it."""
     if not made.reads or any(read.what != "memory" for read in made.reads):
         return None
     robots = {read.robot for read in made.reads}
@@ -279,7 +279,7 @@ def _kept(made: Made, memories: Mapping[str, Value]) -> tuple[str, Path] | None:
 
 
 def _common(paths: Sequence[Path]) -> Path:
-    """The longest beginning that paths have in common."""
+    """Return the longest common prefix of paths."""
     length = 0
     while length < min(map(len, paths)) and len({path[length] for path in paths}) == 1:
         length += 1

@@ -1,4 +1,4 @@
-"""Pace: how fast a game is meant to run, and how fast it does."""
+"""Pace: the target speed of a game, and the speed it achieves."""
 
 from __future__ import annotations
 
@@ -9,31 +9,31 @@ from time import perf_counter
 __all__ = ["FLAT_OUT", "SPEEDS", "Pace"]
 
 FLAT_OUT: float | None = None
-"""The speed "as fast as the machine can"."""
+"""The speed "as fast as possible"."""
 
 SPEEDS: tuple[float | None, ...] = (1.0, 2.0, 5.0, 10.0, 20.0, 40.0, 80.0, 160.0, 320.0, FLAT_OUT)
-"""Speeds to choose from in ticks per second, slow motion first."""
+"""Available speeds in ticks per second, slowest first."""
 
-_WAY_SECONDS = 0.03  # that a key press gets for itself from a game that runs flat out
+_WAY_SECONDS = 0.03  # that a game at full speed pauses after a key press
 
-_LOT = 1 / 30  # seconds whose ticks are computed together on an idle machine
-_LONGEST_LOT = 0.1  # and on any
+_LOT = 1 / 30  # seconds of ticks that are computed in one batch on an idle machine
+_LONGEST_LOT = 0.1  # and at most
 
 _WINDOW = 1.0  # seconds over which the achieved speed is measured
 
 
 class Pace:
-    """Keeps `Game.run` at a wanted number of ticks per second and measures what is achieved.
+    """Keeps `Game.run` at a target number of ticks per second and measures the actual one.
 
     Attributes:
-        spacing: Seconds to leave to others on a busy machine between two lots of ticks. First the
-            lots grow with it; beyond a tenth of a second they don't, and the game is slower.
+        spacing: Seconds to leave to others on a busy machine between two batches of ticks. The
+            batches grow with it up to a tenth of a second; beyond that the game gets slower.
     """
 
     def __init__(self, speed: float | None = 40.0) -> None:
         self.spacing = 0.0
         self._speed = speed
-        self._computed = 0  # ticks since the last waiting
+        self._computed = 0  # ticks since the last wait
         self._due = 0.0
         self._free_at = 0.0
         self._times: deque[float] = deque()
@@ -41,7 +41,7 @@ class Pace:
 
     @property
     def speed(self) -> float | None:
-        """Wanted ticks per second; None is flat out."""
+        """Target ticks per second; None means full speed."""
         return self._speed
 
     @speed.setter
@@ -61,12 +61,12 @@ class Pace:
 
     @property
     def period(self) -> float:
-        """Seconds from one tick to the next, with what is left to others; 0.0 flat out."""
+        """Seconds from tick to tick, including the time left to others; 0.0 at full speed."""
         return 1 / self._speed + self.spacing if self._speed else 0.0
 
     @property
     def together(self) -> int | None:
-        """How many ticks to compute at once, as one lot; None is as many as a moment allows."""
+        """The number of ticks per batch; None means as many as time allows."""
         if self._speed is None:
             return None
         return max(1, int(self._speed * min(self._lot, _LONGEST_LOT)))
@@ -96,19 +96,19 @@ class Pace:
         self._forget_old(now)
 
     def give_way(self) -> None:
-        """Let a game that runs flat out, or on a busy machine, pause for a moment.
+        """Pause a game that runs at full speed, or on a busy machine, for a moment.
 
-        The player is to be answered, and threads that want the interpreter at the same time
-        take turns; on a busy machine each turn takes as long as all who are before it.
+        The player needs a response, and threads that compete for the interpreter take turns; on a
+        busy machine each turn waits for all those before it.
         """
         self._free_at = perf_counter() + _WAY_SECONDS + self.spacing
 
     def wake(self) -> None:
-        """End the waiting under way."""
+        """End the current wait."""
         self._changed.set()
 
     async def wait(self) -> None:
-        """Wait until the next ticks are due. A game that is too slow does not try to catch up."""
+        """Wait until the next ticks are due. A game that is too slow doesn't catch up."""
         if self._speed is None:
             await asyncio.sleep(max(self._free_at - perf_counter(), 0))
             return

@@ -1,16 +1,17 @@
-"""Packing: ticks that are over as few bytes, from which each of them is restored exactly."""
+"""Packing: compressing finished ticks so that each can be restored exactly."""
 
 from __future__ import annotations
 
 import marshal
+import math
 import zlib
 from collections import OrderedDict
 from dataclasses import dataclass, field
 from itertools import groupby
 from operator import attrgetter
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, get_args
 
-from logical_robots_tui.mind import Decision, Notice
+from logical_robots_tui.mind import Decision, Notice, NoticeKind
 from logical_robots_tui.values import Desire
 from logical_robots_tui.world import AreaState, RobotState, WorldState
 
@@ -19,12 +20,14 @@ if TYPE_CHECKING:
 
     from logical_robots_tui.game.frame import Frame
     from logical_robots_tui.values import Value
+    from logical_robots_tui.world import Level
 
-__all__ = ["Moment", "Packed", "laid_out", "moment_in"]
+__all__ = ["Moment", "Packed", "is_moment", "laid_out", "moment_in"]
 
-_QUICKEST = 1  # of zlib's levels; from tick to tick so little changes that more is not needed
-_KEPT_OPEN = 4  # for those who step through them
+_QUICKEST = 1  # zlib level; so little changes from tick to tick that more is not needed
+_KEPT_OPEN = 4  # for stepping through them
 _BODY_BYTES = 1_000  # of a robot's state and decision
+_DEEPEST = 200  # that a memory read from a file may be nested
 _HEAVIEST_OPEN = 24_000_000  # bytes of objects in all of these
 
 _BODY = ("x", "y", "angle", "battery_level", "left_engine", "right_engine", "blocked", "dead")
@@ -33,15 +36,15 @@ _body_of = attrgetter(*_BODY)
 
 @dataclass(frozen=True, slots=True)
 class Moment:
-    """What a finished tick left behind; sensors are not kept, the world senses them again.
+    """The state after a finished tick; sensors are not stored, because the world can sense again.
 
     Attributes:
         after: The world after the tick.
         memories: Each robot's memory after the tick, by robot name.
-        decisions: What was decided in the tick, one per robot in file order; () at the start.
+        decisions: The decisions of the tick, one per robot in file order; () at the start.
         think_milliseconds: How long thinking took.
         driven: Map units that all robots together have driven since the start.
-        weight: Bytes of objects in it that are not in the moment before, about.
+        weight: Approximate bytes of its objects that are not in the previous moment.
     """
 
     after: WorldState
@@ -53,7 +56,7 @@ class Moment:
 
     @classmethod
     def of(cls, frame: Frame, driven: float) -> Moment:
-        """What the tick of a frame left behind, and how far all had driven by then."""
+        """Return the moment of a frame, given the distance driven so far."""
         milliseconds = frame.think_milliseconds
         return cls(
             frame.after, frame.memories, frame.decisions, milliseconds, driven, _weight_of(frame)
@@ -61,12 +64,12 @@ class Moment:
 
     @property
     def is_reliable(self) -> bool:
-        """Whether the tick would be the same on any machine: no guard ended a thought in it."""
+        """Whether the tick is the same on any machine: the clock cut off no thought."""
         return all(decision.is_reliable for decision in self.decisions)
 
 
 def _weight_of(frame: Frame) -> int:
-    """Bytes of objects in a tick that are not in the one before: bodies, and changed memories."""
+    """Return the bytes of objects that are new in a tick: robot states and changed memories."""
     before = frame.memories_before
     memories = [d.weight for d in frame.decisions if d.memory is not before.get(d.robot_name)]
     notices = [len(notice.message) for d in frame.decisions for notice in d.notices]
@@ -74,17 +77,17 @@ def _weight_of(frame: Frame) -> int:
 
 
 class Packed:
-    """Moments that follow each other.
+    """Consecutive moments.
 
-    What one robot did and remembered tick after tick stands together, so that what is alike lies
-    near each other and is packed well.
+    The values of one robot over all ticks are stored together, so that similar values are adjacent
+    and compress well.
 
     Args:
         moments: At least one.
 
     Attributes:
         first: Tick of the first of them.
-        weight: Bytes of objects in all of them when they are opened, about.
+        weight: Approximate bytes of all their objects when unpacked.
     """
 
     __slots__ = ("_bytes", "first", "weight")
@@ -95,11 +98,11 @@ class Packed:
         self._bytes = zlib.compress(marshal.dumps(laid_out(moments)), _QUICKEST)
 
     def __len__(self) -> int:
-        """How many bytes it takes."""
+        """Return its size in bytes."""
         return len(self._bytes)
 
     def moment(self, at: int) -> Moment:
-        """One of the moments, by its place among them, counted from 0."""
+        """Return one of the moments by index."""
         return moment_in(_opened.runs(self), at)
 
     def opened(self) -> list[tuple[Any, ...]]:
@@ -109,13 +112,13 @@ class Packed:
 
 
 def laid_out(moments: Sequence[Moment]) -> list[Any]:
-    """Moments as numbers, texts, lists and tuples, what is alike near each other."""
-    # Robots and areas may come and go where the level was changed.
+    """Return moments as numbers, texts, lists and tuples, with similar values adjacent."""
+    # Robots and areas may come and go when the level is edited.
     return [_run_of(list(run)) for _, run in groupby(moments, _names_of)]
 
 
 def moment_in(runs: Sequence[Any], at: int) -> Moment:
-    """One of the moments that were laid out, also after a journey through JSON."""
+    """Return one of the moments from this layout, also after a round trip through JSON."""
     rest = iter(runs)
     begin, names, area_names, told, areas, bodies, thoughts = next(rest)
     while at >= len(told):
@@ -145,7 +148,7 @@ def moment_in(runs: Sequence[Any], at: int) -> Moment:
 
 
 class _Opened:
-    """The packs that were opened last, as far as they are not heavy."""
+    """A cache of the packs that were unpacked last, except large ones."""
 
     def __init__(self) -> None:
         self._runs: OrderedDict[Packed, list[tuple[Any, ...]]] = OrderedDict()
@@ -172,7 +175,7 @@ def _names_of(moment: Moment) -> tuple[list[str], list[str]]:
 
 
 def _run_of(moments: Sequence[Moment]) -> tuple[Any, ...]:
-    """Moments of the same robots and areas, to be written."""
+    """Return the layout of moments with the same robots and areas."""
     first = moments[0].after
     return (
         first.tick,
@@ -188,7 +191,7 @@ def _run_of(moments: Sequence[Moment]) -> tuple[Any, ...]:
 
 
 def _thought_of(moment: Moment, at: int, name: str) -> tuple[object, ...]:
-    """A robot's memory, desire and notices."""
+    """Return a robot's memory, desire and notices."""
     if not moment.decisions:
         return moment.memories[name], None, ()
     decision = moment.decisions[at]
@@ -207,3 +210,62 @@ def _decision(name: str, memory: Value, desire: Any, notices: Any) -> Decision:
         memory,
         tuple([Notice(*notice) for notice in notices]),
     )
+
+
+def is_moment(moment: Moment, tick: int, level: Level) -> bool:
+    """Whether a moment can be what a tick left behind in a level, down to every type."""
+    try:
+        return _is_moment(moment, tick, level)
+    except TypeError:  # a list in place of a name
+        return False
+
+
+def _is_moment(moment: Moment, tick: int, level: Level) -> bool:
+    after, names = moment.after, [robot.name for robot in level.robots]
+    return (
+        type(after.tick) is int
+        and after.tick == tick
+        and (after.won_at is None or (type(after.won_at) is int and 0 < after.won_at <= tick))
+        and [robot.name for robot in after.robots] == names
+        and all(_is_body(robot) for robot in after.robots)
+        and [area.name for area in after.areas] == [area.name for area in level.areas]
+        and all(
+            type(area.active) is bool and set(area.visitors) <= set(names) for area in after.areas
+        )
+        and _are_numbers(moment.think_milliseconds, moment.driven)
+        and type(moment.weight) is int
+        and moment.weight >= 0
+        and list(moment.memories) == names
+        and all(_is_value(memory, _DEEPEST) for memory in moment.memories.values())
+        and [each.robot_name for each in moment.decisions] == (names if tick else [])
+        and all(_is_decision(each) for each in moment.decisions)
+    )
+
+
+def _is_body(robot: Any) -> bool:
+    numbers = (robot.x, robot.y, robot.angle, robot.battery_level)
+    return (
+        _are_numbers(*numbers, robot.left_engine, robot.right_engine)
+        and type(robot.blocked) is bool
+        and type(robot.dead) is bool
+    )
+
+
+def _is_decision(decision: Any) -> bool:
+    desire = decision.desire
+    return (desire is None or _are_numbers(desire.left_engine, desire.right_engine)) and all(
+        notice.kind in get_args(NoticeKind) and type(notice.message) is str
+        for notice in decision.notices
+    )
+
+
+def _are_numbers(*values: Any) -> bool:
+    return all(type(value) in (int, float) and math.isfinite(value) for value in values)
+
+
+def _is_value(value: Any, depth: int) -> bool:
+    """Whether a value is nested no deeper than that; it is out of JSON, so its type is right."""
+    if type(value) not in (list, dict):
+        return True
+    inside = value.values() if type(value) is dict else value
+    return depth > 0 and all(_is_value(each, depth - 1) for each in inside)

@@ -1,4 +1,4 @@
-"""Frames of past ticks, sensed anew."""
+"""Restoring frames of past ticks."""
 
 from __future__ import annotations
 
@@ -17,14 +17,14 @@ __all__ = ["Past"]
 class Past:
     """Restores ticks of a history, on the event loop.
 
-    Who goes back tick by tick asks for each one twice, as the one before the present and then as
-    the present; so the last one is kept.
+    Going back tick by tick requests each one twice, first as the previous tick and then as the
+    current one; so the last one is cached.
 
     Args:
-        history: Where they are.
+        history: The history.
 
     Attributes:
-        worlds: In which they are sensed anew.
+        worlds: The worlds in which the robots sense again.
     """
 
     def __init__(self, history: History) -> None:
@@ -34,7 +34,7 @@ class Past:
         self._turns = 0
 
     def frame(self, tick: int) -> Frame:
-        """The frame of a tick, exactly as it was.
+        """Return the exact frame of a tick.
 
         Raises:
             NoSuchTickError: History does not hold it.
@@ -48,5 +48,5 @@ class Past:
         return self._last
 
     def forget(self) -> None:
-        """Forget what was kept: the end of a tick was changed by hand."""
+        """Clear the cache, because the end of a tick was edited."""
         self._last = None

@@ -1,4 +1,4 @@
-"""Pins: what a player keeps an eye on, and what can be read off it at a tick."""
+"""Pins: values that a player watches, and reading them at a tick."""
 
 from __future__ import annotations
 
@@ -18,13 +18,13 @@ if TYPE_CHECKING:
 __all__ = ["MIND", "ROBOT_COLUMNS", "Path", "Pin", "Reading", "pin_of_cell", "read"]
 
 MIND = "in the mind of"
-"""Stands for a column: in whose reasoning a row holds. No column can have this name."""
+"""Pseudo-column for the robot in whose reasoning a row holds. No real column has this name."""
 
 ROBOT_COLUMNS = (MIND, "robot_name", "robot")
-"""Columns that tell which robot a row is about, the most telling first."""
+"""Columns that name the robot of a row, the most specific first."""
 
 Path: TypeAlias = "tuple[str | int, ...]"
-"""The way into a value: names of fields, and places in lists from 0."""
+"""The path into a value: field names and list indices."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -32,10 +32,10 @@ class Pin:
     """A number of rows, or one value in one row.
 
     Attributes:
-        predicate: Whose rows; or any question, of which the rows count for which it holds.
-        column: Which value of the row; "" is the number of rows.
-        where: Which rows: columns with the value that they have there.
-        path: The way from the value to the part of it that counts.
+        predicate: A predicate, or any question; of a question only rows for which it holds count.
+        column: The column of the value; "" means the number of rows.
+        where: Selects rows by values of columns.
+        path: The path from the value to the pinned part.
     """
 
     predicate: str
@@ -50,7 +50,7 @@ class Pin:
 
     @property
     def name(self) -> str:
-        """What it is without whose it is, such as ``Robot.memory.phase`` or ``Near: rows``."""
+        """Its name without the robot, such as ``Robot.memory.phase`` or ``Near: rows``."""
         if self.is_question:
             return self.predicate
         if not self.column:
@@ -60,7 +60,7 @@ class Pin:
 
     @property
     def words(self) -> str:
-        """What it says in full, such as ``Robot.memory for Ada``."""
+        """Its full description, such as ``Robot.memory for Ada``."""
         parts = (
             f"{'' if name in ROBOT_COLUMNS else name} {_short(value)}".strip()
             for name, value in self.where
@@ -68,25 +68,25 @@ class Pin:
         return f"{self.name} for {', '.join(parts)}" if self.where else self.name
 
     def deeper(self, path: Path) -> Pin:
-        """The pin of a part of the value."""
+        """Return the pin of a part of the value."""
         return replace(self, path=self.path + path)
 
 
 @dataclass(frozen=True, slots=True)
 class Reading:
-    """What was read off a pin at a tick.
+    """The value of a pin at a tick.
 
     Attributes:
         value: The value, or the number of rows.
-        trouble: Why there is no value, one sentence, or "".
+        problem: Why there is no value, one sentence, or "".
     """
 
     value: Value = None
-    trouble: str = ""
+    problem: str = ""
 
     @property
     def number(self) -> float | None:
-        """The value as a number, 0 or 1 for a truth; None if it is none or not finite."""
+        """The value as a number, 0 or 1 for a Boolean; None if it is not a finite number."""
         if not isinstance(self.value, bool | int | float):
             return None
         try:
@@ -103,19 +103,19 @@ def pin_of_cell(
     row: int,
     column: str,
 ) -> Pin | None:
-    """The pin of one value in a table, which finds its row again at other ticks.
+    """Return the pin of one value in a table, which finds its row again at other ticks.
 
-    The row is known by its robot, and by as many other columns as tell it from the rest.
+    The row is identified by its robot, and by as many other columns as needed.
 
     Args:
-        predicate: Whose rows.
-        columns: Names of the columns, `MIND` among them where it matters.
+        predicate: The predicate.
+        columns: Names of the columns, including `MIND` where it matters.
         rows: The rows.
-        row: Which row, from 0.
-        column: Which value of it.
+        row: Index of the row.
+        column: The column of the value.
 
     Returns:
-        The pin, or None if nothing but the value itself tells the row from others.
+        The pin, or None if only the value itself distinguishes the row from others.
     """
     mine = rows[row]
     others = [each for at, each in enumerate(rows) if at != row]
@@ -133,17 +133,17 @@ def pin_of_cell(
 
 
 def read(pin: Pin, table: Table | QueryError) -> Reading:
-    """What a pin says of the rows of its predicate, or why it says nothing."""
+    """Read a pin from the rows of its predicate."""
     if isinstance(table, QueryError):
-        return Reading(trouble=str(table))
+        return Reading(problem=str(table))
     for name in (*(name for name, _ in pin.where), pin.column):
         if table.rows and name not in (*table.columns, MIND, ""):
-            return Reading(trouble=f"{pin.predicate} has no column {name}.")
+            return Reading(problem=f"{pin.predicate} has no column {name}.")
     rows = list(_matching(table, pin.where))
     if not pin.column:
         return Reading(len(rows))
     if len(rows) != 1:
-        return Reading(trouble=f"{len(rows)} rows." if rows else "No row.")
+        return Reading(problem=f"{len(rows)} rows." if rows else "No row.")
     return _inside(rows[0][table.columns.index(pin.column)], pin.path)
 
 
@@ -166,7 +166,7 @@ def _matching(table: Table, where: Iterable[tuple[str, Value]]) -> Iterator[tupl
 
 
 def _is_same(value: Value, wanted: Value) -> bool:
-    """Whether a value tells the same row; an angle may differ in its last digits."""
+    """Return whether a value identifies the same row; angles may differ in the last digits."""
     if isinstance(value, float) and isinstance(wanted, float):
         return math.isclose(value, wanted, rel_tol=1e-6, abs_tol=1e-9)
     return value == wanted
@@ -176,10 +176,10 @@ def _inside(value: Value, path: Path) -> Reading:
     for step in path:
         if isinstance(step, str):
             if not isinstance(value, Mapping) or step not in value:
-                return Reading(trouble=f"There is no field {step}.")
+                return Reading(problem=f"There is no field {step}.")
             value = value[step]
         elif isinstance(value, Sequence) and not isinstance(value, str) and step < len(value):
             value = value[step]
         else:
-            return Reading(trouble=f"There is no item {step}.")
+            return Reading(problem=f"There is no item {step}.")
     return Reading(value)

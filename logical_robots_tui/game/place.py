@@ -1,4 +1,4 @@
-"""Where a game stands, so that another session can go there again."""
+"""The position in a game, so that another session can return to it."""
 
 from __future__ import annotations
 
@@ -21,11 +21,11 @@ class Place:
     """A tick, and how to get there: same level, same programs, same ticks.
 
     Attributes:
-        level: Name of the level if it came with the game, else the path of its file.
-        title: What it is called.
-        program: Name of the last program if it came with the game, else the path of its file.
+        level: Name of a shipped level, otherwise the path of its file.
+        title: The level's title.
+        program: Name of the last program if it is a shipped one, otherwise the path of its file.
         tick: Number of the tick, at least 1.
-        programs: The first tick in which each program decided, and its text, in this order.
+        programs: The first tick that each program decided, and its text, in order.
     """
 
     level: str
@@ -35,15 +35,15 @@ class Place:
     programs: tuple[tuple[int, str], ...]
 
     def as_text(self) -> str:
-        """The place as a text that `from_text` reads."""
+        """Serialise the place for `from_text`."""
         return json.dumps(asdict(self), ensure_ascii=False)
 
     @classmethod
     def from_text(cls, text: str) -> Place:
-        """Read a place.
+        """Parse a place.
 
         Raises:
-            ValueError: It is none.
+            ValueError: The text is not a place.
         """
         try:
             found = json.loads(text)
@@ -51,14 +51,14 @@ class Place:
             level, title, program = (str(found[name]) for name in ("level", "title", "program"))
             place = cls(level, title, program, int(found["tick"]), programs)
         except (KeyError, TypeError, ValueError) as error:
-            raise ValueError("this is no place of a game") from error
+            raise ValueError("this is not a place in a game") from error
         begins = [begin for begin, _ in place.programs]
         if begins[:1] != [1] or begins != sorted(set(begins)) or begins[-1] > place.tick:
             raise ValueError("the programs of this place are out of order")
         return place
 
     def stretches(self) -> list[tuple[str, int]]:
-        """The programs' texts, each with the last tick in which it decided."""
+        """Return the programs' texts, each with the last tick that it decided."""
         ends = [begin - 1 for begin, _ in self.programs[1:]]
         return [
             (text, end) for (_, text), end in zip(self.programs, [*ends, self.tick], strict=True)
@@ -66,16 +66,16 @@ class Place:
 
 
 def place_of(game: Game, level: Level, source: Source) -> Place | None:
-    """Where a game stands.
+    """Return the position of a game.
 
     Args:
         game: The game.
-        level: The level as it is in its file.
-        source: Where the program is from.
+        level: The level as saved in its file.
+        source: The source of the program.
 
     Returns:
-        None at the start, and where the level was changed by hand on the way: there is nothing to
-        go back to, or no way.
+        None at the start, where there is nothing to return to, and if the level was edited on the
+        way, because the tick can't be reproduced then.
     """
     history, tick = game.history, game.frame.tick
     if tick == 0 or history.level_at(0) is not level or history.is_changed_up_to(tick):

@@ -1,9 +1,8 @@
-"""Recordings: what the ticks of a run left behind, in memory and on disk.
+"""Recordings: the states after each tick of a run, in memory and on disk.
 
-A file is a digest of the line that follows, that line, which is JSON and holds the length, the
-digest and the number of moments of each piece, and then the pieces. A piece is some moments as
-packed JSON: text that can do nothing, whoever wrote it. What is read is compared with the level
-before it is given to anybody.
+A file consists of the digest of an index line, the index line, and the pieces. The index is JSON
+with the length, the digest and the number of moments of each piece. A piece is compressed JSON,
+which is harmless whoever wrote it. Everything that is read is checked against the level before use.
 """
 
 from __future__ import annotations
@@ -16,11 +15,10 @@ from bisect import bisect_right
 from dataclasses import dataclass
 from functools import lru_cache
 from operator import attrgetter
-from typing import TYPE_CHECKING, Any, get_args
+from typing import TYPE_CHECKING, Any
 
 from logical_robots_tui.caching import CacheFolder, cache_place
-from logical_robots_tui.game.packing import Moment, laid_out, moment_in
-from logical_robots_tui.mind import NoticeKind
+from logical_robots_tui.game.packing import Moment, is_moment, laid_out, moment_in
 from logical_robots_tui.mind.weight import weight_of_text
 
 if TYPE_CHECKING:
@@ -28,35 +26,44 @@ if TYPE_CHECKING:
 
     from logical_robots_tui.world import Level
 
-__all__ = ["MAX_BYTES", "MAX_ENTRIES", "MAX_FOLDER_BYTES", "DamagedError", "Recording"]
+__all__ = [
+    "MAX_BYTES",
+    "MAX_ENTRIES",
+    "MAX_FOLDER_BYTES",
+    "MAX_HELD_BYTES",
+    "DamagedError",
+    "Recording",
+]
 
 MAX_BYTES = 64_000_000
-"""The largest file; of a longer run as many of the first ticks are kept as there is room for."""
+"""The largest file; of a longer run only the first ticks are kept."""
+
+MAX_HELD_BYTES = 192_000_000
+"""The most packed bytes in memory: the first ticks that fit into a file, and the latest ones."""
 
 MAX_ENTRIES = 200
 MAX_FOLDER_BYTES = 256_000_000
 SUFFIX = ".run"
 
-_TOGETHER = 32  # moments in a piece, unless they are heavy
-_HEAVY = 12_000_000  # bytes of objects in what is not packed, unless one moment has more
-_HEAVIEST = (
-    48_000_000  # bytes that the objects of a piece may take at most, unless it is one moment
-)
-_DEEPEST = 200  # that a memory may be nested
-_QUICK = 2  # of zlib's levels
-_KEPT_OPEN = 2  # pieces, for those who go through them
+_TOGETHER = 32  # moments in a piece, unless they are large
+_HEAVY = 12_000_000  # bytes of unpacked objects, unless a single moment has more
+_HEAVIEST = 48_000_000  # most bytes of the objects of a piece, unless it is a single moment
+_QUICK = 2  # zlib level
+_KEPT_OPEN = 2  # pieces, for sequential access
 
 
 class DamagedError(ValueError):
-    """What was read is no recording of this run."""
+    """The file is not a recording of this run."""
 
 
 class Recording:
-    """What each tick of a run left behind, from tick 0 on without gaps.
+    """The state after each tick of a run, from tick 0 on.
+
+    If that takes more than `MAX_HELD_BYTES`, there is a gap of ticks that must be recomputed.
 
     Args:
-        key: Stands for everything on which the run depends, as a file name.
-        level: Where the run happens.
+        key: Digest of everything on which the run depends; used as the file name.
+        level: The level.
         start: The moment of tick 0.
     """
 
@@ -72,30 +79,40 @@ class Recording:
 
     @property
     def last(self) -> int:
-        """The latest tick that is known."""
+        """The last stored tick."""
         return self._packed + len(self._loose) - 1
 
     @property
     def lasts(self) -> bool:
-        """Whether every tick would be the same again: no guard ended a thought."""
+        """Whether every tick is reproducible: no thought was cut off by the clock."""
         return self._lasting >= self.last
 
+    def is_in_gap(self, tick: int) -> bool:
+        """Return whether the state after a tick was stored, but has been dropped."""
+        return tick < self._packed and tick not in self._piece(tick).ticks
+
+    def return_to_gap(self) -> None:
+        """Drop everything after the gap, so that it can be filled."""
+        before = list(_without_gap(self._pieces))
+        if len(before) < len(self._pieces):
+            self._pieces, self._loose = before, []
+
     def moment(self, tick: int) -> Moment:
-        """What a known tick left behind.
+        """Return the state after a stored tick.
 
         Raises:
-            DamagedError: It was read from a file that is damaged or false.
+            DamagedError: It was read from a file that is damaged or forged.
         """
         if tick >= self._packed:
             return self._loose[tick - self._packed]
-        piece = self._pieces[bisect_right(self._pieces, tick, key=_first_of) - 1]
+        piece = self._piece(tick)
         return self._checked(_moment_of(piece, tick - piece.first), tick)
 
     def add(self, moment: Moment) -> None:
-        """Take in what the next tick left behind.
+        """Store the state after the next tick.
 
-        If a guard ended a thought in it, it may be otherwise on another day: then it is kept for
-        this process only, and so are the ticks after it.
+        If the clock cut off a thought in it, it is not reproducible: it is then kept for this
+        process only, and so are the ticks after it.
         """
         self._loose.append(moment)
         self._is_new = True
@@ -104,16 +121,17 @@ class Recording:
         if len(self._loose) >= _TOGETHER or sum(each.weight for each in self._loose) > _HEAVY:
             self._pieces += _pieces_of(self._loose)
             self._loose = []
+            self._drop_some()
 
     def forget(self) -> None:
-        """Begin anew with the start, also on disk."""
+        """Discard everything after the start, also on disk."""
         if (folder := _folder()) is not None:
             folder.drop(self._key)
         self._pieces, self._loose = [], [self._start]
         self._lasting = math.inf
 
     def save(self) -> None:
-        """Keep on disk what was added, as far as there is room, unless more is there already."""
+        """Write the added ticks to disk, up to the size limit, unless the file has more already."""
         folder = _folder()
         if folder is None or not self._is_new:
             return
@@ -136,22 +154,35 @@ class Recording:
 
     @property
     def _packed(self) -> int:
-        """How many moments are packed."""
-        return self._pieces[-1].first + self._pieces[-1].count if self._pieces else 0
+        """The tick after the packed ones."""
+        return self._pieces[-1].ticks.stop if self._pieces else 0
+
+    def _piece(self, tick: int) -> _Piece:
+        """Return the piece that contains a packed tick, unless the tick is in the gap."""
+        return self._pieces[bisect_right(self._pieces, tick, key=_first_of) - 1]
+
+    def _drop_some(self) -> None:
+        """Drop the oldest pieces that don't fit into a file, until the memory limit is met."""
+        total = sum(len(piece.content) for piece in self._pieces)
+        at = len(_that_fit(_without_gap(self._pieces))) or 1
+        while total > MAX_HELD_BYTES and at < len(self._pieces) - 1:
+            total -= len(self._pieces.pop(at).content)
 
     def _up_to(self, last: float) -> Iterator[_Piece]:
-        """All up to a tick in pieces."""
-        for piece in self._pieces:
-            if piece.first + piece.count - 1 > last:
+        """Yield the pieces up to a tick, or up to the gap."""
+        before = list(_without_gap(self._pieces))
+        for piece in before:
+            if piece.ticks[-1] > last:
                 few = range(piece.first, int(last) + 1)
                 yield from _pieces_of([self.moment(tick) for tick in few])
                 return
             yield piece
-        few = range(self._packed, int(last) + 1)
-        yield from _pieces_of([self.moment(tick) for tick in few])
+        if len(before) == len(self._pieces):
+            few = range(self._packed, int(last) + 1)
+            yield from _pieces_of([self.moment(tick) for tick in few])
 
     def _read(self) -> None:
-        """Take over what is on disk, if that is a recording of this run."""
+        """Load the file, if it is a recording of this run."""
         folder = _folder()
         content = None if folder is None else folder.read(self._key, MAX_BYTES)
         if content is None:
@@ -181,30 +212,26 @@ class Recording:
             self.forget()
 
     def _checked(self, moment: Moment, tick: int) -> Moment:
-        """A moment that was read.
+        """Check a moment that was read, and return it.
 
         Raises:
-            DamagedError: It can't be one of this run.
+            DamagedError: It can't belong to this run.
         """
-        try:
-            is_right = _is_moment(moment, tick, self._level)
-        except TypeError:  # a list in place of a name
-            is_right = False
-        if not is_right:
+        if not is_moment(moment, tick, self._level):
             raise DamagedError(f"this is not tick {tick}")
         return moment
 
 
 @dataclass(frozen=True, slots=True)
 class _Piece:
-    """Some moments as packed JSON.
+    """Some moments as compressed JSON.
 
     Attributes:
         first: Tick of the first one.
-        count: How many they are.
-        content: The packed text.
-        digest: Of that.
-        own: Whether this process packed it, so that it is known to hold no more than it may.
+        count: The number of moments.
+        content: The compressed text.
+        digest: Digest of the content.
+        own: Whether this process made it, so that its unpacked size is known to be within limits.
         fits: Whether another process will read it, too.
     """
 
@@ -215,12 +242,27 @@ class _Piece:
     own: bool = True
     fits: bool = True
 
+    @property
+    def ticks(self) -> range:
+        """Of its moments."""
+        return range(self.first, self.first + self.count)
+
 
 _first_of = attrgetter("first")
 
 
+def _without_gap(pieces: Sequence[_Piece]) -> Iterator[_Piece]:
+    """Yield the pieces before the gap."""
+    last = 0
+    for piece in pieces:
+        if piece.first != last:
+            return
+        last = piece.ticks.stop
+        yield piece
+
+
 def _pieces_of(moments: Sequence[Moment]) -> Iterator[_Piece]:
-    """Moments in as few pieces as can be opened without taking too much memory."""
+    """Split moments into as few pieces as can be unpacked within the memory limit."""
     if not moments:
         return
     text = _text_of(moments)
@@ -239,15 +281,15 @@ def _text_of(moments: Sequence[Moment]) -> str:
 
 
 def _may_be_opened(text: str) -> bool:
-    """Whether what a text holds surely takes no more memory than that of a piece may."""
+    """Return whether the objects in a text certainly stay within the memory limit of a piece."""
     return len(text) <= _HEAVIEST and weight_of_text(text) <= _HEAVIEST
 
 
 def _moment_of(piece: _Piece, at: int) -> Moment:
-    """One of the moments of a piece.
+    """Return one of the moments of a piece.
 
     Raises:
-        DamagedError: There is none, or the piece is damaged.
+        DamagedError: There is no such moment, or the piece is damaged.
     """
     try:
         return moment_in(_unpacked(piece), at)
@@ -277,7 +319,7 @@ def _folder() -> CacheFolder | None:
 
 
 def _index(content: bytes) -> tuple[dict[str, Any], int]:
-    """The index of a file, and how many bytes follow it.
+    """Return the index of a file, and how many bytes follow it.
 
     Raises:
         DamagedError: It is damaged.
@@ -291,7 +333,7 @@ def _index(content: bytes) -> tuple[dict[str, Any], int]:
 
 
 def _count(content: bytes) -> int:
-    """How many moments a file holds, as it says; 0 if it is damaged."""
+    """Return how many moments a file claims to hold; 0 if it is damaged."""
     try:
         return int(_index(content)[0]["moments"])
     except (ValueError, TypeError, KeyError):
@@ -299,7 +341,7 @@ def _count(content: bytes) -> int:
 
 
 def _that_fit(pieces: Iterable[_Piece]) -> list[_Piece]:
-    """Those of the first pieces that fit into a file, with room for the index."""
+    """Return the first pieces that fit into a file together with the index."""
     total, found = 0, []
     for piece in pieces:
         total += len(piece.content) + 100
@@ -311,55 +353,3 @@ def _that_fit(pieces: Iterable[_Piece]) -> list[_Piece]:
 
 def _digest(content: bytes) -> str:
     return hashlib.sha256(content).hexdigest()
-
-
-def _is_moment(moment: Moment, tick: int, level: Level) -> bool:
-    """Whether a moment can be what a tick left behind in a level, down to every type."""
-    after, names = moment.after, [robot.name for robot in level.robots]
-    return (
-        type(after.tick) is int
-        and after.tick == tick
-        and (after.won_at is None or (type(after.won_at) is int and 0 < after.won_at <= tick))
-        and [robot.name for robot in after.robots] == names
-        and all(_is_body(robot) for robot in after.robots)
-        and [area.name for area in after.areas] == [area.name for area in level.areas]
-        and all(
-            type(area.active) is bool and set(area.visitors) <= set(names) for area in after.areas
-        )
-        and _are_numbers(moment.think_milliseconds, moment.driven)
-        and type(moment.weight) is int
-        and moment.weight >= 0
-        and list(moment.memories) == names
-        and all(_is_value(memory, _DEEPEST) for memory in moment.memories.values())
-        and [each.robot_name for each in moment.decisions] == (names if tick else [])
-        and all(_is_decision(each) for each in moment.decisions)
-    )
-
-
-def _is_body(robot: Any) -> bool:
-    numbers = (robot.x, robot.y, robot.angle, robot.battery_level)
-    return (
-        _are_numbers(*numbers, robot.left_engine, robot.right_engine)
-        and type(robot.blocked) is bool
-        and type(robot.dead) is bool
-    )
-
-
-def _is_decision(decision: Any) -> bool:
-    desire = decision.desire
-    return (desire is None or _are_numbers(desire.left_engine, desire.right_engine)) and all(
-        notice.kind in get_args(NoticeKind) and type(notice.message) is str
-        for notice in decision.notices
-    )
-
-
-def _are_numbers(*values: Any) -> bool:
-    return all(type(value) in (int, float) and math.isfinite(value) for value in values)
-
-
-def _is_value(value: Any, depth: int) -> bool:
-    """Whether a value is nested no deeper than that; it is out of JSON, so its type is right."""
-    if type(value) not in (list, dict):
-        return True
-    inside = value.values() if type(value) is dict else value
-    return depth > 0 and all(_is_value(each, depth - 1) for each in inside)

@@ -1,4 +1,4 @@
-"""How well the reference programs win our levels, measured once and shipped beside them."""
+"""The measures of the reference programs, taken once and shipped with the levels."""
 
 from __future__ import annotations
 
@@ -22,25 +22,25 @@ FIELDS = ("level", "ticks", "rules", "distance", "wins", "starts")
 
 
 def is_shipped(level: Level) -> bool:
-    """Whether a level came with the game."""
+    """Return whether a level is a shipped one."""
     if not level.source:
         return False
     return Path(level.source).resolve().parent == shipped_folder("levels").resolve()
 
 
 def level_key(level: Level) -> str:
-    """The name under which progress at a level is kept: of any other file, its whole path."""
+    """Return the key for progress at a level: its name, or the full path of a player's level."""
     return level.name if is_shipped(level) else str(Path(level.source or level.name).absolute())
 
 
 def reference_for(level: Level) -> Measures | None:
-    """Measures of a level's reference program, or None if there is none."""
+    """Return the measures of a level's reference program, or None if there is none."""
     return reference_table().get(level.name) if is_shipped(level) else None
 
 
 @lru_cache(maxsize=1)
 def reference_table() -> Mapping[str, Measures]:
-    """The measures of all reference programs, by the names of their levels."""
+    """Return the measures of all reference programs by level name."""
     try:
         with (shipped_folder("levels") / FILE_NAME).open(encoding="utf-8", newline="") as file:
             return {row["level"]: _measures(row) for row in csv.DictReader(file)}

@@ -1,4 +1,4 @@
-"""Playing a level to its end from the given start and from starts that differ a little."""
+"""Playing a level to the end from its start and from slightly shifted starts."""
 
 from __future__ import annotations
 
@@ -21,22 +21,22 @@ if TYPE_CHECKING:
 __all__ = ["STARTS", "LateError", "Played", "play_through", "shifted", "try_starts"]
 
 STARTS = 20
-"""From how many shifted starts a program is tried."""
+"""The number of shifted starts to try."""
 
 FARTHEST_SHIFT = 8.0
-"""Map units by which a robot may be moved, along each axis."""
+"""Largest shift of a robot along each axis, in map units."""
 
 WIDEST_TURN = 0.2
-"""Radians by which a robot may be turned."""
+"""Largest rotation of a robot, in radians."""
 
 
 class LateError(Exception):
-    """A clock ended a thought: another run might go otherwise, so this one counts for nothing."""
+    """The clock cut off a thought, so the run is not reproducible and does not count."""
 
 
 @dataclass(frozen=True, slots=True)
 class Played:
-    """How a level was played.
+    """The result of playing a level.
 
     Attributes:
         won_at: The tick of victory, or None.
@@ -48,8 +48,8 @@ class Played:
 
 
 def shifted(level: Level, seed: int) -> Level:
-    """The level with every robot's start moved and turned a little; same seed, same starts."""
-    chance = random.Random(seed)  # noqa: S311 - nobody's secret
+    """Return the level with every robot's start shifted and rotated a little, by seed."""
+    chance = random.Random(seed)  # noqa: S311 - not for security
     robots = tuple(
         replace(
             robot,
@@ -68,14 +68,14 @@ def play_through(
     """Play a level until it is won, without a history. Blocks.
 
     Args:
-        level: Where.
-        program: What the robots think.
+        level: The level.
+        program: The robots' program.
         patience: Ticks after which it counts as not won.
-        stop: Set it from another thread to give up.
+        stop: Set this from another thread to abort.
 
     Raises:
         Stopped: `stop` was set.
-        LateError: A clock ended a thought.
+        LateError: The clock cut off a thought.
     """
     world = World(level)
     visibility = level.visibility
@@ -109,19 +109,19 @@ def try_starts(
     """Play a level from shifted starts. Blocks.
 
     Args:
-        level: Where.
-        program: What the robots think.
+        level: The level.
+        program: The robots' program.
         patience: Ticks after which a start counts as not won.
-        starts: How many; the first ones are always the same.
-        stop: Set it from another thread to give up.
-        report: Called after each with how many were tried and won.
+        starts: The number of starts; the first ones are always the same.
+        stop: Set this from another thread to abort.
+        report: Called after each start with the numbers of tried and won starts.
 
     Returns:
-        From how many it is won.
+        The number of starts that were won.
 
     Raises:
         Stopped: `stop` was set.
-        LateError: A clock ended a thought.
+        LateError: The clock cut off a thought.
     """
     wins = 0
     for seed in range(starts):

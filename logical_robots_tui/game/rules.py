@@ -1,4 +1,4 @@
-"""How many rules a program has."""
+"""Counting the rules of a program."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ __all__ = ["count_rules"]
 
 
 def count_rules(text: str) -> int:
-    """The number of rules of a program that compiles.
+    """Return the number of rules of a program that compiles.
 
     Every statement counts as one, however long it is and however many cases it has; annotations,
     which begin with ``@``, don't.

@@ -1,9 +1,10 @@
-"""A run: any tick of a level under a program, computed once and kept for the next process."""
+"""A run: any tick of a level under a program, computed once and cached on disk."""
 
 from __future__ import annotations
 
 import hashlib
 import json
+import math
 import platform
 import sqlite3
 from dataclasses import asdict
@@ -28,7 +29,7 @@ if TYPE_CHECKING:
     from collections.abc import AsyncGenerator, Callable
 
     from logical_robots_tui.game.frame import Frame
-    from logical_robots_tui.mind import Engine, Mind, Program
+    from logical_robots_tui.mind import Mind, Program
     from logical_robots_tui.world import Level
 
 __all__ = ["Run", "run_key"]
@@ -37,23 +38,22 @@ T = TypeVar("T")
 
 _CODE = Path(__file__).parents[1]
 _NOTHING = Watch(())
-_SECONDS = 0.05  # of work in the thread at once
+_SECONDS = 0.05  # of work in the thread at a time
 
 
 class Run:
-    """The ticks of a level under a program from its start; a victory on the way does not end it.
+    """The ticks of a level under a program from its start; a victory does not end the run.
 
-    Ticks that this process or an earlier one has computed are not computed again: the robots only
-    sense again what they sensed then. What was computed is kept on disk by `close`.
+    Ticks that this process or an earlier one has computed are not computed again; only the sensors
+    are. `close` writes the computed ticks to disk.
 
     Args:
-        level: Where it happens.
-        program: What the robots think.
-        engine: What they think with, as `Mind` has it.
+        level: The level.
+        program: The robots' program.
         limits: Bounds on thinking.
 
     Attributes:
-        key: Stands for everything on which the ticks depend.
+        key: Digest of everything on which the ticks depend.
     """
 
     def __init__(
@@ -61,42 +61,41 @@ class Run:
         level: Level,
         program: Program,
         *,
-        engine: Engine = "sqlite",
         limits: Limits | None = None,
     ) -> None:
         self.level = level
         self.program = program
         self.limits = limits or Limits()
-        self._thinker = Thinker("run", engine)
+        self._thinker = Thinker("run")
         self._worlds = Worlds(level)
         self._latest: Frame = start_frame(level, self._worlds.of(level))
         start = Moment(self._latest.after, self._latest.memories, (), 0.0, 0.0)
-        self.key = run_key(level, program, engine, self.limits)
+        self.key = run_key(level, program, self.limits)
         self._recording = Recording(self.key, level, start)
 
     @property
     def last(self) -> int:
-        """The latest tick that was computed."""
+        """The last computed tick."""
         return self._recording.last
 
     @property
     def lasts(self) -> bool:
-        """Whether all ticks computed would be the same again: no guard ended a thought."""
+        """Whether all computed ticks are reproducible: no thought was cut off by the clock."""
         return self._recording.lasts
 
     async def frame(self, tick: int, told: Callable[[int], object] = lambda _tick: None) -> Frame:
-        """The frame of a tick.
+        """Return the frame of a tick.
 
         Args:
-            tick: Which one; 0 is the start.
-            told: Called meanwhile with the tick up to which was computed.
+            tick: The tick; 0 is the start.
+            told: Called with the last computed tick as work proceeds.
         """
         await self._reach(tick, told)
         (frame,) = [each async for each in self.each(tick, tick, lambda each, _mind, _stop: each)]
         return frame
 
     async def moments(self, first: int, last: int) -> list[Moment]:
-        """What some ticks left behind: the world, memories and decisions; nobody senses again.
+        """Return the states after some ticks: world, memories and decisions, without sensors.
 
         Args:
             first: The first tick, from 0.
@@ -106,7 +105,7 @@ class Run:
             await self._reach(last, lambda _tick: None)
             try:
                 return await self._thinker.do(
-                    lambda _stop: [self._recording.moment(tick) for tick in range(first, last + 1)]
+                    lambda stop: [self._moment(tick, stop) for tick in range(first, last + 1)]
                 )
             except DamagedError:
                 self._forget()
@@ -119,16 +118,16 @@ class Run:
         *,
         to_victory: bool = False,
     ) -> AsyncGenerator[T]:
-        """What a piece of work gives for each of some ticks, in their order.
+        """Yield the result of a piece of work for each of some ticks, in order.
 
         Args:
             first: The first tick, from 0.
             last: The last one.
-            work: Done in a thread, with the frame, a mind to ask, and the event that ends it.
-            to_victory: Whether the tick of victory is the last one, if there is one before.
+            work: Called in a thread with the frame, a mind, and the event that stops it.
+            to_victory: Whether to end at the tick of victory, if it comes earlier.
 
         Raises:
-            Stopped: Another piece of work was begun.
+            Stopped: Another piece of work was started.
         """
         tick, over = first, False
         while tick <= last and not over:
@@ -139,14 +138,14 @@ class Run:
             tick += len(found)
 
     async def _reach(self, tick: int, told: Callable[[int], object]) -> None:
-        """Compute the ticks up to one, as far as they are not known."""
+        """Compute the missing ticks up to this one."""
         while self._recording.last < tick:
             until = perf_counter() + _SECONDS
             await self._thinker.do(partial(self._reached, tick, until=until))
             told(self._recording.last)
 
     async def close(self) -> None:
-        """Keep what was computed, and free the mind."""
+        """Save the computed ticks, and free the mind."""
         try:
             await self._thinker.do(lambda _stop: self._recording.save())
         finally:
@@ -162,7 +161,7 @@ class Run:
         to_victory: bool,
         stop: threading.Event,
     ) -> tuple[list[T], bool]:
-        """What the work gives for the next ticks there is time for, and whether that is all."""
+        """Return the results for as many ticks as time allows, and whether those are all."""
         until = perf_counter() + _SECONDS
         done: list[T] = []
         mind, over = None, False
@@ -176,19 +175,29 @@ class Run:
         return done, over
 
     def _reached(self, tick: int, stop: threading.Event, *, until: float) -> Frame | None:
-        """The frame of a tick, or None if the way there takes longer than until then."""
+        """Return the frame of a tick, or None if it can't be computed in time."""
         try:
-            while self._recording.last < tick:
-                self._go_on(stop)
-                if perf_counter() > until:
-                    break
+            if self._recording.is_in_gap(max(tick - 1, 0)):
+                self._recording.return_to_gap()
+            self._go_on_to(tick, stop, until)
             return self._known(tick) if tick <= self._recording.last else None
         except DamagedError:
             self._forget()
             return None
 
+    def _moment(self, tick: int, stop: threading.Event) -> Moment:
+        self._go_on_to(tick, stop, math.inf)
+        return self._recording.moment(tick)
+
+    def _go_on_to(self, tick: int, stop: threading.Event, until: float) -> None:
+        """Compute the ticks up to one, if there is time for all of them until then."""
+        if self._recording.is_in_gap(tick):
+            self._recording.return_to_gap()
+        while self._recording.last < tick and perf_counter() < until:
+            self._go_on(stop)
+
     def _forget(self) -> None:
-        """Begin anew: what was read is not what this run left behind."""
+        """Start over, because the file is not a recording of this run."""
         self._recording.forget()
         self._latest = start_frame(self.level)
 
@@ -212,13 +221,12 @@ class Run:
         self._recording.add(Moment.of(frame, before + driven(frame.before, frame.after)))
 
 
-def run_key(level: Level, program: Program, engine: Engine, limits: Limits) -> str:
-    """What stands for a run: everything on which its ticks depend, down to the code.
+def run_key(level: Level, program: Program, limits: Limits) -> str:
+    """Return the digest of everything on which the ticks of a run depend, including the code.
 
     Args:
-        level: Where it happens.
-        program: What the robots think.
-        engine: What they think with.
+        level: The level.
+        program: The robots' program.
         limits: Bounds on thinking.
     """
     told = {
@@ -229,7 +237,6 @@ def run_key(level: Level, program: Program, engine: Engine, limits: Limits) -> s
         "areas": [asdict(area) for area in level.areas],
         "visibility": asdict(level.visibility),
         "program": program.text,
-        "engine": engine,
         "limits": asdict(limits),
     }
     digest = hashlib.sha256(_simulation())
@@ -239,7 +246,7 @@ def run_key(level: Level, program: Program, engine: Engine, limits: Limits) -> s
 
 @cache
 def _simulation() -> bytes:
-    """What stands for everything that computes a run, as it is now."""
+    """Return the digest of the code that computes a run."""
     folders = [_CODE / part for part in ("world", "mind", "game")]
-    code = digest_of_code(folders, ("logica", "numpy", "sqlglot", "duckdb"))
+    code = digest_of_code(folders, ("logica", "numpy", "sqlglot"))
     return code + f"{sqlite3.sqlite_version} {platform.python_version()}".encode()

@@ -1,4 +1,4 @@
-"""Program texts: the shipped ones, the player's own, and any file."""
+"""Loading and saving program texts: shipped ones, the player's own, and any file."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ __all__ = [
 ]
 
 DEFAULT_PROGRAM = "obstacle-avoider"
-"""What the robots think in a level that does not name a program to start with."""
+"""The program for levels that don't name a starter."""
 
 SUFFIX = ".l"
 MAX_PROGRAM_BYTES = 1_000_000
@@ -36,13 +36,13 @@ MAX_PROGRAM_BYTES = 1_000_000
 
 @dataclass(frozen=True, slots=True)
 class Source:
-    """A program's text and where it lives.
+    """A program's text and its file.
 
     Attributes:
         name: Short name to show: the file's name without its ending.
         text: Logica text.
         path: The file it came from.
-        shipped: Whether it came with the game and so is not to be overwritten.
+        shipped: Whether it is part of the game and must not be overwritten.
     """
 
     name: str
@@ -52,7 +52,7 @@ class Source:
 
 
 def list_programs(own: Path | None = None) -> list[str]:
-    """Names of the shipped programs, then of those in the folder `own`, each sorted."""
+    """Return the names of the shipped programs, then of those in the folder `own`, each sorted."""
     names = shipped_names("programs", SUFFIX)
     if own is not None and is_folder(own):
         names += sorted(p.stem for p in own.glob(f"*{SUFFIX}") if p.stem not in names)
@@ -62,15 +62,15 @@ def list_programs(own: Path | None = None) -> list[str]:
 def load_program(
     path_or_name: str | Path, own: Path | None = None, *, pipes: bool = False
 ) -> Source:
-    """Read a program by its path, or by its name among the player's own and the shipped ones.
+    """Read a program by path, or by name from the player's own and the shipped ones.
 
     Args:
-        path_or_name: A path, or a name as `list_programs` gives it.
+        path_or_name: A path, or a name from `list_programs`.
         own: Folder with the player's own programs.
-        pipes: Whether it may be a pipe or a device, which is waited for.
+        pipes: Whether it may be a pipe or a device, which may block.
 
     Raises:
-        InputError: No such program, or it is not a text file of at most 1 MB.
+        InputError: There is no such program, or it is not a text file of at most 1 MB.
     """
     path = Path(path_or_name)
     try:
@@ -93,7 +93,7 @@ def load_program(
 
 @lru_cache(maxsize=1)
 def shipped_texts() -> Mapping[str, str]:
-    """The texts of the programs that came with the game, by name."""
+    """Return the texts of the shipped programs by name."""
     return {
         name: _read(shipped_folder("programs") / f"{name}{SUFFIX}").text
         for name in shipped_names("programs", SUFFIX)
@@ -101,7 +101,7 @@ def shipped_texts() -> Mapping[str, str]:
 
 
 def save_program(path: Path, text: str) -> None:
-    """Write a program's text so that the file is always either the old or the new one.
+    """Write a program's text atomically.
 
     Raises:
         InputError: The file can't be written.
@@ -122,7 +122,7 @@ def _read(path: Path, *, pipes: bool = False) -> Source:
     if path.is_dir():
         raise InputError("is a folder, not a program", place=place, hint="Name a file in it.")
     if not pipes and path.exists() and not path.is_file():
-        raise InputError("is no ordinary file", place=place, hint="A program is a text file.")
+        raise InputError("is not a regular file", place=place, hint="A program is a text file.")
     try:
         if pipes:
             with path.open("rb") as file:

@@ -1,4 +1,4 @@
-"""Where every game begins, and where it goes on if robots came or went."""
+"""Frames without decisions: the start of a game, and after robots were added or removed."""
 
 from __future__ import annotations
 
@@ -17,22 +17,22 @@ __all__ = ["fresh_frame", "start_frame"]
 
 
 def start_frame(level: Level, world: World | None = None) -> Frame:
-    """Frame 0 of a level: nobody has thought yet, and there need be no program to show it.
+    """Return frame 0 of a level: nobody has thought yet, and no program is needed.
 
     Args:
-        level: Where the robots stand.
-        world: A new world of it, if there is one.
+        level: The level.
+        world: A new world of the level, if there is one already.
     """
     world = world or World(level)
     return fresh_frame(world, world.save(), {robot.name: "" for robot in level.robots})
 
 
 def fresh_frame(world: World, state: WorldState, memories: Mapping[str, Value]) -> Frame:
-    """The frame of a moment for which nobody has thought.
+    """Return a frame without decisions.
 
     Args:
-        world: Where to look around; it stands in the state afterwards.
-        state: The world at that moment.
+        world: The world to sense in; it is in this state afterwards.
+        state: The state of the world.
         memories: Each robot's memory, by robot name.
     """
     world.restore(state)

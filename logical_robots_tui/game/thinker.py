@@ -1,4 +1,4 @@
-"""A thread with a mind, for what is computed off the event loop."""
+"""A thread with a mind, for work off the event loop."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from logical_robots_tui.mind import Stopped
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from logical_robots_tui.mind import Engine, Limits, Mind, Program
+    from logical_robots_tui.mind import Limits, Mind, Program
     from logical_robots_tui.world import Level, Visibility
 
 __all__ = ["Thinker"]
@@ -21,17 +21,16 @@ T = TypeVar("T")
 
 
 class Thinker:
-    """One thread with one mind at a time; what runs in it can be stopped."""
+    """One thread with one mind at a time; its work can be stopped."""
 
-    def __init__(self, name: str, engine: Engine = "sqlite") -> None:
-        self._engine = engine
+    def __init__(self, name: str) -> None:
         self._pool = ThreadPoolExecutor(max_workers=1, thread_name_prefix=f"logical-robots-{name}")
         self._stop = threading.Event()
         self._mind: Mind | None = None
         self._visibility: Visibility | None = None
 
     def mind(self, program: Program, level: Level, limits: Limits) -> Mind:
-        """The mind for a program; to be called in the thread."""
+        """Return the mind for a program; call it in the thread."""
         visibility = level.visibility
         if (
             self._mind is None
@@ -47,13 +46,12 @@ class Thinker:
                 memory=visibility.memory,
                 sensor=visibility.sensor,
                 limits=limits,
-                engine=self._engine,
                 frozen=True,
             )
         return self._mind
 
     async def do(self, work: Callable[[threading.Event], T]) -> T:
-        """Run work in the thread, giving it the event that tells it to stop."""
+        """Run work in the thread, passing the event that tells it to stop."""
         stop = self._stop = threading.Event()
 
         def unless_stopped() -> T:
@@ -68,11 +66,11 @@ class Thinker:
             raise
 
     def stop(self) -> None:
-        """Tell the work under way to stop."""
+        """Tell the current work to stop."""
         self._stop.set()
 
     async def close(self) -> None:
-        """Stop the work under way and free the mind."""
+        """Stop the current work and free the mind."""
         self._stop.set()
         await asyncio.get_running_loop().run_in_executor(self._pool, self._forget)
         self._pool.shutdown(wait=False)

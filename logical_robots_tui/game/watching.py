@@ -1,4 +1,4 @@
-"""Watching: which breakpoints a tick hits, and with what values."""
+"""Checking breakpoints: which ones a tick hits, and with what values."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from collections import Counter
 from typing import TYPE_CHECKING, TypeAlias
 
 from logical_robots_tui.game.breakpoints import OF_QUESTIONS, Breakpoint, Hit
-from logical_robots_tui.game.holding import rows_that_count
+from logical_robots_tui.game.matches import matching_rows
 from logical_robots_tui.mind import ProgramError, QueryError, Table
 from logical_robots_tui.mind.sqlite.stored import to_json
 
@@ -21,35 +21,35 @@ if TYPE_CHECKING:
 __all__ = ["Watch"]
 
 _Rows: TypeAlias = "list[tuple[Value, ...]]"
-_FEW = 3  # values that are told
-_LONGEST = 60  # characters of one of them
+_FEW = 3  # values that are reported
+_LONGEST = 60  # characters of each
 _BY_NAME = ("Robot", "Sensor", "Memory")
 
 
 class Watch:
-    """Compares each tick with the one before.
+    """Compares each tick with the previous one.
 
     Args:
-        breakpoints: What to watch for.
+        breakpoints: The breakpoints to check.
 
     Attributes:
-        troubles: Why a breakpoint could not be watched for in the latest tick, by breakpoint.
+        problems: Why a breakpoint could not be checked in the latest tick, by breakpoint.
     """
 
     def __init__(self, breakpoints: Sequence[Breakpoint]) -> None:
         self.breakpoints = breakpoints
-        self.troubles: dict[Breakpoint, str] = {}
+        self.problems: dict[Breakpoint, str] = {}
         self._asked: dict[str, tuple[Frame, Table]] = {}
         self._questions: dict[str, Question | ProgramError] = {}
 
     def hits(self, past: Frame, frame: Frame, mind: Mind, stop: threading.Event) -> tuple[Hit, ...]:
-        """The breakpoints that a tick hits.
+        """Return the breakpoints that a tick hits.
 
         Args:
             past: The tick before.
             frame: The tick.
-            mind: Whom to ask; the same one each time.
-            stop: Set it from another thread to give up.
+            mind: The mind to evaluate them; the same one each time.
+            stop: Set this from another thread to abort.
 
         Raises:
             Stopped: `stop` was set.
@@ -60,14 +60,14 @@ class Watch:
                 if each.event in OF_QUESTIONS:
                     values = self._change_of_rows(each, past, frame, mind, stop)
                 else:
-                    values = "; ".join(_happenings(each, past, frame))
+                    values = "; ".join(_occurrences(each, past, frame))
             except ProgramError as error:
-                self.troubles[each] = f"This can't be asked: {error.diagnostics[0].message}."
+                self.problems[each] = f"This can't be asked: {error.diagnostics[0].message}."
                 continue
             except QueryError as error:
-                self.troubles[each] = f"Tick {frame.tick}: {error}"
+                self.problems[each] = f"Tick {frame.tick}: {error}"
                 continue
-            self.troubles.pop(each, None)
+            self.problems.pop(each, None)
             if values:
                 found.append(Hit(each, frame.tick, values))
         return tuple(found)
@@ -90,7 +90,7 @@ class Watch:
         table = self._table(each.subject, frame, mind, stop)
         question = self._questions.get(each.subject)
         if each.event != "change" and question is not None and not isinstance(question, Exception):
-            table = rows_that_count(question, table)
+            table = matching_rows(question, table)
         return _rows_for(each, table)
 
     def _table(self, subject: str, frame: Frame, mind: Mind, stop: threading.Event) -> Table:
@@ -107,9 +107,9 @@ class Watch:
         return table
 
     def _question(self, subject: str, mind: Mind, stop: threading.Event) -> Question | None:
-        """What to ask about a subject; None if it is a predicate that is better asked by name.
+        """Return the question for a subject; None if it is a predicate best queried by name.
 
-        Of all robots together only questions and `Robot` are asked.
+        Only questions and `Robot` are evaluated for all robots together.
 
         Raises:
             ProgramError: The subject is neither a predicate nor a question.
@@ -131,7 +131,7 @@ class Watch:
 
 
 def _rows_for(each: Breakpoint, table: Table) -> _Rows:
-    """The rows, or the values of one column, that a breakpoint is about."""
+    """Return the rows, or the values of one column, that concern a breakpoint."""
     rows: Sequence[tuple[Value, ...]] = table.rows
     if each.robot and "robot_name" in table.columns:
         at = table.columns.index("robot_name")
@@ -150,7 +150,7 @@ def _rows_for(each: Breakpoint, table: Table) -> _Rows:
 
 
 def _without(rows: _Rows, others: _Rows) -> _Rows:
-    """The rows that are not among others, each as often as it is missing."""
+    """Return the multiset difference of rows."""
     if rows == others:
         return []
     left = Counter(to_json(row) for row in others)
@@ -175,7 +175,7 @@ def _told(value: Value) -> str:
     return text if len(text) <= _LONGEST else f"{text[:_LONGEST]}…"
 
 
-def _happenings(each: Breakpoint, past: Frame, frame: Frame) -> Iterator[str]:
+def _occurrences(each: Breakpoint, past: Frame, frame: Frame) -> Iterator[str]:
     match each.event:
         case "enters":
             yield from _moved(each, past, frame, "is in")
@@ -192,7 +192,7 @@ def _happenings(each: Breakpoint, past: Frame, frame: Frame) -> Iterator[str]:
 
 
 def _moved(each: Breakpoint, before: Frame, after: Frame, verb: str) -> Iterator[str]:
-    """Who is in an area after and was not before."""
+    """Yield the robots that are in an area after but not before."""
     for then, now in zip(before.after.areas, after.after.areas, strict=True):
         if each.subject in ("", now.name):
             for name in now.visitors:
@@ -211,7 +211,7 @@ def _lost(each: Breakpoint, past: Frame, frame: Frame) -> Iterator[str]:
 
 
 def _seen(row: SensorRow) -> dict[str, float]:
-    """The beacons and robots on a robot's radar, with their distances."""
+    """Return the beacons and robots on a robot's radar, with their distances."""
     return {
         ray["label"]: ray["distance"]
         for ray in row["sensor"]["radar"]

@@ -1,4 +1,4 @@
-"""The world of whichever level is asked for."""
+"""A cached world for the requested level."""
 
 from __future__ import annotations
 
@@ -13,17 +13,17 @@ __all__ = ["Worlds"]
 
 
 class Worlds:
-    """One world at a time; one of a level that differs little is made from it quickly.
+    """Holds one world; a world for a similar level is created from it quickly.
 
     Args:
-        level: What is asked for first.
+        level: The first level.
     """
 
     def __init__(self, level: Level) -> None:
         self._world = World(level)
 
     def of(self, level: Level) -> World:
-        """The world of a level, in whatever state it was left."""
+        """Return the world of a level, in the state it was left in."""
         if self._world.level is not level:
             self._world = World(level, like=self._world)
         return self._world

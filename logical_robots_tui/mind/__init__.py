@@ -2,18 +2,16 @@
 
 In the compile process `compiling` makes SQL of text, `tuning` makes that quick, `why` takes
 rules apart, and `diagnosis` makes all of them ready to be watched over a whole run. Here `sqlite`
-holds the rows of a moment, `duck` those of a crowd; a `Mind` asks them.
+holds the rows of a moment; a `Mind` asks for them.
 """
 
 from typing import TYPE_CHECKING
 
-from logical_robots_tui.later import names_from
+from logical_robots_tui.later import lazy_exports
 
 if TYPE_CHECKING:
     from logical_robots_tui.mind.decision import Decision, Notice, NoticeKind
     from logical_robots_tui.mind.diagnostics import Diagnostic, ProgramError, QueryError, Stopped
-    from logical_robots_tui.mind.duck.engine import Engine, check_installed
-    from logical_robots_tui.mind.duck.notes import why_not_duckdb
     from logical_robots_tui.mind.limits import Limits
     from logical_robots_tui.mind.machinery import Machinery
     from logical_robots_tui.mind.mind import Mind
@@ -26,7 +24,6 @@ __all__ = [
     "Ask",
     "Decision",
     "Diagnostic",
-    "Engine",
     "Explanation",
     "Limits",
     "Machinery",
@@ -43,17 +40,14 @@ __all__ = [
     "Report",
     "Stopped",
     "Table",
-    "check_installed",
-    "why_not_duckdb",
 ]
 
-__getattr__ = names_from(
+__getattr__ = lazy_exports(
     __name__,
     {
         "Ask": "why.explanation",
         "Decision": "decision",
         "Diagnostic": "diagnostics",
-        "Engine": "duck.engine",
         "Explanation": "why.explanation",
         "Limits": "limits",
         "Machinery": "machinery",
@@ -70,7 +64,5 @@ __getattr__ = names_from(
         "Report": "program",
         "Stopped": "diagnostics",
         "Table": "table",
-        "check_installed": "duck.engine",
-        "why_not_duckdb": "duck.notes",
     },
 )

@@ -22,9 +22,8 @@ from logical_robots_tui.mind.why.relations import ALIKE, SAME, alike_in_sql, sam
 if TYPE_CHECKING:
     from collections.abc import Collection, Iterator, Sequence
 
-    from logical_robots_tui.mind.duck.engine import DuckTables
     from logical_robots_tui.mind.limits import Limits
-    from logical_robots_tui.mind.program import Duck, Program, Question, Tuned
+    from logical_robots_tui.mind.program import Program, Question, Tuned
     from logical_robots_tui.mind.sqlite.database import Answer as RawAnswer
     from logical_robots_tui.mind.sqlite.database import Scalar
     from logical_robots_tui.mind.sqlite.moment import Moment, View, Within
@@ -58,7 +57,6 @@ class Asking:
         program: What to ask.
         limits: Bounds on memory, on values and on results.
         plain: Whether to take the plain way only.
-        duck: DuckDB, if crowds are to think with it.
         frozen: Whether nobody changes what is given or answered, then or later.
     """
 
@@ -68,7 +66,6 @@ class Asking:
         limits: Limits,
         *,
         plain: bool,
-        duck: DuckTables | None = None,
         frozen: bool = False,
     ) -> None:
         self._program = program
@@ -76,7 +73,6 @@ class Asking:
         self._tuned = None if plain else _tables(program, limits, frozen=frozen)
         self._deepest = limits.depth
         self._read_value = Lasting().read if frozen else from_sql
-        self._duck = duck
         self._explores = False
 
     def each(
@@ -171,8 +167,6 @@ class Asking:
         self._plain.close()
         if self._tuned is not None:
             self._tuned.close()
-        if self._duck is not None:
-            self._duck.close()
 
     def plainly(
         self,
@@ -217,10 +211,6 @@ class Asking:
         """Answers for the first views of a moment, up to one for which there is no quick one."""
         if self._tuned is None or tuned is None:
             return ()
-        if self._duck is not None and tuned.duck is not None:
-            answers = self._duck_answers(self._duck, tuned, tuned.duck, moment, within)
-            if answers is not None:
-                return answers
         if tuned.together and moment.apart and len(moment.views) > 1:
             answers = self._joint_answers(tuned, moment, within, in_order=in_order)
             if answers is not None:
@@ -250,25 +240,6 @@ class Asking:
             return self._by_viewer(columns[:-1], found, tuned, moment, within, in_order=in_order)
         except _NO_QUICK_ANSWER:
             return None
-
-    def _duck_answers(
-        self, tables: DuckTables, tuned: Tuned, duck: Duck, moment: Moment, within: Within
-    ) -> list[Answer] | None:
-        """Answers for all views by DuckDB, or None unless each row is for a robot of its own."""
-        if tuned.result and len(duck.names) != sum(len(f) or 1 for _, f in tuned.result):
-            return None  # these were not made together
-        try:
-            found = tables.ask(duck, moment, within)
-            if len(moment.views) > 1:
-                return self._by_viewer(duck.names, found, tuned, moment, within)
-            (view,) = moment.views
-            place = duck.names.index("robot_name") if "robot_name" in duck.names else 0
-            if len({row[place] for row in found}.intersection(view.viewers)) < len(found):
-                return None
-            answer = self._finished((duck.names, found), tuned, within)
-        except _NO_QUICK_ANSWER:
-            return None
-        return None if answer is None else [answer]
 
     def _by_viewer(
         self,

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from logical_robots_tui.mind.diagnostics import Stopped
 from logical_robots_tui.mind.failures import FailureError, failures_in_words
+from logical_robots_tui.mind.sqlite.database import TooSlowError
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -34,6 +36,21 @@ class Explored:
     ) -> None:
         self._asking, self._plain = asking, plain
         self._moment, self._view, self._within = moment, view, within
+
+    def spend(self, steps: int) -> None:
+        """Count work outside of queries, in steps.
+
+        Raises:
+            FailureError: Too many were taken.
+            Stopped: It was stopped.
+        """
+        within = self._within
+        within.budget.steps -= steps
+        if within.stop is not None and within.stop.is_set():
+            raise Stopped("The explanation was stopped.")
+        with failures_in_words(within):
+            if within.budget.steps < 0:
+                raise TooSlowError
 
     def rows(self, predicate: str, sql: str) -> Answer:
         """Columns and rows of a predicate.

@@ -28,7 +28,6 @@ class Limits:
         query_seconds: The guard of such a query.
         mind_bytes: Memory of SQLite in this process, for all minds together; the smallest value
             that a process has seen is the one that holds, because SQLite never raises it again.
-            As much again for DuckDB, in each mind that thinks with it.
         value_bytes: Largest single text, list or record while thinking, as SQLite stores it.
         think_rows: Most rows of `Robot` for one evaluation.
         rows: Most rows that a query of the inspector shows; the rest is left out.

@@ -11,7 +11,6 @@ from logical_robots_tui.mind.blaming import blame, cut_offs
 from logical_robots_tui.mind.deciding import decide, note_stranger
 from logical_robots_tui.mind.decision import Decision, Notice
 from logical_robots_tui.mind.diagnostics import QueryError
-from logical_robots_tui.mind.duck.engine import DuckTables, Engine
 from logical_robots_tui.mind.failures import FailureError
 from logical_robots_tui.mind.limits import Limits
 from logical_robots_tui.mind.machinery import Machinery
@@ -48,13 +47,9 @@ class Mind:
         sensor: Whose sensors it sees: ``own`` or ``all``. A program's ``@Visible`` goes first.
         limits: Bounds on time and size.
         plain: Whether to evaluate the SQL as it was generated, which is slower and means the same.
-        engine: With ``duckdb`` crowds think with DuckDB, which is quicker and means the same.
         frozen: Whether nobody ever changes a record or a list in what this mind is given or gives,
             as a game doesn't: then what stays the same from tick to tick stays the same object,
             and is not looked at again.
-
-    Raises:
-        InputError: DuckDB is wanted and not installed.
     """
 
     def __init__(
@@ -65,19 +60,17 @@ class Mind:
         limits: Limits | None = None,
         *,
         plain: bool = False,
-        engine: Engine = "sqlite",
         frozen: bool = False,
     ) -> None:
         self.program = program
         self.memory = program.memory or memory
         self.sensor = program.sensor or sensor
         self.limits = limits or Limits()
-        duck = DuckTables(self.limits) if engine == "duckdb" else None
         self._sizes = Sizes() if frozen else None
         self._moment: Moment | None = None
         # What `Robot` gave at that moment, as far as that is known.
         self._thought: list[tuple[View, Answer]] = []
-        self._asking = Asking(program, self.limits, plain=plain, duck=duck, frozen=frozen)
+        self._asking = Asking(program, self.limits, plain=plain, frozen=frozen)
         self._anew = False  # whether the last thought took too many steps
 
     def think(

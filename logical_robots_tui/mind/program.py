@@ -18,7 +18,6 @@ __all__ = [
     "STEPS",
     "TRUTH_MARK",
     "VALUE",
-    "Duck",
     "Predicate",
     "Program",
     "Question",
@@ -86,28 +85,6 @@ class Question:
 
 
 @dataclass(frozen=True, slots=True)
-class Duck:
-    """A query for all robots at once in DuckDB's SQL.
-
-    Attributes:
-        names: Names of the columns of the answer.
-        columns: By name of a table the columns of it that are read, beside numbers.
-        own: The query where robots see their own sensor and their own or some memories. Like the
-            next, it has one more column, the number of the robot that the row is for.
-        memories: The query where robots see their own sensor and all memories.
-        all: The query where all see everything.
-        unlike: Why there is none, or not each of them, in words that go on after "it"; or "".
-    """
-
-    names: tuple[str, ...] = ()
-    columns: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
-    own: str = ""
-    memories: str = ""
-    all: str = ""
-    unlike: str = ""
-
-
-@dataclass(frozen=True, slots=True)
 class Tuned:
     """A query rewritten for tables that hold all robots' rows, with fields in columns.
 
@@ -123,7 +100,6 @@ class Tuned:
             It has one more column, the viewer's number, and as last parameter how much further
             the visible rows of ``Memory`` begin from one viewer to the next.
         together_alike: The same where all viewers see the same memories, without that parameter.
-        duck: The same for DuckDB, where it was looked for.
         crowd: The first query and the two together as they are for many robots, where those for
             few are not the same; else ().
     """
@@ -134,7 +110,6 @@ class Tuned:
     result: tuple[tuple[str, tuple[str, ...]], ...]
     together: str = ""
     together_alike: str = ""
-    duck: Duck | None = None
     crowd: tuple[str, ...] = ()
 
     def for_crowd(self) -> Tuned:

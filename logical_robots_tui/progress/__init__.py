@@ -1,4 +1,4 @@
-"""What a player has achieved, kept in one SQLite file that survives crashes and other games."""
+"""A player's progress in one SQLite file that survives crashes and concurrent games."""
 
 from logical_robots_tui.progress.progress import (
     FILE_NAME,

@@ -21,7 +21,7 @@ __all__ = ["FILE_NAME", "MOST_VERSIONS", "Progress"]
 FILE_NAME = "progress.sqlite"
 
 MOST_VERSIONS = 200
-"""How many versions of a program are kept for a level; those that hold a best always are."""
+"""How many versions of a program are kept per level; those with a best result always are."""
 
 _RECORD = """
 SELECT
@@ -60,13 +60,13 @@ AND number NOT IN (SELECT * FROM (
 
 
 class Progress:
-    """What a player has achieved, by names of levels.
+    """A player's progress by level name.
 
-    Methods block, never raise for what is wrong with the disk, and may be called in any thread.
+    Methods block, never raise disk errors, and may be called from any thread.
 
     Args:
-        file: Where it is kept, or None to keep it only as long as the game runs.
-        tell: Called with a sentence about each thing that a player should know, once.
+        file: The database file, or None to keep progress only while the game runs.
+        tell: Called with a sentence for the player about each problem, once.
     """
 
     def __init__(self, file: Path | None, tell: Callable[[str], None] = lambda _message: None):
@@ -74,17 +74,17 @@ class Progress:
 
     @property
     def is_kept(self) -> bool:
-        """Whether it outlives the process; False after something went wrong, which was told."""
+        """Whether progress outlives the process; False after a problem was reported."""
         return self._store.is_kept
 
     def close(self) -> None:
-        """Let go of the file."""
+        """Close the file."""
         self._store.close()
 
     # -- levels --------------------------------------------------------------------------------
 
     def record(self, level: str) -> LevelRecord:
-        """All about a level but the versions."""
+        """Return the record of a level, without the versions."""
         level = _storable(level)
 
         def look(connection: sqlite3.Connection) -> LevelRecord:
@@ -99,12 +99,12 @@ class Progress:
         return self._store.read(look)
 
     def begin(self, level: str) -> None:
-        """The player has set to work at a level."""
+        """Record that the player has started a level."""
         level = _storable(level)
         self._store.write(lambda connection: _begin(connection, level))
 
     def reveal(self, level: str, hints: int) -> None:
-        """So many hints of a level are revealed; they are never hidden again."""
+        """Record the number of revealed hints of a level; they are never hidden again."""
         level = _storable(level)
 
         def note(connection: sqlite3.Connection) -> None:
@@ -116,7 +116,7 @@ class Progress:
         self._store.write(note)
 
     def win(self, level: str, text: str, measures: Measures | None = None) -> None:
-        """A program has won a level; measures that are unknown stay as they were."""
+        """Record that a program has won a level; unknown measures stay unchanged."""
         level = _storable(level)
 
         def note(connection: sqlite3.Connection) -> None:
@@ -137,12 +137,12 @@ class Progress:
     # -- versions ------------------------------------------------------------------------------
 
     def keep(self, level: str, text: str) -> None:
-        """Keep a version of the player's program; the same text again is the newest then."""
+        """Store a version of the player's program; an existing text becomes the newest."""
         level = _storable(level)
         self._store.write(lambda connection: _keep(connection, level, text, _now()))
 
     def versions(self, level: str) -> list[Version]:
-        """The versions kept for a level, the last used first."""
+        """Return the versions stored for a level, last used first."""
         level = _storable(level)
         rows = self._store.read(
             lambda connection: connection.execute(
@@ -154,7 +154,7 @@ class Progress:
         return [_version(row) for row in rows]
 
     def newest(self, level: str) -> str | None:
-        """The text that was last used at a level, or None."""
+        """Return the text last used in a level, or None."""
         level = _storable(level)
         found: tuple[str] | None = self._store.read(
             lambda connection: connection.execute(
@@ -164,7 +164,7 @@ class Progress:
         return found[0] if found else None
 
     def measures(self, level: str, text: str) -> Measures | None:
-        """How well a text wins a level, as far as that is known, or None."""
+        """Return the known measures of a text in a level, or None."""
         level = _storable(level)
         found = self._store.read(
             lambda connection: connection.execute(
@@ -176,7 +176,7 @@ class Progress:
         return Measures(*found) if found else None
 
     def holds(self, text: str) -> bool:
-        """Whether a text is kept as a version for any level."""
+        """Return whether a text is stored as a version for any level."""
         found = self._store.read(
             lambda connection: connection.execute(
                 "SELECT 1 FROM version WHERE digest = ?", (_digest(text),)
@@ -187,7 +187,7 @@ class Progress:
     # -- the player ----------------------------------------------------------------------------
 
     def fact(self, name: str) -> str | None:
-        """Something kept of the player and not of a level, or None."""
+        """Return a fact about the player, or None."""
         found: tuple[str] | None = self._store.read(
             lambda connection: connection.execute(
                 "SELECT value FROM fact WHERE name = ?", (name,)
@@ -196,7 +196,7 @@ class Progress:
         return found[0] if found else None
 
     def set_fact(self, name: str, value: str) -> None:
-        """Keep something of the player."""
+        """Store a fact about the player."""
 
         def note(connection: sqlite3.Connection) -> None:
             connection.execute("INSERT OR REPLACE INTO fact VALUES (?, ?)", (name, value))
@@ -247,9 +247,9 @@ def _now() -> str:
 
 
 def _storable(text: str) -> str:
-    """The text, with half characters replaced, which SQLite can't hold.
+    """Return the text with lone surrogates replaced, which SQLite can't store.
 
-    They stand for the bytes of a path that are not UTF-8, too.
+    They also occur in paths whose bytes are not UTF-8.
     """
     return text.encode("utf-8", "replace").decode()
 

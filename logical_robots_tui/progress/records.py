@@ -1,4 +1,4 @@
-"""What is kept of a player's work at a level, as immutable values."""
+"""Immutable records of a player's work on levels."""
 
 from __future__ import annotations
 
@@ -15,13 +15,13 @@ State: TypeAlias = Literal["new", "in work", "won"]
 
 @dataclass(frozen=True, slots=True)
 class Measures:
-    """How well a program wins a level; less is better, but for `wins`.
+    """The measures of a victory; less is better, except for `wins`.
 
     Attributes:
         ticks: The tick of victory from the given start.
         rules: Number of rules of the program.
         distance: Map units driven by all robots together until victory.
-        wins: In how many of `starts` shifted starts it wins, or None if nobody has tried.
+        wins: How many of `starts` shifted starts it wins, or None if not tried.
         starts: How many shifted starts were tried.
     """
 
@@ -34,7 +34,7 @@ class Measures:
 
 @dataclass(frozen=True, slots=True)
 class Bests:
-    """The best of each measure, each perhaps of another program; None is not measured yet.
+    """The best of each measure, possibly of different programs; None if not measured yet.
 
     Attributes:
         ticks: Fewest ticks.
@@ -53,13 +53,13 @@ class Bests:
 
 @dataclass(frozen=True, slots=True)
 class LevelRecord:
-    """A player's work at one level.
+    """A player's work on one level.
 
     Attributes:
-        state: How far it is.
-        hints: How many hints are revealed.
+        state: How far the player is.
+        hints: The number of revealed hints.
         bests: The best results.
-        versions: How many versions of the player's program are kept.
+        versions: The number of stored versions of the player's program.
     """
 
     state: State = "new"
@@ -70,14 +70,14 @@ class LevelRecord:
 
 @dataclass(frozen=True, slots=True)
 class Version:
-    """A program that a player has tried at a level.
+    """A program that a player has used in a level.
 
     Attributes:
-        number: Its number in the record.
+        number: Its number in the database.
         text: Logica text.
         kept: When it was last used, with time zone.
         won: Whether it has won.
-        measures: How well, as far as that was measured, or None.
+        measures: Its measures, if known, or None.
     """
 
     number: int
@@ -88,4 +88,4 @@ class Version:
 
 
 NEW = LevelRecord()
-"""The record of a level that nobody has begun."""
+"""The record of a level that was never started."""

@@ -1,6 +1,6 @@
-"""The tables, as a list of steps from nothing to the present version; old files walk the rest.
+"""The database schema, as a list of migrations; old files apply the missing ones.
 
-A step that was released is never changed: a new one is added behind it.
+A released migration never changes; new ones are appended.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 __all__ = ["APPLICATION_ID", "MIGRATIONS", "DamagedError", "NewerError", "prepare"]
 
 APPLICATION_ID = 0x4C524F42
-"""In the head of the file, so that it is known for ours ("LROB")."""
+"""Identifies the file as ours in its header ("LROB")."""
 
 MIGRATIONS: tuple[tuple[str, ...], ...] = (
     (
@@ -48,7 +48,7 @@ MIGRATIONS: tuple[tuple[str, ...], ...] = (
         """,
         "CREATE INDEX version_by_turn ON version (level, turn)",
         "CREATE INDEX version_by_digest ON version (digest)",
-        # What is kept of the player and not of a level, such as whether the tour was seen.
+        # Facts about the player rather than a level, such as whether the tour was seen.
         "CREATE TABLE fact (name TEXT PRIMARY KEY, value TEXT NOT NULL)",
     ),
 )
@@ -57,7 +57,7 @@ _TABLES = {"level", "version", "fact"}
 
 
 class DamagedError(Exception):
-    """The file is not a record of progress, or not a whole one."""
+    """The file is not a progress database, or is incomplete."""
 
 
 class NewerError(Exception):
@@ -67,15 +67,15 @@ class NewerError(Exception):
 def prepare(
     connection: sqlite3.Connection, migrations: Sequence[Sequence[str]] = MIGRATIONS
 ) -> None:
-    """Check a file and bring it to the present version, all or nothing.
+    """Check a file and migrate it to the current version in one transaction.
 
     Args:
-        connection: In autocommit mode.
-        migrations: The steps; the number of those done is the file's ``user_version``.
+        connection: A connection in autocommit mode.
+        migrations: The migrations; the file's ``user_version`` is the number of applied ones.
 
     Raises:
-        DamagedError: It is not ours, or something in it is missing or broken.
-        NewerError: It has done steps that are not known here.
+        DamagedError: It is not ours, or parts of it are missing or broken.
+        NewerError: It has migrations that are unknown here.
         sqlite3.Error: It can't be read or written.
     """
     version = _checked_version(connection, len(migrations))
@@ -83,7 +83,7 @@ def prepare(
         return
     connection.execute("BEGIN IMMEDIATE")
     try:
-        # Another game may have walked the steps while this one waited for its turn.
+        # Another game may have migrated the file while this one waited for the lock.
         for step in migrations[_pragma(connection, "user_version") :]:
             for statement in step:
                 connection.execute(statement)
@@ -97,7 +97,7 @@ def prepare(
 
 
 def _checked_version(connection: sqlite3.Connection, known: int) -> int:
-    """How many steps the file has done."""
+    """Return the number of migrations applied to the file."""
     version = _pragma(connection, "user_version")
     names = {name for (name,) in connection.execute("SELECT name FROM sqlite_master")}
     if not names and version == 0:

@@ -1,7 +1,7 @@
-"""One SQLite file that several games may use at once, and that no crash and no full disk undoes.
+"""One SQLite file that several games can share and that survives crashes and full disks.
 
-A rollback journal and not a write-ahead log, because home folders may be on a network: each
-transaction is short, waits for its turn, and is on the disk when it is done.
+It uses a rollback journal instead of a write-ahead log, because home folders may be on a network:
+each transaction is short, waits for its turn, and is on disk when it ends.
 """
 
 from __future__ import annotations
@@ -26,27 +26,27 @@ __all__ = ["BUSY_SECONDS", "Store"]
 T = TypeVar("T")
 
 BUSY_SECONDS = 10.0
-"""How long a transaction waits for those of other games."""
+"""Seconds that a transaction waits for those of other games."""
 
 _DAMAGED = {sqlite3.SQLITE_CORRUPT, sqlite3.SQLITE_NOTADB}
 _REASONS = {
     sqlite3.SQLITE_FULL: "the disk is full",
-    sqlite3.SQLITE_READONLY: "it can only be read",
-    sqlite3.SQLITE_PERM: "it may not be changed",
-    sqlite3.SQLITE_BUSY: "another program holds it",
-    sqlite3.SQLITE_LOCKED: "another program holds it",
+    sqlite3.SQLITE_READONLY: "it is read-only",
+    sqlite3.SQLITE_PERM: "you have no permission to change it",
+    sqlite3.SQLITE_BUSY: "another program is using it",
+    sqlite3.SQLITE_LOCKED: "another program is using it",
     sqlite3.SQLITE_CANTOPEN: "its folder can't be used",
 }
 
 
 class Store:
-    """A file of records, or the same in memory when there is no way to keep a file.
+    """A database file, or an in-memory database if no file can be used.
 
-    Methods block, never raise for what is wrong with the disk, and may be called in any thread.
+    Methods block, never raise disk errors, and may be called from any thread.
 
     Args:
-        file: Where to keep the records, or None to keep none; it is made at the first write.
-        tell: Called with a sentence about each thing that a player should know, once.
+        file: The file, created at the first write; None for no file.
+        tell: Called with a sentence for the player about each problem, once.
     """
 
     def __init__(self, file: Path | None, tell: Callable[[str], None]) -> None:
@@ -62,11 +62,11 @@ class Store:
 
     @property
     def is_kept(self) -> bool:
-        """Whether what is written outlives the process."""
+        """Whether written data outlives the process."""
         return self._in_memory is None
 
     def read(self, work: Callable[[sqlite3.Connection], T]) -> T:
-        """Look something up; as long as there is no file, in an empty one."""
+        """Run a read; before the file exists, on an empty database."""
         with self._guard:
             if self._file is not None and self._in_memory is None and not is_there(self._file):
                 self._nothing = self._nothing or _empty()
@@ -74,7 +74,7 @@ class Store:
             return self._do(work)
 
     def write(self, work: Callable[[sqlite3.Connection], T]) -> T:
-        """Change something: all that the work does, or nothing. It may be done more than once."""
+        """Run a write in one transaction. The function may be called more than once."""
 
         def at_once(connection: sqlite3.Connection) -> T:
             with _transaction(connection):
@@ -84,7 +84,7 @@ class Store:
             return self._do(at_once)
 
     def close(self) -> None:
-        """Let go of the file."""
+        """Close the file."""
         with self._guard:
             self._let_go()
             if self._nothing is not None:
@@ -101,8 +101,8 @@ class Store:
                 self._set_aside()
             except NewerError:
                 self._give_up(
-                    "Your progress was kept by a newer version of the game. It stays as it is; "
-                    "this version keeps none.",
+                    "Your progress was saved by a newer version of the game. It is left unchanged; "
+                    "this version saves no progress.",
                     copy=False,
                 )
             except sqlite3.DatabaseError as error:
@@ -113,12 +113,12 @@ class Store:
                     self._give_up(_cannot_save(_REASONS.get(code, str(error))))
             except OSError as error:
                 self._give_up(_cannot_save(error.strerror or str(error)))
-        self._give_up(_cannot_save("it is damaged again and again"))
+        self._give_up(_cannot_save("it keeps getting damaged"))
         assert self._in_memory is not None
         return work(self._in_memory)
 
     def _connected(self) -> sqlite3.Connection:
-        """The connection, made anew if the file was set aside by another game or removed."""
+        """Return the connection, reopened if the file was removed or set aside by another game."""
         assert self._file is not None
         if self._connection is not None:
             if self._opened == _identity(self._file):
@@ -138,13 +138,13 @@ class Store:
 
     @contextlib.contextmanager
     def _alone(self) -> Iterator[None]:
-        """Keep other games from opening or setting aside the file meanwhile."""
+        """Keep other games from opening or setting aside the file in the meantime."""
         assert self._file is not None
         handle = os.open(
             self._file.with_suffix(".lock"), os.O_RDWR | os.O_CREAT | os.O_CLOEXEC, 0o600
         )
         try:
-            with contextlib.suppress(OSError):  # a file system without locks has to do without
+            with contextlib.suppress(OSError):  # the file system has no locks
                 fcntl.flock(handle, fcntl.LOCK_EX)
             yield
         finally:
@@ -173,12 +173,12 @@ class Store:
             self._give_up(_cannot_save(error.strerror or str(error)))
             return
         self._tell(
-            f"The record of your progress was damaged. It is set aside as {aside.name}; "
-            "a fresh one is begun."
+            f"Your progress file was damaged. It was renamed to {aside.name}, "
+            "and a new one was created."
         )
 
     def _give_up(self, message: str, *, copy: bool = True) -> None:
-        """Go on in memory, with what can be read of the file."""
+        """Continue in memory, with whatever can be read from the file."""
         self._let_go()
         if self._in_memory is not None:
             return
@@ -194,7 +194,7 @@ class Store:
 
 
 def _cannot_save(reason: str) -> str:
-    return f"Your progress can't be saved: {reason}. The game goes on without saving it."
+    return f"Your progress can't be saved: {reason}. The game continues without saving it."
 
 
 def _connect(name: str, *, uri: bool = False) -> sqlite3.Connection:
@@ -210,11 +210,11 @@ def _empty() -> sqlite3.Connection:
 
 
 def _copy_of(file: Path) -> sqlite3.Connection | None:
-    """What a file that can only be read holds, in memory; None if that can't be read either."""
+    """Return an in-memory copy of a read-only file; None if it can't be read either."""
     copy = _connect(":memory:")
     try:
         with contextlib.closing(_connect(f"{file.absolute().as_uri()}?mode=ro", uri=True)) as kept:
-            # Copying would wait for ever for somebody who holds the file; looking does not.
+            # Copying would wait forever for another holder of the file; reading does not.
             kept.execute("BEGIN")
             kept.execute("SELECT count(*) FROM sqlite_master").fetchone()
             kept.backup(copy)
@@ -226,7 +226,7 @@ def _copy_of(file: Path) -> sqlite3.Connection | None:
 
 
 def _is_sound(file: Path) -> bool:
-    """Whether a file that was found damaged is in order by now, thanks to another game."""
+    """Return whether another game has repaired a file that was found damaged."""
     try:
         with contextlib.closing(_connect(str(file))) as connection:
             prepare(connection)
@@ -240,7 +240,7 @@ def _is_sound(file: Path) -> bool:
 
 
 def _code(error: sqlite3.Error) -> int:
-    """What SQLite calls an error, without the finer part."""
+    """Return the primary result code of an SQLite error."""
     return getattr(error, "sqlite_errorcode", 0) & 0xFF
 
 
@@ -259,6 +259,6 @@ def _transaction(connection: sqlite3.Connection) -> Iterator[None]:
         yield
         connection.execute("COMMIT")
     except BaseException:
-        with contextlib.suppress(sqlite3.Error):  # some failures have rolled back already
+        with contextlib.suppress(sqlite3.Error):  # some failures have already rolled back
             connection.execute("ROLLBACK")
         raise

@@ -1,4 +1,4 @@
-"""The world: levels, and the simulation that runs them."""
+"""Levels, and the simulation that runs them."""
 
 from __future__ import annotations
 

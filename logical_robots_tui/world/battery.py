@@ -1,4 +1,4 @@
-"""How batteries fill and empty."""
+"""Charging and draining batteries."""
 
 from __future__ import annotations
 
@@ -25,9 +25,9 @@ Source: TypeAlias = Beacon | Mover
 
 
 def charging_sources(level: Level, movers: Sequence[Mover]) -> list[Source]:
-    """Return what charges in this tick: stations, then robots with charge to give.
+    """Return the sources that charge in this tick: stations, then robots with charge to give.
 
-    The list holds for the whole tick, even if a robot on it runs dry meanwhile.
+    The list is valid for the whole tick, even if a robot on it runs dry in the meantime.
 
     Args:
         level: The level.
@@ -45,9 +45,9 @@ def charging_sources(level: Level, movers: Sequence[Mover]) -> list[Source]:
 def run_battery(
     robot: Robot, mover: Mover, left: float, right: float, sources: Iterable[Source]
 ) -> None:
-    """Charge one robot from the sources around it, or else let it pay for its engines.
+    """Charge one robot from the sources around it; without any, let it pay for its engines.
 
-    Robots that give are drained in place.
+    Robots that give charge are drained in place.
 
     Args:
         robot: The robot; without a battery nothing happens.
@@ -76,5 +76,5 @@ def run_battery(
 
 
 def is_dead(robot: Robot, mover: Mover) -> bool:
-    """Return whether an empty battery stops a robot; one that costs nothing to run drives on."""
+    """Return whether an empty battery stops a robot; a robot without consumption drives on."""
     return robot.has_battery and mover.battery_level <= 0 and robot.battery_consumption_rate > 0

@@ -1,4 +1,4 @@
-"""Maps of bits, such as walls: where two of them differ, and one as few bytes."""
+"""Bitmaps such as walls: comparing and compressing them."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ __all__ = ["PackedBits", "changed_box"]
 
 
 class PackedBits(NamedTuple):
-    """A bool array of two dimensions, compressed.
+    """A compressed two-dimensional bool array.
 
     Attributes:
         shape: Of the array.
@@ -50,7 +50,7 @@ def changed_box(before: NDArray[np.bool_], after: NDArray[np.bool_]) -> tuple[sl
 
 
 def _unequal_rows(before: NDArray[Any], after: NDArray[Any]) -> NDArray[np.bool_]:
-    """Return which rows differ; eight units at a time where the width allows."""
+    """Return which rows differ; compares eight units at a time where the width allows."""
     if before.shape[1] % 8 == 0 and before.flags.c_contiguous and after.flags.c_contiguous:
         before, after = before.view(np.uint64), after.view(np.uint64)
     unequal: NDArray[np.bool_] = (before != after).any(axis=1)

@@ -1,4 +1,4 @@
-"""A world whose level is changed while it runs: what goes on as it was, and what begins anew."""
+"""Changing the level of a running world: which state is kept, and which is reset."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 __all__ = ["Pose", "changed_state", "former_names", "start_state"]
 
 Pose: TypeAlias = tuple[float, float, float]
-"""Where a robot stands and looks: map units (x, y), and radians."""
+"""Position in map units (x, y), and heading in radians."""
 
 
 def start_state(level: Level) -> WorldState:
@@ -30,23 +30,23 @@ def start_state(level: Level) -> WorldState:
 def changed_state(
     state: WorldState, before: Level, after: Level, poses: Mapping[str, Pose]
 ) -> WorldState:
-    """Return the state from which a world goes on in a changed level.
+    """Return the state in which a world continues in a changed level.
 
-    Robots stay where they are, with what charge their batteries still hold; new ones stand at
-    their start. Areas stay switched as they are, unless what switches them changed. Who is in an
-    area is told anew. At the start, robots stand where they start in the changed level.
+    Robots keep their position and charge; new ones are at their start. Areas keep their state,
+    unless what switches them changed. Visitors of areas are recomputed. At tick 0, robots are at
+    their start in the changed level.
 
     Args:
-        state: Of a world of the level before, at the end of a tick.
-        before: The level so far.
-        after: The level from now on.
-        poses: Where robots are put, by their name in the level after.
+        state: State of a world of the old level, at the end of a tick.
+        before: The old level.
+        after: The new level.
+        poses: New poses of robots, by their name in the new level.
 
     Raises:
-        ValueError: A pose is for nobody.
+        ValueError: A pose is for an unknown robot.
     """
     if strangers := poses.keys() - {robot.name for robot in after.robots}:
-        raise ValueError(f"There are no robots {sorted(strangers)} to put anywhere.")
+        raise ValueError(f"There are no robots {sorted(strangers)}.")
     if state.tick == 0:
         start = start_state(after)
         return replace(start, robots=tuple(_put(robot, poses) for robot in start.robots))
@@ -67,9 +67,9 @@ def changed_state(
 
 
 def former_names(before: Level, after: Level) -> dict[str, str]:
-    """Return what the robots of a changed level were called before; new ones are left out.
+    """Return the old names of the robots of a changed level; new robots are left out.
 
-    A robot in the place of one that is not there any more, while all others stayed, is that one.
+    If only one robot is missing and a new one is in its place, the robot was renamed.
     """
     old, new = [r.name for r in before.robots], [r.name for r in after.robots]
     names = {name: name for name in new if name in set(old)}
@@ -88,7 +88,7 @@ def _carried(robot: Robot, before: Robot, body: RobotState) -> RobotState:
 
 
 def _put(body: RobotState, poses: Mapping[str, Pose]) -> RobotState:
-    """Return a robot where it is put, or where it is."""
+    """Return a robot at its new pose if it has one, else unchanged."""
     if body.name not in poses:
         return body
     x, y, angle = poses[body.name]
@@ -105,7 +105,7 @@ def _new_area(area: Area) -> AreaState:
 
 
 def _switched_as_before(state: WorldState, before: Level, after: Level) -> list[bool]:
-    """Return which areas are on: as before if they are the same ones, else as at the start."""
+    """Return which areas are on: as before if they are the same areas, else as at the start."""
     known: dict[tuple[object, ...], list[bool]] = {}
     for area, now in zip(before.areas, state.areas, strict=True):
         known.setdefault(_switch(area), []).append(now.active)
@@ -117,7 +117,7 @@ def _switched_as_before(state: WorldState, before: Level, after: Level) -> list[
 
 
 def _switch(area: Area) -> tuple[object, ...]:
-    """All of an area that tells how it is switched."""
+    """Return the properties of an area that determine how it is switched."""
     return area.name, area.on_beacon, area.off_beacon, area.sticky_switch
 
 

@@ -1,4 +1,4 @@
-"""Where rays meet circles: other robots, beacons and solid areas."""
+"""Intersections of rays with circles: other robots, beacons and solid areas."""
 
 from __future__ import annotations
 
@@ -15,9 +15,10 @@ from logical_robots_tui.world.rays import (
     RAYS,
     SENSOR_RANGE,
 )
-from logical_robots_tui.world.singly import take_singly
 
 if TYPE_CHECKING:
+    from collections.abc import Iterable
+
     from numpy.typing import NDArray
 
     from logical_robots_tui.world.rays import Rays
@@ -25,25 +26,26 @@ if TYPE_CHECKING:
 __all__ = ["FEW", "FEWEST", "Circles", "Pairs", "take_nearer_circles"]
 
 FEWEST = 80
-"""Pairs of robot and circle that are quicker looked at one by one."""
+"""Up to this many pairs of robot and circle are faster tested one by one."""
 
 FEWEST_NEAR = 10
-"""Of these, as many may be within reach."""
+"""Of these, at most so many may be within reach."""
 
 FEW = 200
-"""Pairs of robot and circle within reach of which it is quicker to try all rays."""
+"""Up to this many pairs within reach it is faster to try all rays."""
 
 _PAIRS_AT_ONCE = 4096  # bounds the memory for robots that crowd around each other
 _THREE = np.arange(3.0)[:, None]
+_ALL_RAYS = range(RADAR_RAYS + 1)
 
 
 class Circles(NamedTuple):
-    """What rays can meet; all of shape (circles,).
+    """The circles that rays can hit; all of shape (circles,).
 
     Attributes:
-        number: To tell them apart, ascending. The robots, in file order, have the first ones.
-        x: Centres in map units; infinite for what is not there.
-        y: The same, but finite.
+        number: Identifies the circle; ascending, the robots first, in file order.
+        x: Centres in map units; infinite for absent circles.
+        y: The same, but always finite.
         radius: Map units.
     """
 
@@ -53,7 +55,7 @@ class Circles(NamedTuple):
     radius: NDArray[np.float64]
 
     def around(self, rays: Rays) -> Circles:
-        """Return those of the circles that could be in reach of any of the rays."""
+        """Return the circles that could be within reach of any of the rays."""
         far = self.radius + SENSOR_RANGE
         near = (self.x + far >= rays.x.min()) & (self.x - far <= rays.x.max())
         near &= (self.y + far >= rays.y.min()) & (self.y - far <= rays.y.max())
@@ -64,11 +66,11 @@ class Pairs(NamedTuple):
     """Robots and circles that may be within reach of their rays; all of shape (pairs,).
 
     Attributes:
-        robot: Place of the robot among those that cast.
-        circle: Place of the circle among those that are met.
+        robot: Index of the robot among those that cast rays.
+        circle: Index of the circle among those that can be hit.
         dx: From the robot to the centre, map units.
         dy: The same.
-        squared: The square of how far that is.
+        squared: The square of that distance.
         radius: Of the circle.
     """
 
@@ -80,7 +82,7 @@ class Pairs(NamedTuple):
     radius: NDArray[np.float64]
 
     def some(self, which: NDArray[np.intp]) -> Pairs:
-        """Return some of them, by their places."""
+        """Return some of them, by index."""
         return Pairs(
             self.robot[which],
             self.circle[which],
@@ -92,13 +94,13 @@ class Pairs(NamedTuple):
 
 
 class Chords(NamedTuple):
-    """Rays that may cross a circle, behind their start, too; all of shape (chords,).
+    """Rays that may cross a circle, possibly behind their start; all of shape (chords,).
 
     Attributes:
-        pair: Place of robot and circle among pairs.
-        ray: Place of the ray among all of all robots.
+        pair: Index of robot and circle among the pairs.
+        ray: Index of the ray among all rays of all robots.
         along: From the robot to the middle of the chord, map units; negative behind it.
-        half_squared: The square of half its length, and a little more.
+        half_squared: The square of half its length, plus a small margin.
     """
 
     pair: NDArray[np.intp]
@@ -108,18 +110,18 @@ class Chords(NamedTuple):
 
 
 def take_nearer_circles(hits: NDArray[np.int64], codes: int, rays: Rays, circles: Circles) -> None:
-    """Lower hits where a circle is met before what was hit so far.
+    """Lower hits where a circle is closer than what was hit so far.
 
     Args:
         hits: ``distance * codes + code`` of shape (robots, rays), changed in place. The code of a
             circle is its number plus 1.
-        codes: How many codes there are.
-        rays: What is cast.
-        circles: What is met, the robots that cast among them. No robot meets itself.
+        codes: The number of codes.
+        rays: The rays to cast.
+        circles: The circles to hit, including the robots that cast. No robot hits itself.
     """
     possible = len(rays.robot) * len(circles.number)
     if possible == 1 or (
-        possible <= FEWEST and take_singly(hits, codes, rays, circles, most=FEWEST_NEAR)
+        possible <= FEWEST and _take_one_by_one(hits, codes, rays, circles, most=FEWEST_NEAR)
     ):
         return
     pairs = _within_reach(hits, codes, rays, circles)
@@ -133,7 +135,7 @@ def take_nearer_circles(hits: NDArray[np.int64], codes: int, rays: Rays, circles
     if len(pairs.robot) <= _PAIRS_AT_ONCE:
         _take(hits, codes, rays, circles, pairs, _between_tangents(hits, least, rays, pairs))
         return
-    # The nearest first: in a crowd they hide most of the others.
+    # Nearest first: in a crowd they hide most of the others.
     order = least.argsort()
     pairs, least = pairs.some(order), least[order]
     for start in range(0, len(order), _PAIRS_AT_ONCE):
@@ -144,7 +146,7 @@ def take_nearer_circles(hits: NDArray[np.int64], codes: int, rays: Rays, circles
 
 
 def _within_reach(hits: NDArray[np.int64], codes: int, rays: Rays, circles: Circles) -> Pairs:
-    """Return who may meet what is not hidden by a wall."""
+    """Return the pairs of robots and circles that are not hidden by a wall."""
     to_x = circles.x - rays.x[:, None]
     to_y = circles.y - rays.y[:, None]
     squared = to_x * to_x
@@ -165,7 +167,7 @@ def _within_reach(hits: NDArray[np.int64], codes: int, rays: Rays, circles: Circ
 
 
 def _of_all_rays(rays: Rays, pairs: Pairs) -> Chords:
-    """Return all chords of all pairs."""
+    """Return the chords of all rays and all pairs."""
     cos, sin = rays.cos.take(pairs.robot, axis=0), rays.sin.take(pairs.robot, axis=0)
     dx, dy = pairs.dx[:, None], pairs.dy[:, None]
     along = dx * cos
@@ -182,28 +184,28 @@ def _of_all_rays(rays: Rays, pairs: Pairs) -> Chords:
 def _between_tangents(
     hits: NDArray[np.int64], least: NDArray[np.int64], rays: Rays, pairs: Pairs
 ) -> Chords:
-    """Return all chords ahead of rays that have not hit something nearer than that.
+    """Return the chords ahead of rays that have not hit something closer.
 
     Args:
         hits: As for `take_nearer_circles`.
-        least: No hit of a pair is less; of shape (pairs,).
-        rays: What is cast.
-        pairs: Who may meet what.
+        least: Lower bound of the hits of a pair; of shape (pairs,).
+        rays: The rays to cast.
+        pairs: The candidates.
     """
     dx, dy, robot = pairs.dx, pairs.dy, pairs.robot
     cos, sin = rays.cos[robot, FORWARD], rays.sin[robot, FORWARD]
     ahead, right = dx * cos + dy * sin, dy * cos - dx * sin
     sine = pairs.radius / np.maximum(np.hypot(ahead, right), 1e-300)
-    # Counted in rays of the radar. From within a circle, and from its very rim, all rays may meet
+    # In units of radar rays. From inside a circle, and exactly from its edge, all rays may hit
     # it.
     center = np.arctan2(right, ahead) * PER_RADIAN + MIDDLE
     half = np.arcsin(np.minimum(sine, 1.0)) * PER_RADIAN
     half[sine > 1 - 1e-9] = np.inf
-    # More than rounding can amount to; the headings of the rays of a great angle are coarse.
+    # More than any rounding error; the headings of rays with large angles are imprecise.
     half += (1e-13 * np.abs(rays.angle) + 1e-3)[robot]
     first = np.ceil(np.minimum(np.maximum(center - half, 0.0), RADAR_RAYS)).astype(np.intp)
     last = np.floor(np.minimum(np.maximum(center + half, -1.0), RADAR_RAYS - 1)).astype(np.intp)
-    # The forward ray stands behind the middle one.
+    # The forward ray comes after the middle one.
     first += first >= FORWARD
     last += last >= FORWARD - 1
     count = last - first + 1
@@ -222,9 +224,9 @@ def _between_tangents(
 
 
 def _widened(pairs: Pairs) -> NDArray[np.float64]:
-    """Return the squares of the radius of circles that are larger by more than rounding matters.
+    """Return the squared radii of circles enlarged by more than any rounding error.
 
-    So no grazed circle is lost; a chord becomes longer by far less than a step.
+    So no grazed circle is missed; a chord becomes longer by far less than a step.
     """
     squared = pairs.radius * pairs.radius
     return squared + 1e-9 * pairs.radius + 1e-14 * (pairs.squared + squared)
@@ -240,8 +242,8 @@ def _take(
 ) -> None:
     """Lower hits where rays enter circles.
 
-    A chord tells within less than a step where that is; whether a step is inside is then decided
-    by the distance itself, at the three steps around there.
+    A chord gives the entry to within less than a step; the exact distance then decides which of
+    the three steps around it are inside.
     """
     pair, ray, along, half_squared = chords
     if not len(pair):
@@ -269,7 +271,7 @@ def _is_nearer(
 ) -> NDArray[np.bool_]:
     """Return where ``math.hypot(dx, dy) < radius``; the last axis is that of ``radius``.
 
-    Squares decide all but what lies on the rim within rounding.
+    Squares decide everything except points on the edge to within rounding.
     """
     limit = radius * radius
     over = dx * dx
@@ -281,3 +283,78 @@ def _is_nearer(
         for i, j in np.argwhere(rim):
             nearer[i, j] = math.hypot(dx[i, j], dy[i, j]) < radius[j]
     return nearer
+
+
+def _take_one_by_one(
+    hits: NDArray[np.int64], codes: int, rays: Rays, circles: Circles, most: int
+) -> bool:
+    """Do the same as `take_nearer_circles`, one circle at a time.
+
+    Args:
+        hits: As there.
+        codes: As there.
+        rays: As there.
+        circles: As there.
+        most: The largest number of pairs of a robot and a circle within its reach.
+
+    Returns:
+        False if there were more pairs; nothing was done then.
+    """
+    found = hits.tolist()
+    each = list(zip(*(part.tolist() for part in circles), strict=True))
+    starts = zip(rays.robot.tolist(), rays.x.tolist(), rays.y.tolist(), strict=True)
+    pairs = []
+    for row, (robot, x, y) in enumerate(starts):
+        reach = max(found[row]) // codes
+        for number, center_x, center_y, radius in each:
+            away = math.hypot(center_x - x, center_y - y)
+            if away <= radius + reach and number != robot:
+                pairs.append((row, number, center_x, center_y, radius, away))
+    if len(pairs) > most:
+        return False
+    for row, number, center_x, center_y, radius, away in pairs:
+        hit, cos, sin = found[row], rays.cos[row].tolist(), rays.sin[row].tolist()
+        angle, x, y = rays.angle.item(row), rays.x.item(row), rays.y.item(row)
+        dx, dy = center_x - x, center_y - y
+        ahead, right = dx * cos[FORWARD] + dy * sin[FORWARD], dy * cos[FORWARD] - dx * sin[FORWARD]
+        least = max(math.floor(away - radius), 1) * codes + number + 1
+        for ray in _rays_between_tangents(ahead, right, radius, angle):
+            if least >= hit[ray]:
+                continue
+            for step in _steps_around_entry(
+                dx * cos[ray] + dy * sin[ray], dx * sin[ray] - dy * cos[ray], radius
+            ):
+                to_x, to_y = cos[ray] * step + x - center_x, sin[ray] * step + y - center_y
+                if math.hypot(to_x, to_y) < radius:
+                    hits[row, ray] = hit[ray] = min(hit[ray], step * codes + number + 1)
+                    break
+    return True
+
+
+def _rays_between_tangents(
+    ahead: float, right: float, radius: float, angle: float
+) -> Iterable[int]:
+    """Return the rays that may hit a circle, given its centre ahead and to the right."""
+    away = math.hypot(ahead, right)
+    if radius >= away * (1 - 1e-9):
+        return _ALL_RAYS
+    center = math.atan2(right, ahead) * PER_RADIAN + MIDDLE
+    # More than any rounding error.
+    half = math.asin(radius / away) * PER_RADIAN + 1e-13 * abs(angle) + 1e-3
+    first = math.ceil(max(center - half, 0.0))
+    last = math.floor(min(center + half, RADAR_RAYS - 1.0))
+    # The forward ray comes after the middle one.
+    return range(first + (first >= FORWARD), last + (last >= FORWARD - 1) + 1)
+
+
+def _steps_around_entry(along: float, aside: float, radius: float) -> Iterable[int]:
+    """Return the steps among which is the first one inside the circle, if there is one."""
+    half_squared = radius * radius - aside * aside
+    half_squared += 1e-9 * radius + 1e-14 * (along * along + radius * radius)
+    if half_squared < 0:
+        return ()
+    half = math.sqrt(half_squared)
+    if along + half <= 0.5:
+        return ()
+    entry = max(math.floor(along - half - 1e-6), 1)
+    return range(entry, min(entry + 3, SENSOR_RANGE))

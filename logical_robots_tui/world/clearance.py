@@ -1,4 +1,4 @@
-"""How far every cell of a labyrinth is from the nearest wall."""
+"""The distance from every cell of a labyrinth to the nearest wall."""
 
 from __future__ import annotations
 
@@ -16,9 +16,9 @@ _ROWS_AT_ONCE = 64  # bounds the memory for distances along rows
 
 
 def clearances(walls: NDArray[np.bool_], most: int) -> NDArray[np.uint8]:
-    """Return for every cell how many cells away the nearest wall is, diagonals counting 1.
+    """Return the distance in cells from every cell to the nearest wall; diagonal steps count as 1.
 
-    All cells that are nearer than that, in a square around the cell, are free.
+    All closer cells, in a square around the cell, are free.
 
     Args:
         walls: Of shape (height, width); True is wall.
@@ -28,15 +28,15 @@ def clearances(walls: NDArray[np.bool_], most: int) -> NDArray[np.uint8]:
         An array of the shape of ``walls``: 0 in a wall, 1 beside one, ``most`` far from all.
     """
     found = row_clearances(walls, most)
-    # A shortest way to a wall goes to the wall's row first, aslant as far as that helps, and then
-    # along the row.
+    # A shortest path to a wall goes to the wall's row first, diagonally as far as that helps,
+    # and then along the row.
     _carry_over(found)
     _carry_over(found[::-1])
     return found
 
 
 def row_clearances(walls: NDArray[np.bool_], most: int) -> NDArray[np.uint8]:
-    """Return for every cell how many cells away the nearest wall in the same row is.
+    """Return the distance in cells from every cell to the nearest wall in the same row.
 
     Args:
         walls: Of shape (height, width); True is wall.
@@ -62,7 +62,7 @@ def _along_rows(walls: NDArray[np.bool_], most: int) -> NDArray[np.int32]:
 
 
 def _carry_over(found: NDArray[np.uint8]) -> None:
-    """Lower every row, from the second on, to one more than the least around it one row before."""
+    """Limit every row, from the second on, to 1 more than its neighbours in the row before."""
     least = np.empty_like(found[0])
     for before, row in pairwise(found):
         np.minimum(before[1:], before[:-1], out=least[1:])

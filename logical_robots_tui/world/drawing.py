@@ -1,7 +1,7 @@
-"""The drawing of a labyrinth in a level file: rows of characters, or shortened rows of counts.
+"""The drawing of a labyrinth in a level file: rows of characters, or run-length encoded rows.
 
-A row is drawn, ``#..####``, or shortened, ``1# 2. 4#``; a shortened row that begins with ``12*``
-stands for twelve equal ones. One character stands for ``cell`` map units across and down.
+A row is drawn, ``#..####``, or shortened, ``1# 2. 4#``; a shortened row that begins with ``12*`` is
+repeated twelve times. One character is ``cell`` map units wide and high.
 """
 
 from __future__ import annotations
@@ -33,23 +33,21 @@ _DIGIT = re.compile(r"\d")
 _SHORT = re.compile(r"(?:(\d{1,4})\*\s*)?(\d{1,4}[#.](?:\s*\d{1,4}[#.])*)", re.ASCII)
 _NO_KINDS = b"0123456789" + whitespace.encode()
 _ONLY_COUNTS = str.maketrans("#.", "  ")
-_WIDEST_DRAWN = 240  # characters; wider rows are shortened, for nobody draws them by hand
+_WIDEST_DRAWN = 240  # characters; wider rows are shortened, because nobody draws them by hand
 _LONGEST_ROW = 10 * MOST_SIDE  # characters of a shortened one
-_LARGEST_CELL = 20  # map units; larger ones would leave no room to draw anything new
+_LARGEST_CELL = 20  # map units; larger cells would be too coarse to draw anything new
 _DRAW = "Draw walls as # and free cells as . or space, one row per line, between ''' and '''."
-_SHORTEN = (
-    "Write how many of # and . follow each other, such as 6# 94. 6#; 12* before it is 12 rows."
-)
+_SHORTEN = "Write runs of # and . such as 6# 94. 6#; 12* in front repeats the row 12 times."
 
 
 class _Row(NamedTuple):
-    """A line of a drawing, which stands for so many equal rows.
+    """A line of a drawing, which stands for one or more equal rows.
 
     Attributes:
         line: As written.
-        times: Rows.
-        counts: Of cells that follow each other in a shortened row, or None.
-        kinds: Of these; True is wall.
+        times: The number of rows.
+        counts: Lengths of the runs in a shortened row, or None.
+        kinds: Kinds of these runs; True is wall.
     """
 
     line: str
@@ -77,21 +75,23 @@ def read_drawing(top: Fields, text: str) -> NDArray[np.bool_]:
 
     Args:
         top: The whole file.
-        text: The file's text, to tell lines by.
+        text: The file's text, for line numbers in messages.
 
     Returns:
         A read-only array of shape (height, width) in map units; True is wall.
 
     Raises:
-        LevelError: There is no drawing, or something in it is wrong.
+        LevelError: The drawing is missing or wrong.
     """
     cell = top.whole("cell", least=1)
     drawing = top.record.get("walls")
     if not isinstance(drawing, str):
-        raise top.error("walls", '"walls" must be a text that draws the map.', _DRAW)
+        raise top.error("walls", '"walls" must be text that draws the map.', _DRAW)
     drawing_lines = drawing.removesuffix("\n").count("\n") + 1
     if drawing_lines > MOST_SIDE:
-        raise top.error("walls", f"The map has {drawing_lines} rows; {MOST_SIDE} is the most.")
+        raise top.error(
+            "walls", f"The map has {drawing_lines} rows; at most {MOST_SIDE} are allowed."
+        )
     lines = drawing.removesuffix("\n").split("\n")
     rows = [_row(line) for line in lines]
     columns = rows[0].columns if rows[0] else 0
@@ -117,7 +117,7 @@ def read_drawing(top: Fields, text: str) -> NDArray[np.bool_]:
 
 
 def find_drawing(drawing: str, text: str) -> int | None:
-    r"""Return where in a file's text its drawing starts, or None if it is written otherwise.
+    r"""Return where in a file's text its drawing starts, or None if it can't be found there.
 
     Args:
         drawing: The value of ``walls``.
@@ -130,7 +130,7 @@ def find_drawing(drawing: str, text: str) -> int | None:
 
 
 def coarsest_cell(walls: NDArray[np.bool_]) -> int:
-    """Return the largest number of map units, of 20 at most, whose squares draw walls exactly."""
+    """Return the largest cell size in map units, at most 20, that draws the walls exactly."""
     height, width = walls.shape
     down = np.flatnonzero((walls[1:] != walls[:-1]).any(axis=1)) + 1
     across = np.flatnonzero((walls[:, 1:] != walls[:, :-1]).any(axis=0)) + 1
@@ -139,7 +139,7 @@ def coarsest_cell(walls: NDArray[np.bool_]) -> int:
 
 
 def expresses(walls: NDArray[np.bool_], cell: int) -> bool:
-    """Return whether squares of so many map units draw walls exactly."""
+    """Return whether cells of this size draw the walls exactly."""
     height, width = walls.shape
     if height % cell or width % cell:
         return False
@@ -152,8 +152,8 @@ def draw_rows(walls: NDArray[np.bool_], cell: int, earlier: Sequence[str] = ()) 
 
     Args:
         walls: Of shape (height, width) in map units.
-        cell: Map units that a character stands for; they must express the walls.
-        earlier: Lines that drew the walls before; those still right stay as they are.
+        cell: Map units per character; must express the walls.
+        earlier: Lines that drew the walls before; those that are still right are kept.
     """
     cells = walls[::cell, ::cell]
     known = [row for row in map(_row, earlier) if row]
@@ -176,7 +176,7 @@ def draw_rows(walls: NDArray[np.bool_], cell: int, earlier: Sequence[str] = ()) 
 
 
 def _row(line: str) -> _Row | None:
-    """Read a line; None if it looks shortened, but can't be read."""
+    """Read a line; return None if it looks shortened but can't be read."""
     if not _DIGIT.search(line):
         return _Row(line, 1)
     if len(line) > _LONGEST_ROW:
@@ -198,7 +198,7 @@ def _problem(row: _Row | None, line: str, columns: int) -> tuple[str, str] | Non
         return "This shortened row can't be read.", _SHORTEN
     if row.columns != columns:
         message = f"This row has {row.columns} characters, the first one has {columns}."
-        return message, "All rows must be of one length."
+        return message, "All rows must have the same length."
     strange = _STRANGE.search(line) if row.counts is None else None
     if strange is None:
         return None
@@ -229,13 +229,13 @@ def _shortened(row: NDArray[np.bool_]) -> str:
 
 @cache
 def _runs() -> tuple[tuple[str, ...], tuple[str, ...]]:
-    """How so many cells of wall are written, and so many free ones; by their count."""
+    """Return the spelling of runs of wall cells and of free cells, by length."""
     counts = range(MOST_SIDE + 1)
     return tuple(f"{count}#" for count in counts), tuple(f"{count}." for count in counts)
 
 
 def _redrawn(line: str, row: NDArray[np.bool_]) -> str:
-    """Return a drawn line with other walls, its free cells as they were."""
+    """Return a drawn line with new walls; free cells keep their character."""
     free = " " if " " in line and "." not in line else "."
     return "".join(
         "#" if wall else free if before == "#" else before

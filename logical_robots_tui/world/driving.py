@@ -1,4 +1,4 @@
-"""How a robot moves: two engines, walls that stop it, solid areas that push it out."""
+"""How a robot moves: engines, walls that block it, solid areas that push it out."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ WHEEL_BASE = 20
 """Map units between the wheels; engines that differ by 1 turn a robot by 1/20 radian a tick."""
 
 PUSH_MARGIN = 0.1
-"""Map units from the rim of a solid area at which it puts a robot down."""
+"""Map units from the edge of a solid area to where it pushes a robot."""
 
 
 @dataclass(slots=True, eq=False)
@@ -38,14 +38,14 @@ class Mover:
 def drive(mover: Mover, left: float, right: float, level: Level) -> None:
     """Turn and move a robot for one tick.
 
-    The turn comes first and always happens. The move is refused as a whole if it ends in a wall;
-    outside the map there are none.
+    The turn comes first and always succeeds. The move is cancelled if it ends in a wall; there are
+    no walls outside the map.
 
     Args:
         mover: Changed in place.
         left: Wanted power of the left engine, finite.
         right: Wanted power of the right engine, finite.
-        level: Whose walls count.
+        level: The level with the walls.
     """
     left, right = _clamped(left), _clamped(right)
     angle = math.fmod(mover.angle + (left - right) / WHEEL_BASE + 2 * math.pi, 2 * math.pi)
@@ -60,9 +60,9 @@ def drive(mover: Mover, left: float, right: float, level: Level) -> None:
 
 
 def push_out(mover: Mover, areas: Iterable[Area]) -> None:
-    """Put a robot that is inside a solid area just outside its rim, area after area.
+    """Move a robot that is inside a solid area to just outside its edge, one area after another.
 
-    Nothing is tested at the place where it comes to stand.
+    The new position is not checked for walls.
 
     Args:
         mover: Changed in place.

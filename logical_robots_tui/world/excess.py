@@ -1,6 +1,6 @@
-"""What a file has too much of to be parsed: parsers take far more time and memory than text does.
+"""Refusing files that would take a parser too much time or memory.
 
-Everything here looks at a text once, at the speed of a search.
+Everything here scans the text once, as fast as a search.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ if TYPE_CHECKING:
 
 __all__ = ["excess_of_json", "excess_of_toml"]
 
-_MOST_BESIDES = 4_000_000  # characters of all but long literal strings, such as a drawing
+_MOST_BESIDES = 4_000_000  # characters outside long literal strings such as a drawing
 _MOST_LITERALS = 10_000
 _MOST_OF_TOML = {"=": 60_000, "[": 60_000, "{": 30_000, ",": 300_000, "\n": 300_000, '"': 300_000}
 _MOST_OF_JSON = {"{": 30_000, "[": 60_000, ",": 300_000, '"': 600_000}
@@ -28,7 +28,7 @@ _NUMBER_OF_JSON = re.compile(r"[:\[,]\s*+-?\d{10000}")
 
 
 def excess_of_toml(text: str) -> str:
-    """What TOML has too much of, to go on with after "The file has"; or ""."""
+    """Return what a TOML text has too much of, to follow "The file has"; or ""."""
     pieces: list[str] = []
     size = 0
     for piece in _besides_literals(text):
@@ -47,7 +47,7 @@ def excess_of_toml(text: str) -> str:
 
 
 def excess_of_json(text: str) -> str:
-    """As `excess_of_toml`, of JSON."""
+    """Do the same as `excess_of_toml` for JSON."""
     if found := _too_many(text, _MOST_OF_JSON):
         return found
     return "a number of more than 10,000 digits" if _NUMBER_OF_JSON.search(text) else ""
@@ -62,7 +62,7 @@ def _too_many(text: str, most: dict[str, int]) -> str:
 
 
 def _besides_literals(text: str) -> Iterator[str]:
-    """The text in pieces, each a string, a comment, or what is between; without long literals."""
+    """Yield the strings, the comments and the text between them, without long literals."""
     at = literals = 0
     while opening := _OPENING.search(text, at):
         if opening.start() > at:
@@ -83,7 +83,7 @@ def _besides_literals(text: str) -> Iterator[str]:
 
 
 def _end_of(text: str, opening: str, begin: int) -> int:
-    """Where a string or a comment ends, its last quotes included."""
+    """Return where a string or a comment ends, including its closing quotes."""
     if opening in "#'":
         newline = text.find("\n", begin)
         newline = len(text) if newline < 0 else newline

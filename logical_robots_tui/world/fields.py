@@ -1,4 +1,4 @@
-"""Reading checked values out of the records of a level file, whatever its format."""
+"""Reading and checking the values in the records of a level file of either format."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ class Fields:
 
     Attributes:
         record: The keys and values as parsed.
-        file: The file's name as it goes into messages.
+        file: The file's name for messages.
         path: Keys that lead to the record, such as ``areas[2]``; "" for the whole file.
     """
 
@@ -44,19 +44,19 @@ class Fields:
     path: str = ""
 
     def error(self, key: str, message: str, hint: str = "") -> LevelError:
-        """Return an error placed at one key of this record, for the caller to raise."""
+        """Return an error that names one key of this record, for the caller to raise."""
         where = f"{self.path}.{key}" if self.path and key else self.path or key
         return LevelError(message, place=f"{self.file}: {where}" if where else self.file, hint=hint)
 
     def refuse_unknown(self, known: Collection[str]) -> None:
-        """Refuse a record with a key other than the known ones."""
+        """Refuse unknown keys in this record."""
         for key in self.record:
             if key not in known:
-                hint = did_you_mean(key, known) or f"Known here: {', '.join(known)}."
-                raise self.error(_shown(key), f'"{_shown(key)}" means nothing here.', hint)
+                hint = did_you_mean(key, known) or f"Known keys: {', '.join(known)}."
+                raise self.error(_shown(key), f'"{_shown(key)}" is not a known key.', hint)
 
     def has(self, key: str) -> bool:
-        """Return whether a key is there and not null."""
+        """Return whether a key is present and not null."""
         return self.record.get(key) is not None
 
     def number(self, key: str, default: float | None = None, *, least: float = -math.inf) -> float:
@@ -71,7 +71,7 @@ class Fields:
         if value < least:
             raise self.error(key, f'"{key}" must be {least:g} or more, not {value:.12g}.')
         if abs(value) > MOST_OF_A_NUMBER:
-            raise self.error(key, f'"{key}" is too large; {MOST_OF_A_NUMBER} is the most.')
+            raise self.error(key, f'"{key}" is too large; at most {MOST_OF_A_NUMBER} is allowed.')
         return float(value)
 
     def whole(self, key: str, *, least: int) -> int:
@@ -139,7 +139,7 @@ class Fields:
             raise self._wrong(key, "text")
         if not _COLOR.fullmatch(value):
             hint = 'Write it like "#3fb950", "#3b5" or "green".'
-            raise self.error(key, f'"{key}" is no colour.', hint)
+            raise self.error(key, f'"{key}" is not a colour.', hint)
         return value
 
     def table(self, key: str) -> Fields:
@@ -150,10 +150,12 @@ class Fields:
         return Fields(value or {}, self.file, f"{self.path}.{key}" if self.path else key)
 
     def each(self, key: str, read: Callable[[Fields], _T]) -> tuple[_T, ...]:
-        """Return what ``read`` makes of every record of a list; () if missing."""
+        """Return the result of ``read`` for every record of a list; () if missing."""
         items = self._list(key)
         if len(items) > MOST_OF_A_KIND:
-            raise self.error(key, f"There are {len(items)} {key}; {MOST_OF_A_KIND} is the most.")
+            raise self.error(
+                key, f"There are {len(items)} {key}; at most {MOST_OF_A_KIND} are allowed."
+            )
         for i, item in enumerate(items):
             if not isinstance(item, dict):
                 raise self.error(f"{key}[{i}]", f"This must be a record, not {_kind(item)}.")
@@ -167,7 +169,9 @@ class Fields:
         """Refuse a labyrinth that is too large."""
         if max(width, height) > MOST_SIDE:
             limit = f"{MOST_SIDE} x {MOST_SIDE}"
-            raise self.error(key, f"The map is {width} x {height} units; {limit} is the most.")
+            raise self.error(
+                key, f"The map is {width} x {height} units; at most {limit} is allowed."
+            )
 
     def _required(self, key: str) -> object:
         if not self.has(key):
@@ -204,7 +208,7 @@ class Fields:
 
 
 def check_robot_names(top: Fields, names: tuple[str, ...]) -> None:
-    """Refuse a level without robots, or with two robots of one name.
+    """Refuse a level without robots, or with two robots of the same name.
 
     Args:
         top: The whole file.
@@ -222,12 +226,12 @@ def check_robot_names(top: Fields, names: tuple[str, ...]) -> None:
 
 
 def _shown(key: str) -> str:
-    """Return a key as it can be shown in a message."""
+    """Return a key in a form that can be shown in a message."""
     return "".join(c if c.isprintable() else "?" for c in key)[:LONGEST_NAME]
 
 
 def _kind(value: object) -> str:
-    """Return what a parsed value is, in words."""
+    """Return the type of a parsed value, in words."""
     if value is None:
         return "nothing"
     if isinstance(value, bool):

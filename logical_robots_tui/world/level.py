@@ -1,4 +1,4 @@
-"""Levels: immutable descriptions of a labyrinth and what stands in it."""
+"""Levels: immutable descriptions of a labyrinth and the objects in it."""
 
 from __future__ import annotations
 
@@ -28,19 +28,19 @@ AREA_COLOR = "#3fb950"
 
 
 class LevelError(InputError):
-    """A level that can't be found, read or understood."""
+    """A level can't be found, read or understood."""
 
     title = "This level can't be used"
 
 
 @dataclass(frozen=True, slots=True)
 class Robot:
-    """A robot as it stands at the start.
+    """A robot at the start.
 
     Attributes:
         name: Unique in the level.
-        x: Map units from the left rim.
-        y: Map units from the top rim, growing downwards.
+        x: Map units from the left edge.
+        y: Map units from the top edge, growing downwards.
         angle: Heading in radians, clockwise as seen on the screen, 0 to the right; kept as given.
         color: As given in the level, a CSS name or ``#rrggbb``.
         has_battery: Whether the engines need charge.
@@ -66,8 +66,8 @@ class Beacon:
 
     Attributes:
         name: The label that a radar reports.
-        x: Map units from the left rim.
-        y: Map units from the top rim.
+        x: Map units from the left edge.
+        y: Map units from the top edge.
         charging_station: Whether it charges robots nearby.
     """
 
@@ -83,14 +83,14 @@ class Area:
 
     Attributes:
         name: The label that a radar reports while the area is solid and active.
-        x: Centre, map units from the left rim.
-        y: Centre, map units from the top rim.
+        x: Centre, map units from the left edge.
+        y: Centre, map units from the top edge.
         radius: Map units.
         color: As given in the level.
-        victory_robots: Names of the robots that must all be inside at once to win; () is no goal.
+        victory_robots: Names of the robots that must all be inside at once to win; () for no goal.
         on_beacon: Name of the beacon that switches it on when seen, or "".
         off_beacon: Name of the beacon that switches it off when seen, or "".
-        sticky_switch: Whether it stays as switched when the beacon is out of sight.
+        sticky_switch: Whether it keeps its state when the beacon is out of sight.
         impenetrable: Whether it is solid while active.
     """
 
@@ -124,7 +124,7 @@ class Level:
     """An immutable description of a labyrinth, its inhabitants and its teaching text.
 
     Attributes:
-        name: Short name, as typed on the command line; the file's name without its ending.
+        name: Short name for the command line; the file's name without its ending.
         title: Name to show.
         width: Map units.
         height: Map units.
@@ -134,12 +134,12 @@ class Level:
         areas: In file order.
         visibility: What a program may see of other robots.
         idea: What is new in it, one line, or "".
-        briefing: What the level asks for, plain text with line breaks, or "".
+        briefing: The task, plain text with line breaks, or "".
         hints: Hints to reveal one at a time.
         lesson: What it teaches, in Markdown, or "".
-        further: What to try when it is won, or "".
+        further: What to try after winning, or "".
         starter: Name of the program to start with, or "".
-        solution: Name of the program that wins it as the lesson says, or "".
+        solution: Name of the program that wins it as the lesson teaches, or "".
         source: Path of the file it came from, or "".
     """
 

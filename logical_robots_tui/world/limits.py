@@ -1,4 +1,4 @@
-"""How much a level may hold, whatever its format."""
+"""Limits on levels of either format."""
 
 from __future__ import annotations
 
@@ -12,18 +12,18 @@ __all__ = [
 ]
 
 MOST_SIDE = 4000
-"""Map units across and down."""
+"""Largest width and height in map units."""
 
 MOST_OF_A_KIND = 1000
-"""Robots, beacons, areas, or hints."""
+"""Largest number of robots, beacons, areas or hints."""
 
 MOST_OF_A_NUMBER = 1_000_000
 
 LONGEST_NAME = 60
-"""Characters of any script."""
+"""Characters."""
 
 LONGEST_TEXT = 20_000
 """Characters of a briefing, a lesson or a hint."""
 
 MOST_BYTES = 64 * 2**20
-"""Of a level's file."""
+"""Largest size of a level file."""

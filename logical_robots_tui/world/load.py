@@ -1,4 +1,4 @@
-"""Finding levels by path or name and reading them in either format."""
+"""Loading levels of either format, by path or name."""
 
 from __future__ import annotations
 
@@ -15,13 +15,13 @@ from logical_robots_tui.world.web import read_web
 __all__ = ["NATIVE", "SUFFIXES", "WEB", "list_levels", "load_level", "read_text"]
 
 NATIVE, WEB = SUFFIXES = (".toml", ".json")
-"""The endings of files of this game and of the web platform."""
+"""The file name endings of this game and of the web platform."""
 
 _FORMATS = "A level is a .toml file of this game or a .json file of the web platform."
 
 
 def list_levels() -> list[str]:
-    """Return the names of the levels that come with the game, sorted by file name."""
+    """Return the names of the shipped levels, sorted by file name."""
     return sorted({name for suffix in SUFFIXES for name in shipped_names("levels", suffix)})
 
 
@@ -30,12 +30,12 @@ def load_level(path_or_name: str | Path) -> Level:
 
     Args:
         path_or_name: Path of a ``.toml`` level of this game or a ``.json`` level of the web
-            platform; any other file is judged by its first character. Text without a folder and
-            without an ending is the name of a shipped level.
+            platform; the format of any other file is guessed from its first character. Text without
+            a folder and an ending is the name of a shipped level.
 
     Raises:
-        LevelError: There is no such level, or it can't be read, or something in it is wrong. Its
-            ``place`` names the file and the line or key.
+        LevelError: The level doesn't exist, can't be read, or is invalid. Its ``place`` names the
+            file and the line or key.
     """
     if isinstance(path_or_name, str) and _is_name(path_or_name):
         path = _shipped(path_or_name)
@@ -63,10 +63,10 @@ def _shipped(name: str) -> Path:
 
 
 def read_text(path: Path) -> str:
-    """Return the text of a level's file exactly as it is, with line ends and byte order mark.
+    """Return the exact text of a level's file, including line ends and byte order mark.
 
     Raises:
-        LevelError: There is no such file, or it can't be read, or it is no text.
+        LevelError: The file doesn't exist, can't be read, or isn't text.
     """
     try:
         check_mine(path)
@@ -86,13 +86,13 @@ def read_text(path: Path) -> str:
     except UnicodeDecodeError as error:
         line = content.count(b"\n", 0, error.start) + 1
         place = f"{path}, line {line}"
-        raise LevelError("This is no text in UTF-8.", place=place, hint=_FORMATS) from None
+        raise LevelError("This file is not UTF-8 text.", place=place, hint=_FORMATS) from None
     return text
 
 
 def _not_there(path: Path) -> LevelError:
     if path.exists():
-        return LevelError("This is no ordinary file.", place=str(path), hint=_FORMATS)
+        return LevelError("This is not a regular file.", place=str(path), hint=_FORMATS)
     siblings = path.parent.iterdir() if path.parent.is_dir() else ()
     hint = did_you_mean(path.name, [p.name for p in siblings if p.suffix in SUFFIXES])
     return LevelError("There is no such file.", place=str(path), hint=hint)

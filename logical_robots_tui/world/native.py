@@ -70,7 +70,7 @@ _AREA_KEYS = (
 
 
 def read_native(text: str, name: str, source: str) -> Level:
-    """Read a level of this game; anything that looks like a mistake is refused.
+    """Read a level of this game; refuse anything that looks like a mistake.
 
     Args:
         text: The file's text.
@@ -78,7 +78,7 @@ def read_native(text: str, name: str, source: str) -> Level:
         source: The file's name, for messages.
 
     Raises:
-        LevelError: The text is no such level.
+        LevelError: The text is not a valid level.
     """
     text = text.replace("\r\n", "\n")
     top = Fields(_parsed(text, source), source)
@@ -108,7 +108,7 @@ def read_native(text: str, name: str, source: str) -> Level:
 
 
 class Words(TypedDict):
-    """What a level tells the player, and what its programs may see."""
+    """A level's texts for the player, and what its programs may see."""
 
     title: str
     idea: str
@@ -122,7 +122,7 @@ class Words(TypedDict):
 
 
 def read_words(top: Fields) -> Words:
-    """Read what is neither drawn nor stands in the labyrinth."""
+    """Read the texts and the visibility of a level."""
     return Words(
         title=top.name("title"),
         idea=top.name("idea", ""),
@@ -138,12 +138,12 @@ def read_words(top: Fields) -> Words:
 
 @dataclass(frozen=True, slots=True)
 class Oddity:
-    """What a level may have only if its file says that it is lenient.
+    """Something that only a lenient level may contain.
 
     Attributes:
         kind: ``robots`` or ``areas``.
-        index: Place in that list.
-        key: What is odd about it, or "" if it is all of it.
+        index: Index in that list.
+        key: The key at fault, or "" for the whole record.
         message: What is wrong.
         hint: What to do about it, or "".
     """
@@ -161,26 +161,28 @@ class Oddity:
 
 
 def oddities(level: Level) -> Iterator[Oddity]:
-    """Return robots outside the map, and robots and beacons that areas name in vain."""
+    """Yield robots outside the map, and unknown robots and beacons that areas refer to."""
     size = f"The map is {level.width} x {level.height} units."
     for i, robot in enumerate(level.robots):
         if not (0 <= robot.x < level.width and 0 <= robot.y < level.height):
-            yield Oddity("robots", i, "", f'Robot "{robot.name}" stands outside the map.', size)
+            yield Oddity("robots", i, "", f'Robot "{robot.name}" is outside the map.', size)
     robots = dict.fromkeys(robot.name for robot in level.robots)
     beacons = dict.fromkeys(beacon.name for beacon in level.beacons)
     for i, area in enumerate(level.areas):
         for name in area.victory_robots:
             if name not in robots:
-                message = f'Area "{area.name}" is a goal for "{name}", which is no robot here.'
+                message = f'Area "{area.name}" is a goal for "{name}", but there is no such robot.'
                 yield Oddity("areas", i, "goal_for", message, did_you_mean(name, robots))
         for key, name in (("on_beacon", area.on_beacon), ("off_beacon", area.off_beacon)):
             if name and name not in beacons:
-                message = f'Area "{area.name}" is switched by "{name}", which is no beacon here.'
+                message = (
+                    f'Area "{area.name}" is switched by "{name}", but there is no such beacon.'
+                )
                 yield Oddity("areas", i, key, message, did_you_mean(name, beacons))
 
 
 def _parsed(text: str, source: str) -> dict[str, object]:
-    hint = "A level of this game is a file of TOML."
+    hint = "A level of this game is a TOML file."
     if found := excess_of_toml(text):
         raise LevelError(f"The file has {found}.", place=source, hint=hint)
     try:
@@ -189,13 +191,13 @@ def _parsed(text: str, source: str) -> dict[str, object]:
         message, at, where = str(error).rpartition(" (at ")
         place = f"{source}, {where.removesuffix(')')}" if at else source
         message = message if at else where
-        message = f"This is no valid TOML: {message}."
+        message = f"This is not valid TOML: {message}."
         raise LevelError(message, place=place, hint=hint) from None
     except RecursionError:
-        message = "This is no valid TOML: it is nested too deeply."
+        message = "This is not valid TOML: it is nested too deeply."
         raise LevelError(message, place=source, hint=hint) from None
-    except ValueError:  # a number of thousands of digits, or a date that doesn't exist
-        message = "This is no valid TOML: a number or date in it is out of bounds."
+    except ValueError:  # a number with thousands of digits, or a date that doesn't exist
+        message = "This is not valid TOML: a number or date in it is out of range."
         raise LevelError(message, place=source, hint=hint) from None
 
 

@@ -1,4 +1,4 @@
-"""The rays that robots cast: one forward and a radar of 31 around it."""
+"""The rays that robots cast: one forward, and a radar of 31 around it."""
 
 from __future__ import annotations
 
@@ -34,16 +34,16 @@ RADAR_SPAN = 120 * math.pi / 180
 """Radians between the leftmost and the rightmost ray of the radar."""
 
 PER_RADIAN = (RADAR_RAYS - 1) / RADAR_SPAN
-"""Rays of the radar that lie side by side within a radian."""
+"""Rays of the radar per radian."""
 
 MIDDLE = (RADAR_RAYS - 1) / 2
-"""Place of the radar's ray that points forward, as a float."""
+"""Index of the radar's ray that points forward, as a float."""
 
 RAYS = RADAR_RAYS + 1
 
 FORWARD = RADAR_RAYS // 2 + 1
-"""Column of the forward ray, just behind the middle one of the radar, so that rays that lie side
-by side stand side by side."""
+"""Column of the forward ray, right after the middle one of the radar, so that neighbouring rays are
+in neighbouring columns."""
 
 _TURNS = np.array([i * (RADAR_SPAN / (RADAR_RAYS - 1)) for i in range(RADAR_RAYS)])
 _TURNS = np.insert(_TURNS, FORWARD, 0.0)
@@ -75,7 +75,7 @@ class Rays(NamedTuple):
         """Return the rays of some of the robots.
 
         Args:
-            which: Places of the robots among these.
+            which: Indices of the robots among these.
         """
         return Rays(
             self.robot[which],
@@ -89,11 +89,11 @@ class Rays(NamedTuple):
 
 
 def rays_of(robots: Sequence[RobotState], which: Sequence[int]) -> Rays:
-    """Return the rays that some of the robots cast from where they stand.
+    """Return the rays that some of the robots cast from their positions.
 
     Args:
         robots: All robots, in file order.
-        which: The places of those that cast.
+        which: The indices of those that cast.
     """
     some = [robots[place] for place in which]
     x = np.array([robot.x for robot in some])

@@ -1,4 +1,4 @@
-"""What robots sense: one row for each robot, from what its rays hit."""
+"""Sensing: one sensor row per robot, from what its rays hit."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ import numpy as np
 
 from logical_robots_tui.world.circles import Circles, take_nearer_circles
 from logical_robots_tui.world.rays import FORWARD, SENSOR_RANGE, rays_of
-from logical_robots_tui.world.unmoved import stirred
+from logical_robots_tui.world.stationary import may_have_changed
 from logical_robots_tui.world.walls import Walls
 
 if TYPE_CHECKING:
@@ -31,20 +31,20 @@ BEACON_RADIUS = 8.0
 """Map units within which a ray hits a beacon."""
 
 _ROBOTS_AT_ONCE = 64  # keeps the arrays of one pass within a processor's cache
-_FEW_ROBOTS = 16  # of more, to tell who senses something else costs more and brings less
+_FEW_ROBOTS = 16  # with more robots, finding out whose reading may change costs more than it saves
 
 _View: TypeAlias = dict[str, Any]
-"""What of a sensor comes from rays."""
+"""The part of a sensor that comes from rays."""
 
 
 class _Looked(NamedTuple):
-    """What the robots saw, and what there was to see.
+    """The last reading of all robots, and the state of the world that it depends on.
 
     Attributes:
         robots: All robots, in file order.
         shown: Which of the solid areas were active.
-        hits: Of all rays, of shape (robots, rays).
-        views: The same as it is reported, one per robot.
+        hits: Hits of all rays, of shape (robots, rays).
+        views: The same as reported, one per robot.
     """
 
     robots: Sequence[RobotState]
@@ -60,7 +60,7 @@ class _Looked(NamedTuple):
     def but(
         self, places: list[int], hits: NDArray[np.int64], views: list[_View]
     ) -> tuple[NDArray[np.int64], list[_View]]:
-        """Return the hits and views of all robots, with others for those at some places."""
+        """Return the hits and views of all robots, with those at some indices replaced."""
         all_hits, all_views = self.hits.copy(), self.views.copy()
         all_hits[places] = hits
         for place, view in zip(places, views, strict=True):
@@ -72,12 +72,12 @@ class Senses:
     """Casts the rays of all robots of one level.
 
     A ray is tested at 1, 2, ... 199 map units from the robot's centre. The first distance at which
-    anything is hit is the one reported. Within one distance walls go before robots, robots before
-    beacons, beacons before solid areas, each in file order.
+    anything is hit is reported. At the same distance walls take precedence over robots, robots over
+    beacons, and beacons over solid areas, each in file order.
 
     Args:
         level: The level.
-        like: The senses in a level with nearly the same walls, from which these are made quicker.
+        like: Senses for a level with nearly the same walls, which make these faster to create.
     """
 
     def __init__(self, level: Level, *, like: Senses | None = None) -> None:
@@ -90,7 +90,7 @@ class Senses:
         self._x = np.array([circle.x for circle in circles], dtype=np.float64)
         self._y = np.array([circle.y for circle in circles], dtype=np.float64)
         # What a ray hits has a code: 0 is a wall, the circles follow, and the last is nothing.
-        # A hit is one number, distance * codes + code, so that the least is the one to report.
+        # A hit is one number, distance * codes + code, so that the smallest is reported.
         kinds = [
             *(("robot", robot.name, ROBOT_RADIUS) for robot in level.robots),
             *(("beacon", beacon.name, BEACON_RADIUS) for beacon in level.beacons),
@@ -111,7 +111,7 @@ class Senses:
     def sense(
         self, robots: Sequence[RobotState], areas: Sequence[AreaState], clock: int
     ) -> tuple[list[SensorRow], frozenset[str]]:
-        """Return what every robot senses, and which beacons are on any radar.
+        """Return every robot's reading, and which beacons are on any radar.
 
         Args:
             robots: All robots, in file order.
@@ -129,10 +129,12 @@ class Senses:
         return rows, self._on_radar(last.hits) if self._has_switches else frozenset()
 
     def _look(self, robots: Sequence[RobotState], shown: list[bool]) -> _Looked:
-        """Return what robots see; those look anew for whom something may have changed."""
+        """Return what robots see; only robots whose reading may have changed look again."""
         last, anew = self._last, list(range(len(robots)))
         if last is not None and last.shown == shown and len(robots) <= _FEW_ROBOTS:
-            anew = stirred(robots, last.robots, ROBOT_RADIUS, partial(last.reach, self._codes))
+            anew = may_have_changed(
+                robots, last.robots, ROBOT_RADIUS, partial(last.reach, self._codes)
+            )
             if not anew:
                 return last._replace(robots=robots)
         rays = rays_of(robots, anew)
@@ -156,7 +158,7 @@ class Senses:
         if len(rays.robot) <= _ROBOTS_AT_ONCE:
             return self._cast(rays, circles)
         hits = np.empty(rays.cos.shape, dtype=np.int64)
-        # Neighbours go together, so that they have to look at few circles.
+        # Neighbours are cast together, so that they test few circles.
         order = np.lexsort((rays.y, np.floor(rays.x / SENSOR_RANGE)))
         for start in range(0, len(order), _ROBOTS_AT_ONCE):
             neighbours = order[start : start + _ROBOTS_AT_ONCE]
@@ -193,7 +195,7 @@ class Senses:
 def _view(
     angles: list[float], distances: list[int], objects: list[str], labels: list[str]
 ) -> _View:
-    """What the rays of one robot tell; the lists hold a value for each ray and are used up."""
+    """Return what the rays of one robot report; consumes the lists, which hold a value per ray."""
     del angles[FORWARD]
     return {
         "forward_distance": distances.pop(FORWARD),

@@ -1,4 +1,4 @@
-"""What changes in a world from tick to tick, as immutable values."""
+"""The state of a world at the end of a tick, as immutable values."""
 
 from __future__ import annotations
 
@@ -13,12 +13,12 @@ class RobotState:
 
     Attributes:
         name: The robot's name.
-        x: Map units from the left rim.
-        y: Map units from the top rim.
+        x: Map units from the left edge.
+        y: Map units from the top edge.
         angle: Heading in radians, clockwise as seen on the screen; in [0, 2π) after the first tick.
         battery_level: Charge left; meaningless without a battery.
-        left_engine: Power at which the left engine ran in this tick, in [-1, 1].
-        right_engine: Power at which the right engine ran in this tick, in [-1, 1].
+        left_engine: Power of the left engine in this tick, in [-1, 1].
+        right_engine: Power of the right engine in this tick, in [-1, 1].
         blocked: Whether a wall stopped its move in this tick.
         dead: Whether its battery was empty in this tick.
     """
@@ -51,7 +51,7 @@ class AreaState:
 
 @dataclass(frozen=True, slots=True)
 class WorldState:
-    """A whole world at the end of a tick: all that is needed to go on from there.
+    """A whole world at the end of a tick: everything needed to continue from there.
 
     Attributes:
         tick: Number of the last finished tick; 0 is the start.

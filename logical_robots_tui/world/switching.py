@@ -1,4 +1,4 @@
-"""When areas are on, and when they win the game."""
+"""Which areas are on, and when the level is won."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ __all__ = ["is_won", "starts_active", "switched"]
 
 
 def starts_active(area: Area) -> bool:
-    """Return whether an area is on at the start: unless a beacon has to switch it on."""
+    """Return whether an area is on at the start: it is, unless a beacon switches it on."""
     return not area.on_beacon
 
 
@@ -37,7 +37,7 @@ def switched(area: Area, active: bool, seen: AbstractSet[str]) -> bool:
 
 
 def is_won(areas: Iterable[tuple[Area, AreaState]]) -> bool:
-    """Return whether some active goal holds all the robots that it is for."""
+    """Return whether some active goal contains all the robots that it is for."""
     return any(
         state.active and area.victory_robots and set(area.victory_robots) <= set(state.visitors)
         for area, state in areas

@@ -1,4 +1,4 @@
-"""Where rays meet walls."""
+"""Intersections of rays with walls."""
 
 from __future__ import annotations
 
@@ -16,30 +16,32 @@ if TYPE_CHECKING:
 __all__ = ["FEW", "FEWEST", "Walls"]
 
 FEWEST = 64
-"""Rays that are quicker tested at every step in one go."""
+"""Up to this many rays are faster tested at every step at once."""
 
 FEW = 640
-"""Rays of which many steps are tested at once, as fewer calls are quicker than fewer tests."""
+"""Up to this many rays, fewer numpy calls are faster than fewer tests."""
 
 _RIM = 2  # cells of wall around the map: rounding may carry a ray over one of them
 _WALL = 255
-_BESIDE = 4  # steps before and behind a tested one that it may speak for
+_BESIDE = 4  # steps before and after a tested one that it may stand for
 _APART = 2 * _BESIDE + 1
 _CLOSELY = np.arange(float(_APART))[:, None]
 _PLACES = np.arange(256)[:, None]
-_SAMPLES = 2048  # steps tested in one go, about: fewer cost more calls, more cost more time each
+_SAMPLES = (
+    2048  # steps tested at once, about: with fewer there are more calls, with more each is slower
+)
 
 
 class Walls:
     """The walls of a labyrinth; everything outside the map is wall as well.
 
-    A ray is tested at whole steps of one map unit, but only at those that could be in a wall: the
-    distance from a cell to the nearest wall tells how many steps from there can't.
+    A ray is tested at steps of one map unit, but only at those that could be in a wall: the
+    distance from a cell to the nearest wall tells how many steps to skip.
 
     Args:
-        walls: Of shape (height, width); True is wall. Kept, and not to be changed.
-        reach: Map units; the last step of a ray is the one before. At most 254.
-        like: Walls that differ in few places, from which these are made quicker.
+        walls: Of shape (height, width); True is wall. Kept; must not be changed.
+        reach: Map units; the last step of a ray is one less. At most 254.
+        like: Walls that differ in few places, which make these faster to create.
     """
 
     def __init__(self, walls: NDArray[np.bool_], reach: int, *, like: Walls | None = None) -> None:
@@ -53,7 +55,7 @@ class Walls:
             self._room = self._room_like(like)
             return
         room = _room(np.pad(walls, _RIM, constant_values=True), reach)
-        # Turned so that cell (0, 0) comes first; the rim to the left and above is at the end.
+        # Rolled so that cell (0, 0) comes first; the margin to the left and above is at the end.
         self._room = np.roll(room, -self._stride * _RIM - _RIM)
 
     def distances(
@@ -63,7 +65,7 @@ class Walls:
         cos: NDArray[np.float64],
         sin: NDArray[np.float64],
     ) -> NDArray[np.int64]:
-        """Return the first step of every ray that is in a wall, or the reach if there is none.
+        """Return the first step of every ray that is in a wall, or the reach if none is.
 
         Args:
             x: Where rays start, of shape (robots,); the start itself may be in a wall.
@@ -76,7 +78,7 @@ class Walls:
         """
         shape = cos.shape
         cos, sin = cos.reshape(-1), sin.reshape(-1)
-        # From further outside the first step is in the rim, as it is from the rim.
+        # From further outside the first step is in the margin, as it is from the margin.
         x = np.minimum(np.maximum(x, -2.0), self._end_x)
         y = np.minimum(np.maximum(y, -2.0), self._end_y)
         if len(cos) <= FEW:
@@ -87,8 +89,8 @@ class Walls:
             return few(x, y, cos, sin, free).reshape(shape)
         room = self._room_at(np.floor(x), np.floor(y))
         room[room == _WALL] = 0
-        # Steps in which a ray crosses at most one cell, per cell. Less a little, so that rounding
-        # never carries a ray further than there is room.
+        # Steps in which a ray crosses at most one cell, per cell. Slightly less, so that rounding
+        # never carries a ray further than the free space.
         pace = (1 - 1e-9) / np.maximum(np.abs(cos), np.abs(sin))
         room = room.repeat(shape[1])
         x, y = x.repeat(shape[1]), y.repeat(shape[1])
@@ -103,8 +105,8 @@ class Walls:
             if len(going) < len(rays):
                 rays, pace, step = rays[going], pace[going], step[going]
                 x, y, cos, sin = x[going], y[going], cos[going], sin[going]
-            # The fewer rays are left, the more steps of each are tested in one go. No ray gets
-            # past the rim without being found in it, and where it is behind a wall doesn't matter.
+            # The fewer rays are left, the more steps of each are tested at once. No ray gets past
+            # the margin without being found in it, and behind a wall its position doesn't matter.
             ahead = self._ahead[: max(_SAMPLES // len(rays), 1)]
             steps = step + ahead
             room = self._room_at(np.floor(steps * cos + x), np.floor(steps * sin + y))
@@ -123,16 +125,16 @@ class Walls:
         sin: NDArray[np.float64],
         free: int,
     ) -> NDArray[np.int64]:
-        """Return what `distances` does, of shape (rays,).
+        """Return the same as `distances`, of shape (rays,).
 
         Args:
             x: Where rays start, of shape (rays,), as the next three.
             y: The same.
             cos: Of the rays' headings.
             sin: The same.
-            free: Steps of every ray that are known to be in no wall.
+            free: Steps of every ray that are known to be outside walls.
         """
-        # A ray behind a wall may be anywhere; only its first wall is asked for.
+        # A ray behind a wall may be anywhere; only its first wall matters.
         x, y, cos, sin = x[:, None], y[:, None], cos[:, None], sin[:, None]
         in_wall = self._room_on(x, y, cos, sin, self._ahead[free:, 0] + 1) == _WALL
         in_wall[:, -1] = True  # the reach itself
@@ -141,14 +143,14 @@ class Walls:
         return found
 
     def _room_like(self, like: Walls) -> NDArray[np.uint8]:
-        """Return the room around cells, found anew only where other walls make a difference."""
+        """Return the free space around cells, recomputed only where the walls differ."""
         box = changed_box(like._walls, self._walls)
         if box is None:
             return like._room
         room, part, around = like._room.copy(), [], []
         for changed, length in zip(box, self._walls.shape, strict=True):
             part.append(_widened(changed, self._reach, length))
-            # As far again lies what may be nearest now to a cell in that part.
+            # The walls nearest to a cell in that part may be as far away again.
             around.append(_widened(changed, 2 * self._reach, length))
         pads = [
             (_RIM * (some.start == 0), _RIM * (some.stop == length))
@@ -170,10 +172,10 @@ class Walls:
         sin: NDArray[np.float64],
         free: int,
     ) -> NDArray[np.int64]:
-        """Return the same: few steps of each ray say where to look closely.
+        """Return the same: a few steps of each ray show where to look closely.
 
-        A step with some room around speaks for its neighbours, with one cell to spare for
-        rounding. A ray behind a step that is in a wall may be anywhere.
+        A step with enough free space around it stands for its neighbours, with one cell to spare
+        for rounding. A ray behind a step that is in a wall may be anywhere.
         """
         first = min(free + 1 + _BESIDE, self._reach)
         some = np.arange(float(first), self._reach + _BESIDE, _APART)
@@ -187,7 +189,7 @@ class Walls:
         start = some[place] - _BESIDE
         in_wall = self._room_on(x[ray], y[ray], cos[ray], sin[ray], start + _CLOSELY) == _WALL
         best = in_wall.argmax(axis=0)
-        # The last ones first, so that of each ray the first is the one that stays.
+        # Last to first, so that the first of each ray is the one that stays.
         which = in_wall[best, np.arange(len(best))].nonzero()[0][::-1]
         found = np.full(len(x), self._reach)
         found[ray[which]] = (start + best)[which]
@@ -195,7 +197,7 @@ class Walls:
         return found
 
     def _free_around(self, x: float, y: float) -> int:
-        """Return how many steps from a place, in any direction, are in no wall."""
+        """Return how many steps from a place, in any direction, are outside walls."""
         room = self._room.item(math.floor(y) * self._stride + math.floor(x))
         return 0 if room == _WALL else room
 
@@ -219,10 +221,9 @@ class Walls:
 
 
 def _room(walls: NDArray[np.bool_], reach: int) -> NDArray[np.uint8]:
-    """Return how many free cells are around each cell in any direction, less than the reach.
+    """Return how many cells around each cell are free in every direction, less than the reach.
 
-    The -1 of a wall itself wraps round to 255, which is also more than any reach, and so ends a
-    ray.
+    The -1 of a wall itself wraps to 255, which is also more than any reach, and so ends a ray.
     """
     room = clearances(walls, reach)
     room -= np.uint8(1)

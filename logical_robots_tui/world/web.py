@@ -1,4 +1,4 @@
-"""The level format of the web platform of Logical Robots: one JSON object."""
+"""The level format of the Logical Robots web platform: one JSON object."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ _WALL = ord("1")
 
 
 def read_web(text: str, name: str, source: str) -> Level:
-    """Read a level of the web platform, as leniently as the platform where it makes sense.
+    """Read a level of the web platform, as leniently as the platform does where it makes sense.
 
     Programs there see every robot's memory and sensor, so the visibility is ``all`` for both.
     Robots may stand outside the map, and areas may name robots and beacons that don't exist.
@@ -41,7 +41,7 @@ def read_web(text: str, name: str, source: str) -> Level:
         source: The file's name, for messages.
 
     Raises:
-        LevelError: The text is no such level.
+        LevelError: The text is not a valid level.
     """
     top = Fields(_parsed(text, source), source)
     width, height = top.whole("width", least=1), top.whole("height", least=1)
@@ -64,19 +64,19 @@ def read_web(text: str, name: str, source: str) -> Level:
 
 
 def _parsed(text: str, source: str) -> dict[str, object]:
-    hint = "A level of the web platform is a file of JSON."
+    hint = "A level of the web platform is a JSON file."
     if found := excess_of_json(text):
         raise LevelError(f"The file has {found}.", place=source, hint=hint)
     try:
         value = json.loads(text)
     except json.JSONDecodeError as error:
         place = f"{source}, line {error.lineno}, column {error.colno}"
-        raise LevelError(f"This is no valid JSON: {error.msg}.", place=place, hint=hint) from None
+        raise LevelError(f"This is not valid JSON: {error.msg}.", place=place, hint=hint) from None
     except RecursionError:
-        message = "This is no valid JSON: it is nested too deeply."
+        message = "This is not valid JSON: it is nested too deeply."
         raise LevelError(message, place=source, hint=hint) from None
-    except ValueError:  # a number of thousands of digits
-        message = "This is no valid JSON: a number in it is too long."
+    except ValueError:  # a number with thousands of digits
+        message = "This is not valid JSON: a number in it is too long."
         raise LevelError(message, place=source, hint=hint) from None
     if not isinstance(value, dict):
         raise LevelError("The file must hold one JSON object.", place=source, hint=hint)
@@ -84,7 +84,7 @@ def _parsed(text: str, source: str) -> dict[str, object]:
 
 
 def _title(name: str) -> str:
-    """Return a file's name as a title that can be shown."""
+    """Return a title made from a file's name."""
     return "".join(c for c in name if c.isprintable())[:LONGEST_NAME].strip() or "Level"
 
 
@@ -139,7 +139,7 @@ def _area(fields: Fields) -> Area:
         victory_robots=fields.names("victory_robots"),
         on_beacon=_switch(fields, "on_beacon"),
         off_beacon=_switch(fields, "off_beacon"),
-        # As JavaScript takes it: lists and objects are true even when empty.
+        # As in JavaScript: lists and objects are true even when empty.
         sticky_switch=bool(sticky) or isinstance(sticky, (list, dict)),
         impenetrable=fields.record.get("impenetrable") is True,
     )

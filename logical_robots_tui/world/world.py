@@ -26,16 +26,16 @@ __all__ = ["World"]
 class World:
     """The running simulation of a level.
 
-    One tick is a ``sense`` followed by an ``act``. The world holds nothing but the level, an
-    immutable ``WorldState``, and what the robots sensed last; the same level and the same desires
-    always give the same future.
+    One tick is a ``sense`` followed by an ``act``. The world holds only the level, an immutable
+    ``WorldState``, and the last reading of the robots; the same level and the same desires always
+    give the same future.
 
     Args:
-        level: The level to run; it stands at its start.
-        like: A world of a level with nearly the same walls, from which this one is made quicker.
+        level: The level to run, from its start.
+        like: A world of a level with nearly the same walls, which makes this one faster to create.
 
     Raises:
-        ValueError: Two robots of the level have one name.
+        ValueError: Two robots of the level have the same name.
     """
 
     def __init__(self, level: Level, *, like: World | None = None) -> None:
@@ -50,12 +50,12 @@ class World:
 
     @property
     def level(self) -> Level:
-        """The level that runs."""
+        """The running level."""
         return self._level
 
     @property
     def tick(self) -> int:
-        """The clock: number of the tick that has begun, else of the last finished one."""
+        """The clock: the number of the current tick, or of the last finished one between ticks."""
         return self._state.tick + (self._sensed is not None)
 
     @property
@@ -85,16 +85,16 @@ class World:
 
         Returns:
             One ``{"robot_name": ..., "sensor": {...}}`` per robot in file order: plain dicts,
-            lists, numbers and text. Don't change them: the next rows may share lists with them.
+            lists, numbers and text. Don't modify them: the next rows may share lists with them.
         """
         if self._sensed is None:
             self._sensed, self._seen = self._look(self._state.tick + 1)
         return self._sensed
 
     def look(self) -> list[SensorRow]:
-        """Return what the robots see right now, with the present clock; nothing advances.
+        """Return what the robots see right now, without advancing the clock.
 
-        Don't change it, as with ``sense``.
+        Don't modify the result, as with ``sense``.
         """
         rows, _ = self._look(self.tick)
         return rows
@@ -105,11 +105,11 @@ class World:
         Begins the tick itself if ``sense`` didn't.
 
         Args:
-            desires: By robot name. A robot without one stands still; so does an engine whose
-                power is no finite number.
+            desires: By robot name. A robot without one stops; so does an engine whose power is
+                not a finite number.
 
         Raises:
-            ValueError: A name is no robot of the level; nothing has changed then.
+            ValueError: A name is not a robot of the level; nothing has changed then.
         """
         self._refuse_strangers(desires)
         self.sense()
@@ -150,18 +150,18 @@ class World:
     def save(self) -> WorldState:
         """Return the world at the end of the last finished tick.
 
-        A tick that has begun is not part of it; sensing again begins it in the same way.
+        A tick that has begun is not included; sensing again begins it in the same way.
         """
         return self._state
 
     def restore(self, state: WorldState) -> None:
-        """Go back or forward to a saved state; the future from there is exactly the same.
+        """Go back or forward to a saved state; the future from there is exactly reproducible.
 
         Args:
-            state: From ``save`` of a world of the same level.
+            state: A state that ``save`` returned for a world of the same level.
 
         Raises:
-            ValueError: The state has other robots or areas than the level.
+            ValueError: The state has different robots or areas than the level.
         """
         robots = [robot.name for robot in state.robots]
         areas = [area.name for area in state.areas]
@@ -200,9 +200,9 @@ def _engines(desire: Desire | None) -> tuple[float, float]:
 
 
 def _power(engine: object) -> float:
-    """Return an engine's power as a plain finite float, 0 for anything that isn't a number."""
+    """Return an engine's power as a finite float, 0 for anything that isn't a number."""
     if type(engine) is float:
-        return engine if math.isfinite(engine) else 0.0  # quicker for what is usual
+        return engine if math.isfinite(engine) else 0.0  # a fast path for the common case
     if not isinstance(engine, Real):
         return 0.0
     try:

@@ -90,13 +90,16 @@ def test_a_file_that_is_there_is_kept_unless_forced(command: Command, level: Pat
     ("arguments", "message"),
     [
         (("--room", "9"), "is no size such as 8x6"),
-        (("--room", "50x5000"), "The map would be 50 x 5000 units; 4000 x 4000 is the most."),
+        (("--room", "50x5000"), "The map would be 50 x 5000 units; at most 4000 x 4000 "),
         (("--room", "30x30"), "has no room for a robot"),
         (("--room", "90x90", "--wall", "0"), "A wall must be 1 to 4000 units thick, not 0."),
-        (("--labyrinth", "1x1"), "at least 2 places, not 1 x 1"),
-        (("--labyrinth", "80x8"), "The map would be 5610 x 570 units; 4000 x 4000 is the most."),
-        (("--labyrinth", "8x8", "--loops", "2"), "The share of loops must be from 0 to 1, not 2."),
-        (("--labyrinth", "8x8", "--loops", "nan"), "The share of loops must be from 0 to 1"),
+        (("--labyrinth", "1x1"), "at least 2 cells, not 1 x 1"),
+        (("--labyrinth", "80x8"), "The map would be 5610 x 570 units; at most 4000 x 4000 "),
+        (
+            ("--labyrinth", "8x8", "--loops", "2"),
+            "The share of loops must be between 0 and 1, not 2.",
+        ),
+        (("--labyrinth", "8x8", "--loops", "nan"), "The share of loops must be between 0 and 1"),
         (("--labyrinth", "8x8", "--corridor", "9"), "A corridor must be 20 to 4000 units wide"),
         (("--copy", "nothing"), "There is no level called"),
         (("--title", ""), '"title" is empty.'),
@@ -115,7 +118,7 @@ def test_what_makes_no_level_is_refused(
 def test_a_file_of_no_format_is_refused(command: Command, tmp_path: Path) -> None:
     told = command("level", "new", tmp_path / "new.txt")
     assert told.status == 2
-    assert "End it with .toml" in told.err
+    assert "Use .toml" in told.err
 
 
 # -- check ---------------------------------------------------------------------------------------
@@ -125,7 +128,7 @@ def test_what_looks_wrong_is_told_with_its_place(command: Command, level: Path) 
     level.write_text(level.read_text().replace("#..........#", "#....#.....#"))
     told = command("level", "check", level)
     assert told.status == 0
-    assert told.out == f'{level}:42:12: warning: Pip can\'t get to the goal "Door".\n'
+    assert told.out == f'{level}:42:12: warning: Pip can\'t reach the goal "Door".\n'
 
 
 def test_a_level_that_can_not_be_loaded_is_told_with_its_line(

@@ -49,7 +49,7 @@ def test_in_a_terminal_it_is_told_in_words(level: Path, keeper: Path) -> None:
 
 @pytest.mark.parametrize(
     ("value", "message"),
-    [("at", "'at' is no part of a memory"), ("memory.of", "this value has no part of")],
+    [("at", "'at' is not a part of a memory"), ("memory.of", "this value has no part of")],
 )
 def test_a_part_that_is_not_there_is_named(
     command: Command, level: Path, keeper: Path, value: str, message: str

@@ -104,7 +104,7 @@ def test_a_player_goes_on_with_the_last_program_in_the_last_level(
     told = typed.play("apply", "save wall-crawler", "save kept", "apply", options=data).out
     assert "Your last program for this level is taken up.\nThe long hall\n" in told
     assert "Type save and a name for it first." in told
-    assert "wall-crawler came with the game" in told
+    assert "wall-crawler is part of the game" in told
     kept = tmp_path / "data" / "programs" / "kept.l"
     assert f"Saved as {kept}." in told
     assert kept.read_text(encoding="utf-8") == program.read_text(encoding="utf-8")

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import json
+import os
 import subprocess
 import sys
 from typing import TYPE_CHECKING
 
 import pytest
 
-from logical_robots_tui.cli.fence import MOST_GAMES
+from logical_robots_tui.cli.restricted import MOST_GAMES
 from logical_robots_tui.confinement import MOST_FILES
 from tests.terminal import Terminal
 
@@ -19,13 +20,13 @@ if TYPE_CHECKING:
 
 ATTEMPTS = """\
 import ctypes, io, json, os, pathlib, shutil, socket, sqlite3, subprocess, sys
-from logical_robots_tui.cli.fence import fence_in
+from logical_robots_tui.cli.restricted import restrict
 
 secret, neighbour, own = map(pathlib.Path, sys.argv[1:])
 own.mkdir(parents=True, exist_ok=True)
 (own / "link.l").symlink_to(secret)
 (own / "folder").symlink_to(neighbour)
-fence_in(own)
+restrict(own)
 found = {}
 def attempt(name, work):
     try:
@@ -277,6 +278,32 @@ def test_a_player_has_so_many_games_and_no_more(tmp_path: Path) -> None:
         for each in games:
             each.kill()
             each.communicate()
+
+
+FILLS_CACHES = """if True:
+    import os, sys
+    from pathlib import Path
+    from logical_robots_tui.confinement import MOST_BYTES, MOST_FILES, check_quota, confine
+    from logical_robots_tui.game import matches, recording
+    from logical_robots_tui.mind import cache
+
+    own = Path(sys.argv[1])
+    confine(own)
+    folders = recording._folder(), cache._entries(), matches._folder()
+    for folder, count in zip(folders, (20, 400, 400)):
+        for number in range(count):
+            folder.keep(f"e{number}", [bytes(folder.most_bytes // count * 2)])
+            os.utime(folder._path(f"e{number}"), (number, number))
+    found = [path.stat().st_size for path in own.rglob("*") if path.is_file()]
+    assert len(found) < MOST_FILES / 4, len(found)
+    assert MOST_BYTES / 20 < sum(found) < MOST_BYTES / 4, sum(found)
+    check_quota(own / "mine.l", 100 * 2**20)
+"""
+
+
+def test_caches_leave_a_restricted_player_most_of_the_room(tmp_path: Path) -> None:
+    environment = {**os.environ, "LOGICAL_ROBOTS_CACHE_DIR": str(tmp_path / "cache")}
+    subprocess.run([sys.executable, "-c", FILLS_CACHES, tmp_path], env=environment, check=True)
 
 
 def test_a_full_folder_is_told_in_a_sentence_and_what_was_there_stays(tmp_path: Path) -> None:

@@ -53,16 +53,16 @@ def test_nothing_is_wrong_with_a_closed_hall() -> None:
 
 @pytest.mark.parametrize("name", list_levels())
 def test_of_our_own_levels_only_beacons_share_names(name: str) -> None:
-    assert [text for text in texts(check(load_level(name))) if "tell them apart" not in text] == []
+    assert [text for text in texts(check(load_level(name))) if "distinguish them" not in text] == []
 
 
 def test_a_goal_behind_a_wall_can_not_be_reached() -> None:
     found = check(wall_with_gap(hall(), 0))
-    assert found == [Finding('Ann can\'t get to the goal "home".', 350, 100)]
+    assert found == [Finding('Ann can\'t reach the goal "home".', 350, 100)]
 
 
 def test_a_goal_behind_a_gap_that_a_robot_does_not_fit_through_is_told() -> None:
-    text = 'The way of Ann to the goal "home" leads only through gaps narrower than a robot.'
+    text = 'Ann can reach the goal "home" only through gaps narrower than a robot.'
     assert check(wall_with_gap(hall(), 2 * RADIUS - 2)) == [Finding(text, 350, 100)]
     assert check(wall_with_gap(hall(), 1)) == [Finding(text, 350, 100)]
 
@@ -87,12 +87,12 @@ def test_a_solid_area_is_in_the_way_unless_something_switches_it_off() -> None:
         area = replace(plug, on_beacon=on, off_beacon=off)
         level = hall(beacons=(Beacon("lamp", 60, 60),), areas=(goal(), area))
         found = texts(check(wall_with_gap(level, 18)))
-        assert ('Ann can\'t get to the goal "home".' not in found) == is_open
+        assert ('Ann can\'t reach the goal "home".' not in found) == is_open
 
 
 def test_nobody_can_be_inside_a_goal_that_is_always_solid() -> None:
     found = check(hall(areas=(goal(impenetrable=True),)))
-    assert texts(found) == ['Nobody can be inside the goal "home": it is solid.']
+    assert texts(found) == ['No robot can be inside the goal "home": it is solid.']
 
 
 def test_an_open_rim_lets_robots_drive_round_walls() -> None:
@@ -100,9 +100,9 @@ def test_an_open_rim_lets_robots_drive_round_walls() -> None:
     level = paint_rectangle(level, (0, 80), (9, 119), wall=False)
     level = paint_rectangle(level, (390, 150), (399, 150), wall=False)
     assert texts(check(level)) == [
-        'The way of Ann to the goal "home" leads only through gaps narrower than a robot.',
-        "The rim is open on the left, for 40 units.",
-        "The rim is open on the right, for 1 unit.",
+        'Ann can reach the goal "home" only through gaps narrower than a robot.',
+        "The outer wall has a gap on the left, 40 units wide.",
+        "The outer wall has a gap on the right, 1 unit wide.",
     ]
     assert [(finding.x, finding.y) for finding in check(level)[1:]] == [(0.5, 100), (399.5, 150.5)]
 
@@ -111,10 +111,10 @@ def test_every_robot_that_a_goal_is_for_is_asked() -> None:
     names = ("Ann", "Bob", "Cid", "Dot", "Eve")
     robots = tuple(Robot(name, 50.5 + 3 * i, 50.5) for i, name in enumerate(names))
     level = replace(wall_with_gap(hall(), 0), robots=robots, areas=(goal(victory_robots=names),))
-    assert texts(check(level)) == ['Ann, Bob, Cid and 2 more can\'t get to the goal "home".']
+    assert texts(check(level)) == ['Ann, Bob, Cid and 2 more can\'t reach the goal "home".']
     level = replace(level, robots=(*robots[:2], replace(robots[2], x=300.0), *robots[3:]))
     level = replace(level, areas=(goal(victory_robots=names[:3]),))
-    assert texts(check(level)) == ['Ann and Bob can\'t get to the goal "home".']
+    assert texts(check(level)) == ['Ann and Bob can\'t reach the goal "home".']
 
 
 def test_what_is_inside_walls_or_outside_the_map_is_told() -> None:
@@ -124,7 +124,7 @@ def test_what_is_inside_walls_or_outside_the_map_is_told() -> None:
     )
     level = replace(level, robots=(Robot("Ann", 398, 50), Robot("Bob", -1, 50)))
     assert [(finding.text, finding.x) for finding in check(level)] == [
-        ('Robot "Bob" stands outside the map. The map is 400 x 200 units.', -1),
+        ('Robot "Bob" is outside the map. The map is 400 x 200 units.', -1),
         ('Robot "Ann" is inside a wall.', 398),
         ('Beacon "lamp" is inside a wall.', 2),
         ('Beacon "star" is outside the map.', 500),
@@ -137,9 +137,9 @@ def test_what_is_inside_walls_or_outside_the_map_is_told() -> None:
 def test_switches_and_goals_that_name_nothing_are_told() -> None:
     area = goal(victory_robots=("Ann", "ann"), on_beacon="lamb", off_beacon="xyz")
     assert texts(check(hall(beacons=(Beacon("lamp", 60, 60),), areas=(area,)))) == [
-        'Area "home" is a goal for "ann", which is no robot here. Did you mean "Ann"?',
-        'Area "home" is switched by "lamb", which is no beacon here. Did you mean "lamp"?',
-        'Area "home" is switched by "xyz", which is no beacon here.',
+        'Area "home" is a goal for "ann", but there is no such robot. Did you mean "Ann"?',
+        'Area "home" is switched by "lamb", but there is no such beacon. Did you mean "lamp"?',
+        'Area "home" is switched by "xyz", but there is no such beacon.',
     ]
 
 
@@ -149,11 +149,11 @@ def test_names_used_twice_are_told_and_those_of_robots_forbid_loading() -> None:
         areas=(goal(), goal(x=300)),
     )
     assert check(level) == [
-        Finding('3 beacons are called "lamp"; a radar can\'t tell them apart.', 70, 60),
+        Finding('3 beacons are called "lamp"; a radar can\'t distinguish them.', 70, 60),
         Finding('2 areas are called "home".', 300, 100),
     ]
     twins = replace(level, robots=level.robots * 2)
-    text = '2 robots are called "Ann"; each needs a name of its own.'
+    text = '2 robots are called "Ann"; each needs a unique name.'
     assert check(twins)[0] == Finding(text, 50.5, 100.5, forbids=True)
 
 
@@ -180,11 +180,11 @@ def test_names_used_twice_are_told_and_those_of_robots_forbid_loading() -> None:
         ),
         (
             {"beacons": tuple(Beacon(f"b{i}", 60, 60) for i in range(1001))},
-            Finding("There are 1001 beacons; 1000 is the most.", forbids=True),
+            Finding("There are 1001 beacons; at most 1000 are allowed.", forbids=True),
         ),
         (
             {"width": 4001, "walls": np.zeros((200, 4001), np.bool_)},
-            Finding("The map is 4001 x 200 units; 4000 x 4000 is the most.", forbids=True),
+            Finding("The map is 4001 x 200 units; at most 4000 x 4000 is allowed.", forbids=True),
         ),
     ],
 )

@@ -35,7 +35,7 @@ def test_texts_and_visibility_are_set_as_they_will_be_loaded() -> None:
         ({"briefing": "b" * 20_001}, "longer than 20000"),
         ({"hints": ("\x1b",)}, "can't be shown"),
         ({"visibility": Visibility("none")}, '"memory" must be'),  # type: ignore[arg-type] # as it is tested
-        ({"width": 5}, "A level has no width to set."),
+        ({"width": 5}, "A level has no property width."),
     ],
 )
 def test_a_text_out_of_bounds_is_refused(values: dict[str, object], message: str) -> None:
@@ -61,7 +61,7 @@ def test_the_same_size_is_the_level_itself() -> None:
     ("size", "message"),
     [
         ((0, 5), '"width" must be 1 or more'),
-        ((5, 4001), "The map is 5 x 4001 units; 4000 x 4000 is the most."),
+        ((5, 4001), "The map is 5 x 4001 units; at most 4000 x 4000 is allowed."),
     ],
 )
 def test_a_size_out_of_bounds_is_refused(size: tuple[int, int], message: str) -> None:

@@ -50,7 +50,7 @@ def test_a_broken_file_is_replaced(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("name", "changes", "message"),
     [
-        ("level.txt", {}, "no format of a level"),
+        ("level.txt", {}, "no ending of a level format"),
         ("level.toml", {"robots": ()}, "The level has no robots."),
         ("level.toml", {"robots": (Robot("A", 1, 1),) * 2}, 'robots are called "A"'),
         ("level.json", {"beacons": (Beacon("n" * 61, 1, 1),)}, "longer than 60"),
@@ -67,7 +67,7 @@ def test_what_could_not_be_loaded_is_not_saved(
 
 
 def test_our_own_levels_are_not_overwritten() -> None:
-    with pytest.raises(LevelError, match="stay as they are"):
+    with pytest.raises(LevelError, match="can't be changed"):
         save_level(room(), SHIPPED[0])
 
 

@@ -104,7 +104,7 @@ def test_the_last_robot_stays() -> None:
         (ANN, {"x": math.nan}, "finite"),
         (ANN, {"x": 1e7}, "too large"),
         (ANN, {"angle": math.inf}, "finite"),
-        (ANN, {"color": "#12"}, "no colour"),
+        (ANN, {"color": "#12"}, "not a colour"),
         (ANN, {"battery_capacity": -1.0}, '"capacity" must be 0 or more, not -1.'),
         (ANN, {"radius": 3}, "Robots have no radius."),
         (LAMP, {"name": ""}, '"name" is empty.'),

@@ -132,13 +132,13 @@ async def test_one_that_is_switched_off_or_deleted_does_not_stop_a_run(game: Gam
 
 
 @pytest.mark.parametrize(
-    ("given", "trouble"),
+    ("given", "problem"),
     [
         (Breakpoint("rows", "Sean"), 'The program has no predicate Sean. Did you mean "Seen"?'),
         (Breakpoint("change", "WeightedAverage"), "function of its arguments"),
         (Breakpoint("rows"), "needs the name of a predicate"),
         (Breakpoint("enters", "Dor"), 'This level has no area Dor. Did you mean "Door"?'),
-        (Breakpoint("loses sight", "Lmap"), "Nothing here is called Lmap."),
+        (Breakpoint("loses sight", "Lmap"), "Nothing in this level is called Lmap."),
         (Breakpoint("notice", "nonsense"), "No notice is called nonsense."),
         (Breakpoint("blocked", robot="Eve"), "This level has no robot Eve."),
         (Breakpoint("change", "Tens", column="ten"), "Tens has no column ten."),
@@ -146,40 +146,40 @@ async def test_one_that_is_switched_off_or_deleted_does_not_stop_a_run(game: Gam
     ids=lambda each: each.words if isinstance(each, Breakpoint) else "",
 )
 async def test_one_that_can_not_be_hit_says_why_and_the_run_goes_on(
-    game: Game, given: Breakpoint, trouble: str
+    game: Game, given: Breakpoint, problem: str
 ) -> None:
     hits = await stops(game, given, Breakpoint("rows", "Near"))
     assert [hit.breakpoint.subject for hit in hits][:1] == ["Near"]
-    assert trouble in game.trouble_with(given)
-    assert not game.trouble_with(Breakpoint("rows", "Near"))
+    assert problem in game.problem_with(given)
+    assert not game.problem_with(Breakpoint("rows", "Near"))
 
 
 async def test_one_of_a_predicate_that_the_edited_program_has_no_more_says_so(game: Game) -> None:
     near = Breakpoint("rows", "Near")
     game.breakpoints.add(near)
-    assert not game.trouble_with(near)
+    assert not game.problem_with(near)
     game.use(Program.compile(TEXT.replace("Near(", "Close(")))
-    assert "no predicate Near" in game.trouble_with(near)
+    assert "no predicate Near" in game.problem_with(near)
     await game.run_until(tick=120)
     assert game.frame.tick == 120
     game.use(Program.compile(TEXT))
-    assert not game.trouble_with(near)
+    assert not game.problem_with(near)
 
 
 async def test_one_whose_question_is_wrong_says_so_and_stops_nothing(game: Game) -> None:
     wrong = Breakpoint("rows", "Near(robot_nam:)")
-    assert game.trouble_with(wrong) == ""
+    assert game.problem_with(wrong) == ""
     assert await stops(game, wrong, ticks=3) == []
-    assert "can't be asked: Near has no column robot_nam" in game.trouble_with(wrong)
+    assert "can't be asked: Near has no column robot_nam" in game.problem_with(wrong)
     game.use(Program.compile(TEXT.replace("Near(robot_name:)", "Near(robot_name:, robot_nam: 1)")))
-    assert game.trouble_with(wrong) == ""
+    assert game.problem_with(wrong) == ""
     assert [hit.tick for hit in await stops(game, wrong, ticks=120)] == [103]
 
 
 async def test_one_whose_question_fails_says_in_which_tick(game: Game) -> None:
     bad = Breakpoint("rows", 'x in ["a"], x.field == 2')
     assert await stops(game, bad, ticks=5) == []
-    assert game.trouble_with(bad).startswith("Tick 5: This failed: ")
+    assert game.problem_with(bad).startswith("Tick 5: This failed: ")
 
 
 async def test_one_whose_predicate_fails_says_in_which_tick(game: Game) -> None:
@@ -187,15 +187,15 @@ async def test_one_whose_predicate_fails_says_in_which_tick(game: Game) -> None:
     game.use(Program.compile(text))
     bad = Breakpoint("change", "Bad")
     assert await stops(game, bad, ticks=5) == []
-    assert game.trouble_with(bad).startswith("Tick 5: Bad failed")
+    assert game.problem_with(bad).startswith("Tick 5: Bad failed")
 
 
 def test_words_say_what_a_breakpoint_is_about() -> None:
     told = {
         Breakpoint("rows", "Near"): "Near has rows",
-        Breakpoint("no rows", "Near", "Ada"): "Near has no rows any more for Ada",
+        Breakpoint("no rows", "Near", "Ada"): "Near no longer has rows for Ada",
         Breakpoint("rows", "Near(d:), d < 5"): "Near(d:), d < 5 holds",
-        Breakpoint("no rows", "1 < 2"): "1 < 2 does not hold any more",
+        Breakpoint("no rows", "1 < 2"): "1 < 2 no longer holds",
         Breakpoint("change", "Tens", "Bo", "tens"): "Tens.tens changes for Bo",
         Breakpoint("enters", "Door"): "a robot enters Door",
         Breakpoint("leaves", robot="Ada"): "Ada leaves an area",

@@ -93,7 +93,7 @@ MISTAKES = {
         f"Robot(robot_name:, {ENGINES}, memory: {{count: 1 + n}}) :-\n"
         "  Memory(robot_name:, memory:),\n  n = Coalesce(memory.counts, 0);",
         ("memory never written", 3),
-        "memory.counts is read, and no memory ever had a field counts",
+        "memory.counts is read, but no memory ever had a field counts",
     ),
     "a field that is never read": (
         f"Robot(robot_name:, {ENGINES}, memory: {{count: n,\n  other: 1}}) :-\n"
@@ -126,7 +126,7 @@ MISTAKES = {
         f'Robot(robot_name:, {ENGINES}, memory: "") :- Sensor(robot_name:, sensor:),\n'
         "  sensor.clock < 4;",
         ("no row", 2),
-        "First at tick 4, in all 6 times",
+        "First at tick 4, 6 times in total",
     ),
     "an engine that is null": (
         "Near(radar) = Min{ray.distance :-\n  ray in radar, ray.distance < 0};\n"
@@ -175,7 +175,7 @@ async def test_nothing_is_said_of_what_is_too_much_to_ask(tmp_path: Path) -> Non
     found = await diagnosed(tmp_path, text)
     assert found.left_out == 1
     assert 2 not in [line for _, line in told(found)]
-    assert "Of 1 places too much was to be asked" in extent(found)
+    assert "too expensive to examine: 1." in extent(found)
     found = await diagnosed(tmp_path, text.replace("1500", "500"))
     assert ("no rows", 2) in list(told(found))
 
@@ -240,7 +240,7 @@ async def test_only_the_ticks_of_the_present_program_count(tmp_path: Path) -> No
 async def test_at_the_start_there_is_nothing_to_look_at(tmp_path: Path) -> None:
     made = game(tmp_path, PLAIN)
     try:
-        assert extent(await diagnose(made)) == "There are no ticks to look at yet."
+        assert extent(await diagnose(made)) == "There are no ticks to examine yet."
     finally:
         await made.close()
 

@@ -49,7 +49,7 @@ async def test_another_program_begins_another_future_and_the_old_one_is_kept(
     await hall_game.run_until(tick=9)
     new = [hall_game.frame_at(t) for t in range(10)]
     assert hall_game.history.other == range(21)
-    found = hall_game.history.parting
+    found = hall_game.history.divergence
     assert found is not None
     assert found.tick == 6
     assert [(each.robot_name, each.matter) for each in found.differences] == [
@@ -74,7 +74,7 @@ async def test_two_programs_that_do_the_same_do_not_part(hall_game: Game) -> Non
     hall_game.use(Program.compile(COUNTER + "# the same\n"))
     await hall_game.run_until(tick=15)
     assert hall_game.history.other == range(11)
-    assert hall_game.history.parting is None
+    assert hall_game.history.divergence is None
 
 
 async def test_looking_back_past_a_change_of_program_changes_nothing(hall_game: Game) -> None:
@@ -103,8 +103,8 @@ async def test_a_program_that_is_asked_for_goes_on_where_another_one_took_over(
     assert [hall_game.frame_at(t).after.robots[0].x for t in (5, 6, 9)] == pytest.approx(
         [45, 46, 49]
     )
-    assert hall_game.history.parting is not None
-    assert hall_game.history.parting.tick == 6
+    assert hall_game.history.divergence is not None
+    assert hall_game.history.divergence.tick == 6
 
 
 async def test_restarting_under_a_changed_program_leaves_the_old_future_to_compare(

@@ -191,7 +191,7 @@ class Histories(RuleBasedStateMachine):
 
     @invariant()
     def the_first_difference_from_the_other_course_is_known(self) -> None:
-        found = self.history.parting
+        found = self.history.divergence
         if self.other is None or self.history.other is None:
             assert found is None
             return

@@ -104,7 +104,7 @@ async def test_a_part_that_is_not_there_is_named(level: Level) -> None:
 
 @pytest.mark.parametrize("text", ["plan", "memory.", "memory[x]", "memory.a..b", ""])
 def test_what_names_no_part_is_refused(text: str) -> None:
-    with pytest.raises(ValueError, match="is no part of a memory"):
+    with pytest.raises(ValueError, match="is not a part of a memory"):
         read_path(text)
 
 

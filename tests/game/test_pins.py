@@ -52,13 +52,13 @@ def test_rows_are_counted_of_one_mind_or_of_all() -> None:
 
 def test_what_cant_be_read_says_why() -> None:
     table = Table(("x", "y"), ((1, {"a": [1]}), (2, "text")))
-    assert read(Pin("P"), QueryError("The program has no predicate P.")).trouble
-    assert read(Pin("P", "z"), table).trouble == "P has no column z."
-    assert read(Pin("P", "x", (("x", 3),)), table).trouble == "No row."
-    assert read(Pin("P", "y"), table).trouble == "2 rows."
+    assert read(Pin("P"), QueryError("The program has no predicate P.")).problem
+    assert read(Pin("P", "z"), table).problem == "P has no column z."
+    assert read(Pin("P", "x", (("x", 3),)), table).problem == "No row."
+    assert read(Pin("P", "y"), table).problem == "2 rows."
     for path in (("b",), ("a", 1), ("a", "b"), (0,)):
-        assert read(Pin("P", "y", (("x", 1),), path), table).trouble
-    assert read(Pin("P", "y", (("x", 2),), (0,)), table).trouble, "a text is not a list"
+        assert read(Pin("P", "y", (("x", 1),), path), table).problem
+    assert read(Pin("P", "y", (("x", 2),), (0,)), table).problem, "a text is not a list"
     assert pin_of_cell("P", ("x",), ((1,), (2,)), 0, "x") is None, "nothing else tells the rows"
 
 

@@ -36,7 +36,7 @@ def test_the_programs_follow_each_other_up_to_the_tick(place: Place) -> None:
 
 @given(texts)
 def test_nonsense_is_no_place(text: str) -> None:
-    with pytest.raises(ValueError, match="no place"):
+    with pytest.raises(ValueError, match="not a place"):
         Place.from_text(text)
 
 

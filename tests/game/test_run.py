@@ -174,20 +174,17 @@ async def test_all_that_a_run_depends_on_is_in_its_key(
     program = Program.compile(COUNTER)
     ada, *others = level.robots
     keys = [
-        run_key(level, program, "sqlite", Limits()),
-        run_key(level, program, "duckdb", Limits()),
-        run_key(level, program, "sqlite", Limits(think_rows=9)),
-        run_key(level, Program.compile(BACKWARDS), "sqlite", Limits()),
-        run_key(replace(level, walls=~level.walls), program, "sqlite", Limits()),
-        run_key(replace(level, areas=()), program, "sqlite", Limits()),
-        run_key(
-            replace(level, robots=(replace(ada, x=41.0), *others)), program, "sqlite", Limits()
-        ),
+        run_key(level, program, Limits()),
+        run_key(level, program, Limits(think_rows=9)),
+        run_key(level, Program.compile(BACKWARDS), Limits()),
+        run_key(replace(level, walls=~level.walls), program, Limits()),
+        run_key(replace(level, areas=()), program, Limits()),
+        run_key(replace(level, robots=(replace(ada, x=41.0), *others)), program, Limits()),
     ]
     monkeypatch.setattr(running, "_simulation", lambda: b"as it will be")
-    keys.append(run_key(level, program, "sqlite", Limits()))
+    keys.append(run_key(level, program, Limits()))
     assert len(set(keys)) == len(keys)
-    assert run_key(replace(level, title="New"), program, "sqlite", Limits()) == keys[-1]
+    assert run_key(replace(level, title="New"), program, Limits()) == keys[-1]
 
 
 async def test_a_recording_by_other_code_is_not_looked_at(
@@ -328,6 +325,26 @@ async def test_of_a_run_that_is_too_long_the_first_ticks_are_kept(
     assert entry(folder).stat().st_size <= 9_000
     assert 32 <= await known(level) < 500
     assert await frames(level, 500) == expected
+
+
+async def test_what_is_held_in_memory_is_bounded_and_what_is_dropped_computed_anew(
+    level: Level, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    expected = await frames(level, 500)
+    monkeypatch.setattr(recording, "MAX_BYTES", 4_000)
+    monkeypatch.setattr(recording, "MAX_HELD_BYTES", 8_000)
+    run = Run(level, Program.compile(COUNTER))
+    assert [frame async for frame in run.each(0, 500, lambda frame, *_: frame)] == expected
+    held = run._recording
+    assert sum(len(piece.content) for piece in held._pieces) <= 8_000
+    in_gap = [tick for tick in range(500) if held.is_in_gap(tick)]
+    assert in_gap[0] > 31
+    assert in_gap == list(range(in_gap[0], in_gap[-1] + 1))
+    for tick in (in_gap[0], 500, in_gap[-1], in_gap[-1] + 1, 5, 499):
+        assert await run.frame(tick) == expected[tick]
+    assert [m.after for m in await run.moments(0, 500)] == [f.after for f in expected]
+    await run.close()
+    assert await known(level) == in_gap[0] - 1
 
 
 async def test_a_recording_that_is_too_large_is_dropped(

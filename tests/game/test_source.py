@@ -58,11 +58,11 @@ def test_a_folder_and_a_missing_file_are_refused(tmp_path: Path) -> None:
 def test_a_pipe_is_waited_for_only_by_who_says_so(tmp_path: Path) -> None:
     pipe = tmp_path / "pipe.l"
     os.mkfifo(pipe)
-    with pytest.raises(InputError, match="is no ordinary file"):
+    with pytest.raises(InputError, match="is not a regular file"):
         load_program(pipe)
     with pytest.raises(InputError, match="there is no such program"):
         load_program("pipe", tmp_path)
-    with pytest.raises(InputError, match="is no ordinary file"):
+    with pytest.raises(InputError, match="is not a regular file"):
         target("pipe", tmp_path)
     writer = threading.Thread(target=pipe.write_text, args=("A(1);",))
     writer.start()

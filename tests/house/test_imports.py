@@ -26,7 +26,6 @@ MUST_NOT_LOAD = {
     f"{EDITING}.edits": {MIND, PROGRESS, GAME, TUI, CLI, "logica", "sqlite3"} | SCREEN,
     GAME: {TUI, CLI, "logica", "sqlglot"} | SCREEN,
     "logical_robots_tui.tui.app.play": {CLI},
-    "logical_robots_tui.tui.app.outline": {WORLD, MIND, GAME, CLI, "numpy", "asyncio"} | SCREEN,
     **{
         f"{TUI}.{part}": {CLI, f"{TUI}.app.main_screen"} | SCREEN
         for part in (

@@ -62,7 +62,7 @@ def test_example_and_page_name_every_key_that_a_level_knows(
     file.write_text(example().replace(before, after, 1), "utf-8")
     with pytest.raises(LevelError) as caught:
         load_level(file)
-    known = caught.value.hint.removeprefix("Known here: ").removesuffix(".").split(", ")
+    known = caught.value.hint.removeprefix("Known keys: ").removesuffix(".").split(", ")
     assert len(known) > 1
     explained = PAGE.read_text("utf-8").replace(example(), "")
     for key in set(known) - {"robots", "beacons", "areas"}:

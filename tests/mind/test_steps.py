@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from contextlib import nullcontext
 from dataclasses import replace
 
 import pytest
 
-from logical_robots_tui.mind import Limits, Mind, Program
+from logical_robots_tui.mind import Limits, Mind, Program, QueryError
+from logical_robots_tui.mind.sqlite.database import Database, TooSlowError
+from logical_robots_tui.mind.sqlite.moment import Within
 from logical_robots_tui.mind.sqlite.watch import STEPS_AT_ONCE, Budget, Work
 from tests.mind.rows import ROBOT, row
 
@@ -81,3 +84,37 @@ def test_the_guard_counts_no_time_in_which_it_could_not_look() -> None:
     work.look(0.2)
     assert halted
     assert budget.is_late
+
+
+def test_functions_that_are_offered_and_aggregates_are_counted() -> None:
+    text = "printf('%1000000s', 'x')"
+    for sql in (f"SELECT measured({text})", f"SELECT list_of_distinct({text})"):
+        for steps, is_enough in ((900_000, False), (1_100_000, True)):
+            database = Database(Limits())
+            database.offer("measured", len)
+            within = Within(steps, 30.0, 10, None)
+            with nullcontext() if is_enough else pytest.raises(TooSlowError):
+                database.ask(sql, most=10, within=within)
+            assert not within.budget.is_late
+            database.close()
+
+
+NESTED = "".join(f"F{n}(x) = F{n + 1}(x);\n" for n in range(30)) + "F30(x) = Length(x);\n"
+
+
+def test_what_a_proof_does_between_its_queries_is_counted() -> None:
+    """Each call of the chain has a text of 100,000 characters as its argument."""
+    program = Program.compile(NESTED + ROBOT + "Memory(robot_name:, memory: t), m = F0(t);")
+    found = {}
+    for steps in (1_000_000, 200_000_000):
+        mind = Mind(program, limits=Limits(query_steps=steps))
+        try:
+            proof = mind.explainer("Ada", [row("Ada")], {"Ada": "x" * 100_000}).proof()
+            found[steps] = [
+                n.text for root in proof.nodes for _, n in root.walk() if "steps" in n.text
+            ]
+        except QueryError as error:
+            found[steps] = [str(error)]
+        mind.close()
+    assert found[200_000_000] == []
+    assert "more than 1,000,000 steps" in found[1_000_000][0]

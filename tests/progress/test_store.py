@@ -272,7 +272,7 @@ def test_a_file_of_a_newer_version_is_left_alone_and_told_politely(
 def test_a_full_disk_is_told_once_and_the_game_goes_on(file: Path) -> None:
     (told,) = output(FULL, file).splitlines()
     assert told.startswith("Your progress can't be saved: ")
-    assert told.endswith("The game goes on without saving it.")
+    assert told.endswith("The game continues without saving it.")
     assert kept(file) == {"before"}
     assert is_whole(file)
 
@@ -287,7 +287,7 @@ def test_a_database_that_may_not_grow_is_a_full_disk(file: Path, told: list[str]
     progress.keep("level", "y" * 100_000)
     assert [version.text[0] for version in progress.versions("level")] == ["y", "x", "b"]
     assert told == [
-        "Your progress can't be saved: the disk is full. The game goes on without saving it."
+        "Your progress can't be saved: the disk is full. The game continues without saving it."
     ]
     assert kept(file) == {"before"}
 
@@ -324,7 +324,7 @@ def test_a_file_that_can_only_be_read_shows_what_it_holds(
     progress.keep("level", "again")
     assert progress.record("level").versions == 3
     assert told == [
-        "Your progress can't be saved: it can only be read. The game goes on without saving it."
+        "Your progress can't be saved: it is read-only. The game continues without saving it."
     ]
 
 
@@ -357,7 +357,7 @@ def test_a_file_that_another_program_will_not_let_go_is_told_once(
         progress.keep("level", "again")
         assert progress.newest("level") == "again"
         assert len(told) == 1
-        assert "another program holds it" in told[0]
+        assert "another program is using it" in told[0]
         assert aside(file) == []
 
 

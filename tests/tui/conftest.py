@@ -25,7 +25,6 @@ if TYPE_CHECKING:
 
     from textual.pilot import Pilot
 
-    from logical_robots_tui.mind import Engine
     from logical_robots_tui.tui.app.main_screen import MainScreen
     from logical_robots_tui.tui.app.session import Session
     from logical_robots_tui.tui.app.settings import Settings
@@ -225,7 +224,6 @@ async def opened(
     size: tuple[int, int] = (120, 40),
     name: str = "mine",
     welcome: bool = False,
-    engine: Engine = "sqlite",
     settings: Settings | None = None,
 ) -> AsyncIterator[Opened]:
     """Open the game with a program in the player's folder."""
@@ -237,7 +235,6 @@ async def opened(
         source,
         data_dir=data_dir,
         welcome=welcome,
-        engine=engine,
         settings=settings,
     )
     async with app.run_test(size=size, notifications=True) as pilot:

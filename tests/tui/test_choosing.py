@@ -196,7 +196,7 @@ async def test_saving_over_another_program_asks_first(data_dir: Path) -> None:
     ("name", "why"),
     [
         ("", "needs a name"),
-        ("obstacle-avoider", "stays as it is"),
+        ("obstacle-avoider", "is part of the game"),
         ("a\tb", "letters"),
         (".hidden", "letters"),
         ("../up", "is a folder"),

@@ -17,8 +17,7 @@ from rich.style import Style
 from textual.geometry import Region
 from textual.strip import Strip
 
-from logical_robots_tui.tui.terminal.cell_diff import Difference
-from logical_robots_tui.tui.theme.color_reduction import reduced
+from logical_robots_tui.tui.terminal.cell_diff import Difference, reduced
 from tests.terminal import looks
 
 if TYPE_CHECKING:

@@ -216,7 +216,7 @@ def test_the_chosen_card_is_told_apart_without_colour() -> None:
 
 
 def test_a_level_that_can_not_be_used_says_why_on_its_card() -> None:
-    card = LevelCard("99-broken", complaint="This is no valid TOML.")
+    card = LevelCard("99-broken", complaint="This is not valid TOML.")
     text = "\n".join(strip.text for strip in card_strips(card, None, 40, 2, False))
     assert "99 broken" in text
-    assert "This is no valid TOML." in text
+    assert "This is not valid TOML." in text

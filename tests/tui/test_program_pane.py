@@ -325,14 +325,6 @@ async def test_keys_that_arrive_at_once_are_obeyed_in_their_order(data_dir: Path
         assert game.editor.document.get_line(3) == "yc"
 
 
-async def test_who_has_chosen_duckdb_is_told_when_a_program_can_not_use_it(data_dir: Path) -> None:
-    async with opened(data_dir, text=REMEMBERS, engine="duckdb") as game:
-        await game.ready()
-        await game.press("2")
-        await game.until(lambda: game.shows("applied, 1 warning"))
-        assert game.shows("DuckDB can't compute Robot")
-
-
 async def test_what_is_copied_or_cut_is_in_a_file_too(data_dir: Path) -> None:
     copied = data_dir / "copied.txt"
     async with opened(data_dir, text=STILL) as game:

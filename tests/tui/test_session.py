@@ -9,6 +9,7 @@ from time import monotonic
 from typing import TYPE_CHECKING, Any
 
 from logical_robots_tui.game import load_program
+from logical_robots_tui.game.drafts import Drafts
 from logical_robots_tui.progress import FILE_NAME, Progress
 from logical_robots_tui.tui.app.session import Session
 from logical_robots_tui.tui.app.session_listener import SessionListener
@@ -132,6 +133,7 @@ class Table:
     editing: EditingDoor
     chronicle: Chronicle
     ui: Background
+    drafts: Drafts
     data_dir: Path
 
     @property
@@ -170,13 +172,13 @@ async def table(tmp_path: Path, text: str = AHEAD) -> AsyncIterator[Table]:
     file.write_text(LEVEL, "utf-8")
     program.write_text(text, "utf-8")
     data_dir, ui, chronicle = tmp_path / "data", Background(), Chronicle()
-    journal = Journal(data_dir / FILE_NAME)
+    journal, drafts = Journal(data_dir / FILE_NAME), Drafts(data_dir / "drafts")
     session = Session(load_level(file), load_program(program), spawn=ui.spawn, changed=lambda: None)
 
     async def open_level(level: Level) -> None:
         session.open_level(level, session.source, text)
 
-    editing = EditingDoor(session, ui, data_dir, open_level, lambda _: Unseen())
+    editing = EditingDoor(session, ui, data_dir / "levels", drafts, open_level, lambda _: Unseen())
     journal.attach(
         spawn=ui.spawn,
         changed=lambda: None,
@@ -187,11 +189,12 @@ async def table(tmp_path: Path, text: str = AHEAD) -> AsyncIterator[Table]:
     session.pace.speed = None
     journal.level_opened(session.opened)
     try:
-        await_ready = Table(session, journal, editing, chronicle, ui, data_dir)
-        await await_ready.apply(text)
-        yield await_ready
+        opened = Table(session, journal, editing, chronicle, ui, drafts, data_dir)
+        await opened.apply(text)
+        yield opened
     finally:
         editing.close()
+        drafts.close()
         await ui.close()
         await session.close()
         await journal.close()
@@ -235,7 +238,7 @@ async def test_a_whole_game_is_played_without_a_screen(tmp_path: Path) -> None:
         assert mode.levels is levels
         assert session.frame.tick == 0
         await t.until(lambda: t.journal.record.state == "new")
-        draft = t.editing.drafts.get(str(tmp_path / "short.toml"))
+        draft = t.drafts.get(("level", str(tmp_path / "short.toml")))
         assert draft is not None
         assert alike(read_native(draft.text, "short", ""), levels.edited)
     kept = Progress(t.data_dir / FILE_NAME)
@@ -296,6 +299,7 @@ async def test_saving_says_so_once_and_the_record_goes_with_the_file(tmp_path: P
         assert mode is not None
         t.paint((10, 8), (20, 8))
         assert not mode.is_saved
+        await t.until(lambda: t.session.levels.shown is t.session.levels.edited)
         other = replace(t.session.levels.edited, name="other", source=str(tmp_path / "other.toml"))
         mode.saved(t.session.levels.edited, other)
         assert mode.is_saved

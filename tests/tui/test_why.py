@@ -15,7 +15,7 @@ from logical_robots_tui.tui.inspector.questions import Questions
 from logical_robots_tui.tui.inspector.widgets.folds import Folds, Line
 from logical_robots_tui.tui.inspector.widgets.proof_lines import line_content
 from logical_robots_tui.tui.inspector.widgets.tree import ValueTree
-from logical_robots_tui.tui.labyrinth.drawing.look import Highlight
+from logical_robots_tui.tui.labyrinth.drawing.glyphs import Highlight
 from tests.short import AHEAD
 from tests.tui.conftest import SLOW, opened
 

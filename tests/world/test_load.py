@@ -114,7 +114,7 @@ def test_a_folder_is_refused(folder: str) -> None:
 
 def test_what_is_no_ordinary_file_is_refused_without_waiting_for_it(tmp_path: Path) -> None:
     os.mkfifo(tmp_path / "pipe.toml")
-    assert refusal(tmp_path / "pipe.toml").message == "This is no ordinary file."
+    assert refusal(tmp_path / "pipe.toml").message == "This is not a regular file."
 
 
 def test_a_path_that_no_system_allows_is_refused() -> None:
@@ -127,7 +127,7 @@ def test_a_file_that_is_not_text_is_refused_at_its_line(tmp_path: Path) -> None:
     path.write_bytes(b"title = 'A'\ncell = \xff\x00\x01\n")
     error = refusal(path)
     assert error.place == f"{path}, line 2"
-    assert error.message == "This is no text in UTF-8."
+    assert error.message == "This file is not UTF-8 text."
     assert error.hint.startswith("A level is a .toml file")
 
 

@@ -193,11 +193,11 @@ def test_a_shortened_row_that_makes_no_sense_is_named_with_its_line(
 
 def test_a_short_text_can_not_ask_for_a_huge_map(tmp_path: Path) -> None:
     high = refusal(tmp_path, SMALL.replace("#..#", "\n".join(["9999* 4#"] * 100)))
-    assert high.message == "The map is 40 x 9999020 units; 4000 x 4000 is the most."
+    assert high.message == "The map is 40 x 9999020 units; at most 4000 x 4000 is allowed."
     wide = refusal(tmp_path, SMALL.replace("####", "9999# 9999."))
-    assert wide.message == "The map is 199980 x 30 units; 4000 x 4000 is the most."
+    assert wide.message == "The map is 199980 x 30 units; at most 4000 x 4000 is allowed."
     many = refusal(tmp_path, SMALL.replace("#..#", "#..#\n" * 4000))
-    assert many.message == "The map has 4003 rows; 4000 is the most."
+    assert many.message == "The map has 4003 rows; at most 4000 are allowed."
 
 
 def test_a_heading_can_be_given_in_radians(tmp_path: Path) -> None:
@@ -223,7 +223,7 @@ def test_a_lenient_level_may_be_as_odd_as_one_of_the_web_platform(tmp_path: Path
 def test_broken_toml_is_placed_by_line_and_column(tmp_path: Path) -> None:
     error = refusal(tmp_path, SMALL.replace("cell = 10", "cell = = 10"))
     assert place(error) == "line 2, column 8"
-    assert error.message.startswith("This is no valid TOML: ")
+    assert error.message.startswith("This is not valid TOML: ")
 
 
 def test_toml_that_ends_too_early_is_placed_at_its_end(tmp_path: Path) -> None:
@@ -234,7 +234,7 @@ def test_toml_that_ends_too_early_is_placed_at_its_end(tmp_path: Path) -> None:
 @pytest.mark.parametrize("value", ["9" * 5000, "2024-02-31", "[" * 100_000])
 def test_toml_that_its_parser_chokes_on_is_refused(tmp_path: Path, value: str) -> None:
     error = refusal(tmp_path, f"title = {value}\n")
-    assert error.message.startswith(("This is no valid TOML: ", "The file has "))
+    assert error.message.startswith(("This is not valid TOML: ", "The file has "))
 
 
 BAD_VALUES = [
@@ -246,8 +246,8 @@ BAD_VALUES = [
     ("cell = 10", "cell = 0", "cell", '"cell" must be 1 or more, not 0.'),
     ("cell = 10", "cell = 1.5", "cell", '"cell" must be a whole number, not 1.5.'),
     ("cell = 10", "cell = true", "cell", '"cell" must be a number, not true or false.'),
-    ("cell = 10", "cell = 2000", "walls", "The map is 8000 x 6000 units; 4000 x 4000 is the most."),
-    ("cell = 10", "cell = 10\nsize = 3", "size", '"size" means nothing here.'),
+    ("cell = 10", "cell = 2000", "walls", "The map is 8000 x 6000 units; at most 4000 x 4000 is "),
+    ("cell = 10", "cell = 10\nsize = 3", "size", '"size" is not a known key.'),
     ("cell = 10", "cell = 10\nhints = 3", "hints", '"hints" must be a list, not a number.'),
     ("cell = 10", "cell = 10\nhints = [3]", "hints[0]", "This must be text, not a number."),
     ("cell = 10", 'cell = 10\nbriefing = "\\u001b[2J"', "briefing", "can't be shown"),
@@ -265,7 +265,7 @@ BAD_VALUES = [
         "visibility.sensor",
         '"sensor" must be "own" or "all".',
     ),
-    ("cell = 10", "cell = 10\nvisibility = {eyes = 2}", "visibility.eyes", "means nothing here."),
+    ("cell = 10", "cell = 10\nvisibility = {eyes = 2}", "visibility.eyes", "is not a known key."),
     ("[[robots]]", "[[beacons]]", "robots", "The level has no robots."),
     ("[[robots]]", "[robots]", "robots", '"robots" must be a list, not a record.'),
     ('name = "Ann"\n', "", "robots[0].name", '"name" is missing.'),
@@ -279,13 +279,13 @@ BAD_VALUES = [
     ("x = 15", "x = 2024-01-01", "robots[0].x", '"x" must be a number, not a date or time.'),
     ("x = 15", "x = nan", "robots[0].x", '"x" must be a finite number, not nan.'),
     ("x = 15", "x = -inf", "robots[0].x", '"x" must be a finite number, not -inf.'),
-    ("x = 15", "x = 1" + "0" * 400, "robots[0].x", '"x" is too large; 1000000 is the most.'),
-    ("x = 15", "x = 40", "robots[0]", 'Robot "Ann" stands outside the map.'),
-    ("y = 15", "y = -1", "robots[0]", 'Robot "Ann" stands outside the map.'),
-    ("y = 15", "y = 15\nage = 3", "robots[0].age", '"age" means nothing here.'),
+    ("x = 15", "x = 1" + "0" * 400, "robots[0].x", '"x" is too large; at most 1000000 is allowed.'),
+    ("x = 15", "x = 40", "robots[0]", 'Robot "Ann" is outside the map.'),
+    ("y = 15", "y = -1", "robots[0]", 'Robot "Ann" is outside the map.'),
+    ("y = 15", "y = 15\nage = 3", "robots[0].age", '"age" is not a known key.'),
     ("y = 15", "y = 15\nheading = 90\nangle = 3", "robots[0].angle", "say the same"),
     ("y = 15", 'y = 15\nheading = "up"', "robots[0].heading", "must be a number, not text."),
-    ("y = 15", 'y = 15\ncolor = "#12345"', "robots[0].color", '"color" is no colour.'),
+    ("y = 15", 'y = 15\ncolor = "#12345"', "robots[0].color", '"color" is not a colour.'),
     ("y = 15", "y = 15\ncolor = 12", "robots[0].color", '"color" must be text, not a number.'),
     ("y = 15", "y = 15\nbattery = 5", "robots[0].battery", "must be a record, not a number."),
     ("y = 15", "y = 15\nbattery = {}", "robots[0].battery.capacity", '"capacity" is missing.'),
@@ -305,7 +305,7 @@ BAD_VALUES = [
         "y = 15",
         "y = 15\nbattery = {capacity = 1, drain = 1}",
         "robots[0].battery.drain",
-        '"drain" means nothing here.',
+        '"drain" is not a known key.',
     ),
 ]
 
@@ -337,12 +337,12 @@ BAD_ADDITIONS = [
     (
         '[[areas]]\nname = "a"\nx = 1\ny = 1\nradius = 5\non_beacon = "lamp"',
         "areas[0].on_beacon",
-        'Area "a" is switched by "lamp", which is no beacon here.',
+        'Area "a" is switched by "lamp", but there is no such beacon.',
     ),
     (
         '[[areas]]\nname = "a"\nx = 1\ny = 1\nradius = 5\noff_beacon = "lamp"',
         "areas[0].off_beacon",
-        'Area "a" is switched by "lamp", which is no beacon here.',
+        'Area "a" is switched by "lamp", but there is no such beacon.',
     ),
     (
         '[[areas]]\nname = "a"\nx = 1\ny = 1\nradius = 5\ngoal_for = "Ann"',
@@ -357,7 +357,7 @@ BAD_ADDITIONS = [
     (
         "\n".join(f'[[beacons]]\nname = "b{i}"\nx = 1\ny = 1' for i in range(1001)),
         "beacons",
-        "There are 1001 beacons; 1000 is the most.",
+        "There are 1001 beacons; at most 1000 are allowed.",
     ),
 ]
 
@@ -375,7 +375,7 @@ def test_a_goal_for_an_unknown_robot_asks_which_one_was_meant(tmp_path: Path) ->
     area = '[[areas]]\nname = "a"\nx = 1\ny = 1\nradius = 5\ngoal_for = ["ann"]\n'
     error = refusal(tmp_path, SMALL + area)
     assert place(error) == "areas[0].goal_for"
-    assert error.message == 'Area "a" is a goal for "ann", which is no robot here.'
+    assert error.message == 'Area "a" is a goal for "ann", but there is no such robot.'
     assert error.hint == 'Did you mean "Ann"?'
 
 
@@ -387,7 +387,7 @@ def test_a_mistyped_key_asks_which_one_was_meant(tmp_path: Path) -> None:
 
 def test_a_key_that_is_like_no_other_lists_what_is_known(tmp_path: Path) -> None:
     error = refusal(tmp_path, SMALL + "battery = {capacity = 1, zzz = 1}\n")
-    assert error.hint == "Known here: capacity, consumption, charges_others, used."
+    assert error.hint == "Known keys: capacity, consumption, charges_others, used."
 
 
 def test_a_level_without_a_map_tells_how_to_draw_one(tmp_path: Path) -> None:

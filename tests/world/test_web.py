@@ -135,14 +135,14 @@ BAD_VALUES = [
     (small(width="3"), "width", '"width" must be a number, not text.'),
     (small(width=1.5), "width", '"width" must be a whole number, not 1.5.'),
     (small(height=0), "height", '"height" must be 1 or more, not 0.'),
-    (small(height=4001), "width", "The map is 3 x 4001 units; 4000 x 4000 is the most."),
+    (small(height=4001), "width", "The map is 3 x 4001 units; at most 4000 x 4000 is allowed."),
     (small(walls=None), "walls", '"walls" must be text with one digit per cell, row after row.'),
     (small(walls=[1]), "walls", '"walls" must be text with one digit per cell, row after row.'),
     (small(robots=None), "robots", "The level has no robots."),
     (small(robots=[]), "robots", "The level has no robots."),
     (small(robots={}), "robots", '"robots" must be a list, not a record.'),
     (small(robots=["Ann"]), "robots[0]", "This must be a record, not text."),
-    (small(robots=[{}] * 1001), "robots", "There are 1001 robots; 1000 is the most."),
+    (small(robots=[{}] * 1001), "robots", "There are 1001 robots; at most 1000 are allowed."),
     (
         small(robots=small()["robots"] * 2),
         "robots[1].name",
@@ -182,12 +182,12 @@ def test_a_bad_value_is_refused_at_its_key(level: object, key: str, message: str
 def test_broken_json_is_placed_by_line_and_column() -> None:
     error = refusal('{\n  "width": ,\n}')
     assert error.place == "level.json, line 2, column 12"
-    assert error.message == "This is no valid JSON: Expecting value."
+    assert error.message == "This is not valid JSON: Expecting value."
 
 
 @pytest.mark.parametrize("text", ["9" * 5000, "[" * 50_000])
 def test_json_that_its_parser_chokes_on_is_refused(text: str) -> None:
-    assert refusal(text).message.startswith("This is no valid JSON: ")
+    assert refusal(text).message.startswith("This is not valid JSON: ")
 
 
 def test_json_that_is_no_object_is_refused() -> None:

@@ -51,7 +51,7 @@ def start(options: argparse.Namespace) -> int:
 
     level = load_level(options.level)
     if options.svg is not None:
-        from logical_robots_tui.tui.labyrinth.drawing.svg import svg
+        from logical_robots_tui.tui.labyrinth.svg import svg
 
         write(options.svg, svg(level))
         print(harmless(f"Wrote {options.svg}."))

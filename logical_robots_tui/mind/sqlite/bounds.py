@@ -20,6 +20,7 @@ __all__ = [
     "check_items",
     "check_long",
     "check_text",
+    "counted",
     "guarded",
 ]
 
@@ -51,6 +52,22 @@ def check_text(length: int) -> None:
     """Raise TooLargeError if a text would be too long."""
     if length > MAX_TEXT:
         raise TooLargeError(f"a text of {length:,} characters")
+
+
+def counted(function: Callable[..., Any], work: Work) -> Callable[..., Any]:
+    """A function whose calls, and the characters that pass through them, are steps of some work."""
+
+    def counted_function(*arguments: Any) -> Any:
+        steps = STEPS_OF_A_CALL
+        for argument in arguments:
+            if argument.__class__ is str:
+                steps += len(argument)
+        work.steps -= steps
+        if work.is_over:
+            raise TooLargeError("the thought is to end")
+        return function(*arguments)
+
+    return counted_function
 
 
 def guarded(

@@ -11,7 +11,7 @@ from logical_robots_tui.mind.diagnostics import Stopped
 from logical_robots_tui.mind.limits import Limits
 from logical_robots_tui.mind.sqlite import functions
 from logical_robots_tui.mind.sqlite.allowed import BUILT_IN, NAMED_QUERY
-from logical_robots_tui.mind.sqlite.bounds import MAX_ITEMS
+from logical_robots_tui.mind.sqlite.bounds import MAX_ITEMS, counted
 from logical_robots_tui.mind.sqlite.layouts import PLAIN_LAYOUT
 from logical_robots_tui.mind.sqlite.moment import Within
 from logical_robots_tui.mind.sqlite.watch import STEPS_AT_ONCE, Work
@@ -237,8 +237,8 @@ class Database:
             raise self._too_much(error) from None
 
     def offer(self, name: str, function: Callable[..., Any], arguments: int = 1) -> None:
-        """Let queries call one more function; its errors are theirs."""
-        self._connection.create_function(name, arguments, function)
+        """Let queries call one more function; its errors are theirs, and so are its steps."""
+        self._connection.create_function(name, arguments, counted(function, self._work))
         self._offered.add(name)
 
     def prepare(self, sql: str, parameters: Sequence[int] = ()) -> None:

@@ -9,11 +9,18 @@ import hashlib
 import json
 import math
 import sqlite3
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 from logical_robots_tui.mind.sqlite import texts
 from logical_robots_tui.mind.sqlite.aggregates import AGGREGATES
-from logical_robots_tui.mind.sqlite.bounds import MAX_RANGE, check_items, check_text, guarded
+from logical_robots_tui.mind.sqlite.bounds import (
+    MAX_RANGE,
+    check_items,
+    check_text,
+    counted,
+    guarded,
+)
 from logical_robots_tui.mind.sqlite.casting import to_text, try_cast, try_cast_like
 from logical_robots_tui.mind.sqlite.order import compared, in_json, in_order, order_of_scalar
 from logical_robots_tui.mind.sqlite.replaced import REPLACED
@@ -250,4 +257,12 @@ def install(connection: sqlite3.Connection, work: Work | None = None) -> None:
     for name, function in _OF_ANY_NUMBER.items():
         create(name, -1, function, null_safe=True)
     for name, (arity, aggregate) in AGGREGATES.items():
-        connection.create_aggregate(name, arity, aggregate)
+        counting = aggregate if work is None else partial(_counting, aggregate, work)
+        connection.create_aggregate(name, arity, counting)
+
+
+def _counting(aggregate: type[Any], work: Work) -> Any:
+    """An aggregate whose steps are steps of some work."""
+    made = aggregate()
+    made.step = counted(made.step, work)
+    return made

@@ -12,7 +12,6 @@ from typing import TYPE_CHECKING
 from sqlglot import exp
 from sqlglot.errors import SqlglotError
 
-from logical_robots_tui.mind.duck.translation import in_duckdb
 from logical_robots_tui.mind.program import INPUTS, STEPS, Tuned
 from logical_robots_tui.mind.sqlite.remembered import ITEM_FIELDS, MEMORY_FIELDS
 from logical_robots_tui.mind.tuning import aggregates, columns, json, native, records, sharing, sql
@@ -24,14 +23,12 @@ from logical_robots_tui.mind.tuning.indexes import (
 from logical_robots_tui.mind.tuning.items import items_as_rows
 from logical_robots_tui.mind.tuning.memories import memory_fields_as_columns
 from logical_robots_tui.mind.tuning.often import computed_once, looked_up
-from logical_robots_tui.mind.tuning.pairs import pairs_as_columns
 from logical_robots_tui.mind.tuning.together import together
 from logical_robots_tui.mind.tuning.whole_rays import still_read, whole_rays_when_wanted
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
-    from logical_robots_tui.mind.program import Duck
 
 __all__ = ["Known", "tune", "tune_all"]
 
@@ -125,19 +122,11 @@ def tune(
         columns.rays_as_rows(tree)
         columns.sensor_fields_as_columns(tree)
         columns.bound_to_viewer(tree)
-        for_duckdb = tree.copy()
-        pairs_as_columns(tree)
         memory_fields_as_columns(tree, known.fields)
         items = items_as_rows(tree, known.fields, known.items)
         aggregates.grouped_arg_min(tree)
-        is_alike = tree == for_duckdb
         result, read = _finished(tree)
         at_once = [together(tree), together(tree, alike=True)] if for_all else [None, None]
-        duck = None
-        if for_all and is_alike:
-            duck = in_duckdb(tree, at_once[0], result, read)
-        elif for_all:
-            duck = _for_duckdb(for_duckdb)
         if "Memory" in read:
             read["Memory"] = _with_fields(read["Memory"], known.fields)
         if items:
@@ -160,7 +149,7 @@ def tune(
             if query is not None:
                 indexed_where_lists_are_joined(query)
         few = _texts(queries)
-        tuned = Tuned(few[0], bounds, read, result, few[1], few[2], duck)
+        tuned = Tuned(few[0], bounds, read, result, few[1], few[2])
         return tuned if few == crowd else replace(tuned, crowd=crowd)
     except (SqlglotError, ValueError, RecursionError):
         return None
@@ -192,12 +181,6 @@ def _for_crowd(query: exp.Query | None) -> exp.Query | None:
 def _texts(queries: Sequence[exp.Query | None]) -> tuple[str, str, str]:
     one, together_, alike = ("" if query is None else sql.written(query) for query in queries)
     return one, together_, alike
-
-
-def _for_duckdb(tree: exp.Query) -> Duck:
-    """The queries for DuckDB, which has its own way with memories and pairs."""
-    result, read = _finished(tree)
-    return in_duckdb(tree, together(tree), result, read)
 
 
 def _with_fields(names: tuple[str, ...], fields: Mapping[str, str]) -> tuple[str, ...]:

@@ -46,14 +46,16 @@ def truth(value: exp.Expr) -> exp.Expr:
 
 
 def native_numbers(tree: exp.Expr) -> None:
-    """Let SQLite write the digits of real numbers itself.
+    """Let SQLite write the digits of real numbers itself, where they are not computed at length.
 
     Of a number without end it makes no JSON: then the query fails, and the plain way is asked.
     """
     for call in list(tree.find_all(exp.Anonymous)):
         name = sql.call_name(call)
         if name == "real_as_json":
-            call.replace(_digits(call.expressions[0]))
+            number = call.expressions[0]
+            if not number.find(exp.Anonymous, exp.Query):
+                call.replace(_digits_or_null(number))
         elif name == "value_as_json" and isinstance(call.expressions[0], exp.Column):
             outer = call.parent
             assert outer is not None
@@ -63,6 +65,11 @@ def native_numbers(tree: exp.Expr) -> None:
 def _digits(number: exp.Expr) -> exp.Expr:
     template = exp.Literal.string("%!.17g")
     return exp.Anonymous(this="PRINTF", expressions=[template, number.copy()])
+
+
+def _digits_or_null(number: exp.Expr) -> exp.Expr:
+    there = exp.Is(this=number.copy(), expression=exp.Not(this=exp.Null()))
+    return exp.Case(ifs=[exp.If(this=there, true=_digits(number))])
 
 
 def _as_it_is(value: exp.Column) -> exp.Expr:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from sqlglot import exp
@@ -18,6 +19,7 @@ from logical_robots_tui.mind.typed.kinds import (
     is_known,
     is_nested,
     is_number,
+    is_whole,
     spelled,
 )
 
@@ -38,7 +40,8 @@ _MAKERS = frozenset({"json", "json_array", "json_extract", "json_group_array", "
 
 _PASSING_ON = frozenset({"coalesce", "ifnull", "iif", "if", "nullif"})
 
-_EXACT_DIGITS = 15  # that SQLite writes of a number in JSON
+_EXACT_DIGITS = 15
+"""That SQLite writes of a number in JSON; DuckDB takes a decimal of no more for a real number."""
 
 
 def compared(node: exp.Expr, left: Kind, right: Kind) -> None:
@@ -108,6 +111,8 @@ def _as_json(value: exp.Expr, kind: Kind) -> None:
         _replace(value, _truth(value))
     elif kind is Plain.REAL and not _is_short(value):
         _replace(value, call("JSON", call("real_as_json", value.copy())))
+    elif isinstance(kind, Decimal) and not kind.scale and kind.whole > _EXACT_DIGITS:
+        _replace(value, cast(value, "INTEGER"))
     elif is_nested(kind) and not _is_json(value):
         _replace(value, call("JSON", value.copy()))
     elif kind is Plain.ANY:
@@ -195,15 +200,15 @@ def _rounded(made: exp.Anonymous, kinds: Sequence[Kind], found: Kind) -> Kind:
         made.set("this", "round_to")
         if not isinstance(digits, exp.Neg):
             return Plain.REAL if isinstance(kinds[0], Decimal) else found
-    elif isinstance(kinds[0], Decimal) and digits.name != "0":
-        return Decimal(min(kinds[0].scale, int(digits.name)))
-    if found is Plain.WHOLE:
+    elif isinstance(kinds[0], Decimal):
+        return replace(kinds[0], scale=min(kinds[0].scale, int(digits.name)))
+    if is_whole(found):
         _replace(made, cast(made, "INTEGER"))
     return found
 
 
 def _cut(made: exp.Anonymous, kinds: Sequence[Kind], found: Kind) -> Kind:
-    if found is Plain.REAL and kinds[0] is Plain.WHOLE:
+    if found is Plain.REAL and is_whole(kinds[0]):
         _replace(made, cast(made, "REAL"))
         return found
     return _rounded(made, kinds, found)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from sqlglot import exp
 
 from logical_robots_tui.mind.tuning import sql
-from logical_robots_tui.mind.typed.kinds import Decimal, Kind, ListOf, Plain, RecordOf
+from logical_robots_tui.mind.typed.kinds import Decimal, Kind, ListOf, Plain, RecordOf, is_whole
 
 __all__ = ["call", "cast", "conform"]
 
@@ -18,17 +18,21 @@ def call(name: str, *arguments: exp.Expr) -> exp.Anonymous:
 def conform(value: exp.Expr, kind: Kind, wanted: Kind) -> None:
     """Let a value, in its place, be one of another type that it is to have in common with others.
 
-    Only whole numbers have to be made real ones; where a record or a list is written out, in it.
+    Whole numbers have to be made real ones, and decimal numbers may have to lose digits; where a
+    record or a list is written out, in it.
     """
     if isinstance(value, exp.Paren | exp.Alias):
         conform(value.this, kind, wanted)
-    elif kind is Plain.WHOLE and (wanted is Plain.REAL or isinstance(wanted, Decimal)):
+    elif is_whole(kind) and (wanted is Plain.REAL or isinstance(wanted, Decimal)):
         value.replace(_real(value))
     elif isinstance(value, exp.Case):
         for branch in value.args["ifs"]:
             conform(branch.args["true"], kind, wanted)
         if (default := value.args.get("default")) is not None:
             conform(default, kind, wanted)
+    elif isinstance(kind, Decimal) and isinstance(wanted, Decimal):
+        if kind.scale > wanted.scale:
+            value.replace(call("ROUND", value.copy(), exp.Literal.number(wanted.scale)))
     elif sql.call_name(value) == "json_object" and isinstance(wanted, RecordOf):
         _conform_fields(value, kind, wanted)
     elif sql.call_name(value) == "json_array":

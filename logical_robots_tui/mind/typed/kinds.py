@@ -16,15 +16,18 @@ if TYPE_CHECKING:
     from collections.abc import Iterable
 
 __all__ = [
+    "MOST_DIGITS",
     "Decimal",
     "Kind",
     "ListOf",
     "Plain",
     "RecordOf",
     "common",
+    "digits",
     "is_known",
     "is_nested",
     "is_number",
+    "is_whole",
     "spelled",
     "unspelled",
 ]
@@ -36,7 +39,9 @@ class Plain(Enum):
     ANY = "Any"
     NULL = "Null"
     TRUTH = "Bool"
+    SMALL = "Small"  # whole numbers as they are written
     WHOLE = "Whole"
+    LARGE = "Large"  # sums of whole numbers
     REAL = "Num"
     TEXT = "Str"
 
@@ -47,9 +52,11 @@ class Decimal:
 
     Attributes:
         scale: How many digits.
+        whole: How many there may be before the point; digits behind it give way to them.
     """
 
     scale: int
+    whole: int
 
 
 @dataclass(frozen=True, slots=True)
@@ -80,7 +87,9 @@ class RecordOf:
 
 Kind: TypeAlias = "Plain | Decimal | ListOf | RecordOf"
 
-_RANKS = {Plain.WHOLE: 0, Plain.REAL: 2}
+MOST_DIGITS = 38  # of a decimal number
+
+_WHOLE_DIGITS: dict[Kind, int] = {Plain.SMALL: 10, Plain.WHOLE: 19, Plain.LARGE: MOST_DIGITS}
 
 
 def is_nested(kind: Kind) -> bool:
@@ -90,7 +99,17 @@ def is_nested(kind: Kind) -> bool:
 
 def is_number(kind: Kind) -> bool:
     """Whether a value is certainly a number, or null."""
-    return isinstance(kind, Decimal) or kind in _RANKS
+    return isinstance(kind, Decimal) or kind is Plain.REAL or is_whole(kind)
+
+
+def is_whole(kind: Kind) -> bool:
+    """Whether a value is certainly a whole number, or null."""
+    return kind in _WHOLE_DIGITS
+
+
+def digits(kind: Kind) -> int:
+    """How many digits a number that is not real may have."""
+    return kind.scale + kind.whole if isinstance(kind, Decimal) else _WHOLE_DIGITS[kind]
 
 
 def is_known(kind: Kind) -> bool:
@@ -116,7 +135,9 @@ def _either(one: Kind, other: Kind) -> Kind:
     if is_number(one) and is_number(other):
         if Plain.REAL in (one, other):
             return Plain.REAL
-        return Decimal(max(k.scale for k in (one, other) if isinstance(k, Decimal)))
+        if is_whole(one) and is_whole(other):
+            return max(one, other, key=digits)
+        return _common_decimal(one, other)
     if isinstance(one, ListOf) and isinstance(other, ListOf):
         return ListOf(_either(one.element, other.element))
     if isinstance(one, RecordOf) and isinstance(other, RecordOf):
@@ -124,6 +145,14 @@ def _either(one: Kind, other: Kind) -> Kind:
         fields = [(name, _either(of, more.pop(name, Plain.NULL))) for name, of in one.fields]
         return RecordOf((*fields, *more.items()))
     return Plain.ANY
+
+
+def _common_decimal(one: Kind, other: Kind) -> Decimal:
+    scale = max(k.scale for k in (one, other) if isinstance(k, Decimal))
+    if Plain.LARGE in (one, other):
+        return Decimal(scale, MOST_DIGITS - scale)
+    whole = max(k.whole if isinstance(k, Decimal) else digits(k) for k in (one, other))
+    return Decimal(min(scale, MOST_DIGITS - whole), whole)
 
 
 def spelled(kind: Kind) -> str:

@@ -18,7 +18,7 @@ from logical_robots_tui.mind.typed.kinds import (
     is_nested,
     unspelled,
 )
-from logical_robots_tui.mind.typed.results import SENSOR, given_by, sum_of
+from logical_robots_tui.mind.typed.results import SENSOR, given_by, product_of, sum_of
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -34,6 +34,7 @@ _INPUTS: Mapping[str, Columns] = {
 
 _COMPARING = (exp.EQ, exp.NEQ, exp.LT, exp.LTE, exp.GT, exp.GTE)
 _TRUTHS = (exp.And, exp.Or, exp.Not, exp.Is, exp.Exists, exp.Between, exp.Like)
+_MOST_SMALL = 2**31 - 1
 _MOST_DIGITS = 15  # of a decimal number that a real one holds exactly enough
 
 
@@ -188,11 +189,9 @@ class Reader:
 
     def _arithmetic(self, node: exp.Binary) -> Kind:
         left, right = self.kind(node.this), self.kind(node.expression)
-        found = sum_of((left, right))
+        found = product_of(left, right) if isinstance(node, exp.Mul) else sum_of((left, right))
         if not isinstance(found, Decimal):
             return found
-        if isinstance(node, exp.Mul):
-            found = Decimal(sum(k.scale for k in (left, right) if isinstance(k, Decimal)))
         if found.scale > _MOST_DIGITS:
             return Plain.REAL
         changes.as_decimal(node, found)
@@ -232,7 +231,8 @@ def _literal(node: exp.Literal) -> Kind:
     if node.is_string:
         return Plain.TEXT
     if node.this.isdigit():
-        return Plain.WHOLE
+        return Plain.SMALL if int(node.this) <= _MOST_SMALL else Plain.WHOLE
     if "e" in node.this.lower():
         return Plain.REAL
-    return Decimal(len(node.this.partition(".")[2]))
+    whole, _, rest = node.this.partition(".")
+    return Decimal(len(rest), len(whole))

@@ -5,19 +5,22 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from logical_robots_tui.mind.typed.kinds import (
+    MOST_DIGITS,
     Decimal,
     Kind,
     ListOf,
     Plain,
     RecordOf,
     common,
+    digits,
     is_number,
+    is_whole,
 )
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
-__all__ = ["RAY", "SENSOR", "given_by", "sum_of"]
+__all__ = ["RAY", "SENSOR", "given_by", "product_of", "sum_of"]
 
 _FIELDS = {
     "angle": Plain.REAL,
@@ -80,6 +83,9 @@ _FIRST = frozenset(
 
 _ONE_OF_THEM = frozenset({"coalesce", "concat_two_lists", "greatest", "ifnull", "least"})
 
+_SHORT_DIGITS = 18
+"""Decimal numbers of no more digits are multiplied to one of no more, if that holds the scale."""
+
 _ROUNDING = frozenset({"ceil", "ceiling", "floor", "trunc"})
 
 
@@ -107,13 +113,33 @@ def sum_of(kinds: Sequence[Kind]) -> Kind:
     return common(kinds) if all(map(is_number, kinds)) else Plain.ANY
 
 
+def product_of(left: Kind, right: Kind) -> Kind:
+    """The type of a product."""
+    found = sum_of((left, right))
+    if not isinstance(found, Decimal):
+        return found
+    scale = sum(k.scale for k in (left, right) if isinstance(k, Decimal))
+    most = digits(left) + digits(right)
+    if max(digits(left), digits(right)) <= _SHORT_DIGITS < most:
+        most = _SHORT_DIGITS
+    return Decimal(scale, min(most, MOST_DIGITS) - scale)
+
+
+def _total(kinds: Sequence[Kind]) -> Kind:
+    kind = sum_of(kinds[:1])
+    if isinstance(kind, Decimal):
+        return Decimal(kind.scale, MOST_DIGITS - kind.scale)
+    return Plain.LARGE if is_whole(kind) else kind
+
+
 def _rounded(kinds: Sequence[Kind]) -> Kind:
-    return Plain.WHOLE if isinstance(kinds[0], Decimal) else sum_of(kinds[:1])
+    kind = kinds[0]
+    return Decimal(0, digits(kind)) if isinstance(kind, Decimal) else sum_of(kinds[:1])
 
 
 def _cut(kinds: Sequence[Kind]) -> Kind:
     """That of a floor or a ceiling: DuckDB has one of whole numbers as a real number."""
-    return Plain.REAL if kinds[0] is Plain.WHOLE else _rounded(kinds)
+    return Plain.REAL if is_whole(kinds[0]) else _rounded(kinds)
 
 
 def _chosen(kinds: Sequence[Kind]) -> Kind:
@@ -158,5 +184,5 @@ _MADE: dict[str, Callable[[Sequence[Kind]], Kind]] = {
     "round": _rounded,
     "round_to": _rounded,
     "split_text": lambda _: ListOf(Plain.TEXT),
-    "sum": lambda kinds: sum_of(kinds[:1]),
+    "sum": _total,
 }

@@ -44,6 +44,17 @@ class Prover:
     def __init__(self, derivations: Derivations) -> None:
         self._derivations = derivations
 
+    def spend(self, steps: int) -> None:
+        """Count work on explanations, in steps.
+
+        Raises:
+            QueryError: Too many were taken.
+        """
+        try:
+            self._derivations.relations.spend(steps)
+        except FailureError as failure:
+            raise QueryError(f"The proof ends here: {failure}.") from None
+
     def explain(self, predicate: str, given: Row, within: str = "") -> Explanation:
         """Why a predicate has the rows with given values, or none.
 

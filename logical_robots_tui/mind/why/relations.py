@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any, Protocol
 
 from logical_robots_tui.mind.sqlite.stored import from_sql, to_sql
+from logical_robots_tui.mind.sqlite.watch import STEPS_OF_A_CALL
 from logical_robots_tui.mind.why.probing import with_given
 
 if TYPE_CHECKING:
@@ -39,6 +40,13 @@ _CLOSE = 1e-12
 
 class Source(Protocol):
     """Where the rows come from."""
+
+    def spend(self, steps: int) -> None:
+        """Count work outside of queries, in steps.
+
+        Raises:
+            FailureError: Too many were taken.
+        """
 
     def rows(self, predicate: str, sql: str) -> tuple[Sequence[str], Sequence[Sequence[Value]]]:
         """Columns and rows of a predicate.
@@ -91,7 +99,17 @@ class Relations:
             columns, rows = self._source.rows(predicate, sql)
             self._columns[predicate] = columns
             self._rows[predicate] = tuple(dict(zip(columns, row, strict=True)) for row in rows)
-        return self._rows[predicate]
+        found = self._rows[predicate]
+        self.spend(STEPS_OF_A_CALL * len(found))  # for whoever looks through them
+        return found
+
+    def spend(self, steps: int) -> None:
+        """Count what is done with rows outside of queries, in steps.
+
+        Raises:
+            FailureError: Too many were taken.
+        """
+        self._source.spend(steps)
 
     def fill(self, table: str, predicate: str, rows: Sequence[Mapping[str, Value]]) -> None:
         """Fill a table with some of the rows of a predicate, unless it holds just these.
@@ -102,6 +120,7 @@ class Relations:
         if self._loaded.get(table) is not rows:
             self._loaded.pop(table, None)
             stored = [tuple(map(to_sql, row.values())) for row in rows]
+            self.spend(_steps_of(stored))
             self._source.load(table, self._columns[predicate], stored)
             self._loaded[table] = rows
 
@@ -133,6 +152,7 @@ class Relations:
         query += f"{' WHERE ' * bool(where)}{where} LIMIT {most}"
         parameters = [*given, *(to_sql(value) for _, value in alike)]
         columns, rows = self._source.ask(query, parameters)
+        self.spend(_steps_of(rows))
         return [dict(zip(columns, row, strict=True)) for row in rows]
 
     def count(
@@ -148,6 +168,12 @@ class Relations:
             FailureError: It failed.
         """
         return len(self.ways(sql, given, alike, "1", most))
+
+
+def _steps_of(rows: Sequence[Sequence[Any]]) -> int:
+    """What the work on rows counts for: a call for each value, and its characters."""
+    texts = sum(len(value) for row in rows for value in row if value.__class__ is str)
+    return texts + STEPS_OF_A_CALL * sum(map(len, rows))
 
 
 def same(one: Value, other: Value) -> bool:

@@ -84,6 +84,11 @@ class _Unfolding:
         if depth <= 1 or self._left <= 0 or key in above:
             self.complete = False
             return ()
+        try:
+            self._prover.spend(len(key))
+        except QueryError as error:
+            self.complete = False
+            return (Node("note", str(error)),)
         found = self._known.get(key)
         if found is None:
             try:

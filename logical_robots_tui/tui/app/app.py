@@ -13,9 +13,7 @@ from textual.binding import Binding
 from textual.errors import NoWidget
 
 from logical_robots_tui.progress import FILE_NAME
-from logical_robots_tui.tui.app.dressing import dress_of
 from logical_robots_tui.tui.app.main_screen import MainScreen
-from logical_robots_tui.tui.app.outline import colours_of
 from logical_robots_tui.tui.app.settings import Settings
 from logical_robots_tui.tui.commands.keymap import KEY_MAP, KeyMap, with_keys
 from logical_robots_tui.tui.commands.table import COMMANDS
@@ -35,7 +33,6 @@ if TYPE_CHECKING:
     from textual.theme import Theme
 
     from logical_robots_tui.game import Source
-    from logical_robots_tui.mind import Engine
     from logical_robots_tui.tui.app.permissions import Freedoms
     from logical_robots_tui.world import Level
 
@@ -44,6 +41,8 @@ __all__ = ["LogicalRobotsApp"]
 _COMPLAINTS = 3  # of the configuration that are told; `logical-robots config` tells all
 
 _TWICE = 2.0  # seconds between two presses that are meant as one wish
+
+_INPUT = (events.InputEvent, events.Paste)
 
 
 class LogicalRobotsApp(SparingApp, inherit_bindings=False):
@@ -56,7 +55,6 @@ class LogicalRobotsApp(SparingApp, inherit_bindings=False):
         journal: Where progress is kept, if that is open already.
         text: What the player made of the program, or None.
         welcome: Whether to begin with the tour.
-        engine: What the robots think with.
         settings: What the player has set once for all.
         theme: The theme to begin with where the settings name none; "" is what suits the terminal.
         freedoms: What the player may do with the machine; by default everything.
@@ -79,7 +77,6 @@ class LogicalRobotsApp(SparingApp, inherit_bindings=False):
         journal: Journal | None = None,
         text: str | None = None,
         welcome: bool = False,
-        engine: Engine = "sqlite",
         settings: Settings | None = None,
         theme: str = "",
         freedoms: Freedoms | None = None,
@@ -93,14 +90,7 @@ class LogicalRobotsApp(SparingApp, inherit_bindings=False):
         KEY_MAP.set(KeyMap(COMMANDS, self._settings.keys))
         journal = journal or Journal(data_dir / FILE_NAME)
         self.main = MainScreen(
-            level,
-            source,
-            data_dir,
-            journal,
-            text=text,
-            welcome=welcome,
-            engine=engine,
-            freedoms=freedoms,
+            level, source, data_dir, journal, text=text, welcome=welcome, freedoms=freedoms
         )
         self.animation_level = "none"
         self._turns = Turns(self)
@@ -131,7 +121,6 @@ class LogicalRobotsApp(SparingApp, inherit_bindings=False):
             signal.signal(signal.SIGTSTP, signal.SIG_IGN)
         self._follow(self._settings)
         self.theme_changed_signal.subscribe(self, self._keep_theme)
-        self.call_after_refresh(self._keep_dress)
 
     def _follow(self, settings: Settings) -> None:
         self.main.redrawing.tempo.frames = settings.frames
@@ -140,16 +129,9 @@ class LogicalRobotsApp(SparingApp, inherit_bindings=False):
         for complaint in settings.complaints[:_COMPLAINTS]:
             self.main.warn(complaint)
 
-    def _keep_dress(self) -> None:
-        colours = colours_of(os.environ)
-        dress = dress_of(self, colours)
-        if dress is not None:
-            self.main.journal.keep_dress(dress, colours)
-
     def _keep_theme(self, theme: Theme) -> None:
         if not self._settings.theme:
             self.main.journal.choose_theme(theme.name)
-            self._keep_dress()
         elif theme.name != self._settings.theme:
             self.main.tell(f"Next time {self._settings.theme} again: the configuration says so.")
 
@@ -159,6 +141,8 @@ class LogicalRobotsApp(SparingApp, inherit_bindings=False):
         if isinstance(event, events.Resize) and self._is_cut(event.size):
             columns, lines = LARGEST
             self.main.warn(f"Only {columns} columns and {lines} lines of this terminal are drawn.")
+        if isinstance(event, _INPUT) and not self.screen_stack:
+            return  # the game is about to end
         if isinstance(event, events.MouseDown | events.MouseMove) and self._is_gone(event):
             return
         if isinstance(event, events.Key | events.Paste) and not event.is_forwarded:
@@ -198,8 +182,6 @@ class LogicalRobotsApp(SparingApp, inherit_bindings=False):
 
         Textual would look for what that is a part of, to begin or go on with a selection there.
         """
-        if not self.screen_stack:
-            return True
         try:
             widget, _ = self.screen.get_widget_at(event.x, event.y)
         except NoWidget:
@@ -221,7 +203,7 @@ class LogicalRobotsApp(SparingApp, inherit_bindings=False):
 
     def last_words(self) -> None:
         """Write what was typed to its draft, and where the game stands."""
-        self.main.keeper.flush()
+        self.main.autosave.flush()
         self.main.editing.flush()
         self.main.bookmark.flush()
 

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 from textual.css.query import NoMatches
 
 from logical_robots_tui.tui.app.ui import Ui, Work
+from logical_robots_tui.tui.terminal.textual_internals import is_being_removed
 from logical_robots_tui.tui.theme.safe_text import one_line
 
 if TYPE_CHECKING:
@@ -38,7 +39,7 @@ def in_background(
             await work()
         except NoMatches:
             # A dialog that is closed loses its widgets before its work is cancelled.
-            if not node._pruning:
+            if not is_being_removed(node):
                 raise
 
     worker: Worker[None] = node.run_worker(unless_gone, group=group, exclusive=exclusive)

@@ -9,11 +9,13 @@ from platformdirs import user_config_path
 if TYPE_CHECKING:
     from pathlib import Path
 
-__all__ = ["DRESS", "THEME", "TOUR", "settings_path"]
+__all__ = ["NIGHT_NAME", "THEME", "TOUR", "settings_path"]
 
-THEME, TOUR, DRESS = "theme", "tour", "dress"
-"""Facts in the player's record: which theme was chosen, that the tour is over, and how the screen
-looked."""
+NIGHT_NAME = "night"
+"""The game's own theme."""
+
+THEME, TOUR = "theme", "tour"
+"""Facts in the player's record: which theme was chosen, and that the tour is over."""
 
 
 def settings_path() -> Path:

@@ -11,6 +11,7 @@ from textual.binding import BindingsMap
 from textual.screen import Screen
 from textual.widgets import Input, Static, TextArea
 
+from logical_robots_tui.game.drafts import Drafts
 from logical_robots_tui.garbage import collect_seldom
 from logical_robots_tui.tui.app.background import ScreenUi
 from logical_robots_tui.tui.app.permissions import Freedoms
@@ -39,9 +40,9 @@ from logical_robots_tui.tui.program.controller import Scribe
 from logical_robots_tui.tui.program.editor import Editor
 from logical_robots_tui.tui.program.file_watch import FileWatch
 from logical_robots_tui.tui.program.pane import ProgramPane
+from logical_robots_tui.tui.recovery.autosave import Autosave, program_draft
 from logical_robots_tui.tui.recovery.bookmark import Bookmark
 from logical_robots_tui.tui.recovery.offers import Offers
-from logical_robots_tui.tui.recovery.program_drafts import Keeper
 from logical_robots_tui.tui.timeline.controller import Travel
 from logical_robots_tui.tui.timeline.search import Search
 from logical_robots_tui.tui.timeline.widget import Timeline
@@ -55,7 +56,6 @@ if TYPE_CHECKING:
     from textual.widget import Widget
 
     from logical_robots_tui.game import Frame, Source
-    from logical_robots_tui.mind import Engine
     from logical_robots_tui.tui.level_editor.mode import EditMode
     from logical_robots_tui.tui.level_editor.panel import EditPanel
     from logical_robots_tui.tui.library.journal import Journal
@@ -77,7 +77,6 @@ class MainScreen(Screen[None], SessionListener):
         journal: Where progress is kept.
         text: What the player made of the program, or None.
         welcome: Whether to begin with the tour.
-        engine: What the robots think with.
         freedoms: What the player may do with the machine.
 
     Attributes:
@@ -95,7 +94,6 @@ class MainScreen(Screen[None], SessionListener):
         *,
         text: str | None = None,
         welcome: bool = False,
-        engine: Engine = "sqlite",
         freedoms: Freedoms | None = None,
     ) -> None:
         super().__init__(id="main")
@@ -106,9 +104,7 @@ class MainScreen(Screen[None], SessionListener):
         self.ui = ScreenUi(self)
         self.tell, self.warn, self.spawn = self.ui.tell, self.ui.warn, self.ui.spawn
         self.redrawing = Redrawing(self, self._draw)
-        self.session = Session(
-            level, source, spawn=self.spawn, changed=self.redrawing.soon, engine=engine
-        )
+        self.session = Session(level, source, spawn=self.spawn, changed=self.redrawing.soon)
         self.redrawing.pace = self.session.pace
         self._text_to_begin_with = source.text if text is None else text
         self._is_new_here = welcome
@@ -124,25 +120,30 @@ class MainScreen(Screen[None], SessionListener):
 
     def _make_controllers(self) -> None:
         session, ui, journal, data_dir = self.session, self.ui, self.journal, self.data_dir
-        self.keeper = Keeper(
-            data_dir / "drafts",
-            text=lambda: self.text,
-            source=lambda: session.source,
+        self.drafts = Drafts(data_dir / "drafts")
+        self.autosave = Autosave(
+            self.drafts,
+            state=lambda: (session.source, self.program.text),
+            draft=program_draft,
             failed=self.warn,
+            what="What you type",
         )
         self.library = Library(
             session,
             ui,
             journal,
-            self.keeper,
+            self.drafts,
+            self.autosave,
             self.program,
             data_dir,
             drawing=lambda: self.labyrinth.view.drawing,
             make_level=lambda: self.editing.make_level(),
         )
-        self.editing = EditingDoor(session, ui, data_dir, self.library.open_level, self._panel)
+        self.editing = EditingDoor(
+            session, ui, data_dir / "levels", self.drafts, self.library.open_level, self._panel
+        )
         self.bookmark = Bookmark(
-            session, data_dir / "places", ui, self.library, self.labyrinth.close_briefing
+            session, self.drafts, ui, self.library, self.labyrinth.close_briefing
         )
         self.offers = Offers(ui, lambda: self.is_active)
         self.guide = Guide(session, ui, journal, self.program, self.library.open_program)
@@ -212,9 +213,9 @@ class MainScreen(Screen[None], SessionListener):
 
     async def on_unmount(self) -> None:
         """Bring the text to safety and stop all work."""
-        self.keeper.close()
+        self.autosave.stop()
         self.editing.close()
-        self.bookmark.close()
+        self.drafts.close()
         await self.session.close()
         await self.journal.close()
 
@@ -233,7 +234,7 @@ class MainScreen(Screen[None], SessionListener):
 
     def quit(self) -> None:
         """Leave the game, but not without a word where that would lose something."""
-        leave(self.ui, self.app.exit, self.keeper, self.editing)
+        leave(self.ui, self.app.exit, self.drafts, self.autosave, self.editing)
 
     # -- drawing -------------------------------------------------------------------------------
 
@@ -329,7 +330,7 @@ class MainScreen(Screen[None], SessionListener):
 
     @on(TextArea.Changed)
     def _text_changed(self) -> None:
-        self.keeper.edited()
+        self.autosave.edited()
         self.redrawing.soon()
 
     @on(Editor.Leave)

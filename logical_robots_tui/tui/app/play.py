@@ -21,7 +21,6 @@ from logical_robots_tui.world import load_level
 if TYPE_CHECKING:
     from pathlib import Path
 
-    from logical_robots_tui.mind import Engine
 
 __all__ = ["play"]
 
@@ -30,7 +29,6 @@ def play(
     level_name: str | None = None,
     program: str | None = None,
     data_dir: Path | None = None,
-    engine: Engine = "sqlite",
     freedoms: Freedoms | None = None,
 ) -> int:
     """Open the game and return when the player leaves it.
@@ -42,7 +40,6 @@ def play(
             the level starts with.
         data_dir: Where drafts, the player's programs and progress are; by default the system's
             place.
-        engine: What the robots think with.
         freedoms: What the player may do with this machine; by default everything.
 
     Returns:
@@ -62,7 +59,6 @@ def play(
         data_dir=data_dir,
         journal=journal,
         text=text,
-        engine=engine,
         freedoms=freedoms or Freedoms(),
         settings=read_settings(settings_path()),
         theme=journal.progress.fact(THEME) or "",
@@ -72,6 +68,10 @@ def play(
     put_back = end_on_hangup(app.last_words, app.leave_soon)
     try:
         app.run(mouse=may_use_mouse(os.environ))
+    except Exception:
+        if app.mistake is None:
+            app.last_words()
+            raise
     finally:
         put_back()
     if app.mistake is not None:

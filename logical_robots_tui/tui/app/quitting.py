@@ -19,19 +19,22 @@ __all__ = ["Unsaved", "leave"]
 class Unsaved(Protocol):
     """Keeps what is not saved."""
 
-    @property
-    def drafts(self) -> Drafts:
-        """Where to."""
-
     def flush(self) -> None:
         """Write it now."""
 
 
-def leave(ui: Ui, end: Callable[[], None], *unsaved: Unsaved) -> None:
-    """End the game; ask first if what is not saved can't be kept either."""
+def leave(ui: Ui, end: Callable[[], None], drafts: Drafts, *unsaved: Unsaved) -> None:
+    """End the game; ask first if what is not saved can't be kept either.
+
+    Args:
+        ui: Where to ask.
+        end: Ends the game.
+        drafts: Where what is not saved is kept.
+        unsaved: What keeps it there.
+    """
     for each in unsaved:
         each.flush()
-    lost = [found for each in unsaved for found in each.drafts.unwritten()]
+    lost = drafts.unwritten()
     if lost:
         ui.spawn(partial(_ask, ui, end, *lost[0]), "leaving", exclusive=True)
     else:
@@ -42,7 +45,7 @@ async def _ask(ui: Ui, end: Callable[[], None], draft: Draft, error: OSError) ->
     from logical_robots_tui.tui.layout.question import Question
 
     question = (
-        f"What you changed in “{clip(one_line(draft.program), 40)}” is not saved and can't be "
+        f"What you changed in “{clip(one_line(draft.name), 40)}” is not saved and can't be "
         f"kept for the next time: {error.strerror or error}."
     )
     answers = [("stay", "Stay"), ("leave", "Leave without it")]

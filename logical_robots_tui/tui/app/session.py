@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING, Any
 from logical_robots_tui.game import (
     Breakpoints,
     Frame,
-    Game,
     Pace,
     Superseded,
     compile_program,
@@ -17,7 +16,7 @@ from logical_robots_tui.game import (
     start_frame,
 )
 from logical_robots_tui.game.victory import victory_of
-from logical_robots_tui.mind import ProgramError, why_not_duckdb
+from logical_robots_tui.mind import ProgramError
 from logical_robots_tui.tui.app.movement import Movement
 from logical_robots_tui.tui.app.open_level import OpenLevel
 from logical_robots_tui.tui.app.ui import nothing
@@ -26,9 +25,9 @@ from logical_robots_tui.tui.program.state import ProgramState
 if TYPE_CHECKING:
     from collections.abc import Callable, Coroutine, Mapping
 
-    from logical_robots_tui.game import Breakpoint, Hit, Place, Source
+    from logical_robots_tui.game import Breakpoint, Game, Hit, Place, Source
     from logical_robots_tui.game.history import History
-    from logical_robots_tui.mind import Engine, Predicate, Program, Table
+    from logical_robots_tui.mind import Predicate, Program, Table
     from logical_robots_tui.tui.app.session_listener import SessionListener
     from logical_robots_tui.tui.app.ui import Spawn, Work
     from logical_robots_tui.world import Level
@@ -49,7 +48,6 @@ class Session:
         source: The program to begin with.
         spawn: Starts work in the background.
         changed: Called after everything that the screen may want to show.
-        engine: What the robots think with.
 
     Attributes:
         levels: The level at hand: in its file, edited, and on the screen.
@@ -64,7 +62,6 @@ class Session:
         *,
         spawn: Spawn,
         changed: Callable[[], None],
-        engine: Engine = "sqlite",
     ) -> None:
         self.levels = OpenLevel(level)
         self.source = source
@@ -77,7 +74,6 @@ class Session:
         self.movement = Movement()
         self._spawn = spawn
         self._changed = changed
-        self._engine = engine
         self._program: Program | None = None
         self._won: tuple[str, int] | None = None
 
@@ -118,11 +114,11 @@ class Session:
         """What is known of other ticks, or None before there is a program."""
         return self.game.history if self.game is not None else None
 
-    def trouble_with(self, breakpoint_: Breakpoint) -> str:
+    def problem_with(self, breakpoint_: Breakpoint) -> str:
         """Why a breakpoint can't be hit, one sentence, or ""."""
         if self.game is None:
             return mistake_in(breakpoint_, self.level, None)
-        return self.game.trouble_with(breakpoint_)
+        return self.game.problem_with(breakpoint_)
 
     @property
     def won_at(self) -> int | None:
@@ -321,12 +317,12 @@ class Session:
             self._changed()
 
     def _use(self, program: Program) -> None:
+        from logical_robots_tui.game import Game  # takes time that the first picture needs
+
         self._think_with(program)
         self._tell(lambda listener: listener.program_used(program))
         if self.game is None:
-            game = self.game = Game(
-                self.level, program, engine=self._engine, breakpoints=self.breakpoints
-            )
+            game = self.game = Game(self.level, program, breakpoints=self.breakpoints)
             game.pace = self.pace
             game.listen(lambda frame: self._show(game, frame))
             self.frame = game.frame
@@ -338,8 +334,7 @@ class Session:
 
     def _think_with(self, program: Program) -> None:
         self._program = program
-        no_duckdb = why_not_duckdb(program) if self._engine == "duckdb" else ()
-        self.state = ProgramState.of_applied(program.text, (*program.warnings, *no_duckdb))
+        self.state = ProgramState.of_applied(program.text, program.warnings)
 
     def _show(self, game: Game, frame: Frame) -> None:
         if game is not self.game:

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 from logical_robots_tui.paths import read_ordinary
 from logical_robots_tui.shipped import did_you_mean
-from logical_robots_tui.tui.app.dress import NIGHT_NAME
+from logical_robots_tui.tui.app.facts import NIGHT_NAME
 from logical_robots_tui.tui.commands.command import key_name
 from logical_robots_tui.tui.commands.keys import key_from
 from logical_robots_tui.tui.commands.table import COMMANDS

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import string
 from dataclasses import dataclass, field
 from functools import partial
 from inspect import iscoroutinefunction
 from typing import TYPE_CHECKING, Any, Literal, TypeAlias, TypeVar
 
-from textual.keys import _character_to_key
+from logical_robots_tui.tui.terminal.textual_internals import characters_by_key
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -28,7 +27,7 @@ Scope: TypeAlias = Literal["screen", "level", "text"]
 The text editor binds its keys itself, and a player can't change them.
 """
 
-CHARACTERS = {_character_to_key(char): char for char in string.punctuation}
+CHARACTERS = characters_by_key()
 """The printable characters that Textual has names for, by these."""
 
 _NAMES = {**CHARACTERS, "escape": "esc"}
@@ -115,20 +114,25 @@ class Group:
         """Declare a command that needs no function of its own."""
         self.commands.append(Command(name, title, text, self.title, self.scope, keys, act))
 
-    def command(self, title: str, *keys: str, **options: Any) -> Callable[[Act], Act]:
-        """Declare that a function does a command; its name is the id, its docstring the help.
+    def command(
+        self,
+        title: str,
+        *keys: str,
+        bar: str = "",
+        place: Place = "outside",
+        spare: int = 0,
+        worker: str = "dialog",
+    ) -> Callable[[Act], Act]:
+        """Declare the command that a function does; its name is the id, its docstring the help.
 
-        Args:
-            title: What it does, in a few words.
-            keys: As Textual names them.
-            options: Those of `bar`, `place`, `spare` and `worker` that differ from the usual.
+        The arguments are attributes of `Command`.
         """
 
         def declare(act: Act) -> Act:
-            # A function can't be called `help`, but a command can.
-            name, text = act.__name__.rstrip("_"), (act.__doc__ or "").strip()
-            entry = Command(name, title, text, self.title, self.scope, keys, act, **options)
-            self.commands.append(entry)
+            # A function that is called `help` would hide Python's own.
+            said = act.__name__.rstrip("_"), title, (act.__doc__ or "").strip()
+            where = self.title, self.scope
+            self.commands.append(Command(*said, *where, keys, act, bar, place, spare, worker))
             return act
 
         return declare

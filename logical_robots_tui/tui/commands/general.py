@@ -6,6 +6,7 @@ from datetime import datetime
 from typing import TYPE_CHECKING
 
 from logical_robots_tui.tui.commands.command import Group
+from logical_robots_tui.tui.terminal.textual_internals import rendered_lines
 
 if TYPE_CHECKING:
     from logical_robots_tui.tui.app.main_screen import MainScreen
@@ -59,8 +60,7 @@ def _save_picture(screen: MainScreen) -> None:
     from logical_robots_tui.writing import write_atomically
 
     path = screen.data_dir / "screens" / f"{datetime.now():%Y%m%d-%H%M%S-%f}.svg"
-    # Textual has no public way to see all layers of a screen.
-    strips = screen.app.screen._compositor.render_strips()[: screen.app.size.height]
+    strips = rendered_lines(screen.app.screen)[: screen.app.size.height]
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
         write_atomically(path, screen.app.export_screenshot())

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from textual.message import Message
 
-from logical_robots_tui.tui.labyrinth.drawing.look import Highlight
+from logical_robots_tui.tui.labyrinth.drawing.glyphs import Highlight
 
 if TYPE_CHECKING:
     from logical_robots_tui.game import Frame

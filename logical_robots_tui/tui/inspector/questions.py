@@ -5,13 +5,13 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from logical_robots_tui.game import Inquiry, NoSuchTickError, Superseded
+from logical_robots_tui.game import NoSuchTickError, Superseded
 from logical_robots_tui.mind import QueryError, Table
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from logical_robots_tui.game import Frame, Pin, Reading
+    from logical_robots_tui.game import Frame, Inquiry, Pin, Reading
     from logical_robots_tui.mind import Ask, Explanation, Machinery, Program, Proof
     from logical_robots_tui.mind.diagnosis.nearest import Suggestion
     from logical_robots_tui.tui.app.session import Session
@@ -200,6 +200,8 @@ class Questions:
     # -- inside --------------------------------------------------------------------------------
 
     def _inquire(self) -> Inquiry:
+        from logical_robots_tui.game import Inquiry
+
         level = self._session.level
         seen_alike = self._level is not None and self._level.visibility == level.visibility
         if self._inquiry is None or not seen_alike:

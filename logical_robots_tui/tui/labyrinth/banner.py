@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING
 
 from textual.content import Content
 from textual.style import Style
+from textual.widgets import Static
 
 from logical_robots_tui.tui.commands.keymap import command
-from logical_robots_tui.tui.labyrinth.overlay import Overlay
 from logical_robots_tui.tui.labyrinth.results import results_lines
 from logical_robots_tui.tui.theme.safe_text import clip
 from logical_robots_tui.tui.theme.themes import INK
@@ -17,9 +17,11 @@ from logical_robots_tui.tui.theme.themes import INK
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
+    from textual import events
+
     from logical_robots_tui.tui.library.journal import Journal
 
-__all__ = ["VictoryBanner"]
+__all__ = ["Overlay", "VictoryBanner"]
 
 _OFFERS = (
     ("next level", "next_level"),
@@ -31,6 +33,19 @@ _LOOKED_UP = (("reference program", "solution"), ("versions", "versions"), ("clo
 _CONFETTI = "·*✦•˚+"
 _COLOURS = (INK.bad, INK.warn, INK.good, INK.robot, INK.record, INK.key)
 _ROOMY = 24  # lines of the pane from which on there is air between the parts
+
+
+class Overlay(Static):
+    """Text over the picture; a click closes it. It never takes the focus."""
+
+    DEFAULT_CSS = """
+    Overlay { layer: over; display: none; background: $panel 92%; width: 100%; height: auto; }
+    """
+
+    def on_click(self, event: events.Click) -> None:
+        """Close."""
+        event.stop()
+        self.display = False
 
 
 class VictoryBanner(Overlay):

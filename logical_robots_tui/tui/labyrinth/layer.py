@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Protocol
 
 if TYPE_CHECKING:
     from logical_robots_tui.tui.labyrinth.drawing.cells import Cells
-    from logical_robots_tui.tui.labyrinth.drawing.look import Look
+    from logical_robots_tui.tui.labyrinth.drawing.glyphs import Look
     from logical_robots_tui.tui.labyrinth.drawing.viewport import Viewport
 
 __all__ = ["DrawnOver", "Pointing"]

@@ -9,9 +9,8 @@ from textual.binding import Binding
 from textual.content import Content
 
 from logical_robots_tui.tui.commands.keymap import command
-from logical_robots_tui.tui.labyrinth.banner import VictoryBanner
+from logical_robots_tui.tui.labyrinth.banner import Overlay, VictoryBanner
 from logical_robots_tui.tui.labyrinth.camera import Sight
-from logical_robots_tui.tui.labyrinth.overlay import Overlay
 from logical_robots_tui.tui.labyrinth.robot_card import RobotCard
 from logical_robots_tui.tui.labyrinth.view import LabyrinthView
 from logical_robots_tui.tui.layout.pane import Pane

@@ -16,14 +16,14 @@ from textual.strip import Strip
 from textual.widget import Widget
 
 from logical_robots_tui.tui.labyrinth.camera import Camera, Sight
-from logical_robots_tui.tui.labyrinth.drawing.glyphs import Drawing
-from logical_robots_tui.tui.labyrinth.drawing.look import Look
+from logical_robots_tui.tui.labyrinth.drawing.glyphs import Drawing, Look
 from logical_robots_tui.tui.labyrinth.drawing.palette import Palette
 from logical_robots_tui.tui.labyrinth.drawing.picture import Picture
-from logical_robots_tui.tui.labyrinth.drawing.senses import draw_senses
-from logical_robots_tui.tui.labyrinth.drawing.traces import Traces
+from logical_robots_tui.tui.labyrinth.drawing.robot_view import draw_senses
+from logical_robots_tui.tui.labyrinth.drawing.thin_lines import Traces
 from logical_robots_tui.tui.labyrinth.drawing.viewport import CELL_ASPECT, Viewport
 from logical_robots_tui.tui.terminal.direct_paint import spot_of
+from logical_robots_tui.tui.terminal.textual_internals import mark_rendered_stale
 from logical_robots_tui.tui.theme.themes import palette_of
 from logical_robots_tui.world.sensing import ROBOT_RADIUS
 
@@ -35,7 +35,7 @@ if TYPE_CHECKING:
     from textual.geometry import Offset
 
     from logical_robots_tui.game.frame import Frame
-    from logical_robots_tui.tui.labyrinth.drawing.look import Highlight
+    from logical_robots_tui.tui.labyrinth.drawing.glyphs import Highlight
     from logical_robots_tui.tui.labyrinth.layer import DrawnOver
     from logical_robots_tui.world.level import Level
 
@@ -300,7 +300,7 @@ class LabyrinthView(Widget):
             self.refresh(*regions)
         else:
             spot.put(self._cells, changes)
-            self._styles_cache.set_dirty(*regions)
+            mark_rendered_stale(self, regions)
 
     def on_mount(self) -> None:
         """Follow the theme."""

@@ -9,14 +9,13 @@ import asyncio
 from functools import partial
 from typing import TYPE_CHECKING
 
-from logical_robots_tui.game.drafts import Drafts
 from logical_robots_tui.tui.app.session_listener import SessionListener
 
 if TYPE_CHECKING:
     from collections.abc import Awaitable, Callable
     from pathlib import Path
 
-    from logical_robots_tui.game.drafts import Draft
+    from logical_robots_tui.game.drafts import Draft, Drafts
     from logical_robots_tui.tui.app.session import Session
     from logical_robots_tui.tui.app.ui import Ui
     from logical_robots_tui.tui.level_editor.mode import EditMode, EditView
@@ -32,7 +31,8 @@ class EditingDoor(SessionListener):
     Args:
         session: Whose level.
         ui: Where to say and ask.
-        data_dir: Where the player's levels and their drafts are.
+        own: Folder of the player's levels.
+        drafts: Where a level is kept while it is not saved.
         open_level: Goes to a level.
         view: Makes what shows a level that is edited, and takes the player's keys and mouse.
     """
@@ -41,14 +41,13 @@ class EditingDoor(SessionListener):
         self,
         session: Session,
         ui: Ui,
-        data_dir: Path,
+        own: Path,
+        drafts: Drafts,
         open_level: Callable[[Level], Awaitable[None]],
         view: Callable[[EditMode], EditView],
     ) -> None:
         self._session, self._ui, self._open_level, self._view = session, ui, open_level, view
-        self.own = data_dir / "levels"
-        """Folder of the player's levels."""
-        self.drafts = Drafts(data_dir / "level-drafts")
+        self._own, self._drafts = own, drafts
         self.mode: EditMode | None = None
         """The level that is edited, or None before that."""
 
@@ -72,14 +71,14 @@ class EditingDoor(SessionListener):
         from logical_robots_tui.tui.level_editor.mode import EditMode
 
         if self.mode is None:
-            self.mode = EditMode(self._session, self._ui, self.own, self.drafts, self._view, key)
+            self.mode = EditMode(self._session, self._ui, self._own, self._drafts, self._view, key)
         self.mode.enter()
 
     async def make_level(self) -> None:
         """Ask for a new level, go there and edit it."""
         from logical_robots_tui.tui.level_editor.new_level import ask_for_level
 
-        made = await ask_for_level(self._ui, self._session.level.name, self.own)
+        made = await ask_for_level(self._ui, self._session.level.name, self._own)
         if made is not None:
             await self._open_level(made)
             self.open()
@@ -110,20 +109,20 @@ class EditingDoor(SessionListener):
             self.mode.autosave.flush()
 
     def close(self) -> None:
-        """Write the draft and end the session."""
-        self.flush()
-        self.drafts.close()
+        """Write the draft and nothing after it."""
+        if self.mode is not None:
+            self.mode.autosave.stop()
 
     async def offer(self, offers: Offers) -> None:
         """Offer the level that an earlier session left unsaved, if there is one."""
         try:
-            drafts = await offers.at_hand(partial(asyncio.to_thread, self.drafts.adopt))
+            drafts = await offers.at_hand(partial(asyncio.to_thread, self._drafts.adopt, "level"))
         except OSError:
             return  # what is edited now can't be kept either, and that is told then
         if drafts:
             from logical_robots_tui.tui.recovery.level_offers import offer
 
-            await offer(offers, drafts, self.drafts, self._go_on)
+            await offer(offers, drafts, self._drafts, self._go_on)
 
     async def _go_on(self, level: Level, draft: Draft) -> None:
         await self._open_level(level)

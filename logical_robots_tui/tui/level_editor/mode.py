@@ -8,27 +8,31 @@ from secrets import token_hex
 from typing import TYPE_CHECKING, Literal, Protocol
 
 from logical_robots_tui.editing.checks import check
+from logical_robots_tui.editing.native_text import write_native
 from logical_robots_tui.game import is_shipped
+from logical_robots_tui.game.drafts import Draft
 from logical_robots_tui.tui.level_editor.editor import LevelEditor
 from logical_robots_tui.tui.level_editor.live import Live
-from logical_robots_tui.tui.recovery.level_drafts import Autosave
+from logical_robots_tui.tui.recovery.autosave import Autosave
 from logical_robots_tui.tui.theme.safe_text import one_line
 from logical_robots_tui.world import LevelError, load_level
 from logical_robots_tui.world.drawing import coarsest_cell
 from logical_robots_tui.world.level import alike
+from logical_robots_tui.world.native import read_native
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
     from logical_robots_tui.editing.checks import Finding
     from logical_robots_tui.editing.strokes import Point
-    from logical_robots_tui.game.drafts import Drafts
+    from logical_robots_tui.game.drafts import Drafts, Key
     from logical_robots_tui.tui.app.session import Session
     from logical_robots_tui.tui.app.ui import Ui
     from logical_robots_tui.world import Level
 
 __all__ = ["EditMode", "EditView"]
 
+_DRAFT_DELAY = 1.0  # seconds from a change to its draft on disk
 _CHECK_DELAY = 0.3  # seconds without a change before a level is looked through
 _COARSEST = 10  # map units: a grid as coarse as the level's drawing, but not coarser
 
@@ -103,11 +107,14 @@ class EditMode:
         self.live = Live(session, self.editor, ui.spawn)
         self.autosave = Autosave(
             drafts,
-            saved.source or key or f"new {saved.name} {token_hex(4)}",
-            saved.title,
-            lambda: None if self.is_saved or self._is_unwanted else levels.edited,
-            ui.warn,
+            delay=_DRAFT_DELAY,
+            state=self._unsaved,
+            draft=lambda state: _draft_of(*state),
+            failed=ui.warn,
+            what="What you edit",
         )
+        self._drafts = drafts
+        self._path = saved.source or key or f"new {saved.name} {token_hex(4)}"
         self._is_unwanted = self._is_over = self._has_begun = False
         self._checked: Level | None = None
         self.view = view(self)
@@ -192,14 +199,14 @@ class EditMode:
         self.ui.tell(f"Saved as {one_line(saved.name)}.")
         if self._is_over and level is not self.levels.edited:
             return  # the draft holds what was done since
-        self.autosave.drop()
+        self.autosave.drop(("level", self._path))
         if self._is_over:
             return
         self.file = Path(saved.source)
         self.session.level_saved_as(saved)
         if level is self.levels.edited:
             self.levels.edits.saved()
-        self.autosave.rename(saved.source, saved.title)
+        self._path = saved.source
         self.autosave.edited()
         self.redraw()
 
@@ -207,18 +214,28 @@ class EditMode:
         """Go back to the level as it is in its file; undo brings the changes back."""
         self.editor.do("throw away", lambda _: self.levels.saved)
         self._is_unwanted = True
-        self.autosave.drop()
+        self.autosave.drop(("level", self._path))
 
     # -- inside --------------------------------------------------------------------------------
 
     def _bring_back(self) -> None:
+        key: Key = "level", self._path
+        draft = self._drafts.get(key) or self._drafts.take(key)
+        if draft is None:
+            return
+        saved = self.levels.saved
         try:
-            level = self.autosave.read(self.levels.saved)
+            level = read_native(draft.text, saved.name, saved.source)
         except LevelError:
             return
-        if level is not None and not alike(level, self.levels.saved):
+        if not alike(level, saved):
             self.editor.do("bring back", lambda _: level)
             self.ui.tell("Your unsaved changes of the level are back.")
+
+    def _unsaved(self) -> tuple[str, str, Level | None]:
+        """Path, title, and the level if that is to be kept."""
+        is_wanted = not (self.is_saved or self._is_unwanted)
+        return self._path, self.levels.saved.title, self.levels.edited if is_wanted else None
 
     def _edited(self) -> None:
         self._is_unwanted = False
@@ -241,3 +258,7 @@ class EditMode:
         if level is self.levels.edited:
             self._checked, self.findings = level, found
             self.redraw()
+
+
+def _draft_of(path: str, title: str, level: Level | None) -> Draft | Key:
+    return ("level", path) if level is None else Draft("level", title, path, write_native(level))

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
     from logical_robots_tui.editing.checks import Finding
     from logical_robots_tui.tui.labyrinth.drawing.cells import Cells
-    from logical_robots_tui.tui.labyrinth.drawing.look import Look
+    from logical_robots_tui.tui.labyrinth.drawing.glyphs import Look
     from logical_robots_tui.tui.labyrinth.drawing.viewport import Floats, Viewport
     from logical_robots_tui.tui.level_editor.editor import LevelEditor
 

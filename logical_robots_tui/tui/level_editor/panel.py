@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
     from logical_robots_tui.editing.strokes import Point
     from logical_robots_tui.tui.labyrinth.drawing.cells import Cells
-    from logical_robots_tui.tui.labyrinth.drawing.look import Look
+    from logical_robots_tui.tui.labyrinth.drawing.glyphs import Look
     from logical_robots_tui.tui.labyrinth.drawing.viewport import Viewport
     from logical_robots_tui.tui.labyrinth.pane import LabyrinthPane
     from logical_robots_tui.tui.level_editor.mode import EditMode

@@ -17,14 +17,14 @@ from logical_robots_tui.world import list_levels, load_level
 if TYPE_CHECKING:
     from collections.abc import Awaitable, Callable
 
-    from logical_robots_tui.game.drafts import Draft
+    from logical_robots_tui.game.drafts import Draft, Drafts, Key
     from logical_robots_tui.tui.app.session import Session
     from logical_robots_tui.tui.app.ui import Ui
     from logical_robots_tui.tui.labyrinth.drawing.glyphs import Drawing
     from logical_robots_tui.tui.library.journal import Journal
     from logical_robots_tui.tui.program.state import ProgramText
+    from logical_robots_tui.tui.recovery.autosave import Autosave
     from logical_robots_tui.tui.recovery.offers import Offers
-    from logical_robots_tui.tui.recovery.program_drafts import Keeper
     from logical_robots_tui.world import Level
 
 __all__ = ["Library"]
@@ -37,7 +37,8 @@ class Library:
         session: Whose level and program.
         ui: Where to say and ask.
         journal: What the player has achieved.
-        keeper: Keeps what is typed.
+        drafts: Where text is kept while it is not saved.
+        autosave: Keeps it there.
         program: The text in the editor.
         data_dir: Where the player's programs and levels are.
         drawing: Tells how levels are drawn.
@@ -49,7 +50,8 @@ class Library:
         session: Session,
         ui: Ui,
         journal: Journal,
-        keeper: Keeper,
+        drafts: Drafts,
+        autosave: Autosave[tuple[Source, str]],
         program: ProgramText,
         data_dir: Path,
         *,
@@ -57,7 +59,7 @@ class Library:
         make_level: Callable[[], Awaitable[None]],
     ) -> None:
         self._session, self._ui, self._journal = session, ui, journal
-        self._keeper, self._program = keeper, program
+        self._drafts, self._autosave, self._program = drafts, autosave, program
         self._own, self._own_levels = data_dir / "programs", data_dir / "levels"
         self._drawing, self._make_level = drawing, make_level
 
@@ -122,7 +124,7 @@ class Library:
         elif source.path == self._session.source.path:
             self._program.put(text)
         else:
-            self._keeper.flush()
+            self._autosave.flush()
             self._program.load(text)
         self._session.open_program(source, text)
 
@@ -133,9 +135,9 @@ class Library:
         former, text = self._session.source, self._program.text
         saved = await self._ui.ask(SaveAs(former, text, self._own))
         if saved is not None:
-            self._keeper.drafts.drop(str(former.path))
+            self._drafts.drop(("program", str(former.path)))
             self._session.saved_as(saved)
-            self._keeper.edited()
+            self._autosave.edited()
             self._ui.tell(f"Saved as {one_line(saved.name)}.")
 
     def take_from_disk(self, source: Source) -> None:
@@ -146,7 +148,7 @@ class Library:
         session, name = self._session, one_line(source.name)
         if self._program.text == source.text:
             session.saved_as(source)  # it may be the game that has just saved it
-            self._keeper.edited()
+            self._autosave.edited()
         elif self._program.text == session.source.text:
             self._program.put(source.text)
             session.open_program(source, source.text)
@@ -167,9 +169,9 @@ class Library:
         """
         if source.path == self._session.source.path:
             return self._program.text
-        self._keeper.flush()
-        drafts = self._keeper.drafts
-        draft = drafts.get(str(source.path)) or drafts.take(str(source.path))
+        self._autosave.flush()
+        key: Key = "program", str(source.path)
+        draft = self._drafts.get(key) or self._drafts.take(key)
         if draft is not None and draft.text != source.text:
             name = "program for this level"
             if draft.text != kept:
@@ -185,10 +187,6 @@ class Library:
 
     # -- drafts --------------------------------------------------------------------------------
 
-    def has_draft(self, source: Source) -> bool:
-        """Whether unsaved text of a program is kept in this session."""
-        return self._keeper.drafts.get(str(source.path)) is not None
-
     async def offer(self, offers: Offers) -> None:
         """Offer the text that an earlier session left unsaved, if there is any."""
         drafts = await offers.at_hand(self._left_unsaved)
@@ -198,22 +196,26 @@ class Library:
         draft = next((draft for draft in drafts if draft.path == here), drafts[0])
         answers = [("yes", "Yes, continue"), ("no", "No, put it away"), ("show", "Show it")]
         when = draft.saved.astimezone()
-        name = clip(one_line(draft.program), 40)
+        name = clip(one_line(draft.name), 40)
         question = f"Continue with your unsaved text of “{name}” from {when:%H:%M, %d %B}?"
         answer = await offers.ask("Unsaved text", question, answers, text=draft.text)
         if answer == "yes":
             self._continue_with(draft)
         elif answer == "no":
-            await asyncio.to_thread(self._keeper.drafts.put_away, draft.path)
+            await asyncio.to_thread(self._drafts.put_away, draft.key)
 
     async def _left_unsaved(self) -> list[Draft]:
-        drafts = await asyncio.to_thread(self._keeper.adopt)
+        try:
+            drafts = await asyncio.to_thread(self._drafts.adopt, "program")
+        except OSError as error:
+            self._autosave.report(error)
+            return []
         return [draft for draft in drafts if await self._is_unsaved(draft)]
 
     def _continue_with(self, draft: Draft) -> None:
         source = self._session.source
-        self._keeper.flush()
-        self._keeper.drafts.take(draft.path)
+        self._autosave.flush()
+        self._drafts.take(draft.key)
         if draft.path == str(source.path):
             self._program.put(draft.text)
         else:
@@ -226,7 +228,7 @@ class Library:
         try:
             return load_program(draft.path)
         except InputError:
-            return Source(draft.program, "", Path(draft.path), shipped=False)
+            return Source(draft.name, "", Path(draft.path), shipped=False)
 
     async def _is_unsaved(self, draft: Draft) -> bool:
         """Whether a draft holds what is neither in its file nor among the earlier versions."""
@@ -234,5 +236,5 @@ class Library:
         kept = await self._journal.ask(lambda progress: progress.holds(draft.text))
         if source.text != draft.text and not kept:
             return True
-        await asyncio.to_thread(self._keeper.drafts.put_away, draft.path)
+        await asyncio.to_thread(self._drafts.put_away, draft.key)
         return False

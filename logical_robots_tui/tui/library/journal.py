@@ -12,8 +12,7 @@ from logical_robots_tui.game import level_key, reference_for
 from logical_robots_tui.game.continuing import keep_if_own, note_level
 from logical_robots_tui.game.victory import keep_victory
 from logical_robots_tui.progress import NEW, Progress
-from logical_robots_tui.tui.app.dress import stamp_for
-from logical_robots_tui.tui.app.facts import DRESS, THEME, TOUR
+from logical_robots_tui.tui.app.facts import THEME, TOUR
 from logical_robots_tui.tui.app.session_listener import SessionListener
 from logical_robots_tui.tui.app.ui import nothing
 
@@ -26,7 +25,6 @@ if TYPE_CHECKING:
     from logical_robots_tui.game.victory import Victory
     from logical_robots_tui.mind import Program
     from logical_robots_tui.progress import Bests, LevelRecord, Measures, Version
-    from logical_robots_tui.tui.app.dress import Dress
     from logical_robots_tui.tui.app.ui import Spawn
     from logical_robots_tui.world import Level
 
@@ -165,16 +163,6 @@ class Journal(SessionListener):
     def choose_theme(self, name: str) -> None:
         """The player wants this theme from now on."""
         self._write(lambda progress: progress.set_fact(THEME, name))
-
-    def keep_dress(self, dress: Dress, colours: str) -> None:
-        """The screen is painted with this, on a terminal that can show so many colours."""
-
-        def keep(progress: Progress) -> None:
-            text = dress.as_text(stamp_for(colours, progress.fact(THEME) or ""))
-            if progress.fact(DRESS) != text:
-                progress.set_fact(DRESS, text)
-
-        self._write(keep)
 
     def tour_seen(self) -> None:
         """The tour need not be shown again."""

@@ -6,7 +6,7 @@ from functools import lru_cache
 from typing import TYPE_CHECKING
 
 from logical_robots_tui.game import Frame
-from logical_robots_tui.tui.labyrinth.drawing.look import Look
+from logical_robots_tui.tui.labyrinth.drawing.glyphs import Look
 from logical_robots_tui.tui.labyrinth.drawing.picture import Picture
 from logical_robots_tui.tui.labyrinth.drawing.viewport import Viewport
 from logical_robots_tui.world import World, load_level

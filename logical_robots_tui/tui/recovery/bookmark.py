@@ -8,15 +8,15 @@ from typing import TYPE_CHECKING
 
 from logical_robots_tui.errors import InputError, LogicalRobotsError
 from logical_robots_tui.game import Place, level_key, load_program, place_of
-from logical_robots_tui.game.drafts import Draft, Drafts
+from logical_robots_tui.game.drafts import Draft
 from logical_robots_tui.tui.theme.safe_text import clip, one_line
 from logical_robots_tui.world import load_level
 
 if TYPE_CHECKING:
     from collections.abc import Callable
-    from pathlib import Path
 
     from logical_robots_tui.game import Source
+    from logical_robots_tui.game.drafts import Drafts
     from logical_robots_tui.tui.app.session import Session
     from logical_robots_tui.tui.app.ui import Ui
     from logical_robots_tui.tui.library.controller import Library
@@ -30,7 +30,7 @@ class Bookmark:
 
     Args:
         session: Whose game.
-        folder: Where to keep it.
+        drafts: Where to keep it.
         ui: Where to say what went wrong.
         library: Goes to levels and programs.
         moved: Called when the robots are about to go there.
@@ -39,13 +39,13 @@ class Bookmark:
     def __init__(
         self,
         session: Session,
-        folder: Path,
+        drafts: Drafts,
         ui: Ui,
         library: Library,
         moved: Callable[[], None],
     ) -> None:
         self._session, self._ui, self._library, self._moved = session, ui, library, moved
-        self._drafts = Drafts(folder)
+        self._drafts = drafts
 
     def flush(self) -> None:
         """Write where the game stands. Safe in a signal handler; never raises."""
@@ -55,19 +55,15 @@ class Bookmark:
         place = place_of(session.game, session.opened, session.source)
         if place is not None:
             with contextlib.suppress(OSError):  # nobody is there to be told
-                self._drafts.keep(Draft(place.title, place.level, place.as_text(), ""))
-
-    def close(self) -> None:
-        """End the session; what it wrote stays for the next one."""
-        self._drafts.close()
+                self._drafts.keep(Draft("place", place.title, place.level, place.as_text()))
 
     async def offer(self, offers: Offers) -> None:
         """Offer to go where an earlier session was cut off, if one was."""
         with contextlib.suppress(OSError):  # no folder, no bookmark
-            for draft in (await asyncio.to_thread(self._drafts.adopt))[:1]:
+            for draft in (await asyncio.to_thread(self._drafts.adopt, "place"))[:1]:
                 with contextlib.suppress(ValueError):
                     await self._ask(offers, Place.from_text(draft.text), draft)
-                self._drafts.put_away(draft.path)
+                self._drafts.put_away(draft.key)
 
     async def _ask(self, offers: Offers, place: Place, draft: Draft) -> None:
         when = draft.saved.astimezone()
@@ -87,7 +83,7 @@ class Bookmark:
         if place.level != level_key(self._session.level):
             await self._library.open_level(await asyncio.to_thread(load_level, place.level))
         source = await asyncio.to_thread(self._source_of, place)
-        is_unsaved = self._library.has_draft(source)
+        is_unsaved = self._drafts.get(("program", str(source.path))) is not None
         self._library.open_program(source, None if is_unsaved else place.programs[-1][1])
         self._moved()
         await self._session.replay(place)

@@ -40,17 +40,17 @@ async def offer(
     for draft in drafts:
         found = await asyncio.to_thread(_read, draft)
         if found is None:
-            await asyncio.to_thread(store.put_away, draft.path)
+            await asyncio.to_thread(store.put_away, draft.key)
             continue
         when = draft.saved.astimezone()
-        name = clip(one_line(draft.program), 40)
+        name = clip(one_line(draft.name), 40)
         question = f"Go on editing the level “{name}” from {when:%H:%M, %d %B}?"
         answers = [("yes", "Yes, go on"), ("no", "No, put it away")]
         answer = await offers.ask("Unsaved level", question, answers)
         if answer == "yes":
             await go_on(found, draft)
         elif answer == "no":
-            await asyncio.to_thread(store.put_away, draft.path)
+            await asyncio.to_thread(store.put_away, draft.key)
         return
 
 

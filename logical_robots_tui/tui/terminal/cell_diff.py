@@ -7,19 +7,18 @@ from math import inf
 from typing import TYPE_CHECKING, NamedTuple, TypeAlias
 
 from rich.cells import cell_len
+from rich.color import Color, ColorSystem, ColorType
 
 from logical_robots_tui.tui.labyrinth.drawing.cells import BOLD, PAPER, colour_of
-from logical_robots_tui.tui.theme.color_reduction import reduced
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Sequence
 
-    from rich.color import Color, ColorSystem
     from rich.segment import Segment
     from rich.style import Style
     from textual.geometry import Region
 
-__all__ = ["Cell", "Difference", "Look", "codes_of", "look_of"]
+__all__ = ["Cell", "Difference", "Look", "look_of", "reduced"]
 
 _CLOSE = 3
 """Cells that are the same, between two that differ, up to which writing them again is shorter."""
@@ -220,13 +219,13 @@ class _Looks(dict[int, Look]):
             self.clear()
         attributes, ink, paper = "1" if packed & BOLD else "", "", ""
         if self._colours is not None:
-            ink = codes_of(colour_of(packed >> 24 & PAPER), self._colours, is_ink=True)
-            paper = codes_of(colour_of(packed & PAPER), self._colours, is_ink=False)
+            ink = _codes_of(colour_of(packed >> 24 & PAPER), self._colours, is_ink=True)
+            paper = _codes_of(colour_of(packed & PAPER), self._colours, is_ink=False)
         self[packed] = look = _same(Look(attributes, ink, paper))
         return look
 
 
-def codes_of(color: Color, colours: ColorSystem, *, is_ink: bool) -> str:
+def _codes_of(color: Color, colours: ColorSystem, *, is_ink: bool) -> str:
     """Return what chooses a colour, as the terminal has it, between ``ESC [`` and ``m``."""
     return ";".join(reduced(color, colours).get_ansi_codes(foreground=is_ink))
 
@@ -276,9 +275,9 @@ def look_of(style: Style | None, colours: ColorSystem | None) -> Look:
     ink = paper = ""
     if colours is not None:
         if style.color is not None and not style.color.is_default:
-            ink = codes_of(style.color, colours, is_ink=True)
+            ink = _codes_of(style.color, colours, is_ink=True)
         if style.bgcolor is not None and not style.bgcolor.is_default:
-            paper = codes_of(style.bgcolor, colours, is_ink=False)
+            paper = _codes_of(style.bgcolor, colours, is_ink=False)
     return _same(Look(codes, ink, paper))
 
 
@@ -307,3 +306,42 @@ def _move(at: tuple[int, int] | None, row: int, column: int) -> str:
         return f"\x1b[{row + 1};{column + 1}H"
     steps = column - at[1]
     return "" if not steps else "\x1b[C" if steps == 1 else f"\x1b[{steps}C"
+
+
+_LEVELS = (0, 95, 135, 175, 215, 255)
+"""Values of a channel in the colour cube of 256 colours."""
+
+_FOR_A_HUE = 5
+"""How many times as wrong a colour may be as a grey, to keep its hue."""
+
+_GREYS = tuple(8 + 10 * step for step in range(24))
+
+
+@lru_cache(maxsize=40_000)
+def reduced(color: Color, colours: ColorSystem) -> Color:
+    """Return the colour of a terminal that comes nearest to one.
+
+    With 256 colours the nearest by sight: among dark ones the cube has only black, so the ramp of
+    greys, which has many, is asked as well, and a hue counts for more than in Rich's own choice.
+    """
+    if color.type != ColorType.TRUECOLOR or colours != ColorSystem.EIGHT_BIT:
+        return color.downgrade(colours)
+    assert color.triplet is not None
+    wanted = color.triplet
+    cube = [min(range(6), key=lambda n: abs(_LEVELS[n] - value)) for value in wanted]
+    # A channel that leads must not drown: it gets the first level of the cube.
+    strongest = max(wanted)
+    if 40 <= strongest < 75 and strongest - min(wanted) >= 22:
+        cube = [
+            1 if value == strongest else level for value, level in zip(wanted, cube, strict=True)
+        ]
+    grey = min(range(24), key=lambda n: sum((_GREYS[n] - value) ** 2 for value in wanted))
+    colourful = sum((_LEVELS[n] - value) ** 2 for n, value in zip(cube, wanted, strict=True))
+    plain = sum((_GREYS[grey] - value) ** 2 for value in wanted)
+    is_hue = strongest - min(wanted) >= 22 and colourful <= _FOR_A_HUE * plain
+    if plain < colourful and not is_hue:
+        return Color.from_ansi(232 + grey)
+    red, green, blue = cube
+    if red == green == blue and plain < colourful:
+        return Color.from_ansi(232 + grey)
+    return Color.from_ansi(16 + 36 * red + 6 * green + blue)

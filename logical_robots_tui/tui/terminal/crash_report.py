@@ -15,11 +15,16 @@ from rich.text import Text
 from textual.app import App
 from textual.worker import WorkerFailed
 
+from logical_robots_tui.errors import is_out_of_memory
+
 if TYPE_CHECKING:
     from collections.abc import Callable
     from types import FrameType
 
 __all__ = ["CarefulApp", "OwnMistake", "end_on_hangup"]
+
+_RESERVE = 16 * 1024**2
+"""Bytes of address space that a game out of memory has left to end in good order."""
 
 _GRACE = 1.0  # seconds that an orderly end may take after a hangup
 
@@ -28,7 +33,8 @@ class OwnMistake(Exception):  # noqa: N818 - it is called what it is
     """An exception that should not have happened; shown as one line instead of a traceback."""
 
     def __rich__(self) -> Text:
-        return Text("The game has stopped. What you typed is kept and offered the next time.")
+        said = "has run out of memory" if is_out_of_memory(self.__cause__) else "has stopped"
+        return Text(f"The game {said}. What you typed is kept and offered the next time.")
 
 
 class CarefulApp(App[None]):
@@ -39,6 +45,7 @@ class CarefulApp(App[None]):
     """
 
     mistake: Exception | None = None
+    _reserve = bytes(_RESERVE)
 
     def last_words(self) -> None:
         """Bring what must not be lost to safety; called before anything else."""
@@ -47,9 +54,11 @@ class CarefulApp(App[None]):
         # Textual has no public hook for this. Its own way, a traceback with all local variables,
         # is kept from the player by handing it an exception that knows how to be shown.
         cause = error.error if isinstance(error, WorkerFailed) else error
-        if self.mistake is None:
-            self.mistake = cause if isinstance(cause, Exception) else error
-            self.last_words()
+        if self.mistake is not None:
+            return  # that one ends the game
+        self._reserve = CarefulApp._reserve = b""
+        self.mistake = cause if isinstance(cause, Exception) else error
+        self.last_words()
         report = OwnMistake(str(error))
         report.__cause__ = cause
         super()._handle_exception(report)

@@ -14,7 +14,6 @@ from textual import events
 from textual.drivers.linux_driver import LinuxDriver
 from textual.geometry import Size
 
-from logical_robots_tui.tui.app.outline import ENTER, OUTLINE
 from logical_robots_tui.tui.terminal.input_filter import CarefulParser, Incoming, Pasted
 
 if TYPE_CHECKING:
@@ -71,11 +70,6 @@ class ListeningDriver(LinuxDriver):
         self._asked = 0
         self._under_way = 0
         self._all_answered = threading.Condition()
-
-    def write(self, data: str) -> None:
-        """Write to the terminal, but do not go where the outline has gone already."""
-        if data != ENTER or not OUTLINE.hand_over():
-            super().write(data)
 
     def ask(self, text: str) -> None:
         """Write something that ends in a question to the terminal."""

@@ -16,6 +16,8 @@ from textual.keys import Keys
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
 
+    from textual.message import Message
+
 __all__ = ["MOST_PASTED", "CarefulParser", "Incoming", "Pasted"]
 
 MOST_PASTED = 1_000_000
@@ -124,9 +126,16 @@ class Incoming:
 class CarefulParser(XTermParser):
     """Textual's parser of keys, which drops what it can't understand.
 
-    By itself it raises an error for a key beyond Unicode, and takes any other sequence that it does
-    not know for the keys of its characters.
+    By itself it raises an error for a key beyond Unicode or a mouse in a terminal without size, and
+    takes any other sequence that it does not know for the keys of its characters.
     """
+
+    def parse_mouse_code(self, code: str) -> Message | None:
+        """The event of a mouse, or None where it says nothing."""
+        try:
+            return super().parse_mouse_code(code)
+        except ArithmeticError:  # in a terminal that said it has no columns, or no pixels
+            return None
 
     def _sequence_to_key_events(self, sequence: str, alt: bool = False) -> Iterable[events.Key]:
         try:

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 from textual.color import Color
 
-from logical_robots_tui.tui.app.dress import NIGHT_NAME
+from logical_robots_tui.tui.app.facts import NIGHT_NAME
 
 if TYPE_CHECKING:
     from textual.theme import Theme

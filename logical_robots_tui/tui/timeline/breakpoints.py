@@ -86,7 +86,7 @@ class BreakpointList(Dialog[None]):
         is_on = self._session.breakpoints.is_on(each)
         sign = ("◉ ", f"bold {INK.bad}") if is_on else ("○ ", INK.dim)
         line = Content.assemble(sign, (one_line(each.words), INK.text if is_on else INK.dim))
-        trouble = one_line(self._session.trouble_with(each))
+        trouble = one_line(self._session.problem_with(each))
         if not trouble:
             return line
         return line.append(Content.assemble(("\n  ! ", f"bold {INK.warn}"), (trouble, INK.warn)))

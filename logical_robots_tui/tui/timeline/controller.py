@@ -126,15 +126,15 @@ class Travel(SessionListener):
         if game is None or history is None or history.other is None:
             self._say_there_is_none()
             return
-        if history.parting is None:
+        if history.divergence is None:
             known = min(history.last, history.other[-1])
             self._ui.tell(f"The two futures are the same as far as both are known, to {known}.")
             return
-        from logical_robots_tui.tui.timeline.divergence import PartingPage
+        from logical_robots_tui.tui.timeline.divergence import DivergencePage
 
-        if history.first <= history.parting.tick <= history.last:
-            self.go_to(history.parting.tick)
-        self._ui.show(PartingPage(game, history.parting))
+        if history.first <= history.divergence.tick <= history.last:
+            self.go_to(history.divergence.tick)
+        self._ui.show(DivergencePage(game, history.divergence))
 
     def _say_there_is_none(self) -> None:
         self._ui.tell(
@@ -156,7 +156,7 @@ class Travel(SessionListener):
     def add_breakpoint(self, breakpoint_: Breakpoint) -> None:
         """Set a breakpoint, and say so."""
         self._session.breakpoints.add(breakpoint_)
-        trouble = self._session.trouble_with(breakpoint_)
+        trouble = self._session.problem_with(breakpoint_)
         if trouble:
             self._ui.warn(f"{breakpoint_.words}: {trouble}")
         else:

@@ -22,32 +22,32 @@ from logical_robots_tui.values import Desire
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from logical_robots_tui.game import Difference, Game, Parting
+    from logical_robots_tui.game import Difference, Divergence, Game
     from logical_robots_tui.game.comparing import Comparison
-    from logical_robots_tui.game.parting import Matter
+    from logical_robots_tui.game.divergence import Matter
     from logical_robots_tui.mind import Node
 
-__all__ = ["PartingPage", "derivation", "told"]
+__all__ = ["DivergencePage", "derivation", "told"]
 
 _LONGEST = 600  # characters of a value
 _LONGEST_TEXT = 160  # of a piece of a program
 _LONGEST_ARGUMENT = 24
 
 
-class PartingPage(Reader):
+class DivergencePage(Reader):
     """Tells the first derivation that differs as soon as it is found, and all differences.
 
     Args:
         game: Whose courses.
-        parting: Where they part.
+        divergence: Where they part.
     """
 
-    def __init__(self, game: Game, parting: Parting) -> None:
-        self._game, self._parting = game, parting
-        self._differences = told(parting)
+    def __init__(self, game: Game, divergence: Divergence) -> None:
+        self._game, self._divergence = game, divergence
+        self._differences = told(divergence)
         self._text_shown = Static(self._differences)
         self._waiting = Waiting()
-        super().__init__(f"The two futures part in tick {parting.tick}", self._text_shown)
+        super().__init__(f"The two futures part in tick {divergence.tick}", self._text_shown)
 
     def on_mount(self) -> None:
         """Begin at the top, and to compare the proofs; to close ends that."""
@@ -59,7 +59,7 @@ class PartingPage(Reader):
             self._say(under_way("comparing the proofs", self._waiting.seconds))
 
         try:
-            work = compare_proofs(self._game, self._parting)
+            work = compare_proofs(self._game, self._divergence)
             found = await self._waiting.answer(work, wait)
         except Superseded:
             return
@@ -109,18 +109,18 @@ def _node(node: Node | None, kind: Literal["rule", "step", "value"]) -> Content:
     return text
 
 
-def told(parting: Parting) -> Content:
+def told(divergence: Divergence) -> Content:
     """All differences as text."""
-    return Content("\n").join(list(_lines(parting)))
+    return Content("\n").join(list(_lines(divergence)))
 
 
-def _lines(parting: Parting) -> Iterator[Content]:
-    robots = dict.fromkeys(each.robot_name for each in parting.differences)
+def _lines(divergence: Divergence) -> Iterator[Content]:
+    robots = dict.fromkeys(each.robot_name for each in divergence.differences)
     if not robots:
         yield Content("No robot differs, but an area does.")
     for robot in robots:
         yield Content.styled(one_line(robot), f"bold {INK.title}")
-        for each in parting.differences:
+        for each in divergence.differences:
             if each.robot_name == robot:
                 yield Content.styled(f"  {each.matter}", INK.key)
                 for where, told in zip(("here ", "there"), _sides(each), strict=True):

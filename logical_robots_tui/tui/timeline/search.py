@@ -5,7 +5,7 @@ from __future__ import annotations
 from time import monotonic
 from typing import TYPE_CHECKING, Literal
 
-from logical_robots_tui.game import Superseded, seek
+from logical_robots_tui.game import Superseded
 from logical_robots_tui.mind import ProgramError
 from logical_robots_tui.tui.commands.keymap import with_keys
 from logical_robots_tui.tui.theme.safe_text import one_line
@@ -13,7 +13,7 @@ from logical_robots_tui.tui.theme.safe_text import one_line
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from logical_robots_tui.game import Game, Sought
+    from logical_robots_tui.game import Game, SearchResult
     from logical_robots_tui.tui.app.session import Session
     from logical_robots_tui.tui.app.ui import Ui
 
@@ -72,8 +72,10 @@ class Search:
                 raise Superseded  # the player went on to something else
             patience.told(tick)
 
+        from logical_robots_tui.game import search_ticks
+
         try:
-            sought = await seek(game, self._question, way, told)
+            sought = await search_ticks(game, self._question, way, told)
         except Superseded:
             return
         except ProgramError as error:
@@ -87,13 +89,13 @@ class Search:
         else:
             self._say_there_is_none(sought, way)
 
-    def _say_there_is_none(self, sought: Sought, way: Literal[-1, 1]) -> None:
+    def _say_there_is_none(self, sought: SearchResult, way: Literal[-1, 1]) -> None:
         side = "after" if way > 0 else "before"
         tick = self._session.frame.tick
         question = one_line(self._question)
         here = "It holds here. " if sought.holds_here else ""
         words = f"{here}No {'other ' * bool(here)}tick {side} {tick} is known in which it holds"
-        trouble = f" It failed in some: {one_line(sought.trouble)}" if sought.trouble else ""
+        trouble = f" It failed in some: {one_line(sought.problem)}" if sought.problem else ""
         more = with_keys(" {search_ticks} asks for another question.")
         self._ui.tell(f"{words}: {question}.{trouble or more}")
 

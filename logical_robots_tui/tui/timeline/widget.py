@@ -82,7 +82,7 @@ class Timeline(Widget, can_focus=True):
                 history.last,
                 session.frame.tick,
                 history.other[-1] if history.other else None,
-                history.parting.tick if history.parting else None,
+                history.divergence.tick if history.divergence else None,
             )
         else:
             self._span = Span(0, 0, session.frame.tick)

@@ -16,6 +16,7 @@ from logica.compiler import dialects, expr_translate, universe
 from logica.parser_py import parse
 from logica.type_inference.research import reference_algebra, types_of_builtins
 
+from logical_robots_tui.mind.compiling import quicker
 from logical_robots_tui.mind.compiling.rules import nodes
 from logical_robots_tui.mind.text import INNER_QUOTE, prepare
 
@@ -160,6 +161,8 @@ class _Head(dialects.DuckDB):  # type: ignore[misc]  # the package has no types
     def BuiltInFunctions(self) -> dict[str, Any]:  # noqa: N802 - the package's name
         return {**super().BuiltInFunctions(), "Log": "LN(%s)"}
 
+
+quicker.install()  # the same SQL in a third of the time, as tests/mind/test_quicker.py shows
 
 # The release that is installed here has no TryCast; the development head, which the platform uses,
 # takes the type from the inference.

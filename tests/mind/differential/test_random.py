@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from typing import TYPE_CHECKING, Any
 
 import pytest
@@ -15,6 +16,7 @@ if TYPE_CHECKING:
 
 Text = st.SearchStrategy[str]
 
+COUNTED = "Counted(memory) = TryCast(memory, {count: 0}).count;"
 RADAR_NUMBERS = ("ray.distance", "ray.angle")
 
 
@@ -22,7 +24,8 @@ def numbers(depth: int) -> Text:
     """Expressions that are numbers or null; never so large that DuckDB's whole numbers end."""
     leaves = st.one_of(
         st.integers(0, 20).map(str),
-        st.sampled_from(["0.5", "2.25", "sensor.clock", "memory.count", "sensor.forward_distance"]),
+        st.sampled_from(["0.5", "2.25", "sensor.clock", "sensor.forward_distance"]),
+        st.sampled_from(["Counted(memory)", "(memory.count / 3)"]),
     )
     if not depth:
         return leaves
@@ -46,8 +49,8 @@ def numbers(depth: int) -> Text:
             st.sampled_from(["wall", "beacon", "none", "cat"]),
         ).map(lambda t: f'{t[0]}{{{t[1]} :- ray in sensor.radar, ray.object == "{t[2]}"}}'),
         inner.map(lambda n: f"{{a: {n}, b: 1}}.a"),
-        st.tuples(st.integers(0, 9), st.integers(0, 9)).map(
-            lambda t: f"Element([{t[0]}, {t[1]}], 1)"
+        st.tuples(st.integers(1, 9), st.integers(-1, 9)).map(
+            lambda t: f"Element(Range({t[0]}), {t[1]})"
         ),
         texts(depth - 1).map(lambda t: f"Length({t})"),
     )
@@ -55,7 +58,9 @@ def numbers(depth: int) -> Text:
 
 def truths(depth: int) -> Text:
     """Expressions that are true, false or null."""
-    leaves = st.sampled_from(["true", "false", "memory.plan.done", "sensor.self.has_battery"])
+    leaves = st.sampled_from(
+        ["true", "false", "(memory.plan.done == true)", "sensor.self.has_battery"]
+    )
     if not depth:
         return leaves
     inner = truths(depth - 1)
@@ -97,7 +102,7 @@ def texts(depth: int) -> Text:
 
 
 def check(expressions: dict[str, str], folder: Path) -> None:
-    text = program(**expressions)
+    text = program(COUNTED, **expressions)
     ours: Any = dict(zip(expressions, here(text)[0], strict=True))
     theirs: Any = dict(zip(expressions, there(text, folder)[0], strict=True))
     different = {
@@ -137,10 +142,11 @@ def programs() -> Text:
                 ]
             ),
         }
-    ).map(lambda parts: WHOLE.format(**parts))
+    ).map(lambda parts: WHOLE.format(**parts, counted=COUNTED))
 
 
 WHOLE = """
+{counted}
 F(x) = {function};
 P(robot_name:, object: x.object, value: {ray}) :- Sensor(robot_name:, sensor:), x in sensor.radar;
 Q1(robot_name:, object: x.object, value: {other}) :-
@@ -159,9 +165,9 @@ Robot(robot_name:, desire:, memory: kept) :-
   desire = (if {condition} then {{left_engine: {left}, right_engine: F({right})}}
             else {{left_engine: Coalesce(total, 0.5), right_engine: 1}}),
   kept = {{
-    number: {number}, text: {text}, truth: {truth}, total:, best: Best(sensor.radar),
+    number: {number}, text: {text}, truth: {truth}, best: Best(sensor.radar),
     written: ToString({left}) ++ "," ++ ToString({truth}),
-    json: "a" ++ RecordAsJson({{x: {right}, y: {truth}, z: Best(sensor.radar)}}),
+    json: "a" ++ RecordAsJson({{x: {right}, y: {truth}, z: {{w: {{t: {text}}}}}}}),
     before: Kept(), doubled: F(total)
   }};
 """
@@ -171,7 +177,16 @@ def check_whole(text: str, folder: Path) -> None:
     """Compare the row of `Robot` here, decided both ways, with that of DuckDB."""
     asked = f"{text}\nAnswer(desire:, memory:) :- Robot(robot_name:, desire:, memory:);"
     ours, theirs = here(asked), there(asked, folder)
-    assert same(ours, theirs), f"{text}\nhere {ours}\non DuckDB {theirs}"
+    assert same(_shorter(ours), _shorter(theirs)), f"{text}\nhere {ours}\non DuckDB {theirs}"
+
+
+def _shorter(value: Any) -> Any:
+    """A value with no more than one zero at the end of decimals in texts: DuckDB writes more."""
+    if isinstance(value, dict):
+        return {name: _shorter(of) for name, of in value.items()}
+    if isinstance(value, list | tuple):
+        return [_shorter(of) for of in value]
+    return re.sub(r"(\.\d+?)0+\b", r"\1", value) if isinstance(value, str) else value
 
 
 columns = st.fixed_dictionaries(

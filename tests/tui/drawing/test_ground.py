@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from logical_robots_tui.tui.labyrinth.drawing import DARK, LIGHT, Drawing, Palette, Viewport
+from logical_robots_tui.tui.labyrinth.drawing.ground import WallTable
 from logical_robots_tui.tui.labyrinth.drawing.viewport import Floats, Raster
-from logical_robots_tui.tui.labyrinth.drawing.walls import WallTable
 from logical_robots_tui.world import Area, Beacon
 from tests.tui.drawing.scenes import BARE, Drawn, apart, contrast, room, start, with_active
 

@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 from logical_robots_tui.tui.labyrinth.drawing import Cells, Drawing, Look, Picture, Viewport
-from logical_robots_tui.tui.labyrinth.drawing.look import Highlight
-from logical_robots_tui.tui.labyrinth.drawing.senses import draw_senses
+from logical_robots_tui.tui.labyrinth.drawing.glyphs import Highlight
+from logical_robots_tui.tui.labyrinth.drawing.robot_view import draw_senses
 from logical_robots_tui.world import Robot
 from tests.tui.drawing.scenes import room, start
 

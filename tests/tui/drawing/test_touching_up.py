@@ -10,8 +10,8 @@ from hypothesis import strategies as st
 
 from logical_robots_tui.editing.walls import paint
 from logical_robots_tui.tui.labyrinth.drawing import Drawing, Look, Picture, Viewport
+from logical_robots_tui.tui.labyrinth.drawing.ground import WallTable
 from logical_robots_tui.tui.labyrinth.drawing.viewport import Raster
-from logical_robots_tui.tui.labyrinth.drawing.walls import WallTable
 from logical_robots_tui.world import Area, Beacon, Level, Robot
 from tests.tui.drawing.scenes import room, start
 

@@ -296,7 +296,7 @@ async def test_a_new_level_is_made_from_a_labyrinth_drawn_by_lot(data_dir: Path)
         form.query_one("#kind", Select).value = "labyrinth"
         form.query_one("#columns", Input).value = "0"
         await game.press("f2")
-        await game.until(lambda: game.shows("A labyrinth needs at least 2 places"))
+        await game.until(lambda: game.shows("A labyrinth needs at least 2 cells"))
         form.query_one("#columns", Input).value = "3"
         form.query_one("#rows", Input).value = "2"
         form.query_one("#seed", Input).value = "7"

@@ -119,7 +119,7 @@ async def test_things_are_placed_dragged_turned_and_deleted(
         info = s.game.main.query_one(InfoLine)
         assert "Robot" in info.render().plain
         await s.press("x")
-        await s.game.until(lambda: s.game.shows("The last robot has to stay"))
+        await s.game.until(lambda: s.game.shows("A level needs at least one robot"))
         while s.editor.edits.can_undo:
             await s.press("u")
         assert (s.level.robots, s.level.beacons) == (

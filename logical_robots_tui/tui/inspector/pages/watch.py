@@ -204,8 +204,8 @@ class WatchView(LinesView):
         reading = self._readings.get(pin)
         if reading is None:
             value = Content("")
-        elif reading.trouble:
-            value = Content.styled(clip(one_line(reading.trouble), self.columns // 2), INK.warn)
+        elif reading.problem:
+            value = Content.styled(clip(one_line(reading.problem), self.columns // 2), INK.warn)
         else:
             value = Content.styled(*cell(reading.value, self.columns // 2))
         room = max(1, self.columns - value.cell_length - 1)

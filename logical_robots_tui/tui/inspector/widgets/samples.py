@@ -101,6 +101,6 @@ class Samples:
 
 
 def _sample(reading: Reading) -> Sample:
-    if reading.trouble:
+    if reading.problem:
         return Sample(None, None)
     return Sample(reading.number, hash(repr(reading.value)))

@@ -1,4 +1,4 @@
-"""The characters of the labyrinth and what they mean."""
+"""How a labyrinth is drawn: its characters, and the choices that a player has."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from logical_robots_tui.tui.labyrinth.drawing.palette import DARK, RGB, Palette
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-__all__ = ["ASCII", "UNICODE", "Drawing", "GlyphSet", "legend"]
+__all__ = ["ASCII", "UNICODE", "Drawing", "GlyphSet", "Highlight", "Look", "legend"]
 
 
 class Drawing(Enum):
@@ -162,3 +162,45 @@ def legend(
             ("◍", area, "solid area, striped"),
         ]
     return rows
+
+
+@dataclass(frozen=True, slots=True)
+class Highlight:
+    """A robot, or one ray of its radar, to bring out of the picture.
+
+    Attributes:
+        robot: Its name.
+        ray: The angle of the ray as the program reads it, radians; None means the robot itself.
+    """
+
+    robot: str
+    ray: float | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Look:
+    """The choices that a player has about the picture.
+
+    Attributes:
+        drawing: Which characters draw it.
+        palette: Its colours.
+        rays: Whether the robots' radar is shown as light.
+        marks: Whether the ends of rays are marked.
+        lines: Whether the rays of the selected robot are drawn one by one.
+        trails: Whether the ways that robots came are shown.
+        names: Whether names are shown.
+        selected: Name of the robot to bring out, or None.
+        highlight: A ray or a robot to bring out besides, or None.
+        pulse: How far the beacons are in their pulse, 0 to 3; 0 is brightest.
+    """
+
+    drawing: Drawing = Drawing.QUADRANTS
+    palette: Palette = DARK
+    rays: bool = True
+    marks: bool = True
+    lines: bool = False
+    trails: bool = True
+    names: bool = True
+    selected: str | None = None
+    highlight: Highlight | None = None
+    pulse: int = 0

@@ -8,19 +8,19 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from logical_robots_tui.tui.labyrinth.drawing.cells import BOLD, Cells, text_id
-from logical_robots_tui.tui.labyrinth.drawing.ends import mark_ends
+from logical_robots_tui.tui.labyrinth.drawing.discs import body_rows, shows_body, text_on
 from logical_robots_tui.tui.labyrinth.drawing.glyphs import Drawing
 from logical_robots_tui.tui.labyrinth.drawing.ground import beacon_colour
+from logical_robots_tui.tui.labyrinth.drawing.name_labels import Plate, Room, fit_name
 from logical_robots_tui.tui.labyrinth.drawing.palette import RGB, Palette, mix, packed, parse
-from logical_robots_tui.tui.labyrinth.drawing.plates import Plate, Room, fit_name
-from logical_robots_tui.tui.labyrinth.drawing.robots import body_rows, shows_body, text_on
+from logical_robots_tui.tui.labyrinth.drawing.rays import mark_ends
 
 if TYPE_CHECKING:
     from collections.abc import Container, Sequence
 
     from numpy.typing import NDArray
 
-    from logical_robots_tui.tui.labyrinth.drawing.look import Look
+    from logical_robots_tui.tui.labyrinth.drawing.glyphs import Look
     from logical_robots_tui.tui.labyrinth.drawing.rays import Fan
     from logical_robots_tui.tui.labyrinth.drawing.viewport import Floats, Viewport
     from logical_robots_tui.world.level import Level

@@ -8,28 +8,27 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from logical_robots_tui.tui.labyrinth.drawing.cells import Cells, text_id
-from logical_robots_tui.tui.labyrinth.drawing.dots import pack, split
-from logical_robots_tui.tui.labyrinth.drawing.fitting import refit
+from logical_robots_tui.tui.labyrinth.drawing.discs import paint_robot
+from logical_robots_tui.tui.labyrinth.drawing.dots import pack, refit, split
 from logical_robots_tui.tui.labyrinth.drawing.glyphs import Drawing
 from logical_robots_tui.tui.labyrinth.drawing.ground import (
     ASCII_KINDS,
     Ground,
+    WallTable,
     lay_ground,
     touch_up,
 )
 from logical_robots_tui.tui.labyrinth.drawing.lettering import StillLettering, letter, robot_colour
 from logical_robots_tui.tui.labyrinth.drawing.palette import RGB, Palette, packed
 from logical_robots_tui.tui.labyrinth.drawing.rays import Fan, fans, shine
-from logical_robots_tui.tui.labyrinth.drawing.robots import paint_robot
-from logical_robots_tui.tui.labyrinth.drawing.threads import (
+from logical_robots_tui.tui.labyrinth.drawing.thin_lines import (
+    Traces,
     draw_ray,
     draw_rays,
     draw_ring,
     draw_trails,
 )
-from logical_robots_tui.tui.labyrinth.drawing.traces import Traces
 from logical_robots_tui.tui.labyrinth.drawing.viewport import Floats, Raster
-from logical_robots_tui.tui.labyrinth.drawing.walls import WallTable
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -37,7 +36,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from logical_robots_tui.game.frame import Frame
-    from logical_robots_tui.tui.labyrinth.drawing.look import Highlight, Look
+    from logical_robots_tui.tui.labyrinth.drawing.glyphs import Highlight, Look
     from logical_robots_tui.tui.labyrinth.drawing.viewport import Viewport
     from logical_robots_tui.world.level import Level
     from logical_robots_tui.world.state import RobotState

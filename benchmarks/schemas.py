@@ -1,0 +1,85 @@
+"""Reading a large memory by an example instead of a type that is written out."""
+
+from __future__ import annotations
+
+from random import Random
+from typing import TYPE_CHECKING
+
+from benchmarks.measure import Effort, Measurement, median_of, seconds_for
+from benchmarks.subjects import program_text, rows_for
+from logical_robots_tui import Mind, Program
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator
+
+    from logical_robots_tui.values import Value
+
+__all__ = ["schemas"]
+
+BEACONS = 56
+EDGES = 159
+TICKS = 30  # in one measurement
+EXAMPLE = "TryCast(memory, Schema())"
+TYPE = (
+    "TryCast(memory,"
+    " {clock: Num, beacons: [{label: Str, way: Num}], edges: [{u: Str, v: Str, d: Num}]})"
+)
+MOST = 1.3
+
+
+def schemas(effort: Effort) -> Iterator[Measurement]:
+    """Milliseconds of a think of a robot with a map in memory, and how many times as many.
+
+    The two ways to read the memory take turns, tick by tick, so that both meet the same machine.
+    """
+    text = program_text("schema")
+    assert EXAMPLE in text
+    texts = (text.replace(EXAMPLE, TYPE), text)
+    programs = [Program.compile(one) for one in texts]
+    found = [_milliseconds(programs) for _ in range(effort.repeats)]
+    of = f"a map of {BEACONS} beacons and {EDGES} roads"
+    for place, way in enumerate(("by a type", "by an example")):
+        once = iter([times[place] for times in found]).__next__
+        yield median_of("memory read", f"{of}, {way}", "ms", effort.repeats, once)
+    once = iter([example / written for written, example in found]).__next__
+    required = f"<= {MOST}"
+    yield median_of("memory read", "example : type", "x", effort.repeats, once, required=required)
+
+
+def _milliseconds(programs: list[Program]) -> list[float]:
+    """Milliseconds of one think under each program, as the mean of several."""
+    thinkers = [_thinker(program) for program in programs]
+    seconds = [0.0 for _ in programs]
+    for think in thinkers:
+        think()
+    for _ in range(TICKS):
+        for place, think in enumerate(thinkers):
+            seconds[place] += seconds_for(think)
+    return [1000 * each / TICKS for each in seconds]
+
+
+def _thinker(program: Program) -> Callable[[], None]:
+    """A robot that thinks a tick further with each call; its memory is another in each."""
+    rows = rows_for("gate")
+    mind = Mind(program)
+    memories: dict[str, Value] = {row["robot_name"]: _the_map() for row in rows}
+
+    def think() -> None:
+        nonlocal memories
+        for row in rows:
+            row["sensor"]["clock"] += 1
+        memories = {d.robot_name: d.memory for d in mind.think(rows, memories)}
+
+    return think
+
+
+def _the_map() -> dict[str, Value]:
+    """A map as the program keeps it, always the same one."""
+    random = Random(BEACONS)
+    labels = [f"beacon {number:02}" for number in range(BEACONS)]
+    pairs = random.sample([(u, v) for u in labels for v in labels if u < v], EDGES)
+    return {
+        "clock": 0,
+        "beacons": [{"label": label, "way": random.uniform(0, 900)} for label in labels],
+        "edges": [{"u": u, "v": v, "d": random.uniform(20, 200)} for u, v in sorted(pairs)],
+    }

@@ -1,0 +1,131 @@
+"""``logical-robots diagnose``: what in a whole run may be a mistake, and where to look."""
+
+from __future__ import annotations
+
+import asyncio
+import shutil
+import sys
+import textwrap
+from typing import TYPE_CHECKING, Any
+
+from logical_robots_tui.cli.command import prefers_json
+from logical_robots_tui.cli.runs.common import new_run_command, opened
+from logical_robots_tui.cli.text import harmless, line_of_json
+
+if TYPE_CHECKING:
+    import argparse
+    from collections.abc import Iterator
+
+    from logical_robots_tui.cli.command import Commands
+    from logical_robots_tui.game.diagnosing import Diagnosis
+    from logical_robots_tui.mind import Program
+    from logical_robots_tui.mind.diagnosis.finding import Finding
+    from logical_robots_tui.world import Level
+
+__all__ = ["declare"]
+
+NOTHING, FOUND = 0, 1
+DEFAULT_TICKS = 3000
+NARROWEST, WIDEST = 40, 96  # columns
+
+EPILOG = """\
+examples:
+  logical-robots diagnose 06-breadcrumbs breadcrumbs --ticks 300
+  logical-robots diagnose 01-first-steps first-steps --ticks 300 --json | jq .findings
+
+What is hardly meant comes first; a note may well be as it should be.
+
+exit status: 0 nothing or only notes, 1 there are warnings, 2 bad level or program
+"""
+
+
+def declare(commands: Commands) -> None:
+    """Add the command to the list."""
+    new_run_command(
+        commands,
+        "diagnose",
+        start=start,
+        summary="look through a whole run for what may be a mistake",
+        description="Run a program, watch all its rules and conditions, and say what stands out.",
+        epilog=EPILOG,
+        ticks=(DEFAULT_TICKS, "end after this many ticks, or at victory"),
+    )
+
+
+def start(options: argparse.Namespace) -> int:
+    """Run the program, and say what stands out."""
+    level, program = opened(options)
+    found = asyncio.run(_diagnose(level, program, options.ticks))
+    if prefers_json(options):
+        print(line_of_json(_data(found)))
+    else:
+        print(*_lines(found), sep="\n")
+    return FOUND if any(each.severity == "warning" for each in found.findings) else NOTHING
+
+
+async def _diagnose(level: Level, program: Program, ticks: int) -> Diagnosis:
+    from logical_robots_tui.game import Game
+    from logical_robots_tui.game.diagnosing import diagnose
+
+    game = Game(level, program, history=ticks)
+    try:
+        await game.run_until(tick=ticks)
+        return await diagnose(game, report=_report if sys.stderr.isatty() else _be_silent)
+    finally:
+        if sys.stderr.isatty():
+            print("\r\033[K", end="", file=sys.stderr, flush=True)
+        await game.close()
+
+
+def _report(done: int, of_all: int) -> None:
+    if not done % 20:
+        print(f"\r{done} of {of_all} ticks", end="", file=sys.stderr, flush=True)
+
+
+def _be_silent(_done: int, _all: int) -> None:
+    pass
+
+
+def _lines(found: Diagnosis) -> Iterator[str]:
+    from logical_robots_tui.game.diagnosing import extent
+
+    wide = max(NARROWEST, min(WIDEST, shutil.get_terminal_size((WIDEST, 0)).columns))
+    yield from textwrap.wrap(extent(found), wide)
+    for each in found.findings:
+        line = f"line {each.span.line}" if each.span is not None else "the run"
+        head = f"{each.severity}, {line}, tick {each.tick}: "
+        said = harmless(f"{each.message} {each.hint}")
+        yield from ("", *textwrap.wrap(f"{head}{said}", wide, subsequent_indent="  "))
+        if each.others:
+            lines = ", ".join(dict.fromkeys(str(span.line) for span in each.others))
+            yield f"  See also line{'s' if ',' in lines else ''} {lines}."
+    if not found.findings:
+        yield "Nothing stands out."
+
+
+def _data(found: Diagnosis) -> dict[str, Any]:
+    """The diagnosis for scripts."""
+    return {
+        "first": found.first,
+        "last": found.last,
+        "won_at": found.won_at,
+        "looked_at_every": found.step,
+        "looked_for_what_never_happened_every": found.second_step,
+        "left_out": found.left_out,
+        "reliable": found.is_reliable,
+        "findings": [_finding(each) for each in found.findings],
+    }
+
+
+def _finding(each: Finding) -> dict[str, Any]:
+    return {
+        "severity": each.severity,
+        "kind": each.kind,
+        "line": each.span.line if each.span else None,
+        "text": each.span.text if each.span else None,
+        "tick": each.tick,
+        "robot": each.robot or None,
+        "message": each.message,
+        "hint": each.hint,
+        "see_also": list(dict.fromkeys(span.line for span in each.others)),
+    }

@@ -1,0 +1,153 @@
+"""``logical-robots origin``: in which tick and by which rule a value in a memory was made."""
+
+from __future__ import annotations
+
+import argparse
+import asyncio
+from typing import TYPE_CHECKING, Any
+
+from logical_robots_tui.cli.command import prefers_json
+from logical_robots_tui.cli.runs.common import new_run_command, opened, run_shown
+from logical_robots_tui.cli.text import harmless, line_of_json, written
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from logical_robots_tui.cli.command import Commands
+    from logical_robots_tui.game.origin import Link, Origin
+    from logical_robots_tui.mind import Program
+    from logical_robots_tui.mind.why.sourcing import Path, Read
+    from logical_robots_tui.world import Level
+
+__all__ = ["declare"]
+
+_LONGEST = 60  # characters of a value
+_SHOWN_READS = 5
+
+EPILOG = """\
+examples:
+  logical-robots origin 06-breadcrumbs breadcrumbs --tick 600 --robot Crow --value memory.visited
+  logical-robots origin 06-breadcrumbs breadcrumbs --tick 600 --robot Crow \\
+    --value 'memory.visited[0]'
+
+The value is the one that the robot remembers after the tick. It is followed back through the ticks
+that only kept it, also through memories of other robots, to the tick and the rule that made it, and
+from there to what it was made from.
+
+exit status: 0 it was found, 2 bad level, program, robot or value
+"""
+
+
+def declare(commands: Commands) -> None:
+    """Add the command to the list."""
+    command = new_run_command(
+        commands,
+        "origin",
+        start=start,
+        summary="say where a value in a memory comes from",
+        description="Run a program to a tick, then follow a value back to where it was made.",
+        epilog=EPILOG,
+        first_tick=1,
+        robot="whose memory",
+        needs_robot=True,
+    )
+    command.add_argument(
+        "--value",
+        type=_path,
+        default=(),
+        metavar="PART",
+        help="a part of it, such as memory.plan.at or memory.seen[0] (default: all of it)",
+    )
+
+
+def start(options: argparse.Namespace) -> int:
+    """Follow the value."""
+    level, program = opened(options)
+    origin = asyncio.run(_search(level, program, options))
+    if prefers_json(options):
+        data = {"complete": origin.complete, "links": [*map(_data, origin.links)]}
+        print(line_of_json(data))
+    else:
+        print(*_lines(origin), sep="\n")
+    return 0
+
+
+async def _search(level: Level, program: Program, options: argparse.Namespace) -> Origin:
+    from logical_robots_tui.game import origin_in_run
+
+    async with run_shown(level, program, options.tick) as (run, show):
+        await run.frame(options.tick, show)
+        return await origin_in_run(run, options.robot, options.value, options.tick, show)
+
+
+def _lines(origin: Origin) -> Iterator[str]:
+    for number, link in enumerate(origin.links):
+        if number:
+            yield ""
+        yield from _link(number, link)
+    if not origin.complete:
+        yield from ("", "This is not all of it: more was read than is followed here.")
+
+
+def _link(number: int, link: Link) -> Iterator[str]:
+    from logical_robots_tui.game.origin import written_path
+
+    name = f"{link.robot}'s {written_path(link.path)}"
+    yield harmless(f"{number + 1}. {name} = {_short(link.value)}")
+    if link.tick == 0:
+        yield f"   has been there since the start, until tick {link.until}"
+        return
+    kept = f", kept until tick {link.until}" if link.until > link.tick else ""
+    line = f" in line {link.rule.line}" if link.rule is not None else ""
+    yield f"   set in tick {link.tick} by the rule{line}{kept}"
+    if link.span is not None:
+        yield harmless(f"   line {link.span.line}: {_cut(link.span.text)}")
+    for read in link.reads[:_SHOWN_READS]:
+        yield harmless(f"   from {_read(read)}")
+    if more := len(link.reads) - _SHOWN_READS:
+        yield from [f"   and from {more} more"] * (more > 0)
+    if link.before:
+        yield f"   go on with {', '.join(f'{each + 1}.' for each in link.before)}"
+
+
+def _read(read: Read) -> str:
+    from logical_robots_tui.game.origin import written_path
+
+    return f"{read.robot}'s {written_path(read.path, read.what)} = {_short(read.value)}"
+
+
+def _data(link: Link) -> dict[str, Any]:
+    from logical_robots_tui.game.origin import written_path
+
+    return {
+        "robot": link.robot,
+        "value": link.value,
+        "part": written_path(link.path),
+        "tick": link.tick,
+        "until": link.until,
+        "rule_line": link.rule.line if link.rule else None,
+        "line": link.span.line if link.span else None,
+        "text": link.span.text if link.span else None,
+        "reads": [
+            {"robot": read.robot, "part": written_path(read.path, read.what), "value": read.value}
+            for read in link.reads
+        ],
+        "before": link.before,
+    }
+
+
+def _short(value: Any) -> str:
+    return _cut(written(value))
+
+
+def _cut(text: str) -> str:
+    return text if len(text) <= _LONGEST else f"{text[: _LONGEST - 3]}..."
+
+
+def _path(text: str) -> Path:
+    from logical_robots_tui.game.origin import read_path
+
+    try:
+        return read_path(text)
+    except ValueError as error:
+        raise argparse.ArgumentTypeError(str(error)) from None

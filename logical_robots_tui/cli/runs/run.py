@@ -1,0 +1,244 @@
+"""``logical-robots run``: a level under a program, without a screen."""
+
+from __future__ import annotations
+
+import asyncio
+import json
+import math
+from collections import Counter
+from dataclasses import dataclass, field
+from time import perf_counter
+from typing import TYPE_CHECKING, Any
+
+from logical_robots_tui.cli.command import prefers_json
+from logical_robots_tui.cli.runs.common import new_run_command, opened
+from logical_robots_tui.cli.runs.progress import progress_bar
+from logical_robots_tui.cli.text import UNRELIABLE, columns, finite, harmless
+
+if TYPE_CHECKING:
+    import argparse
+    from collections.abc import Callable
+
+    from logical_robots_tui.cli.command import Commands
+    from logical_robots_tui.game import Frame
+    from logical_robots_tui.mind import Program
+    from logical_robots_tui.world import Level
+
+__all__ = ["declare", "play_out"]
+
+WON, NOT_WON = 0, 1
+DEFAULT_TICKS = 5000
+SAMPLE = 10  # notices told in full
+
+EPILOG = """\
+examples:
+  logical-robots run 01-first-steps first-steps            say how it went
+  logical-robots run 01-first-steps first-steps --json     say it as JSON
+  logical-robots run 01-first-steps first-steps | jq .won  piped, it is JSON
+  logical-robots run my-level.toml my-program.l --ticks 900
+
+exit status: 0 won, 1 not won within the ticks, 2 bad level or program
+"""
+
+
+def declare(commands: Commands) -> None:
+    """Add the command to the list."""
+    command = new_run_command(
+        commands,
+        "run",
+        start=start,
+        summary="run a program in a level without a screen",
+        description="Run a program in a level without a screen, as fast as the machine can.",
+        epilog=EPILOG,
+        ticks=(DEFAULT_TICKS, "give up after this many ticks"),
+    )
+    command.add_argument("--times", action="store_true", help="tell in JSON, too, how long it took")
+
+
+def start(options: argparse.Namespace) -> int:
+    """Run the program in the level and say how it went."""
+    level, program = opened(options)
+    with progress_bar(level.title, options.ticks) as show:
+        outcome = asyncio.run(play_out(level, program, options.program, options.ticks, show))
+    print(outcome.as_json(times=options.times) if prefers_json(options) else outcome.in_words())
+    return WON if outcome.won_at is not None else NOT_WON
+
+
+async def play_out(
+    level: Level,
+    program: Program,
+    program_name: str,
+    ticks: int,
+    show: Callable[[int], object] = lambda _tick: None,
+) -> Outcome:
+    """Run until the level is won or the ticks are over.
+
+    Args:
+        level: Where it happens.
+        program: What the robots think.
+        program_name: What to call it in the outcome.
+        ticks: How many ticks to try.
+        show: Told each finished tick.
+    """
+    from logical_robots_tui.game import Game
+
+    game = Game(level, program, history=1)
+    tally = Tally()
+
+    def look(frame: Frame) -> None:
+        tally.count(frame)
+        show(frame.tick)
+
+    game.listen(look)
+    began = perf_counter()
+    try:
+        frame = await game.run_until(tick=ticks)
+    finally:
+        await game.close()
+    return Outcome(level, program_name, frame, tally, perf_counter() - began)
+
+
+@dataclass
+class Tally:
+    """What is counted while a run goes on.
+
+    Attributes:
+        notices: How often each kind of notice was given.
+        first: The first few notices, as (tick, robot name, kind, message).
+        think_milliseconds: Time spent thinking.
+        is_reliable: Whether no clock ended a thought.
+    """
+
+    notices: Counter[str] = field(default_factory=Counter)
+    first: list[tuple[int, str, str, str]] = field(default_factory=list)
+    think_milliseconds: float = 0.0
+    is_reliable: bool = True
+
+    def count(self, frame: Frame) -> None:
+        """Take in a finished tick."""
+        self.think_milliseconds += frame.think_milliseconds
+        self.is_reliable = self.is_reliable and frame.is_reliable
+        for decision in frame.decisions:
+            for notice in decision.notices:
+                self.notices[notice.kind] += 1
+                if len(self.first) < SAMPLE:
+                    told = (frame.tick, decision.robot_name, notice.kind, notice.message)
+                    self.first.append(told)
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """How a run went.
+
+    Attributes:
+        level: Where it happened.
+        program_name: The program, as it was named.
+        frame: The last frame.
+        tally: What was counted.
+        seconds: How long it took.
+    """
+
+    level: Level
+    program_name: str
+    frame: Frame
+    tally: Tally
+    seconds: float
+
+    @property
+    def won_at(self) -> int | None:
+        """The tick of victory, or None."""
+        return self.frame.after.won_at
+
+    def as_json(self, *, times: bool = False) -> str:
+        """One JSON object with everything a script may want.
+
+        Args:
+            times: Whether to tell how long it took, which is never the same twice.
+        """
+        from logical_robots_tui.game import goals
+
+        ticks = self.frame.tick
+        found: dict[str, Any] = {
+            "level": self.level.name,
+            "program": self.program_name,
+            "won": self.won_at is not None,
+            "ticks": ticks,
+            "reliable": self.tally.is_reliable,
+            "robots": self._robots(),
+            "goals": [
+                {"area": goal.area_name, "wanted": goal.wanted, "inside": goal.inside}
+                for goal in goals(self.level, self.frame.after)
+            ],
+            "notices": {
+                "count": self.tally.notices.total(),
+                "kinds": dict(self.tally.notices),
+                "first": [
+                    {"tick": tick, "robot": robot, "kind": kind, "message": message}
+                    for tick, robot, kind, message in self.tally.first
+                ],
+            },
+        }
+        if times:
+            found["milliseconds_per_tick"] = round(self.seconds * 1000 / ticks, 4)
+            think = self.tally.think_milliseconds / ticks
+            found["think_milliseconds_per_tick"] = round(think, 4)
+        return json.dumps(finite(found), indent=2, allow_nan=False)
+
+    def in_words(self) -> str:
+        """A few lines for a person."""
+        lines = [self._verdict(), "", *self._table()]
+        if self.tally.first:
+            total = self.tally.notices.total()
+            noun = "notice" if total == 1 else "notices"
+            lines += ["", f"{total} {noun} from the program:"]
+            lines += [
+                f"  tick {tick}, {harmless(robot)}: {harmless(message)}"
+                for tick, robot, _kind, message in self.tally.first
+            ]
+            if total > len(self.tally.first):
+                lines.append(f"  ... and {total - len(self.tally.first)} more")
+        if not self.tally.is_reliable:
+            lines += ["", UNRELIABLE]
+        pace = self.frame.tick / self.seconds
+        lines += ["", f"{self.frame.tick} ticks in {self.seconds:.1f} s ({pace:.0f} ticks/s)"]
+        return "\n".join(lines)
+
+    def _verdict(self) -> str:
+        from logical_robots_tui.game import goals
+
+        title = harmless(self.level.title)
+        if self.won_at is not None:
+            return f"{title}: won at tick {self.won_at}."
+        if not any(area.victory_robots for area in self.level.areas):
+            return f"{title}: {self.frame.tick} ticks done. This level has no goal to win."
+        missing = [
+            f"{harmless(goal.area_name)} still waits for "
+            + ", ".join(harmless(name) for name in goal.wanted if name not in goal.inside)
+            for goal in goals(self.level, self.frame.after)
+            if not goal.reached and len(goal.inside) < len(goal.wanted)
+        ]
+        return ". ".join([f"{title}: not won within {self.frame.tick} ticks", *missing]) + "."
+
+    def _table(self) -> list[str]:
+        rows = [("ROBOT", "X", "Y", "HEADING", "BATTERY")]
+        for given, now in zip(self.level.robots, self.frame.after.robots, strict=True):
+            heading = f"{math.degrees(now.angle) % 360:.0f} deg"
+            battery = "none"
+            if given.has_battery:
+                battery = f"{now.battery_level:.1f} of {given.battery_capacity:g}"
+            rows.append((now.name, f"{now.x:.1f}", f"{now.y:.1f}", heading, battery))
+        return columns([tuple(row) for row in rows])
+
+    def _robots(self) -> list[dict[str, Any]]:
+        return [
+            {
+                "name": now.name,
+                "x": now.x,
+                "y": now.y,
+                "angle": now.angle,
+                "battery_level": now.battery_level if given.has_battery else None,
+                "blocked": now.blocked,
+                "memory": self.frame.memories.get(now.name),
+            }
+            for given, now in zip(self.level.robots, self.frame.after.robots, strict=True)
+        ]

@@ -1,0 +1,268 @@
+"""``logical-robots why``: which rule gave a robot's decision, and what stopped the others."""
+
+from __future__ import annotations
+
+import argparse
+import asyncio
+import json
+import shlex
+import shutil
+from typing import TYPE_CHECKING, Any
+
+from logical_robots_tui.cli.command import number_from, prefers_json
+from logical_robots_tui.cli.runs.common import check_name, frame_at, new_run_command, opened
+from logical_robots_tui.cli.text import harmless, line_of_json, written
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Sequence
+
+    from logical_robots_tui.cli.command import Commands
+    from logical_robots_tui.mind import Ask, Explanation, Node, Program
+    from logical_robots_tui.mind.diagnosis.nearest import Suggestion
+    from logical_robots_tui.world import Level
+
+__all__ = ["declare"]
+
+GAVE, GAVE_NOT = 0, 1
+WIDEST = 100  # columns, where nobody says how wide the terminal is
+DEEPEST = 100
+
+EPILOG = """\
+examples:
+  logical-robots why 06-breadcrumbs breadcrumbs --tick 300 --robot Crow
+  logical-robots why 06-breadcrumbs breadcrumbs --tick 300 --robot Crow --tree
+  logical-robots why 06-breadcrumbs breadcrumbs --tick 300 --robot Crow --predicate Next
+  logical-robots why 06-breadcrumbs breadcrumbs --tick 3 --robot Crow \\
+    --predicate Steer --given col0=0.5
+
+A row is explained by one derivation. For each rule that gives none, the first part is shown that
+nothing gets past, and which one change would have given it a row: + holds, - does not. --tree
+follows every call, down to what was sensed and remembered. The arguments of a function are called
+col0, col1 ...
+
+exit status: 0 there is a row, 1 there is none, 2 bad level, program or name
+"""
+
+_MOST_VALUES = 5  # in a line; --json has more
+
+
+def declare(commands: Commands) -> None:
+    """Add the command to the list."""
+    command = new_run_command(
+        commands,
+        "why",
+        start=start,
+        summary="say why a robot did what it did, or why not",
+        description="Run a program to a tick, then tell for each rule which parts of it held.",
+        epilog=EPILOG,
+        first_tick=1,
+        robot="in whose mind",
+        needs_robot=True,
+    )
+    command.add_argument(
+        "--predicate", default="Robot", metavar="P", help="which predicate (default: %(default)s)"
+    )
+    command.add_argument(
+        "--given",
+        type=_given,
+        action="append",
+        default=[],
+        metavar="COLUMN=VALUE",
+        help="only rows with this value, as JSON; for a function its arguments",
+    )
+    command.add_argument(
+        "--within", default="", metavar="P", help="in the rules of P, which is made with ':='"
+    )
+    command.add_argument(
+        "--tree", action="store_true", help="the whole proof, down to what was sensed"
+    )
+    command.add_argument(
+        "--depth",
+        type=number_from(1),
+        default=DEEPEST,
+        metavar="N",
+        help="with --tree: how many predicates deep",
+    )
+
+
+def start(options: argparse.Namespace) -> int:
+    """Say why."""
+    level, program = opened(options)
+    own = [predicate.name for predicate in program.predicates if predicate.kind == "program"]
+    check_name("predicate", options.predicate, own)
+    explanation, nodes, complete, nearest = asyncio.run(_explain(level, program, options))
+    if prefers_json(options):
+        data = {
+            **_data(explanation, options.tick),
+            "tree": [*map(_node, nodes)],
+            "nearest": [_suggestion(*each) for each in nearest],
+        }
+        print(line_of_json(data))
+    else:
+        print(*_lines(explanation, nodes, options), *_nearest(nearest), sep="\n")
+        if not complete:
+            print("", "This is not all of it; --depth says how deep it goes.", sep="\n")
+    return GAVE if explanation.rows else GAVE_NOT
+
+
+async def _explain(
+    level: Level, program: Program, options: argparse.Namespace
+) -> tuple[Explanation, tuple[Node, ...], bool, list[tuple[int, Suggestion]]]:
+    """The explanation, what to show of it, whether that is all, and what would have to differ."""
+    from logical_robots_tui.game import Inquiry
+
+    frame = await frame_at(level, program, options.tick)
+    inquiry = Inquiry(level)
+    given, within = dict(options.given) or None, options.within
+    robot, predicate = options.robot, options.predicate
+    try:
+        if not options.tree:
+            explanation = await inquiry.why(
+                program, robot, frame, predicate=predicate, given=given, within=within
+            )
+            nearest: list[tuple[int, Suggestion]] = []
+            if given is None and any(rule.rows == 0 for rule in explanation.rules):
+                nearest = await inquiry.nearest(program, robot, frame, predicate)
+            return explanation, explanation.nodes, True, nearest
+        proof = await inquiry.proof(
+            program,
+            robot,
+            frame,
+            predicate=predicate,
+            given=given,
+            within=within,
+            depth=options.depth,
+        )
+        return proof.explanation, proof.nodes, proof.complete, []
+    finally:
+        await inquiry.close()
+
+
+def _lines(
+    explanation: Explanation, nodes: Sequence[Node], options: argparse.Namespace
+) -> Iterator[str]:
+    wide = shutil.get_terminal_size((WIDEST, 0)).columns
+    yield f"{explanation.predicate} for {harmless(explanation.robot)} at tick {options.tick}"
+    if explanation.made_from:
+        yield f"  is made from {explanation.made_from}, whose rules these are"
+    lines = [line for node in nodes for line in node.walk()]
+    for depth, node in lines:
+        yield _line(depth, node, wide)
+    if options.tree:
+        return
+    asked = (node.asked for _, node in lines if node.asked is not None)
+    if deeper := dict.fromkeys(_deeper(ask) for ask in asked):
+        yield from ("", "Deeper with --tree, or one of:", *(f"  {each}" for each in deeper))
+
+
+def _nearest(found: list[tuple[int, Suggestion]]) -> Iterator[str]:
+    """Which one change would have given a row to a rule that gave none."""
+    for rule in dict.fromkeys(line for line, _ in found):
+        yield from ("", f"For the rule in line {rule} to give a row, one of:")
+        for line, each in found:
+            if line == rule:
+                change = f"write {each.change}" if each.change else "leave it out"
+                yield harmless(f"  {each.text}")
+                yield harmless(f"    line {each.span.line}, {each.span.text}: {change}")
+
+
+def _suggestion(rule: int, each: Suggestion) -> dict[str, Any]:
+    return {
+        "rule": rule,
+        "line": each.span.line,
+        "text": each.span.text,
+        "change": each.change,
+        "said": each.text,
+    }
+
+
+def _deeper(ask: Ask) -> str:
+    """The options with which the question goes on."""
+    given = [f"--given {shlex.quote(f'{c}={written(v)}')}" for c, v in ask.given.items()]
+    within = [f"--within {ask.within}"] if ask.within else []
+    return harmless(" ".join([f"--predicate {ask.predicate}", *given, *within]))
+
+
+def _line(depth: int, node: Node, wide: int) -> str:
+    mark = {True: "+", False: "-", None: " "}[node.holds]
+    before = f"{'  ' * depth}{mark} "
+    place = f"line {node.span.line}: " if node.kind == "rule" and node.span is not None else ""
+    said = f"  ({node.said})" if node.said else ""
+    shown = node.values[:_MOST_VALUES]
+    values = [(_truth(value) if node.is_truth else written(value)) for value in shown]
+    if more := len(node.values) - len(shown) + node.more:
+        values.append(f"{more} more")
+    told = f" = {' or '.join(values)}" if values else ""
+    room = max(20, wide - len(before) - len(place) - len(said) - min(len(told), wide // 2))
+    text = harmless(node.text)
+    text = text if len(text) <= room else f"{text[: room - 3]}..."
+    whole, wide = f"{before}{place}{text}", max(wide, 40)
+    left = wide - len(whole) - len(said)
+    told = told if len(told) <= left else f"{told[: max(0, left - 3)]}..."
+    whole = f"{whole}{told}{said}"
+    return whole if len(whole) <= wide else f"{whole[: wide - 3]}..."
+
+
+def _truth(value: Any) -> str:
+    return "null" if value is None else "true" if value else "false"
+
+
+def _data(explanation: Explanation, tick: int) -> dict[str, Any]:
+    """The explanation for scripts."""
+    return {
+        "tick": tick,
+        "robot": explanation.robot,
+        "predicate": explanation.predicate,
+        "made_from": explanation.made_from or None,
+        "rows": explanation.rows,
+        "row": explanation.row,
+        "rules": [
+            {
+                "line": rule.span.line,
+                "text": rule.span.text,
+                "rows": rule.rows,
+                "gives_row": rule.row is not None,
+                "stopped_by": rule.stopped_by.text if rule.stopped_by else None,
+                "stopped_at_line": rule.stopped_by.span.line
+                if rule.stopped_by and rule.stopped_by.span
+                else None,
+            }
+            for rule in explanation.rules
+        ],
+    }
+
+
+def _node(node: Node) -> dict[str, Any]:
+    """A node for scripts; what does not apply is left out."""
+    told: dict[str, Any] = {"kind": node.kind, "text": node.text}
+    if node.said:
+        told["said"] = node.said
+    if node.holds is not None:
+        told["holds"] = node.holds
+    if node.values:
+        told["values"] = [bool(v) if node.is_truth and v is not None else v for v in node.values]
+    if node.more:
+        told["more"] = node.more
+    if node.span is not None:
+        told["line"] = node.span.line
+    if node.robot:
+        told["robot"] = node.robot
+    if node.ray is not None:
+        told["ray"] = node.ray
+    if node.asked is not None:
+        told["asked"] = {"predicate": node.asked.predicate, "given": node.asked.given}
+        if node.asked.within:
+            told["asked"]["within"] = node.asked.within
+    if node.children:
+        told["children"] = [*map(_node, node.children)]
+    return told
+
+
+def _given(text: str) -> tuple[str, Any]:
+    column, sign, value = text.partition("=")
+    if not sign or not column:
+        raise argparse.ArgumentTypeError(f"{text!r} is not COLUMN=VALUE")
+    try:
+        return column, json.loads(value)
+    except ValueError:
+        return column, value

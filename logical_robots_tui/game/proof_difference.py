@@ -1,0 +1,263 @@
+"""The first difference between two proofs of one decision.
+
+Two proofs have the same steps until one of them uses another rule, has a step that the other one
+lacks, or produces another value. Values are compared only where everything else is the same. Steps
+are compared before the columns computed from them, and the premises of a node before the node
+itself, so that the first difference is not merely a consequence of another.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Literal, TypeAlias
+
+from logical_robots_tui.mind import Ask
+from logical_robots_tui.mind.why.relations import alike
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Mapping, Sequence
+
+    from logical_robots_tui.mind import Explanation, Node, Proof
+    from logical_robots_tui.values import Value
+
+__all__ = ["ProofDifference", "Side", "condition_of", "first_difference"]
+
+Side: TypeAlias = Literal["here", "there"]
+
+_DECIDED_AT_ONCE = ("call", "denial")
+"""Nodes whose children are about something else where they don't hold."""
+
+_STATED = ("alternative", "call", "condition", "denial", "element", "value")
+
+
+@dataclass(frozen=True, slots=True)
+class ProofDifference:
+    """The first difference of two proofs.
+
+    Attributes:
+        kind: ``rule``: a row comes from another rule; ``step``: a derivation by the same rule has
+            a different step, or a step that holds in one proof only; ``value``: only a value
+            differs.
+        asked: The row whose derivation differs, with the values that it has in both proofs.
+        here: The node in one of the proofs, or None if there is none.
+        there: The node in the other one.
+    """
+
+    kind: Literal["rule", "step", "value"]
+    asked: Ask
+    here: Node | None
+    there: Node | None
+
+
+def first_difference(
+    here: Proof, there: Proof, here_text: str, there_text: str
+) -> ProofDifference | None:
+    """Return the first difference between two proofs of a predicate, or None.
+
+    Args:
+        here: One proof.
+        there: The other one.
+        here_text: The program of the first proof.
+        there_text: The program of the other one.
+    """
+    mine, other = here.explanation, there.explanation
+    asked = Ask(mine.predicate, _common(mine.given, other.given), mine.within)
+    texts = _in_one_line(here_text), _in_one_line(there_text)
+    walks = (_Walk(*texts, values=values) for values in (False, True))
+    found = (walk.rules(asked, here.nodes, there.nodes) for walk in walks)
+    return next((each for each in found if each is not None), None)
+
+
+def condition_of(
+    differing: ProofDifference, here: Explanation | None, there: Explanation | None
+) -> tuple[Node, Side] | None:
+    """Return the condition because of which a row comes from different rules in two proofs.
+
+    Args:
+        differing: A difference of kind ``rule``.
+        here: The explanation of the row in the program of the first proof, if known.
+        there: The same for the other one.
+
+    Returns:
+        The condition that holds on one side only, and on which side; None if it is unknown.
+    """
+    stopped = _stopped(differing.there, here)
+    if stopped is not None:
+        return stopped, "there"
+    stopped = _stopped(differing.here, there)
+    return None if stopped is None else (stopped, "here")
+
+
+class _Walk:
+    """Traverses two proofs in parallel.
+
+    Args:
+        here: The program of the first one, in one line.
+        there: The program of the other one.
+        values: Whether to compare values.
+    """
+
+    def __init__(self, here: str, there: str, *, values: bool) -> None:
+        self._here, self._there, self._values = here, there, values
+
+    def rules(
+        self, asked: Ask, here: Sequence[Node], there: Sequence[Node]
+    ) -> ProofDifference | None:
+        """Return the first difference between the rules that produce a row, or fail to."""
+        others = list(there)
+        alone: list[Node] = []
+        for node in here:
+            same = next((each for each in others if each.text == node.text), None)
+            if same is None:
+                alone.append(node)
+                continue
+            others.remove(same)
+            if found := self._rule(asked, node, same):
+                return found
+        mine, other = next(iter(alone), None), next(iter(others), None)
+        if mine is None and other is None:
+            return None
+        if mine is not None and other is not None and self._are_edited(mine, other):
+            for walk in (self, _Walk(self._here, self._there, values=True)):
+                if (found := walk._rule(asked, mine, other)) is not None:
+                    return found
+        return ProofDifference("rule", asked, mine, other)
+
+    def _are_edited(self, here: Node, there: Node) -> bool:
+        """Return whether one rule is an edited version of the other."""
+        if here.text in self._there or there.text in self._here:
+            return False
+        mine, other = ([step.text for step in _steps(node)] for node in (here, there))
+        return 2 * len(set(mine) & set(other)) >= max(len(mine), len(other), 1)
+
+    def _rule(self, asked: Ask, here: Node, there: Node) -> ProofDifference | None:
+        """Return the first difference within derivations by a rule."""
+        if (found := self._nodes(asked, _steps(here), _steps(there))) is not None:
+            return found
+        if here.holds != there.holds:
+            return ProofDifference("rule", asked, here, there)
+        return self._nodes(asked, _columns(here), _columns(there))
+
+    def _nodes(
+        self, asked: Ask, here: Sequence[Node], there: Sequence[Node]
+    ) -> ProofDifference | None:
+        if any(node.kind == "contributor" for node in (*here, *there)):
+            return self._contributors(asked, here, there)
+        for mine, other in zip(here, there, strict=False):
+            if (found := self._pair(asked, mine, other)) is not None:
+                return found
+        if len(here) == len(there):
+            return None
+        at = min(len(here), len(there))
+        rest = [*here[at : at + 1], *there[at : at + 1]]
+        # Steps after a failed one were not evaluated.
+        if any(node.holds is False for node in (*here, *there)) and rest[0].holds is not False:
+            return None
+        return ProofDifference("step", asked, *_sides(here[at : at + 1], there[at : at + 1]))
+
+    def _contributors(
+        self, asked: Ask, here: Sequence[Node], there: Sequence[Node]
+    ) -> ProofDifference | None:
+        """Return the first difference between the contributors to an aggregate, in any order."""
+        mine, others = ([n for n in side if n.kind == "contributor"] for side in (here, there))
+        alone: list[Node] = []
+        for node in mine:
+            decide = len(mine) == len(others) == 1
+            same = next((o for o in others if decide or _have_same_values(node, o)), None)
+            if same is None:
+                alone.append(node)
+                continue
+            others.remove(same)
+            if found := self._pair(asked, node, same):
+                return found
+        if self._values and (alone or others):
+            return ProofDifference("step", asked, *_sides(alone, others))
+        if only := _only_in(alone, self._there):
+            return ProofDifference("rule", only[0], only[1], None)
+        if only := _only_in(others, self._here):
+            return ProofDifference("rule", only[0], None, only[1])
+        return None
+
+    def _pair(self, asked: Ask, here: Node, there: Node) -> ProofDifference | None:
+        """Return the first difference between two nodes at the same place."""
+        has_values = here.kind in ("contributor", "note")  # in its text
+        if here.kind != there.kind or (here.text != there.text and not has_values):
+            return ProofDifference("step", asked, here, there)
+        if here.holds != there.holds and here.kind in _DECIDED_AT_ONCE:
+            return ProofDifference("step", asked, here, there)
+        if (found := self._below(asked, here, there)) is not None:
+            return found
+        if here.holds != there.holds:
+            return ProofDifference("step", asked, here, there)
+        if self._values and (here.text != there.text or not _have_same_values(here, there)):
+            return ProofDifference("value", asked, here, there)
+        return None
+
+    def _below(self, asked: Ask, here: Node, there: Node) -> ProofDifference | None:
+        """Return the first difference between the premises of two nodes, called rules first."""
+        if here.holds is False and here.kind in _DECIDED_AT_ONCE:
+            return None
+        if here.asked is not None and there.asked is not None:
+            common = _common(here.asked.given, there.asked.given)
+            called = Ask(here.asked.predicate, common, here.asked.within)
+            if (found := self.rules(called, _rules(here), _rules(there))) is not None:
+                return found
+        return self._nodes(asked, _steps(here), _steps(there)) or self._nodes(
+            asked, _columns(here), _columns(there)
+        )
+
+
+def _stopped(rule: Node | None, explanation: Explanation | None) -> Node | None:
+    """Return the step that stopped a rule in an explanation, if that program has the rule."""
+    if rule is None or explanation is None:
+        return None
+    found = (each for each in explanation.rules if each.span.text == rule.text)
+    stopped = next((each.stopped_by for each in found), None)
+    return stopped if stopped is not None and stopped.kind in _STATED else None
+
+
+def _only_in(nodes: Sequence[Node], program: str) -> tuple[Ask, Node] | None:
+    """Return the first rule in proofs that another program lacks, with the row asked for."""
+    for node in nodes:
+        for _, each in node.walk():
+            for rule in _rules(each):
+                if each.asked is not None and rule.text not in program:
+                    return each.asked, rule
+    return None
+
+
+def _rules(node: Node) -> list[Node]:
+    return [child for child in node.children if child.kind == "rule"]
+
+
+def _steps(node: Node) -> list[Node]:
+    """Return the parts of a node, in order, without the rules of a call."""
+    return [child for child in node.children if child.kind not in ("rule", "column")]
+
+
+def _columns(node: Node) -> list[Node]:
+    return [child for child in node.children if child.kind == "column"]
+
+
+def _sides(here: Sequence[Node], there: Sequence[Node]) -> Iterator[Node | None]:
+    yield here[0] if here else None
+    yield there[0] if there else None
+
+
+def _common(here: Mapping[str, Value], there: Mapping[str, Value]) -> dict[str, Value]:
+    """Return the values that are the same in both."""
+    return {
+        name: value for name, value in here.items() if name in there and alike(value, there[name])
+    }
+
+
+def _have_same_values(here: Node, there: Node) -> bool:
+    return len(here.values) == len(there.values) and all(
+        alike(mine, other) for mine, other in zip(here.values, there.values, strict=True)
+    )
+
+
+def _in_one_line(text: str) -> str:
+    """Return a program like the texts of its rules: without line ends and comments."""
+    lines = (line.split("#")[0] if '"' not in line else line for line in text.split("\n"))
+    return " ".join(" ".join(lines).split())

@@ -1,1 +1,0 @@
-"""DuckDB as another engine for crowds: the same thoughts, computed column by column."""

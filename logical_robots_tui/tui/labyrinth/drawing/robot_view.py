@@ -1,0 +1,211 @@
+"""What robots sense, and nothing else: each in the middle of its own picture, looking up."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from logical_robots_tui.tui.labyrinth.drawing.cells import BOLD, Cells
+from logical_robots_tui.tui.labyrinth.drawing.discs import blend
+from logical_robots_tui.tui.labyrinth.drawing.dots import fitted, split
+from logical_robots_tui.tui.labyrinth.drawing.glyphs import Drawing
+from logical_robots_tui.tui.labyrinth.drawing.lettering import robot_colour, write
+from logical_robots_tui.tui.labyrinth.drawing.name_labels import fit_name
+from logical_robots_tui.tui.labyrinth.drawing.palette import RGB, mix, packed
+from logical_robots_tui.tui.labyrinth.drawing.rays import Fan, fans, shine
+from logical_robots_tui.tui.labyrinth.drawing.thin_lines import draw_ray, draw_ring
+from logical_robots_tui.tui.labyrinth.drawing.viewport import Raster, Viewport
+from logical_robots_tui.world.sensing import SENSOR_RANGE
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from numpy.typing import NDArray
+
+    from logical_robots_tui.game.frame import Frame
+    from logical_robots_tui.tui.labyrinth.drawing.glyphs import Look
+    from logical_robots_tui.world.level import Level
+
+__all__ = ["draw_senses", "tiles"]
+
+_THICK = 12.0
+"""Map units between the ends of two rays that belong to one wall, at least."""
+
+_LEAST = (24, 10)
+"""Columns and rows that a picture of one robot needs."""
+
+
+def tiles(count: int, columns: int, rows: int) -> tuple[int, int]:
+    """Return how many pictures stand side by side and one above the other.
+
+    Args:
+        count: Robots; at least one.
+        columns: Cells across.
+        rows: Cells down.
+
+    Returns:
+        The arrangement that shows all robots if there is room, each as large as possible.
+    """
+    most_across, most_down = max(columns // _LEAST[0], 1), max(rows // _LEAST[1], 1)
+    best, best_size = (most_across, most_down), 0.0
+    for across in range(1, most_across + 1):
+        down = min(math.ceil(count / across), most_down)
+        if across * down < count and (across, down) != (most_across, most_down):
+            continue
+        size = min(columns / across / 2, 2 * (rows / down - 1) / 1.2)
+        if size > best_size:
+            best, best_size = (across, down), size
+    return best
+
+
+def draw_senses(level: Level, frame: Frame, columns: int, rows: int, look: Look) -> Cells:
+    """Draw what each robot senses.
+
+    Args:
+        level: For the robots' colours.
+        frame: The tick.
+        columns: Cells across.
+        rows: Cells down.
+        look: How to draw; the selected robot is among those shown.
+    """
+    cells = Cells.blank(rows, columns)
+    cells.style[:] = packed(look.palette.void)
+    cells.tone[:] = packed(look.palette.void)
+    seen = fans(frame)
+    if not seen or columns < 3 or rows < 3:
+        return cells
+    across, down = tiles(len(seen), columns, rows)
+    shown = _shown([fan.name for fan in seen], across * down, look.selected)
+    colours = {robot.name: robot_colour(robot.color, look.palette) for robot in level.robots}
+    by_name = {fan.name: fan for fan in seen}
+    width, height = columns // across, rows // down
+    for number, name in enumerate(shown):
+        tile = _tile(by_name[name], colours.get(name, look.palette.dead), width, height, look)
+        left, top = number % across * width, number // across * height
+        part = slice(top, top + height), slice(left, left + width)
+        cells.text[part], cells.style[part] = tile.text, tile.style
+        cells.tone[part] = tile.tone
+    return cells
+
+
+def _shown(names: Sequence[str], room: int, selected: str | None) -> Sequence[str]:
+    """Return the page of names that the selected robot is on."""
+    first = names.index(selected) // room * room if selected in names else 0
+    return names[first : first + room]
+
+
+def _tile(fan: Fan, colour: RGB, columns: int, rows: int, look: Look) -> Cells:
+    """Draw one robot's senses: up is ahead, and a frame tells tiles apart."""
+    palette, glyphs = look.palette, look.drawing.glyphs
+    middle = float(fan.headings[0] + fan.headings[-1]) / 2
+    turn = middle + math.pi / 2
+    own = replace(fan, x=0.0, y=0.0, headings=fan.headings - turn, ahead=fan.ahead - turn)
+    view = _view(columns, rows - 1)
+    raster = Raster(view, *look.drawing.dots)
+    image = np.empty((*raster.shape, 3), np.float32)
+    image[:] = palette.floor
+    dx, dy = np.meshgrid(raster.x, raster.y)
+    away = np.hypot(dx, dy)
+    ring = np.clip(1 - np.abs(away - SENSOR_RANGE) / raster.dot, 0, 1)
+    blend(image, (slice(None), slice(None)), palette.rock, ring)
+    lit = np.zeros(raster.shape, np.bool_)
+    found = shine(own, raster)
+    if found is not None:
+        window, brightness = found
+        lit[window] = brightness > 0
+        strength = np.float32(0.6) * brightness[..., None]
+        image[window] += (np.array(colour, np.float32) - image[window]) * strength
+    walls = _walls(own, raster)
+    image[walls] = palette.rim
+    if look.drawing is Drawing.ASCII:
+        cells = Cells.blank(rows - 1, columns)
+        cells.tone[:] = packed(palette.floor)
+        cells.style[:] = packed(palette.dead) << 24 | packed(palette.floor)
+        for row, column in zip(*np.nonzero(lit), strict=True):
+            cells.put(int(row), int(column), ".", packed(colour))
+        for row, column in zip(*np.nonzero(walls), strict=True):
+            cells.put(int(row), int(column), "#", packed(palette.rim))
+    else:
+        coarse = np.clip(image, 0, 255).astype(np.uint8) & np.uint8(0xFC)
+        cells = fitted(split(coarse, raster.across, raster.down), rows - 1, columns)
+    _put_ends(cells, own, view, look)
+    if look.highlight is not None and look.highlight.robot == fan.name:
+        if look.highlight.ray is not None:
+            draw_ray(cells, own, look.highlight.ray, view, look)
+        else:
+            draw_ring(cells, 0.0, 0.0, view, look)
+    cell = view.cell(0.0, 0.0)
+    if cell is not None:
+        cells.put(*cell, glyphs.heading(-math.pi / 2), packed(colour), bold=True)
+    return _titled(cells, fan.name, colour, look)
+
+
+def _view(columns: int, rows: int) -> Viewport:
+    """Return the view around a robot; behind it, where no ray goes, there is less of it."""
+    reach, behind = SENSOR_RANGE * 1.04, SENSOR_RANGE * 0.2
+    view = Viewport.fit(2 * reach, reach + behind, columns, rows)
+    return view.centred(0.0, (behind - reach) / 2)
+
+
+def _walls(fan: Fan, raster: Raster) -> NDArray[np.bool_]:
+    """Return which dots a wall was sensed in; between rays that end near each other it goes on."""
+    found = np.zeros(raster.shape, np.bool_)
+    x = fan.distances * np.cos(fan.headings)
+    y = fan.distances * np.sin(fan.headings)
+    is_wall = np.array([kind == "wall" for kind in fan.objects])
+    gap = np.hypot(np.diff(x), np.diff(y))
+    # Seen at a slant, rays that are neighbours end far apart on the same wall.
+    joined = is_wall[1:] & is_wall[:-1] & (gap < 0.25 * fan.distances[1:] + _THICK)
+    steps = np.linspace(0, 1, 32)
+    along_x = x[:-1, None] + np.diff(x)[:, None] * steps
+    along_y = y[:-1, None] + np.diff(y)[:, None] * steps
+    every_x = np.concatenate([along_x[joined].ravel(), x[is_wall]])
+    every_y = np.concatenate([along_y[joined].ravel(), y[is_wall]])
+    rows = np.searchsorted(raster.y_edges, every_y) - 1
+    columns = np.searchsorted(raster.x_edges, every_x) - 1
+    inside = (rows >= 0) & (rows < found.shape[0]) & (columns >= 0) & (columns < found.shape[1])
+    found[rows[inside], columns[inside]] = True
+    return found
+
+
+def _put_ends(cells: Cells, fan: Fan, view: Viewport, look: Look) -> None:
+    """Mark where rays end at a beacon or robot, and name each of these once."""
+    palette, glyphs = look.palette, look.drawing.glyphs
+    signs = {
+        "beacon": (glyphs.beacon, palette.hit_beacon),
+        "robot": (glyphs.hit_robot, palette.hit_robot),
+    }
+    for x, y, kind in fan.ends():
+        cell = view.cell(x, y)
+        if cell is not None and kind in signs:
+            sign, ink = signs[kind]
+            cells.put(*cell, sign, packed(ink), bold=True)
+    for x, y, kind, label in fan.sighted():
+        cell = view.cell(x, y)
+        if cell is None or not look.names:
+            continue
+        name = _fit(label, view.columns // 2, look)
+        row, first = cell[0] - 1, min(max(cell[1] - len(name) // 2, 0), view.columns - len(name))
+        if row >= 0:
+            style = packed(signs[kind][1]) << 24 | packed(palette.plate)
+            write(cells, row, first, name, style)
+
+
+def _titled(cells: Cells, name: str, colour: RGB, look: Look) -> Cells:
+    """Return cells under a line with a name."""
+    rows, columns = cells.text.shape
+    titled = Cells.blank(rows + 1, columns)
+    paper = packed(mix(look.palette.plate, colour, 0.2))
+    titled.style[0], titled.tone[0] = paper, paper
+    titled.text[1:], titled.style[1:], titled.tone[1:] = cells.text, cells.style, cells.tone
+    text = _fit(name, columns - 2, look)
+    write(titled, 0, 1, text, BOLD | packed(look.palette.strong(colour)) << 24 | paper)
+    return titled
+
+
+def _fit(name: str, width: int, look: Look) -> list[str]:
+    glyphs, plain = look.drawing.glyphs, look.drawing is Drawing.ASCII
+    return fit_name(name, width, glyphs.cut, glyphs.unknown, ascii_only=plain)

@@ -1,0 +1,133 @@
+"""In which ticks of a run a question holds: asked once, kept, and never trusted unseen."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from typing import TYPE_CHECKING
+
+import pytest
+
+from logical_robots_tui.game import Matches, Run, find_matches
+from logical_robots_tui.mind import Limits, Mind, Program
+from tests.game.playing import COUNTER, hall
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from logical_robots_tui.world import Level
+
+CLOCK = "Sensor(sensor:), t == sensor.clock, "
+QUERY = f"{CLOCK}t in [3, 4, 9]"
+FOUND = Matches(20, None, ((3, 4), (9, 9)))
+
+
+@pytest.fixture(autouse=True)
+def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    monkeypatch.setenv("LOGICAL_ROBOTS_CACHE_DIR", str(tmp_path / "cache"))
+    return tmp_path / "cache" / "runs"
+
+
+@pytest.fixture
+def level(tmp_path: Path) -> Level:
+    return hall(tmp_path)
+
+
+async def found(
+    level: Level, query: str = QUERY, ticks: int = 20, robot: str = "", text: str = COUNTER
+) -> Matches:
+    program = Program.compile(text)
+    run = Run(level, program, limits=Limits(think_seconds=0.3))
+    try:
+        return await find_matches(run, program.question(query), ticks, robot)
+    finally:
+        await run.close()
+
+
+def kept(folder: Path) -> int:
+    return len(list(folder.glob("*.when")))
+
+
+def entry(folder: Path) -> Path:
+    (path,) = folder.glob("*.when")
+    return path
+
+
+async def test_the_stretches_are_told_and_not_asked_for_again(
+    level: Level, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    assert await found(level) == FOUND
+    assert (FOUND.holds_in, FOUND.failed_in) == (3, 0)
+    monkeypatch.setattr(Mind, "ask", None)
+    assert await found(level) == FOUND
+
+
+async def test_another_question_robot_or_number_of_ticks_is_asked(level: Level) -> None:
+    assert await found(level) == FOUND
+    assert (await found(level, f"{CLOCK}t in [3, 4]")).stretches == ((3, 4),)
+    assert (await found(level, ticks=8)).stretches == ((3, 4),)
+    here = 'Memory(robot_name:, memory: 5), robot_name == "Bo"'
+    assert (await found(level, here)).stretches == ((6, 6),)
+    assert (await found(level, here, robot="Bo")).stretches == ((6, 6),)
+    assert (await found(level, here, robot="Ada")).stretches == ()
+
+
+@pytest.mark.parametrize(
+    "forged",
+    [
+        {"ticks": 20, "won_at": None, "stretches": [[3, 99]]},
+        {"ticks": 20, "won_at": None, "stretches": [[9, 3]]},
+        {"ticks": 20, "won_at": None, "stretches": [[0, 3]]},
+        {"ticks": 20, "won_at": None, "stretches": [["3", 4]]},
+        {"ticks": 20, "won_at": None, "stretches": [[3, 4, 5]]},
+        {"ticks": 20, "stretches": []},
+        [],
+    ],
+)
+async def test_a_false_answer_is_dropped(level: Level, folder: Path, forged: object) -> None:
+    await found(level)
+    path = entry(folder)
+    body = json.dumps(forged).encode()
+    path.write_bytes(hashlib.sha256(path.stem.encode() + body).hexdigest().encode() + b"\n" + body)
+    assert await found(level) == FOUND
+
+
+@pytest.mark.parametrize("at", [0, 10, 70, -1])
+async def test_a_damaged_answer_is_dropped(level: Level, folder: Path, at: int) -> None:
+    await found(level)
+    path = entry(folder)
+    content = bytearray(path.read_bytes())
+    content[at] ^= 1
+    path.write_bytes(content)
+    assert await found(level) == FOUND
+
+
+async def test_the_answer_of_another_question_is_dropped(level: Level, folder: Path) -> None:
+    await found(level, f"{CLOCK}t in [3, 4]")
+    other = entry(folder)
+    content = other.read_bytes()
+    other.unlink()
+    await found(level)
+    entry(folder).write_bytes(content)
+    assert await found(level) == FOUND
+
+
+async def test_what_failed_may_hold_another_time_and_is_not_kept(
+    level: Level, folder: Path
+) -> None:
+    matches = await found(level, f'{CLOCK}x in ["a"], (if t == 2 then x.field else 1) == 1', 5)
+    assert matches.stretches == ((1, 1), (3, 5))
+    assert matches.failed == ((2, 2),)
+    assert "neither a record nor a list" in matches.reason
+    assert kept(folder) == 0
+
+
+async def test_nothing_is_kept_of_a_run_with_a_thought_that_was_cut_off(
+    level: Level, folder: Path
+) -> None:
+    endless = "N(x) :- x in Range(3000);\nBig(s? += a * b) distinct :- N(a), N(b), N(c);\n"
+    text = endless + COUNTER.replace(
+        "left_engine: 1,", "left_engine: (if n == 5 then Sum{s :- Big(s:)} else 1),"
+    )
+    assert (await found(level, text=text)).stretches == FOUND.stretches
+    assert kept(folder) == 0

@@ -1,0 +1,135 @@
+"""Where there is no memory, a restricted game says so and goes on, or ends with all of it saved."""
+
+from __future__ import annotations
+
+import os
+import re
+import resource
+import signal
+import struct
+import sys
+import termios
+from fcntl import ioctl
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import pytest
+
+from benchmarks.halls import halls
+from logical_robots_tui.editing.files import save_level
+from logical_robots_tui.world.limits import MOST_OF_A_KIND, MOST_SIDE
+from tests.game.test_memory import HUNGRY
+from tests.mind.rows import ROBOT
+from tests.terminal import Terminal
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+MIB = 1024**2
+SLOW_FOR_MANY = ("empty records", "empty lists", "many numbers", "what can't be packed")
+ADDRESSES = 2 * 1024**3  # as in restricted mode
+
+
+def leave_room(terminal: Terminal, room: int) -> None:
+    """Let the game have so many more bytes of address space, and none beyond."""
+    status = Path(f"/proc/{terminal.process.pid}/status").read_text()
+    found = re.search(r"VmSize:\s+(\d+)", status)
+    assert found
+    # The last bound stays where it was, and can be returned to.
+    resource.prlimit(
+        terminal.process.pid, resource.RLIMIT_AS, (int(found[1]) * 1024 + room, ADDRESSES)
+    )
+
+
+def draw(terminal: Terminal) -> None:
+    ioctl(terminal.fileno(), termios.TIOCSWINSZ, struct.pack("HHHH", 400, 1000, 0, 0))
+    os.kill(terminal.process.pid, signal.SIGWINCH)
+
+
+def think(terminal: Terminal) -> None:
+    terminal.send("\x1b ")
+
+
+def compile_it(terminal: Terminal) -> None:
+    terminal.send("\x12")
+
+
+@pytest.mark.parametrize(
+    ("work", "room"),
+    [(draw, 4), (draw, 30), (think, 1), (think, 12), (compile_it, 1), (compile_it, 12)],
+)
+def test_a_restricted_game_without_memory_says_so_and_loses_nothing(
+    work: Callable[[Terminal], None], room: int, tmp_path: Path
+) -> None:
+    play = [sys.executable, "-m", "logical_robots_tui", "play", "01-first-steps", "--restricted"]
+    with Terminal([*play, "--data-dir", tmp_path]) as terminal:
+        terminal.wait_for("· applied")
+        terminal.send("2")
+        terminal.wait_for("Leave")
+        terminal.send("# typed by ada")
+        terminal.wait_for("edited, not applied")
+        leave_room(terminal, room * MIB)
+        work(terminal)
+        terminal.wait_for_quiet(1.0)
+        if terminal.process.poll() is None:
+            resource.prlimit(terminal.process.pid, resource.RLIMIT_AS, (ADDRESSES, ADDRESSES))
+            terminal.send("\x1b")
+            terminal.wait_for_quiet(0.5)
+            terminal.send("q")
+            terminal.wait_for_quiet(0.5)
+            terminal.send("\r")
+            assert terminal.finish() in (0, 70)
+        else:
+            assert terminal.process.poll() == 70
+            assert "memory" in terminal.everything
+    drafts = [path.read_text() for path in tmp_path.rglob("drafts/*.json")]
+    assert any("# typed by ada" in draft for draft in drafts)
+
+
+def most_held(terminal: Terminal) -> int:
+    """The most MiB that the game ever held."""
+    status = Path(f"/proc/{terminal.process.pid}/status").read_text()
+    found = re.search(r"VmHWM:\s+(\d+)", status)
+    assert found
+    return int(found[1]) // 1024
+
+
+def played_on_screen(level: str | Path, what: str, ticks: int, folder: Path) -> int:
+    """The most MiB that a game held which ran flat out and went back through its history."""
+    program = folder / "hungry.l"
+    program.write_text(ROBOT + HUNGRY[what] + ";")
+    play = [sys.executable, "-m", "logical_robots_tui", "play", level, program]
+    with Terminal([*play, "--data-dir", folder]) as terminal:
+        terminal.patience = 600
+        terminal.wait_for("· applied")
+        terminal.send("U")
+        terminal.wait_for("Run until tick")
+        terminal.send(f"{ticks}\r")
+        terminal.wait_for(lambda: re.search(rf"tick {ticks}\b", terminal.text))
+        for key in ("p", "p", "3", "\x1b"):
+            terminal.send(key)
+            terminal.wait_for_quiet(0.5)
+        return most_held(terminal)
+
+
+@pytest.mark.proof
+@pytest.mark.parametrize(
+    ("level", "what", "ticks"),
+    [
+        *(("01-first-steps", what, 100) for what in HUNGRY),
+        *(("12-swarm", what, 25) for what in HUNGRY if what not in SLOW_FOR_MANY),
+        *(("12-swarm", what, 8) for what in SLOW_FOR_MANY),
+    ],
+)
+def test_a_hungry_program_on_the_screen_takes_no_more_than_600_mb(
+    level: str, what: str, ticks: int, tmp_path: Path
+) -> None:
+    assert played_on_screen(level, what, ticks, tmp_path) <= 600
+
+
+@pytest.mark.proof
+def test_the_largest_level_that_loads_takes_no_more_than_1_gb(tmp_path: Path) -> None:
+    largest = halls(MOST_SIDE, MOST_SIDE, robots=MOST_OF_A_KIND, beacons=MOST_OF_A_KIND)
+    path = tmp_path / "largest.toml"
+    save_level(largest, path)
+    assert played_on_screen(path, "empty records", 3, tmp_path) <= 1000

@@ -1,0 +1,73 @@
+"""In what two futures differ, as a page to read."""
+
+from __future__ import annotations
+
+from logical_robots_tui.game import Difference, Divergence
+from logical_robots_tui.game.comparing import Comparison
+from logical_robots_tui.game.proof_difference import ProofDifference
+from logical_robots_tui.mind import Ask, Node
+from logical_robots_tui.mind.why.probing import Span
+from logical_robots_tui.tui.timeline.divergence import derivation, told
+from logical_robots_tui.values import Desire
+
+
+def test_each_difference_is_told_with_as_many_digits_as_it_needs() -> None:
+    divergence = Divergence(
+        7,
+        (
+            Difference("Ada", "desire", Desire(0.5, 1.0), None),
+            Difference("Ada", "position", (1.0, 2.0, 0.0), (1.0 + 2**-30, 2.0, 0.0)),
+            Difference("Bo", "memory", {"n": 1}, "none"),
+            Difference("Bo", "notices", (), ("Robot has no row for Bo.",)),
+        ),
+    )
+    assert told(divergence).plain.splitlines() == [
+        "Ada",
+        "  desire",
+        "    here   left 0.5, right 1",
+        "    there  none",
+        "  position",
+        "    here   1, 2, looking to 0°",
+        "    there  1.0000000009313226, 2, looking to 0°",
+        "",
+        "Bo",
+        "  memory",
+        "    here   {n: 1}",
+        '    there  "none"',
+        "  notices",
+        "    here   none",
+        "    there  Robot has no row for Bo.",
+    ]
+
+
+def test_where_only_an_area_differs_that_is_said() -> None:
+    assert "an area" in told(Divergence(3, ())).plain
+
+
+def test_the_first_derivation_that_differs_is_told_with_lines_and_condition() -> None:
+    here = Node("rule", "Drive(robot_name:) :- Explore()", holds=True, span=Span(0, 9, 35, ""))
+    there = Node("rule", "Drive(robot_name:) :- Steer()", holds=True, span=Span(0, 9, 31, ""))
+    differing = ProofDifference("rule", Ask("Drive", {"robot_name": "Ada"}), here, there)
+    condition = Node("denial", "~Fresh(robot_name:)", holds=False)
+    assert derivation(Comparison("Ada", differing, (condition, "there"))).plain.splitlines() == [
+        'What Ada decides differs first in Drive(robot_name: "Ada")',
+        "  here   line 35  Drive(robot_name:) :- Explore()",
+        "  there  line 31  Drive(robot_name:) :- Steer()",
+        "  ~Fresh(robot_name:) holds there and not here.",
+    ]
+
+
+def test_a_value_a_failed_step_and_nothing_are_told_apart() -> None:
+    asked = Ask("Robot", {})
+    value = ProofDifference("value", asked, Node("read", "memory.n", values=(3,)), None)
+    assert derivation(Comparison("Ada", value)).plain.splitlines()[1:] == [
+        "  here   memory.n = 3",
+        "  there  there is nothing in its place",
+    ]
+    step = ProofDifference("step", asked, Node("condition", "d < 20", holds=False), None)
+    assert "d < 20  does not hold" in derivation(Comparison("Ada", step)).plain
+    call = ProofDifference("step", Ask("Steer", {"col0": 0.5}), None, None)
+    assert derivation(Comparison("Ada", call)).plain.startswith(
+        "What Ada decides differs first in Steer(0.5)"
+    )
+    assert "are the same" in derivation(Comparison("Ada", None)).plain
