@@ -25,7 +25,7 @@ from logical_robots_tui.tui.inspector.pages.robots import RobotsView
 from logical_robots_tui.tui.inspector.pane import InspectorPane
 from logical_robots_tui.tui.inspector.pointing import Placed, Sighted
 from logical_robots_tui.tui.labyrinth.pane import LabyrinthPane
-from logical_robots_tui.tui.labyrinth.victory import Celebration
+from logical_robots_tui.tui.labyrinth.victory import VictoryAnnouncer
 from logical_robots_tui.tui.labyrinth.view import LabyrinthView
 from logical_robots_tui.tui.layout.arrangement import Arrangement
 from logical_robots_tui.tui.layout.command_bar import CommandBar, CommandChosen, PaneTabs
@@ -161,8 +161,8 @@ class MainScreen(Screen[None], SessionListener):
         self.travel = Travel(session, ui, lambda: self.labyrinth.view.selected)
         self.search = Search(session, ui, self.travel.go_to)
         is_covered = partial(self.arrangement.covers, self.labyrinth)
-        self.celebration = Celebration(session, self.labyrinth, journal, self.tell, is_covered)
-        session.listeners += [self.editing, journal, self.celebration, self.travel, self]
+        self.announcer = VictoryAnnouncer(session, self.labyrinth, journal, self.tell, is_covered)
+        session.listeners += [self.editing, journal, self.announcer, self.travel, self]
 
     def _panel(self, mode: EditMode) -> EditPanel:
         from logical_robots_tui.tui.level_editor.panel import EditPanel
@@ -171,7 +171,7 @@ class MainScreen(Screen[None], SessionListener):
             mode,
             self.labyrinth,
             enter=lambda: self.go_to(self.labyrinth),
-            switched=self.celebration.hold,
+            switched=self.announcer.hold,
             changed=self.redraw_lines,
         )
 
@@ -188,7 +188,7 @@ class MainScreen(Screen[None], SessionListener):
             spawn=self.spawn,
             changed=self.redrawing.soon,
             warn=self.warn,
-            measured=self.celebration.measured,
+            measured=self.announcer.measured,
         )
         self.set_focus(self.labyrinth)
         self.set_interval(_HEARTBEAT, self._beat)

@@ -17,10 +17,10 @@ if TYPE_CHECKING:
     from logical_robots_tui.tui.library.journal import Journal
     from logical_robots_tui.world import Level
 
-__all__ = ["Celebration"]
+__all__ = ["VictoryAnnouncer"]
 
 
-class Celebration(SessionListener):
+class VictoryAnnouncer(SessionListener):
     """Tells of each victory once; after the recorder has kept it.
 
     Args:
