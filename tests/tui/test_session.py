@@ -14,7 +14,7 @@ from logical_robots_tui.progress import FILE_NAME, Progress
 from logical_robots_tui.tui.app.session import Session
 from logical_robots_tui.tui.app.session_listener import SessionListener
 from logical_robots_tui.tui.app.ui import Ui
-from logical_robots_tui.tui.level_editor.controller import EditingDoor
+from logical_robots_tui.tui.level_editor.controller import LevelEditing
 from logical_robots_tui.tui.level_editor.mode import EditView
 from logical_robots_tui.tui.level_editor.tools import Tool
 from logical_robots_tui.tui.library.journal import Journal
@@ -130,7 +130,7 @@ class Table:
 
     session: Session
     journal: Journal
-    editing: EditingDoor
+    editing: LevelEditing
     chronicle: Chronicle
     ui: Background
     drafts: Drafts
@@ -178,7 +178,7 @@ async def table(tmp_path: Path, text: str = AHEAD) -> AsyncIterator[Table]:
     async def open_level(level: Level) -> None:
         session.open_level(level, session.source, text)
 
-    editing = EditingDoor(session, ui, data_dir / "levels", drafts, open_level, lambda _: Unseen())
+    editing = LevelEditing(session, ui, data_dir / "levels", drafts, open_level, lambda _: Unseen())
     journal.attach(
         spawn=ui.spawn,
         changed=lambda: None,

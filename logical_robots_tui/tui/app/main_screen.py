@@ -34,7 +34,7 @@ from logical_robots_tui.tui.layout.pane import Pane
 from logical_robots_tui.tui.layout.status_line import StatusLine, status_of
 from logical_robots_tui.tui.learning.controller import Guide
 from logical_robots_tui.tui.learning.tour_controller import TourGuide
-from logical_robots_tui.tui.level_editor.controller import EditingDoor
+from logical_robots_tui.tui.level_editor.controller import LevelEditing
 from logical_robots_tui.tui.library.controller import Library
 from logical_robots_tui.tui.program.controller import Scribe
 from logical_robots_tui.tui.program.editor import Editor
@@ -139,7 +139,7 @@ class MainScreen(Screen[None], SessionListener):
             drawing=lambda: self.labyrinth.view.drawing,
             make_level=lambda: self.editing.make_level(),
         )
-        self.editing = EditingDoor(
+        self.editing = LevelEditing(
             session, ui, data_dir / "levels", self.drafts, self.library.open_level, self._panel
         )
         self.bookmark = Bookmark(
