@@ -36,7 +36,7 @@ from logical_robots_tui.tui.learning.controller import Guide
 from logical_robots_tui.tui.learning.tour_controller import TourGuide
 from logical_robots_tui.tui.level_editor.controller import LevelEditing
 from logical_robots_tui.tui.library.controller import Library
-from logical_robots_tui.tui.program.controller import Scribe
+from logical_robots_tui.tui.program.controller import ProgramController
 from logical_robots_tui.tui.program.editor import Editor
 from logical_robots_tui.tui.program.file_watch import FileWatch
 from logical_robots_tui.tui.program.pane import ProgramPane
@@ -147,7 +147,7 @@ class MainScreen(Screen[None], SessionListener):
         )
         self.offers = Offers(ui, lambda: self.is_active)
         self.guide = Guide(session, ui, journal, self.program, self.library.open_program)
-        self.scribe = Scribe(
+        self.program_controller = ProgramController(
             self.program,
             session,
             ui,
@@ -339,7 +339,7 @@ class MainScreen(Screen[None], SessionListener):
 
     @on(Editor.Copied)
     def _text_copied(self, event: Editor.Copied) -> None:
-        self.scribe.keep_copy(event.text)
+        self.program_controller.keep_copy(event.text)
 
     @on(Timeline.Pointed)
     def _tick_pointed(self, event: Timeline.Pointed) -> None:

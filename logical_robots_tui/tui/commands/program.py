@@ -44,13 +44,13 @@ def definition(screen: MainScreen) -> None:
 @program.command("Find and replace", "ctrl+f", "ctrl+o")
 async def find(screen: MainScreen) -> None:
     """Find a text in the program, or replace it everywhere."""
-    await screen.scribe.find()
+    await screen.program_controller.find()
 
 
 @program.command("Find next", "f3")
 def find_next(screen: MainScreen) -> None:
     """Go to the next match."""
-    screen.scribe.find_next()
+    screen.program_controller.find_next()
 
 
 @program.command("Select all", "f7")
@@ -62,13 +62,13 @@ def select_all(screen: MainScreen) -> None:
 @program.command("External editor", "E")
 def external_editor(screen: MainScreen) -> None:
     """Edit the text in the editor that $VISUAL or $EDITOR names."""
-    screen.scribe.edit_elsewhere()
+    screen.program_controller.edit_elsewhere()
 
 
 @program.command("Rename the predicate")
 async def rename(screen: MainScreen) -> None:
     """Rename the predicate under the cursor wherever it is used."""
-    await screen.scribe.rename()
+    await screen.program_controller.rename()
 
 
 @program.command("Choose a level", "l", bar="Level")

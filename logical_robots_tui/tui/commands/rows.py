@@ -194,7 +194,7 @@ def copy_rows(screen: MainScreen) -> None:
         text, count = as_csv(table.shown), len(table.shown.rows)
         screen.app.copy_to_clipboard(text)
         screen.tell(f"{count:,} row{'s' * (count != 1)} copied{_but(table)}.")
-        screen.scribe.keep_copy(text)
+        screen.program_controller.keep_copy(text)
 
 
 @rows.command("Save rows", "S")

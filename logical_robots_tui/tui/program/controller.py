@@ -27,12 +27,12 @@ if TYPE_CHECKING:
     from logical_robots_tui.tui.app.ui import Ui
     from logical_robots_tui.tui.program.pane import ProgramPane
 
-__all__ = ["Scribe", "edited"]
+__all__ = ["ProgramController", "edited"]
 
 _LONGEST = 30
 
 
-class Scribe:
+class ProgramController:
     """Finds, replaces and renames.
 
     Args:
