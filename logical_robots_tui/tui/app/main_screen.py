@@ -43,7 +43,7 @@ from logical_robots_tui.tui.program.pane import ProgramPane
 from logical_robots_tui.tui.recovery.autosave import Autosave, program_draft
 from logical_robots_tui.tui.recovery.bookmark import Bookmark
 from logical_robots_tui.tui.recovery.offers import Offers
-from logical_robots_tui.tui.timeline.controller import Travel
+from logical_robots_tui.tui.timeline.controller import TimelineController
 from logical_robots_tui.tui.timeline.search import Search
 from logical_robots_tui.tui.timeline.widget import Timeline
 
@@ -158,11 +158,13 @@ class MainScreen(Screen[None], SessionListener):
         )
         self._watch = FileWatch(lambda: session.source, self.library.take_from_disk)
         self.tours = TourGuide(self.mount, self.arrangement, self.point_at, journal.tour_seen)
-        self.travel = Travel(session, ui, lambda: self.labyrinth.view.selected)
-        self.search = Search(session, ui, self.travel.go_to)
+        self.timeline_controller = TimelineController(
+            session, ui, lambda: self.labyrinth.view.selected
+        )
+        self.search = Search(session, ui, self.timeline_controller.go_to)
         is_covered = partial(self.arrangement.covers, self.labyrinth)
         self.announcer = VictoryAnnouncer(session, self.labyrinth, journal, self.tell, is_covered)
-        session.listeners += [self.editing, journal, self.announcer, self.travel, self]
+        session.listeners += [self.editing, journal, self.announcer, self.timeline_controller, self]
 
     def _panel(self, mode: EditMode) -> EditPanel:
         from logical_robots_tui.tui.level_editor.panel import EditPanel
@@ -343,7 +345,7 @@ class MainScreen(Screen[None], SessionListener):
 
     @on(Timeline.Pointed)
     def _tick_pointed(self, event: Timeline.Pointed) -> None:
-        self.travel.go_to(event.tick)
+        self.timeline_controller.go_to(event.tick)
 
     @on(Pane.Pulled)
     def _side_pulled(self, event: Pane.Pulled) -> None:
