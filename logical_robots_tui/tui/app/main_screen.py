@@ -32,7 +32,7 @@ from logical_robots_tui.tui.layout.command_bar import CommandBar, CommandChosen,
 from logical_robots_tui.tui.layout.layout import LEAST_HEIGHT, LEAST_WIDTH, Layout
 from logical_robots_tui.tui.layout.pane import Pane
 from logical_robots_tui.tui.layout.status_line import StatusLine, status_of
-from logical_robots_tui.tui.learning.controller import Guide
+from logical_robots_tui.tui.learning.controller import LearningController
 from logical_robots_tui.tui.learning.tour_controller import TourGuide
 from logical_robots_tui.tui.level_editor.controller import LevelEditing
 from logical_robots_tui.tui.library.controller import Library
@@ -146,7 +146,9 @@ class MainScreen(Screen[None], SessionListener):
             session, self.drafts, ui, self.library, self.labyrinth.close_briefing
         )
         self.offers = Offers(ui, lambda: self.is_active)
-        self.guide = Guide(session, ui, journal, self.program, self.library.open_program)
+        self.learning = LearningController(
+            session, ui, journal, self.program, self.library.open_program
+        )
         self.program_controller = ProgramController(
             self.program,
             session,

@@ -104,13 +104,13 @@ def revert(screen: MainScreen) -> None:
 @program.command("Earlier versions", "v", bar="Versions", spare=8)
 async def versions(screen: MainScreen) -> None:
     """List your earlier programs for this level, and restore one."""
-    await screen.guide.choose_version()
+    await screen.learning.choose_version()
 
 
 @program.command("Reset to the starter", "x")
 async def reset(screen: MainScreen) -> None:
     """Restore the level's starter program; yours is kept as an earlier version."""
-    await screen.guide.reset()
+    await screen.learning.reset()
 
 
 learning = Group("Learning")
@@ -126,13 +126,13 @@ def briefing(screen: MainScreen) -> None:
 @learning.command("Hints", "h", bar="Hint", spare=5)
 def hint(screen: MainScreen) -> None:
     """Reveal the hints of the level, one at a time."""
-    screen.guide.hints()
+    screen.learning.hints()
 
 
 @learning.command("Lesson", "t", bar="Lesson", spare=6)
 def lesson(screen: MainScreen) -> None:
     """Read what the level teaches and, when you have won, what to try next."""
-    screen.guide.lesson()
+    screen.learning.lesson()
 
 
 @learning.command("Results", "m", bar="Results", spare=7)
@@ -145,7 +145,7 @@ def results(screen: MainScreen) -> None:
 @learning.command("Reference program", "W")
 async def solution(screen: MainScreen) -> None:
     """Read the program that the lesson explains; asks first if you have not won."""
-    await screen.guide.solution()
+    await screen.learning.solution()
 
 
 @learning.command("Stop the robustness test")

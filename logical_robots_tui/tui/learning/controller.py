@@ -22,10 +22,10 @@ if TYPE_CHECKING:
     from logical_robots_tui.tui.library.journal import Journal
     from logical_robots_tui.tui.program.state import ProgramText
 
-__all__ = ["Guide"]
+__all__ = ["LearningController"]
 
 
-class Guide:
+class LearningController:
     """Answers to "what now?" at the level at hand.
 
     Args:
