@@ -33,7 +33,7 @@ if TYPE_CHECKING:
     from textual.theme import Theme
 
     from logical_robots_tui.game import Source
-    from logical_robots_tui.tui.app.permissions import Freedoms
+    from logical_robots_tui.tui.app.permissions import Permissions
     from logical_robots_tui.world import Level
 
 __all__ = ["LogicalRobotsApp"]
@@ -57,7 +57,7 @@ class LogicalRobotsApp(SparingApp, inherit_bindings=False):
         welcome: Whether to begin with the tour.
         settings: What the player has set once for all.
         theme: The theme to begin with where the settings name none; "" is what suits the terminal.
-        freedoms: What the player may do with the machine; by default everything.
+        permissions: What the player may do with the machine; by default everything.
     """
 
     TITLE = "Logical Robots"
@@ -79,7 +79,7 @@ class LogicalRobotsApp(SparingApp, inherit_bindings=False):
         welcome: bool = False,
         settings: Settings | None = None,
         theme: str = "",
-        freedoms: Freedoms | None = None,
+        permissions: Permissions | None = None,
     ) -> None:
         super().__init__()
         if self.no_color:
@@ -90,7 +90,7 @@ class LogicalRobotsApp(SparingApp, inherit_bindings=False):
         KEY_MAP.set(KeyMap(COMMANDS, self._settings.keys))
         journal = journal or Journal(data_dir / FILE_NAME)
         self.main = MainScreen(
-            level, source, data_dir, journal, text=text, welcome=welcome, freedoms=freedoms
+            level, source, data_dir, journal, text=text, welcome=welcome, permissions=permissions
         )
         self.animation_level = "none"
         self._turns = Turns(self)
@@ -117,7 +117,7 @@ class LogicalRobotsApp(SparingApp, inherit_bindings=False):
 
     def on_mount(self) -> None:
         """Do as the settings say, and tell what in them can't be used."""
-        if not self.main.freedoms.programs:
+        if not self.main.permissions.programs:
             signal.signal(signal.SIGTSTP, signal.SIG_IGN)
         self._follow(self._settings)
         self.theme_changed_signal.subscribe(self, self._keep_theme)
@@ -214,14 +214,14 @@ class LogicalRobotsApp(SparingApp, inherit_bindings=False):
 
     def action_suspend_process(self) -> None:
         """Go to the background, to the shell that the game was started from."""
-        if self.main.freedoms.programs:
+        if self.main.permissions.programs:
             super().action_suspend_process()
         else:
             self.main.warn(with_keys("There is no shell to go to here; {quit} leaves the game."))
 
     def copy_to_clipboard(self, text: str) -> None:
         """Keep a text to be pasted; the terminal's clipboard gets it where that is allowed."""
-        if self.main.freedoms.clipboard:
+        if self.main.permissions.clipboard:
             super().copy_to_clipboard(text)
         else:
             self._clipboard = text

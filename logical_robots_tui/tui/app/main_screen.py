@@ -14,7 +14,7 @@ from textual.widgets import Input, Static, TextArea
 from logical_robots_tui.game.drafts import Drafts
 from logical_robots_tui.garbage import collect_seldom
 from logical_robots_tui.tui.app.background import ScreenUi
-from logical_robots_tui.tui.app.permissions import Freedoms
+from logical_robots_tui.tui.app.permissions import Permissions
 from logical_robots_tui.tui.app.quitting import leave
 from logical_robots_tui.tui.app.redrawing import Redrawing
 from logical_robots_tui.tui.app.session import Session
@@ -77,11 +77,11 @@ class MainScreen(Screen[None], SessionListener):
         journal: Where progress is kept.
         text: What the player made of the program, or None.
         welcome: Whether to begin with the tour.
-        freedoms: What the player may do with the machine.
+        permissions: What the player may do with the machine.
 
     Attributes:
         data_dir: Where drafts and the player's programs are.
-        freedoms: What the player may do with the machine.
+        permissions: What the player may do with the machine.
         redrawing: When the game is drawn again.
     """
 
@@ -94,12 +94,12 @@ class MainScreen(Screen[None], SessionListener):
         *,
         text: str | None = None,
         welcome: bool = False,
-        freedoms: Freedoms | None = None,
+        permissions: Permissions | None = None,
     ) -> None:
         super().__init__(id="main")
         # As a class variable they would be the same for every player; a keymap can't take one away.
         self._bindings = BindingsMap.merge([self._bindings, BindingsMap(KEY_MAP.get().bindings())])
-        self.freedoms = freedoms or Freedoms()
+        self.permissions = permissions or Permissions()
         self.data_dir, self.journal = data_dir, journal
         self.ui = ScreenUi(self)
         self.tell, self.warn, self.spawn = self.ui.tell, self.ui.warn, self.ui.spawn
@@ -154,7 +154,7 @@ class MainScreen(Screen[None], SessionListener):
             session,
             ui,
             data_dir / "copied.txt",
-            freedoms=lambda: self.freedoms,
+            permissions=lambda: self.permissions,
             enter=lambda: self.go_to(self.program),
             suspend=lambda: self.app.suspend(),
         )

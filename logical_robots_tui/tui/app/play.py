@@ -11,7 +11,7 @@ from logical_robots_tui.game.continuing import level_to_begin_with, program_to_b
 from logical_robots_tui.progress import FILE_NAME
 from logical_robots_tui.tui.app.app import LogicalRobotsApp
 from logical_robots_tui.tui.app.facts import THEME, TOUR, settings_path
-from logical_robots_tui.tui.app.permissions import Freedoms
+from logical_robots_tui.tui.app.permissions import Permissions
 from logical_robots_tui.tui.app.settings import read_settings
 from logical_robots_tui.tui.library.journal import Journal
 from logical_robots_tui.tui.terminal.capabilities import may_use_mouse
@@ -29,7 +29,7 @@ def play(
     level_name: str | None = None,
     program: str | None = None,
     data_dir: Path | None = None,
-    freedoms: Freedoms | None = None,
+    permissions: Permissions | None = None,
 ) -> int:
     """Open the game and return when the player leaves it.
 
@@ -40,7 +40,7 @@ def play(
             the level starts with.
         data_dir: Where drafts, the player's programs and progress are; by default the system's
             place.
-        freedoms: What the player may do with this machine; by default everything.
+        permissions: What the player may do with this machine; by default everything.
 
     Returns:
         The exit status.
@@ -59,7 +59,7 @@ def play(
         data_dir=data_dir,
         journal=journal,
         text=text,
-        freedoms=freedoms or Freedoms(),
+        permissions=permissions or Permissions(),
         settings=read_settings(settings_path()),
         theme=journal.progress.fact(THEME) or "",
         welcome=level_name is None and journal.progress.fact(TOUR) is None,
