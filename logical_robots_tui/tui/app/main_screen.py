@@ -35,7 +35,7 @@ from logical_robots_tui.tui.layout.status_line import StatusLine, status_of
 from logical_robots_tui.tui.learning.controller import LearningController
 from logical_robots_tui.tui.learning.tour_controller import TourGuide
 from logical_robots_tui.tui.level_editor.controller import LevelEditing
-from logical_robots_tui.tui.library.controller import Library
+from logical_robots_tui.tui.library.controller import LibraryController
 from logical_robots_tui.tui.program.controller import ProgramController
 from logical_robots_tui.tui.program.editor import Editor
 from logical_robots_tui.tui.program.file_watch import FileWatch
@@ -128,7 +128,7 @@ class MainScreen(Screen[None], SessionListener):
             failed=self.warn,
             what="What you type",
         )
-        self.library = Library(
+        self.library = LibraryController(
             session,
             ui,
             journal,

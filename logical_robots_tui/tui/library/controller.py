@@ -27,10 +27,10 @@ if TYPE_CHECKING:
     from logical_robots_tui.tui.recovery.offers import Offers
     from logical_robots_tui.world import Level
 
-__all__ = ["Library"]
+__all__ = ["LibraryController"]
 
 
-class Library:
+class LibraryController:
     """Changes the level and the program of a session without losing what was typed.
 
     Args:
