@@ -33,7 +33,7 @@ from logical_robots_tui.tui.layout.layout import LEAST_HEIGHT, LEAST_WIDTH, Layo
 from logical_robots_tui.tui.layout.pane import Pane
 from logical_robots_tui.tui.layout.status_line import StatusLine, status_of
 from logical_robots_tui.tui.learning.controller import LearningController
-from logical_robots_tui.tui.learning.tour_controller import TourGuide
+from logical_robots_tui.tui.learning.tour_controller import TourController
 from logical_robots_tui.tui.level_editor.controller import LevelEditing
 from logical_robots_tui.tui.library.controller import LibraryController
 from logical_robots_tui.tui.program.controller import ProgramController
@@ -159,7 +159,7 @@ class MainScreen(Screen[None], SessionListener):
             suspend=lambda: self.app.suspend(),
         )
         self._watch = FileWatch(lambda: session.source, self.library.take_from_disk)
-        self.tours = TourGuide(self.mount, self.arrangement, self.point_at, journal.tour_seen)
+        self.tour = TourController(self.mount, self.arrangement, self.point_at, journal.tour_seen)
         self.timeline_controller = TimelineController(
             session, ui, lambda: self.labyrinth.view.selected
         )
@@ -213,7 +213,7 @@ class MainScreen(Screen[None], SessionListener):
         self.spawn(offers, "drafts", exclusive=False)
         self.spawn(self._watch.follow, "watch", exclusive=False)
         if self._is_new_here:
-            self.tours.begin()
+            self.tour.begin()
 
     async def on_unmount(self) -> None:
         """Bring the text to safety and stop all work."""
@@ -288,7 +288,7 @@ class MainScreen(Screen[None], SessionListener):
         elif before is Layout.TINY and self._focus_before is not None:
             self.set_focus(self._focus_before)
             self._focus_before = None
-        self.call_after_refresh(self.tours.place)
+        self.call_after_refresh(self.tour.place)
         self._drawn = None
         self.redrawing.soon()
 
@@ -327,7 +327,7 @@ class MainScreen(Screen[None], SessionListener):
     def on_descendant_focus(self) -> None:
         """Remember which pane is worked in, and offer the commands that fit."""
         if self.arrangement.focused():
-            self.tours.end()
+            self.tour.end()
         self.redraw_lines()
 
     # -- messages ------------------------------------------------------------------------------
