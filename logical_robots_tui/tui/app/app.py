@@ -21,7 +21,7 @@ from logical_robots_tui.tui.library.journal import Journal
 from logical_robots_tui.tui.terminal.capabilities import drawing_for
 from logical_robots_tui.tui.terminal.diff_app import SparingApp
 from logical_robots_tui.tui.terminal.driver import LARGEST
-from logical_robots_tui.tui.terminal.key_queue import Turns
+from logical_robots_tui.tui.terminal.key_queue import KeyQueue
 from logical_robots_tui.tui.theme.colours import colours_in
 from logical_robots_tui.tui.theme.themes import NIGHT
 
@@ -93,7 +93,7 @@ class LogicalRobotsApp(SparingApp, inherit_bindings=False):
             level, source, data_dir, journal, text=text, welcome=welcome, permissions=permissions
         )
         self.animation_level = "none"
-        self._turns = Turns(self)
+        self._key_queue = KeyQueue(self)
         self._interrupted_at = float("-inf")
         self._was_cut = False
         self._event_loop: asyncio.AbstractEventLoop | None = None
@@ -146,7 +146,7 @@ class LogicalRobotsApp(SparingApp, inherit_bindings=False):
         if isinstance(event, events.MouseDown | events.MouseMove) and self._is_gone(event):
             return
         if isinstance(event, events.Key | events.Paste) and not event.is_forwarded:
-            if self._turns.must_wait(event) or self.main.offers.overhears(event):
+            if self._key_queue.must_wait(event) or self.main.offers.overhears(event):
                 return
             typed = event
         if isinstance(event, events.Key | events.MouseDown | events.Paste):
@@ -156,7 +156,7 @@ class LogicalRobotsApp(SparingApp, inherit_bindings=False):
         if not self.main.goes_there(key):
             await super().on_event(event)
             if typed is not None:
-                self._turns.begin(typed)
+                self._key_queue.begin(typed)
 
     def _is_cut(self, size: Size) -> bool:
         """Whether a terminal is larger than what is drawn, and nobody was told yet."""
@@ -171,11 +171,11 @@ class LogicalRobotsApp(SparingApp, inherit_bindings=False):
         """How many keys and other events are not answered yet; may be asked in any thread."""
         focused = self.focused if self.screen_stack else None
         queues = [node.message_queue_size for node in (self, focused) if node is not None]
-        return self._turns.waiting + sum(queues)
+        return self._key_queue.waiting + sum(queues)
 
     def forget_typed(self) -> None:
         """Answer none of the keys that are held back: nobody types so much."""
-        self._turns.forget()
+        self._key_queue.forget()
 
     def _is_gone(self, event: events.MouseEvent) -> bool:
         """Whether the mouse points at what was taken away and not yet painted over.
