@@ -17,7 +17,7 @@ from logical_robots_tui.tui.app.main_screen import MainScreen
 from logical_robots_tui.tui.app.settings import Settings
 from logical_robots_tui.tui.commands.keymap import KEY_MAP, KeyMap, with_keys
 from logical_robots_tui.tui.commands.table import COMMANDS
-from logical_robots_tui.tui.library.journal import Journal
+from logical_robots_tui.tui.library.progress_recorder import ProgressRecorder
 from logical_robots_tui.tui.terminal.capabilities import drawing_for
 from logical_robots_tui.tui.terminal.diff_app import SparingApp
 from logical_robots_tui.tui.terminal.driver import LARGEST
@@ -52,7 +52,7 @@ class LogicalRobotsApp(SparingApp, inherit_bindings=False):
         level: Where to begin.
         source: The program to begin with.
         data_dir: Where drafts, the player's programs and progress are.
-        journal: Where progress is kept, if that is open already.
+        recorder: Where progress is kept, if that is open already.
         text: What the player made of the program, or None.
         welcome: Whether to begin with the tour.
         settings: What the player has set once for all.
@@ -74,7 +74,7 @@ class LogicalRobotsApp(SparingApp, inherit_bindings=False):
         source: Source,
         *,
         data_dir: Path,
-        journal: Journal | None = None,
+        recorder: ProgressRecorder | None = None,
         text: str | None = None,
         welcome: bool = False,
         settings: Settings | None = None,
@@ -88,9 +88,9 @@ class LogicalRobotsApp(SparingApp, inherit_bindings=False):
         self._settings = settings or Settings()
         self._first_theme = self._settings.theme or theme
         KEY_MAP.set(KeyMap(COMMANDS, self._settings.keys))
-        journal = journal or Journal(data_dir / FILE_NAME)
+        recorder = recorder or ProgressRecorder(data_dir / FILE_NAME)
         self.main = MainScreen(
-            level, source, data_dir, journal, text=text, welcome=welcome, permissions=permissions
+            level, source, data_dir, recorder, text=text, welcome=welcome, permissions=permissions
         )
         self.animation_level = "none"
         self._key_queue = KeyQueue(self)
@@ -131,7 +131,7 @@ class LogicalRobotsApp(SparingApp, inherit_bindings=False):
 
     def _keep_theme(self, theme: Theme) -> None:
         if not self._settings.theme:
-            self.main.journal.choose_theme(theme.name)
+            self.main.recorder.choose_theme(theme.name)
         elif theme.name != self._settings.theme:
             self.main.tell(f"Next time {self._settings.theme} again: the configuration says so.")
 

@@ -58,7 +58,7 @@ if TYPE_CHECKING:
     from logical_robots_tui.game import Frame, Source
     from logical_robots_tui.tui.level_editor.mode import EditMode
     from logical_robots_tui.tui.level_editor.panel import EditPanel
-    from logical_robots_tui.tui.library.journal import Journal
+    from logical_robots_tui.tui.library.progress_recorder import ProgressRecorder
     from logical_robots_tui.world import Level
 
 __all__ = ["MainScreen"]
@@ -74,7 +74,7 @@ class MainScreen(Screen[None], SessionListener):
         level: Where to begin.
         source: The program to begin with.
         data_dir: Where drafts and the player's programs are.
-        journal: Where progress is kept.
+        recorder: Where progress is kept.
         text: What the player made of the program, or None.
         welcome: Whether to begin with the tour.
         permissions: What the player may do with the machine.
@@ -90,7 +90,7 @@ class MainScreen(Screen[None], SessionListener):
         level: Level,
         source: Source,
         data_dir: Path,
-        journal: Journal,
+        recorder: ProgressRecorder,
         *,
         text: str | None = None,
         welcome: bool = False,
@@ -100,7 +100,7 @@ class MainScreen(Screen[None], SessionListener):
         # As a class variable they would be the same for every player; a keymap can't take one away.
         self._bindings = BindingsMap.merge([self._bindings, BindingsMap(KEY_MAP.get().bindings())])
         self.permissions = permissions or Permissions()
-        self.data_dir, self.journal = data_dir, journal
+        self.data_dir, self.recorder = data_dir, recorder
         self.ui = ScreenUi(self)
         self.tell, self.warn, self.spawn = self.ui.tell, self.ui.warn, self.ui.spawn
         self.redrawing = Redrawing(self, self._draw)
@@ -119,7 +119,7 @@ class MainScreen(Screen[None], SessionListener):
         self._lines_drawn_at = float("-inf")
 
     def _make_controllers(self) -> None:
-        session, ui, journal, data_dir = self.session, self.ui, self.journal, self.data_dir
+        session, ui, recorder, data_dir = self.session, self.ui, self.recorder, self.data_dir
         self.drafts = Drafts(data_dir / "drafts")
         self.autosave = Autosave(
             self.drafts,
@@ -131,7 +131,7 @@ class MainScreen(Screen[None], SessionListener):
         self.library = LibraryController(
             session,
             ui,
-            journal,
+            recorder,
             self.drafts,
             self.autosave,
             self.program,
@@ -147,7 +147,7 @@ class MainScreen(Screen[None], SessionListener):
         )
         self.offers = Offers(ui, lambda: self.is_active)
         self.learning = LearningController(
-            session, ui, journal, self.program, self.library.open_program
+            session, ui, recorder, self.program, self.library.open_program
         )
         self.program_controller = ProgramController(
             self.program,
@@ -159,14 +159,20 @@ class MainScreen(Screen[None], SessionListener):
             suspend=lambda: self.app.suspend(),
         )
         self._watch = FileWatch(lambda: session.source, self.library.take_from_disk)
-        self.tour = TourController(self.mount, self.arrangement, self.point_at, journal.tour_seen)
+        self.tour = TourController(self.mount, self.arrangement, self.point_at, recorder.tour_seen)
         self.timeline_controller = TimelineController(
             session, ui, lambda: self.labyrinth.view.selected
         )
         self.search = Search(session, ui, self.timeline_controller.go_to)
         is_covered = partial(self.arrangement.covers, self.labyrinth)
-        self.announcer = VictoryAnnouncer(session, self.labyrinth, journal, self.tell, is_covered)
-        session.listeners += [self.editing, journal, self.announcer, self.timeline_controller, self]
+        self.announcer = VictoryAnnouncer(session, self.labyrinth, recorder, self.tell, is_covered)
+        session.listeners += [
+            self.editing,
+            recorder,
+            self.announcer,
+            self.timeline_controller,
+            self,
+        ]
 
     def _panel(self, mode: EditMode) -> EditPanel:
         from logical_robots_tui.tui.level_editor.panel import EditPanel
@@ -188,7 +194,7 @@ class MainScreen(Screen[None], SessionListener):
     def on_mount(self) -> None:
         """Paint at once; compile and look for drafts after that."""
         self.program.editor.load_text(self._text_to_begin_with)
-        self.journal.attach(
+        self.recorder.attach(
             spawn=self.spawn,
             changed=self.redrawing.soon,
             warn=self.warn,
@@ -207,7 +213,7 @@ class MainScreen(Screen[None], SessionListener):
 
     def _start(self) -> None:
         collect_seldom()
-        self.journal.level_opened(self.session.opened)
+        self.recorder.level_opened(self.session.opened)
         self.session.apply(self.text)
         offers = partial(self.offers.make, self.library, self.editing, self.bookmark)
         self.spawn(offers, "drafts", exclusive=False)
@@ -221,7 +227,7 @@ class MainScreen(Screen[None], SessionListener):
         self.editing.close()
         self.drafts.close()
         await self.session.close()
-        await self.journal.close()
+        await self.recorder.close()
 
     # -- for the parts -------------------------------------------------------------------------
 
@@ -253,7 +259,7 @@ class MainScreen(Screen[None], SessionListener):
         is_read = session.running and not self.redrawing.tempo.is_hurried
         if not is_read or monotonic() - self._lines_drawn_at > _READABLE:
             self.redraw_lines()
-        self.labyrinth.banner.follow(self.journal)
+        self.labyrinth.banner.follow(self.recorder)
         self.inspector.follow()
 
     @property

@@ -13,7 +13,7 @@ from logical_robots_tui.tui.app.app import LogicalRobotsApp
 from logical_robots_tui.tui.app.facts import THEME, TOUR, settings_path
 from logical_robots_tui.tui.app.permissions import Permissions
 from logical_robots_tui.tui.app.settings import read_settings
-from logical_robots_tui.tui.library.journal import Journal
+from logical_robots_tui.tui.library.progress_recorder import ProgressRecorder
 from logical_robots_tui.tui.terminal.capabilities import may_use_mouse
 from logical_robots_tui.tui.terminal.crash_report import end_on_hangup
 from logical_robots_tui.world import load_level
@@ -50,19 +50,19 @@ def play(
         Exception: The game made a mistake of its own; the terminal is in order again.
     """
     data_dir = data_dir or user_data_path("logical-robots", appauthor=False)
-    journal = Journal(data_dir / FILE_NAME)
-    level = load_level(level_name or level_to_begin_with(journal.progress))
-    source, text = program_to_begin_with(journal.progress, level, program, data_dir / "programs")
+    recorder = ProgressRecorder(data_dir / FILE_NAME)
+    level = load_level(level_name or level_to_begin_with(recorder.progress))
+    source, text = program_to_begin_with(recorder.progress, level, program, data_dir / "programs")
     app = LogicalRobotsApp(
         level,
         source,
         data_dir=data_dir,
-        journal=journal,
+        recorder=recorder,
         text=text,
         permissions=permissions or Permissions(),
         settings=read_settings(settings_path()),
-        theme=journal.progress.fact(THEME) or "",
-        welcome=level_name is None and journal.progress.fact(TOUR) is None,
+        theme=recorder.progress.fact(THEME) or "",
+        welcome=level_name is None and recorder.progress.fact(TOUR) is None,
     )
     app.suit_terminal()
     put_back = end_on_hangup(app.last_words, app.leave_soon)

@@ -138,7 +138,7 @@ def lesson(screen: MainScreen) -> None:
 @learning.command("Results", "m", bar="Results", spare=7)
 def results(screen: MainScreen) -> None:
     """Compare your best results with those of the reference program."""
-    screen.labyrinth.banner.toggle(screen.journal)
+    screen.labyrinth.banner.toggle(screen.recorder)
     screen.go_to(screen.labyrinth)
 
 
@@ -151,7 +151,7 @@ async def solution(screen: MainScreen) -> None:
 @learning.command("Stop the robustness test")
 def stop_measuring(screen: MainScreen) -> None:
     """Stop trying the program from shifted starts."""
-    if not screen.journal.stop_measuring():
+    if not screen.recorder.stop_measuring():
         screen.tell("No robustness test is running.")
 
 

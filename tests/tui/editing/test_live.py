@@ -116,7 +116,7 @@ async def test_playing_what_is_edited_loses_no_stroke_and_counts_for_nothing(
         await s.press("t")
         await game.until(lambda: game.session.won_at is not None)
         assert not game.main.editing.is_on
-        assert game.main.journal.record.state != "won"
+        assert game.main.recorder.record.state != "won"
         await s.press("t")
         await game.until(lambda: game.main.editing.is_on and game.tick == 0)
         assert s.editor.edits.can_undo == "move"
@@ -330,7 +330,7 @@ async def test_what_was_edited_is_offered_after_a_hangup(data_dir: Path, room_fi
         await game.until(lambda: not game.session.level.walls[40, 100])
     async with opened(data_dir) as game:
         await game.ready()
-        await game.until(lambda: game.main.journal.record)
+        await game.until(lambda: game.main.recorder.record)
         assert not game.shows("Go on editing")
 
 
