@@ -123,7 +123,7 @@ class LogicalRobotsApp(SparingApp, inherit_bindings=False):
         self.theme_changed_signal.subscribe(self, self._keep_theme)
 
     def _follow(self, settings: Settings) -> None:
-        self.main.redrawing.tempo.frames = settings.frames
+        self.main.scheduler.rate.frames = settings.frames
         view = self.main.labyrinth.view
         view.rays, view.trails = settings.cones, settings.trails
         for complaint in settings.complaints[:_COMPLAINTS]:
@@ -151,7 +151,7 @@ class LogicalRobotsApp(SparingApp, inherit_bindings=False):
             typed = event
         if isinstance(event, events.Key | events.MouseDown | events.Paste):
             self.main.session.pace.give_way()
-            self.main.redrawing.hasten()
+            self.main.scheduler.hasten()
         key = event.key if isinstance(event, events.Key) and self.screen is self.main else ""
         if not self.main.goes_there(key):
             await super().on_event(event)

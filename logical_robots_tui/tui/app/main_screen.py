@@ -14,9 +14,9 @@ from textual.widgets import Input, Static, TextArea
 from logical_robots_tui.game.drafts import Drafts
 from logical_robots_tui.garbage import collect_seldom
 from logical_robots_tui.tui.app.background import ScreenUi
+from logical_robots_tui.tui.app.frame_scheduler import FrameScheduler
 from logical_robots_tui.tui.app.permissions import Permissions
 from logical_robots_tui.tui.app.quitting import leave
-from logical_robots_tui.tui.app.redrawing import Redrawing
 from logical_robots_tui.tui.app.session import Session
 from logical_robots_tui.tui.app.session_listener import SessionListener
 from logical_robots_tui.tui.commands.keymap import KEY_MAP, command
@@ -82,7 +82,7 @@ class MainScreen(Screen[None], SessionListener):
     Attributes:
         data_dir: Where drafts and the player's programs are.
         permissions: What the player may do with the machine.
-        redrawing: When the game is drawn again.
+        scheduler: When the game is drawn again.
     """
 
     def __init__(
@@ -103,9 +103,9 @@ class MainScreen(Screen[None], SessionListener):
         self.data_dir, self.recorder = data_dir, recorder
         self.ui = ScreenUi(self)
         self.tell, self.warn, self.spawn = self.ui.tell, self.ui.warn, self.ui.spawn
-        self.redrawing = Redrawing(self, self._draw)
-        self.session = Session(level, source, spawn=self.spawn, changed=self.redrawing.soon)
-        self.redrawing.pace = self.session.pace
+        self.scheduler = FrameScheduler(self, self._draw)
+        self.session = Session(level, source, spawn=self.spawn, changed=self.scheduler.soon)
+        self.scheduler.pace = self.session.pace
         self._text_to_begin_with = source.text if text is None else text
         self._is_new_here = welcome
         self._status, self._tabs, self._bar = StatusLine(), PaneTabs(), CommandBar()
@@ -196,7 +196,7 @@ class MainScreen(Screen[None], SessionListener):
         self.program.editor.load_text(self._text_to_begin_with)
         self.recorder.attach(
             spawn=self.spawn,
-            changed=self.redrawing.soon,
+            changed=self.scheduler.soon,
             warn=self.warn,
             measured=self.announcer.measured,
         )
@@ -240,7 +240,7 @@ class MainScreen(Screen[None], SessionListener):
         """Show what the level asks for."""
         self.labyrinth.select(None)
         self.labyrinth.briefing.tell(level)
-        self.redrawing.soon()
+        self.scheduler.soon()
 
     def quit(self) -> None:
         """Leave the game, but not without a word where that would lose something."""
@@ -256,7 +256,7 @@ class MainScreen(Screen[None], SessionListener):
             self.labyrinth.show(self.editing.level, session.frame, hurried=session.running)
         saved = self.text == session.source.text
         self.program.show(session.state, session.source.name, saved=saved)
-        is_read = session.running and not self.redrawing.tempo.is_hurried
+        is_read = session.running and not self.scheduler.rate.is_hurried
         if not is_read or monotonic() - self._lines_drawn_at > _READABLE:
             self.redraw_lines()
         self.labyrinth.banner.follow(self.recorder)
@@ -278,7 +278,7 @@ class MainScreen(Screen[None], SessionListener):
         self._tabs.show(tabs, self.arrangement.active.command_id)
 
     def _beat(self) -> None:
-        if self.session.busy and self.redrawing.tempo.rested > _HEARTBEAT:
+        if self.session.busy and self.scheduler.rate.rested > _HEARTBEAT:
             self.redraw_lines()
 
     # -- layout --------------------------------------------------------------------------------
@@ -296,7 +296,7 @@ class MainScreen(Screen[None], SessionListener):
             self._focus_before = None
         self.call_after_refresh(self.tour.place)
         self._drawn = None
-        self.redrawing.soon()
+        self.scheduler.soon()
 
     def _fit(self, size: Size) -> None:
         self.arrangement.fit(size)
@@ -307,7 +307,7 @@ class MainScreen(Screen[None], SessionListener):
         """Bring a pane to sight without going there."""
         self.arrangement.active = pane
         self.arrangement.show()
-        self.redrawing.soon()
+        self.scheduler.soon()
 
     def go_to(self, pane: Pane) -> None:
         """Go to a pane; in a narrow terminal it takes the place of the one there."""
@@ -341,7 +341,7 @@ class MainScreen(Screen[None], SessionListener):
     @on(TextArea.Changed)
     def _text_changed(self) -> None:
         self.autosave.edited()
-        self.redrawing.soon()
+        self.scheduler.soon()
 
     @on(Editor.Leave)
     def _editor_left(self) -> None:
