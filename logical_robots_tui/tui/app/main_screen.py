@@ -120,10 +120,11 @@ class MainScreen(Screen[None], SessionListener):
 
     def _make_controllers(self) -> None:
         session, ui, recorder, data_dir = self.session, self.ui, self.recorder, self.data_dir
+        program, view = self.program, self.labyrinth.view
         self.drafts = Drafts(data_dir / "drafts")
         self.autosave = Autosave(
             self.drafts,
-            state=lambda: (session.source, self.program.text),
+            state=lambda: (session.source, program.text),
             draft=program_draft,
             failed=self.warn,
             what="What you type",
@@ -134,9 +135,9 @@ class MainScreen(Screen[None], SessionListener):
             recorder,
             self.drafts,
             self.autosave,
-            self.program,
+            program,
             data_dir,
-            drawing=lambda: self.labyrinth.view.drawing,
+            drawing=lambda: view.drawing,
             make_level=lambda: self.editing.make_level(),
         )
         self.editing = LevelEditing(
@@ -147,32 +148,25 @@ class MainScreen(Screen[None], SessionListener):
         )
         self.offers = Offers(ui, lambda: self.is_active)
         self.learning = LearningController(
-            session, ui, recorder, self.program, self.library.open_program
+            session, ui, recorder, program, self.library.open_program
         )
         self.program_controller = ProgramController(
-            self.program,
+            program,
             session,
             ui,
             data_dir / "copied.txt",
             permissions=lambda: self.permissions,
-            enter=lambda: self.go_to(self.program),
+            enter=lambda: self.go_to(program),
             suspend=lambda: self.app.suspend(),
         )
         self._watch = FileWatch(lambda: session.source, self.library.take_from_disk)
         self.tour = TourController(self.mount, self.arrangement, self.point_at, recorder.tour_seen)
-        self.timeline_controller = TimelineController(
-            session, ui, lambda: self.labyrinth.view.selected
-        )
+        self.timeline_controller = TimelineController(session, ui, lambda: view.selected)
         self.search = Search(session, ui, self.timeline_controller.go_to)
         is_covered = partial(self.arrangement.covers, self.labyrinth)
         self.announcer = VictoryAnnouncer(session, self.labyrinth, recorder, self.tell, is_covered)
-        session.listeners += [
-            self.editing,
-            recorder,
-            self.announcer,
-            self.timeline_controller,
-            self,
-        ]
+        session.listeners += [self.editing, recorder, self.announcer]
+        session.listeners += [self.timeline_controller, self]
 
     def _panel(self, mode: EditMode) -> EditPanel:
         from logical_robots_tui.tui.level_editor.panel import EditPanel
