@@ -24,6 +24,7 @@ from benchmarks.history import history
 from benchmarks.inspector import inspector
 from benchmarks.machine import machine
 from benchmarks.measure import Effort, Measurement
+from benchmarks.memory import memory
 from benchmarks.mind import compiling, thinking
 from benchmarks.proofs import proofs
 from benchmarks.schemas import schemas
@@ -48,6 +49,7 @@ BENCHMARKS = {
     "breakpoints": breakpoints,
     "editing": editing,
     "history": history,
+    "memory": memory,
     "inspector": inspector,
     "folding": folding,
     "answers": answers,

@@ -98,7 +98,7 @@ def walk(found: Facts) -> Iterator[Step]:
     yield Step(f"{found.wrong}{ENTER}", f"tick {found.wrong} of 0-{found.wrong}")
     yield Step("a", 'Dot remembers {word: "lamp"}')
     yield Step(PALETTE, "Find a command")
-    yield Step("Diagnosis", "Look through the whole run for what may ")
+    yield Step("Diagnosis", "Scan the whole run for likely mistakes.")
     yield Step(ENTER, f"Look through the run up to tick {found.wrong}")
     yield Step(ENTER, 'word was never "left"')
     yield Step(DOWN, 'word was never "left"', "1-diagnosis")

@@ -9,6 +9,7 @@ import pytest
 from hypothesis import HealthCheck, settings
 
 from logical_robots_tui.garbage import collect_seldom
+from logical_robots_tui.mind import Decision, Notice
 from tests.installed import Installed, build_wheel, install
 
 if TYPE_CHECKING:
@@ -66,3 +67,19 @@ def _log_handlers_as_before() -> Iterator[None]:
     before = list(log.handlers)
     yield
     log.handlers = before
+
+
+@pytest.fixture
+def late(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The clock ends the thought in tick 3."""
+    from logical_robots_tui.mind.mind import Mind
+
+    think = Mind.think
+
+    def late_once(self: Mind, rows: list[object], *rest: object, **more: object) -> list[Decision]:
+        decisions = think(self, rows, *rest, **more)  # type: ignore[arg-type]  # passed on as it is
+        if rows[0]["sensor"]["clock"] != 3:  # type: ignore[index]  # a sensor row
+            return decisions
+        return [Decision(d.robot_name, None, d.memory, (Notice("late", "x"),)) for d in decisions]
+
+    monkeypatch.setattr(Mind, "think", late_once)

@@ -35,7 +35,12 @@ class Terminal:
         command: What to run.
         size: Columns and lines.
         env: Added to the environment of the tests.
+
+    Attributes:
+        patience: Seconds to wait for something.
     """
+
+    patience = PATIENCE
 
     def __init__(
         self,
@@ -123,9 +128,9 @@ class Terminal:
 
     def wait_for(self, condition: str | Callable[[], object]) -> None:
         """Read on until a text stands on the screen, or a condition holds."""
-        deadline = monotonic() + PATIENCE
+        deadline = monotonic() + self.patience
         while not (condition in self.text if isinstance(condition, str) else condition()):
-            assert monotonic() < deadline, f"not within {PATIENCE} s; instead:\n{self.text}"
+            assert monotonic() < deadline, f"not within {self.patience} s; instead:\n{self.text}"
             assert self._read(deadline), f"it ended before that; its screen:\n{self.text}"
 
     def arrival_of(self, condition: Callable[[], object]) -> float:

@@ -7,7 +7,9 @@ import math
 import unicodedata
 from typing import Any
 
-__all__ = ["columns", "finite", "harmless", "line_of_json", "written"]
+__all__ = ["UNRELIABLE", "columns", "finite", "harmless", "line_of_json", "written"]
+
+UNRELIABLE = "A clock ended a thought: another run may go otherwise."
 
 _UNPRINTABLE = {"Cc", "Cf", "Cn", "Co", "Cs", "Zl", "Zp"}
 

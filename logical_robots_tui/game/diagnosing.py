@@ -46,6 +46,7 @@ class Diagnosis:
         step: The interval, in ticks, at which everything was examined.
         second_step: The interval of the search for what seemed never to happen.
         left_out: How many places could not be observed.
+        is_reliable: Whether no thought of the run was cut off by the clock.
     """
 
     findings: tuple[Finding, ...]
@@ -55,6 +56,7 @@ class Diagnosis:
     step: int
     second_step: int
     left_out: int
+    is_reliable: bool = True
 
 
 async def diagnose(
@@ -87,6 +89,8 @@ def extent(found: Diagnosis) -> str:
         said += f" Only one tick in {found.second_step} was examined: rare events may be missed."
     if found.left_out:
         said += f" Places not covered, because they are too expensive to examine: {found.left_out}."
+    if not found.is_reliable:
+        said += " A clock ended a thought: another run may go otherwise."
     return said
 
 
@@ -149,6 +153,7 @@ class _Diagnosing:
             step,
             second,
             checkup.left_out + len(tally.given_up),
+            self._game.history.is_reliable_up_to(observed.last),
         )
 
     async def _watch(

@@ -1,58 +1,59 @@
-"""Drafts: unsaved text, kept on disk so that it survives crashes."""
+"""Drafts: unsaved texts, levels and positions, kept on disk so that they survive crashes."""
 
 from __future__ import annotations
 
 import fcntl
 import hashlib
-import itertools
 import json
 import os
 import secrets
 import threading
 from contextlib import suppress
-from dataclasses import dataclass, field, replace
+from dataclasses import asdict, dataclass, field, replace
 from datetime import UTC, datetime
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Literal, TypeAlias, get_args
 
 from logical_robots_tui.writing import write_atomically
 
 if TYPE_CHECKING:
     from pathlib import Path
 
-__all__ = ["OLD_DRAFTS_KEPT", "Draft", "Drafts", "fingerprint"]
+__all__ = ["OLD_DRAFTS_KEPT", "Draft", "Drafts", "Key", "Kind"]
 
 OLD_DRAFTS_KEPT = 50
 """How many discarded drafts are kept in the folder ``old``."""
 
-_serials = itertools.count()
+Kind: TypeAlias = Literal["program", "level", "place"]
+Key: TypeAlias = tuple[Kind, str]
+"""The kind and the file path of a draft. A newer draft of the same key replaces the older one."""
+
 _held_locks: set[int] = set()
-
-
-def fingerprint(text: str) -> str:
-    """Return a short digest of a text."""
-    return hashlib.sha256(text.encode("utf-8", "surrogatepass")).hexdigest()[:16]
 
 
 @dataclass(frozen=True, slots=True)
 class Draft:
-    """Unsaved text of one program.
+    """Unsaved work.
 
     Attributes:
-        program: Name of the program, to show.
-        path: Path of the program's file; a newer draft of the same path replaces the older one.
+        kind: A program's text, a level's text, or the place where a game stood.
+        name: The name to show.
+        path: Path of the file that it belongs to, or a substitute.
         text: The unsaved text.
-        base: Fingerprint of the program's text as it was read from the file.
         saved: When the draft was made, with time zone, to show.
-        turn: A counter that orders drafts regardless of the clock; 0 if unknown.
+        turn: A counter that orders drafts regardless of the clock.
     """
 
-    program: str
+    kind: Kind
+    name: str
     path: str
     text: str
-    base: str
     saved: datetime = field(default_factory=lambda: datetime.now(UTC))
     turn: int = field(default=0, compare=False)
-    _serial: int = field(default_factory=lambda: next(_serials), repr=False, compare=False)
+
+    @property
+    def key(self) -> Key:
+        """Its kind and path."""
+        return self.kind, self.path
 
 
 class Drafts:
@@ -69,88 +70,101 @@ class Drafts:
 
     def __init__(self, folder: Path) -> None:
         self.folder = folder
-        self._session = f"{datetime.now(UTC):%Y%m%d%H%M%S}{secrets.token_hex(4)}"
+        self._session = secrets.token_hex(8)
         self._guard = threading.RLock()
         self._lock: int | None = None
-        self._turn = 0
-        self._mine: dict[str, Draft] = {}
-        self._adopted: dict[str, Draft] = {}
-        self._dropped: dict[str, int] = {}
-        self._unwritten: set[str] = set()
+        self._turn = self._turns_before = 0
+        self._latest: dict[Key, int] = {}
+        self._mine: dict[Key, Draft] = {}
+        self._adopted: dict[Key, Draft] = {}
+        self._unwritten: set[Key] = set()
 
-    def keep(self, draft: Draft) -> None:
-        """Write a draft, replacing an older one; a draft older than the stored one is ignored.
+    def next_turn(self) -> int:
+        """Reserve a turn for a draft that is written later; the latest turn wins."""
+        with self._guard:
+            self._turn += 1
+            return self._turn
+
+    def keep(self, draft: Draft, turn: int | None = None) -> None:
+        """Write a draft, replacing an older one.
+
+        Args:
+            draft: The draft.
+            turn: When it was made, by default now; ignored after a later draft or drop.
 
         Raises:
             OSError: It can't be written.
         """
         with self._guard:
-            newest = self._mine.get(draft.path)
-            if newest is not None and newest._serial > draft._serial:
+            if not self._is_turn_of(draft.key, turn):
                 return
-            if self._dropped.get(draft.path, -1) > draft._serial:
-                return
-            self._mine[draft.path] = draft
-            self._unwritten.add(draft.path)
+            self._mine[draft.key] = draft
+            self._unwritten.add(draft.key)
             self._hold_lock()
-            self._turn += 1
-            self._mine[draft.path] = draft = replace(draft, turn=self._turn)
-            write_atomically(self._file(draft.path), _as_json(draft))
-            self._unwritten.discard(draft.path)
+            draft = replace(draft, turn=self._turns_before + self._latest[draft.key])
+            self._mine[draft.key] = draft
+            write_atomically(self._file(draft.key), json.dumps(asdict(draft), default=str))
+            self._unwritten.discard(draft.key)
 
     def unwritten(self) -> list[tuple[Draft, OSError]]:
         """Return the drafts that still can't be written, with reasons; they are lost at exit."""
         found = []
         with self._guard:
-            for draft in [self._mine[path] for path in sorted(self._unwritten)]:
+            for draft in [self._mine[key] for key in sorted(self._unwritten)]:
                 try:
-                    self.keep(draft)
+                    self.keep(draft, self._latest.get(draft.key))
                 except OSError as error:
                     found.append((draft, error))
         return found
 
-    def get(self, path: str) -> Draft | None:
-        """Return this session's draft of a program, or None."""
-        return self._mine.get(path)
+    def get(self, key: Key) -> Draft | None:
+        """Return this session's draft, or None."""
+        return self._mine.get(key)
 
-    def take(self, path: str) -> Draft | None:
-        """Turn the adopted draft of a program into an own one; return None if there is none.
+    def take(self, key: Key) -> Draft | None:
+        """Turn an adopted draft into an own one; return None if there is none.
 
-        An own draft of the same program is moved to the folder ``old``.
+        An own draft of the same key is moved to the folder ``old``.
         """
         with self._guard:
-            draft = self._adopted.pop(path, None)
+            draft = self._adopted.pop(key, None)
             if draft is not None:
-                self._mine[path] = draft
-                self._unwritten.add(path)
+                self._mine[key] = draft
+                self._unwritten.add(key)
                 with suppress(OSError):
-                    if self._file(path).exists():
-                        self._retire(self._file(path))
-                    self._adopted_file(path).replace(self._file(path))
-                    self._unwritten.discard(path)
+                    if self._file(key).exists():
+                        self._retire(self._file(key))
+                    self._adopted_file(key).replace(self._file(key))
+                    self._unwritten.discard(key)
             return draft
 
-    def drop(self, path: str) -> None:
-        """Delete the draft of a program whose text was saved or equals the file again."""
-        with self._guard:
-            self._dropped[path] = next(_serials)
-            self._unwritten.discard(path)
-            if self._mine.pop(path, None) is not None:
-                with suppress(OSError):
-                    self._file(path).unlink(missing_ok=True)
+    def drop(self, key: Key, turn: int | None = None) -> None:
+        """Delete a draft that was saved or equals its file again.
 
-    def put_away(self, path: str) -> None:
-        """Move the adopted draft of a program to the folder ``old``."""
+        Args:
+            key: The key of the draft.
+            turn: When that was, by default now; ignored after a later draft.
+        """
         with self._guard:
-            if self._adopted.pop(path, None) is not None:
+            if not self._is_turn_of(key, turn):
+                return
+            self._unwritten.discard(key)
+            if self._mine.pop(key, None) is not None:
                 with suppress(OSError):
-                    self._retire(self._adopted_file(path))
+                    self._file(key).unlink(missing_ok=True)
 
-    def adopt(self) -> list[Draft]:
+    def put_away(self, key: Key) -> None:
+        """Move an adopted draft to the folder ``old``."""
+        with self._guard:
+            if self._adopted.pop(key, None) is not None:
+                with suppress(OSError):
+                    self._retire(self._adopted_file(key))
+
+    def adopt(self, kind: Kind) -> list[Draft]:
         """Take over the drafts of sessions that have ended.
 
         Returns:
-            All adopted drafts, newest first, one per path.
+            The adopted drafts of a kind, newest first, one per path.
 
         Raises:
             OSError: The folder can't be used.
@@ -158,11 +172,12 @@ class Drafts:
         with self._guard:
             if self.folder.is_dir():
                 self._hold_lock()
-                for session in sorted({p.name.partition("-")[0] for p in self._draft_files()}):
-                    if session != self._session:
-                        self._adopt_session(session)
-                self._remove_dead_locks()
-            return sorted(self._adopted.values(), key=_newness, reverse=True)
+                sessions = {file.name.partition("-")[0] for file in self._draft_files()}
+                sessions |= {file.stem for file in self.folder.glob("*.lock")}
+                for session in sorted(sessions - {self._session}):
+                    self._adopt_session(session)
+            found = [draft for draft in self._adopted.values() if draft.kind == kind]
+            return sorted(found, key=lambda draft: draft.turn, reverse=True)
 
     def close(self) -> None:
         """End the session; its drafts remain for the next one."""
@@ -177,11 +192,18 @@ class Drafts:
 
     # -- files ---------------------------------------------------------------------------------
 
-    def _file(self, path: str) -> Path:
-        return self.folder / f"{self._session}-{fingerprint(path)}.json"
+    def _is_turn_of(self, key: Key, turn: int | None) -> bool:
+        turn = self.next_turn() if turn is None else turn
+        if self._latest.get(key, 0) > turn:
+            return False
+        self._latest[key] = turn
+        return True
 
-    def _adopted_file(self, path: str) -> Path:
-        return self.folder / f"{self._session}-{fingerprint(path)}-adopted.json"
+    def _file(self, key: Key) -> Path:
+        return self.folder / f"{self._session}-{_fingerprint(key)}.json"
+
+    def _adopted_file(self, key: Key) -> Path:
+        return self.folder / f"{self._session}-{_fingerprint(key)}-adopted.json"
 
     def _lock_file(self, session: str) -> Path:
         return self.folder / f"{session}.lock"
@@ -194,7 +216,8 @@ class Drafts:
             self.folder.mkdir(parents=True, exist_ok=True)
             self._lock = _acquire(self._lock_file(self._session))
             drafts = map(_from_json, self._draft_files())
-            self._turn = max([self._turn, *(draft.turn for draft in drafts if draft is not None)])
+            turns = [draft.turn for draft in drafts if draft is not None]
+            self._turns_before = max([0, *turns, *map(_number, self.folder.glob("old/*-*.json"))])
 
     def _adopt_session(self, session: str) -> None:
         lock = _acquire(self._lock_file(session))
@@ -203,7 +226,9 @@ class Drafts:
         try:
             for file in self._draft_files(session):
                 self._adopt_file(file)
-            self._clear(session)
+            # What else it leaves: its lock, half a write.
+            for file in (self._lock_file(session), *self.folder.glob(f".{session}-*")):
+                file.unlink(missing_ok=True)
         finally:
             _release(lock)
 
@@ -212,63 +237,48 @@ class Drafts:
         if draft is None:
             self._retire(file)
             return
-        rival = self._adopted.get(draft.path)
-        if rival is not None and _newness(rival) >= _newness(draft):
+        rival = self._adopted.get(draft.key)
+        if rival is not None and rival.turn >= draft.turn:
             self._retire(file)
             return
         if rival is not None:
-            self._retire(self._adopted_file(draft.path))
-        file.replace(self._adopted_file(draft.path))
-        self._adopted[draft.path] = draft
-
-    def _remove_dead_locks(self) -> None:
-        for file in self.folder.glob("*.lock"):
-            if file.stem != self._session and (lock := _acquire(file)) is not None:
-                if not self._draft_files(file.stem):
-                    self._clear(file.stem)
-                _release(lock)
-
-    def _clear(self, session: str) -> None:
-        """Remove the lock and unfinished writes of a session that has ended."""
-        for file in (self._lock_file(session), *self.folder.glob(f".{session}-*")):
-            file.unlink(missing_ok=True)
+            self._retire(self._adopted_file(draft.key))
+        file.replace(self._adopted_file(draft.key))
+        self._adopted[draft.key] = draft
 
     def _retire(self, file: Path) -> None:
         old = self.folder / "old"
         old.mkdir(exist_ok=True)
-        file.replace(old / f"{datetime.now(UTC):%Y%m%d%H%M%S%f}-{file.name}")
-        for surplus in sorted(old.glob("*.json"))[:-OLD_DRAFTS_KEPT]:
+        file.replace(old / f"{self._turns_before + self.next_turn()}-{file.name}")
+        for surplus in sorted(old.glob("*-*.json"), key=_number)[:-OLD_DRAFTS_KEPT]:
             surplus.unlink(missing_ok=True)
 
 
-def _newness(draft: Draft) -> tuple[int, datetime]:
-    return draft.turn, draft.saved
+def _fingerprint(key: Key) -> str:
+    """A short name for a key: the same key, the same name."""
+    return hashlib.sha256(" ".join(key).encode("utf-8", "surrogatepass")).hexdigest()[:16]
 
 
-def _as_json(draft: Draft) -> str:
-    data = {
-        "program": draft.program,
-        "path": draft.path,
-        "base": draft.base,
-        "saved": draft.saved.isoformat(),
-        "turn": draft.turn,
-        "text": draft.text,
-    }
-    return json.dumps(data, indent=1)
+def _number(file: Path) -> int:
+    """What the name of a file in the folder ``old`` begins with."""
+    number = file.name.partition("-")[0]
+    return int(number) if number.isdecimal() else 0
 
 
 def _from_json(file: Path) -> Draft | None:
     """Read a draft; return None if the file is not one."""
     try:
-        data: dict[str, Any] = json.loads(file.read_text("utf-8"))
-        saved = datetime.fromisoformat(data["saved"])
-        turn = int(data.get("turn", 0))
-        program, path, text, base = (data[key] for key in ("program", "path", "text", "base"))
+        found = json.loads(file.read_text("utf-8"))
+        draft = Draft(**found | {"saved": datetime.fromisoformat(found["saved"])})
     except (OSError, ValueError, KeyError, TypeError, RecursionError):
         return None
-    if saved.tzinfo is None or not all(isinstance(t, str) for t in (program, path, text, base)):
-        return None
-    return Draft(program, path, text, base, saved, turn)
+    is_whole = (
+        draft.kind in get_args(Kind)
+        and draft.saved.tzinfo is not None
+        and isinstance(draft.turn, int)
+        and all(isinstance(part, str) for part in (draft.name, draft.path, draft.text))
+    )
+    return draft if is_whole else None
 
 
 def _acquire(file: Path) -> int | None:

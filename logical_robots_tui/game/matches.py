@@ -71,6 +71,7 @@ class Matches:
         stretches: First and last tick of each stretch in which it holds, ascending.
         failed: The same for the stretches in which it failed.
         reason: Why it first failed, or "".
+        is_reliable: Whether no thought in these ticks was cut off by the clock.
     """
 
     ticks: int
@@ -78,6 +79,7 @@ class Matches:
     stretches: tuple[tuple[int, int], ...]
     failed: tuple[tuple[int, int], ...] = ()
     reason: str = ""
+    is_reliable: bool = True
 
     @property
     def holds_in(self) -> int:
@@ -120,19 +122,22 @@ async def find_matches(
             return frame, str(error)
         return frame, bool(matching_rows(question, table, robot).rows)
 
+    is_reliable = True
+
     holds: list[tuple[int, int]] = []
     failed: list[tuple[int, int]] = []
     reason, last, won_at = "", 0, None
     async for frame, answer in run.each(1, ticks, ask, to_victory=True):
         last, won_at = frame.tick, frame.after.won_at
+        is_reliable = is_reliable and frame.is_reliable
         if isinstance(answer, str):
             _add(failed, last)
             reason = reason or answer
         elif answer:
             _add(holds, last)
         told(last)
-    found = Matches(last, won_at, tuple(holds), tuple(failed), reason)
-    if run.lasts and not failed:  # it may have failed only for lack of time
+    found = Matches(last, won_at, tuple(holds), tuple(failed), reason, is_reliable)
+    if is_reliable and run.lasts and not failed:  # it may have failed only for lack of time
         _keep(name, found)
     return found
 

@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 import marshal
+import math
 import zlib
 from collections import OrderedDict
 from dataclasses import dataclass, field
 from itertools import groupby
 from operator import attrgetter
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, get_args
 
-from logical_robots_tui.mind import Decision, Notice
+from logical_robots_tui.mind import Decision, Notice, NoticeKind
 from logical_robots_tui.values import Desire
 from logical_robots_tui.world import AreaState, RobotState, WorldState
 
@@ -19,12 +20,14 @@ if TYPE_CHECKING:
 
     from logical_robots_tui.game.frame import Frame
     from logical_robots_tui.values import Value
+    from logical_robots_tui.world import Level
 
-__all__ = ["Moment", "Packed", "laid_out", "moment_in"]
+__all__ = ["Moment", "Packed", "is_moment", "laid_out", "moment_in"]
 
 _QUICKEST = 1  # zlib level; so little changes from tick to tick that more is not needed
 _KEPT_OPEN = 4  # for stepping through them
 _BODY_BYTES = 1_000  # of a robot's state and decision
+_DEEPEST = 200  # that a memory read from a file may be nested
 _HEAVIEST_OPEN = 24_000_000  # bytes of objects in all of these
 
 _BODY = ("x", "y", "angle", "battery_level", "left_engine", "right_engine", "blocked", "dead")
@@ -207,3 +210,62 @@ def _decision(name: str, memory: Value, desire: Any, notices: Any) -> Decision:
         memory,
         tuple([Notice(*notice) for notice in notices]),
     )
+
+
+def is_moment(moment: Moment, tick: int, level: Level) -> bool:
+    """Return whether a moment is a valid state for a tick of a level, down to every type."""
+    try:
+        return _is_moment(moment, tick, level)
+    except TypeError:  # a list in place of a name
+        return False
+
+
+def _is_moment(moment: Moment, tick: int, level: Level) -> bool:
+    after, names = moment.after, [robot.name for robot in level.robots]
+    return (
+        type(after.tick) is int
+        and after.tick == tick
+        and (after.won_at is None or (type(after.won_at) is int and 0 < after.won_at <= tick))
+        and [robot.name for robot in after.robots] == names
+        and all(_is_body(robot) for robot in after.robots)
+        and [area.name for area in after.areas] == [area.name for area in level.areas]
+        and all(
+            type(area.active) is bool and set(area.visitors) <= set(names) for area in after.areas
+        )
+        and _are_numbers(moment.think_milliseconds, moment.driven)
+        and type(moment.weight) is int
+        and moment.weight >= 0
+        and list(moment.memories) == names
+        and all(_is_value(memory, _DEEPEST) for memory in moment.memories.values())
+        and [each.robot_name for each in moment.decisions] == (names if tick else [])
+        and all(_is_decision(each) for each in moment.decisions)
+    )
+
+
+def _is_body(robot: Any) -> bool:
+    numbers = (robot.x, robot.y, robot.angle, robot.battery_level)
+    return (
+        _are_numbers(*numbers, robot.left_engine, robot.right_engine)
+        and type(robot.blocked) is bool
+        and type(robot.dead) is bool
+    )
+
+
+def _is_decision(decision: Any) -> bool:
+    desire = decision.desire
+    return (desire is None or _are_numbers(desire.left_engine, desire.right_engine)) and all(
+        notice.kind in get_args(NoticeKind) and type(notice.message) is str
+        for notice in decision.notices
+    )
+
+
+def _are_numbers(*values: Any) -> bool:
+    return all(type(value) in (int, float) and math.isfinite(value) for value in values)
+
+
+def _is_value(value: Any, depth: int) -> bool:
+    """Return whether a value's nesting is within a limit; being from JSON, its type is right."""
+    if type(value) not in (list, dict):
+        return True
+    inside = value.values() if type(value) is dict else value
+    return depth > 0 and all(_is_value(each, depth - 1) for each in inside)

@@ -65,7 +65,7 @@ def test_config_prints_a_file_that_sets_the_same(command: Command, home: Path) -
     path.write_text('theme = "nord"\n[keys]\nrun = "%"\nstep = "^B"\n', encoding="utf-8")
     told = command("config")
     assert told.status == 2
-    assert "config.toml:4: keys.step: ^B can't be used: tmux keeps it for itself." in told.err
+    assert "config.toml:4: keys.step: ^B can't be used: tmux uses it." in told.err
     found = tomllib.loads(told.out)
     assert found["theme"] == "nord"
     assert found["keys"]["run"] == ["%"]

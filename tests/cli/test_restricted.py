@@ -157,7 +157,7 @@ def test_a_restricted_game_says_what_is_off(tmp_path: Path) -> None:
     with Terminal(game(tmp_path, "02-open-space"), size=(160, 40)) as terminal:
         terminal.wait_for("· applied")
         terminal.send("E")
-        terminal.wait_for("Other editors are off")
+        terminal.wait_for("External editors are disabled")
         terminal.send("\x1a")
         terminal.wait_for("no shell")
         for key, asks, path in (

@@ -38,7 +38,7 @@ def test_a_level_is_edited_with_the_mouse_saved_and_survives_a_hangup(player: Pl
     tmux.drag((column, line), (column + 8, line))
     tmux.wait_until(lambda screen: "Robot Pip at" in screen and "at 12, " not in screen)
     tmux.wait_for("● not saved")
-    drafts = player.folder / "data" / "level-drafts"
+    drafts = player.folder / "data" / "drafts"
     tmux.wait_until(lambda _: list(drafts.glob("*.json")), "a draft on disk")
     tmux.hang_up()
     tmux.wait_until(lambda _: not tmux.is_running, "the game has ended")

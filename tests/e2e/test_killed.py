@@ -29,7 +29,7 @@ KEEPS = """if True:
     drafts, progress = Drafts(folder / "drafts"), Progress(folder / FILE_NAME)
     for number in itertools.count():
         text = f"{name} {number} " + "x" * (997 * number % 60_000)
-        drafts.keep(Draft(name, f"/{name}.l", text, "0"))
+        drafts.keep(Draft("program", name, f"/{name}.l", text))
         print("draft", number, flush=True)
         save_program(folder / "programs" / f"{name}.l", text)
         print("program", number, flush=True)
@@ -72,7 +72,7 @@ def test_drafts_programs_and_versions_outlive_forty_kills(tmp_path: Path) -> Non
         commands = [[sys.executable, "-c", KEEPS, tmp_path, name] for name in ("ada", "ben")]
         said = killed(commands, chance)
         drafts = Drafts(tmp_path / "drafts")
-        kept = {draft.program: draft.text for draft in drafts.adopt()}
+        kept = {draft.name: draft.text for draft in drafts.adopt("program")}
         drafts.close()
         progress = Progress(tmp_path / FILE_NAME, pytest.fail)
         for name, told in zip(("ada", "ben"), said, strict=True):

@@ -12,7 +12,6 @@ import pytest
 
 from logical_robots_tui import Game, Program, list_levels, load_level
 from logical_robots_tui.game.robustness import LateError, play_through
-from logical_robots_tui.mind import Decision, Notice
 from tests.short import AHEAD, LEVEL
 
 if TYPE_CHECKING:
@@ -66,22 +65,6 @@ def test_with_a_tenth_of_a_processor_a_shipped_pair_plays_the_same(name: str) ->
 def test_with_a_tenth_of_a_processor_a_run_is_the_same() -> None:
     names = ("01-first-steps", "03-the-long-hall")
     assert told(60, *names, starved=True) == told(60, *names)
-
-
-@pytest.fixture
-def late(monkeypatch: pytest.MonkeyPatch) -> None:
-    """The clock ends the thought in tick 3."""
-    from logical_robots_tui.mind.mind import Mind
-
-    think = Mind.think
-
-    def late_once(self: Mind, rows: list[object], *rest: object, **more: object) -> list[Decision]:
-        decisions = think(self, rows, *rest, **more)  # type: ignore[arg-type]  # passed on as it is
-        if rows[0]["sensor"]["clock"] != 3:  # type: ignore[index]  # a sensor row
-            return decisions
-        return [Decision(d.robot_name, None, d.memory, (Notice("late", "x"),)) for d in decisions]
-
-    monkeypatch.setattr(Mind, "think", late_once)
 
 
 @pytest.mark.usefixtures("late")

@@ -9,13 +9,13 @@ import subprocess
 import sys
 import threading
 from datetime import UTC, datetime
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, get_args
 
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from logical_robots_tui.game.drafts import OLD_DRAFTS_KEPT, Draft, Drafts, fingerprint
+from logical_robots_tui.game.drafts import OLD_DRAFTS_KEPT, Draft, Drafts, Kind
 from tests.waiting import until
 
 if TYPE_CHECKING:
@@ -26,7 +26,7 @@ import sys, time
 from pathlib import Path
 from logical_robots_tui.game.drafts import Draft, Drafts
 drafts = Drafts(Path(sys.argv[1]))
-drafts.keep(Draft("mine", "/p/mine.l", sys.argv[2], "0"))
+drafts.keep(Draft("program", "mine", "/p/mine.l", sys.argv[2]))
 if "fork" in sys.argv:
     import os
     if os.fork() == 0:
@@ -39,7 +39,7 @@ time.sleep(60)
 
 
 def draft(text: str, path: str = "/p/mine.l") -> Draft:
-    return Draft("mine", path, text, fingerprint("file"))
+    return Draft("program", "mine", path, text)
 
 
 def held_by_another_process(folder: Path, text: str, *more: str) -> subprocess.Popen[str]:
@@ -63,24 +63,37 @@ def test_what_a_session_kept_is_adopted_by_the_next(tmp_path: Path) -> None:
     first.keep(draft("hello"))
     first.close()
     second = Drafts(tmp_path)
-    [found] = second.adopt()
-    assert found == Draft("mine", "/p/mine.l", "hello", fingerprint("file"), found.saved)
-    assert second.get("/p/mine.l") is None
-    assert second.take("/p/mine.l") == found
-    assert second.take("/p/mine.l") is None
-    assert second.get("/p/mine.l") == found
-    assert Drafts(tmp_path).adopt() == []
+    [found] = second.adopt("program")
+    assert found == Draft("program", "mine", "/p/mine.l", "hello", found.saved)
+    assert second.get(("program", "/p/mine.l")) is None
+    assert second.take(("program", "/p/mine.l")) == found
+    assert second.take(("program", "/p/mine.l")) is None
+    assert second.get(("program", "/p/mine.l")) == found
+    assert Drafts(tmp_path).adopt("program") == []
     second.close()
+
+
+def test_kinds_of_one_path_are_kept_apart(tmp_path: Path) -> None:
+    session = Drafts(tmp_path)
+    for kind in get_args(Kind):
+        session.keep(Draft(kind, "mine", "/p/same", f"a {kind}"))
+    session.drop(("level", "/p/same"))
+    session.close()
+    other = Drafts(tmp_path)
+    assert [found.text for found in other.adopt("place")] == ["a place"]
+    assert [found.text for found in other.adopt("program")] == ["a program"]
+    assert other.adopt("level") == []
+    other.close()
 
 
 def test_when_the_clock_goes_backwards_the_draft_kept_last_is_the_newest(tmp_path: Path) -> None:
     late, early = (datetime(year, 1, 1, tzinfo=UTC) for year in (2040, 2020))
     for text, saved in (("older", late), ("newest", early)):
         session = Drafts(tmp_path)
-        session.keep(Draft("mine", "/p/mine.l", text, "0", saved))
-        session.keep(Draft(text, f"/p/{text}.l", text, "0", saved))
+        session.keep(Draft("program", "mine", "/p/mine.l", text, saved))
+        session.keep(Draft("program", text, f"/p/{text}.l", text, saved))
         session.close()
-    found = Drafts(tmp_path).adopt()
+    found = Drafts(tmp_path).adopt("program")
     assert [each.text for each in found if each.path == "/p/mine.l"] == ["newest"]
     assert [each.path for each in found] == ["/p/newest.l", "/p/mine.l", "/p/older.l"]
 
@@ -90,29 +103,34 @@ def test_what_was_adopted_and_not_taken_is_there_for_the_next(tmp_path: Path) ->
     first.keep(draft("hello"))
     first.close()
     second = Drafts(tmp_path)
-    second.adopt()
-    second.drop("/p/mine.l")
+    second.adopt("program")
+    second.drop(("program", "/p/mine.l"))
     second.close()
     third = Drafts(tmp_path)
-    assert [found.text for found in third.adopt()] == ["hello"]
+    assert [found.text for found in third.adopt("program")] == ["hello"]
     third.keep(draft("typed meanwhile"))
-    assert third.take("/p/mine.l") == third.get("/p/mine.l")
+    assert third.take(("program", "/p/mine.l")) == third.get(("program", "/p/mine.l"))
     third.close()
     assert "typed meanwhile" in "".join(p.read_text() for p in (tmp_path / "old").iterdir())
 
 
 @settings(deadline=None)
-@given(st.text(), st.text(), st.text(st.characters(blacklist_characters="\0")))
+@given(
+    st.sampled_from(get_args(Kind)),
+    st.text(),
+    st.text(),
+    st.text(st.characters(blacklist_characters="\0")),
+)
 def test_any_text_comes_back_as_it_was(
-    tmp_path_factory: pytest.TempPathFactory, text: str, name: str, path: str
+    tmp_path_factory: pytest.TempPathFactory, kind: Kind, text: str, name: str, path: str
 ) -> None:
     folder = tmp_path_factory.mktemp("drafts")
     session = Drafts(folder)
-    kept = Draft(name, path, text, "0")
+    kept = Draft(kind, name, path, text)
     session.keep(kept)
     session.close()
     other = Drafts(folder)
-    assert other.adopt() == [kept]
+    assert other.adopt(kind) == [kept]
     other.close()
 
 
@@ -120,10 +138,10 @@ def test_a_session_alive_keeps_its_own_and_a_killed_one_leaves_it(tmp_path: Path
     process = held_by_another_process(tmp_path, "typed")
     session = Drafts(tmp_path)
     try:
-        assert session.adopt() == []
+        assert session.adopt("program") == []
     finally:
         end(process)
-    assert [found.text for found in session.adopt()] == ["typed"]
+    assert [found.text for found in session.adopt("program")] == ["typed"]
     session.close()
 
 
@@ -131,7 +149,7 @@ def test_a_child_that_a_session_forked_does_not_hold_its_drafts(tmp_path: Path) 
     process = held_by_another_process(tmp_path, "typed", "fork")
     end(process)
     session = Drafts(tmp_path)
-    assert [found.text for found in session.adopt()] == ["typed"]
+    assert [found.text for found in session.adopt("program")] == ["typed"]
     session.close()
 
 
@@ -139,12 +157,12 @@ def test_two_sessions_at_once_do_not_take_from_each_other(tmp_path: Path) -> Non
     first, second = Drafts(tmp_path), Drafts(tmp_path)
     first.keep(draft("one"))
     second.keep(draft("two"))
-    assert first.adopt() == []
-    assert second.adopt() == []
+    assert first.adopt("program") == []
+    assert second.adopt("program") == []
     first.close()
     second.close()
     third = Drafts(tmp_path)
-    assert [found.text for found in third.adopt()] == ["two"]
+    assert [found.text for found in third.adopt("program")] == ["two"]
     third.close()
     assert "one" in [json.loads(p.read_text())["text"] for p in (tmp_path / "old").iterdir()]
 
@@ -155,35 +173,36 @@ def test_the_newest_comes_first(tmp_path: Path) -> None:
         session.keep(draft(f"text {number}", f"/p/{number}.l"))
     session.close()
     other = Drafts(tmp_path)
-    assert [found.path for found in other.adopt()] == ["/p/2.l", "/p/1.l", "/p/0.l"]
+    assert [found.path for found in other.adopt("program")] == ["/p/2.l", "/p/1.l", "/p/0.l"]
     other.close()
 
 
 def test_dropped_and_put_away_drafts_are_not_offered_again(tmp_path: Path) -> None:
     session = Drafts(tmp_path)
-    late = draft("late")
+    late = session.next_turn()
     session.keep(draft("a"))
-    session.drop("/p/mine.l")
+    session.drop(("program", "/p/mine.l"))
     session.keep(draft("b", "/p/other.l"))
-    session.keep(late)  # was made before the drop, written after it
+    session.keep(draft("late"), late)  # was made before the drop, written after it
     session.close()
     other = Drafts(tmp_path)
-    assert [found.text for found in other.adopt()] == ["b"]
-    other.put_away("/p/other.l")
+    assert [found.text for found in other.adopt("program")] == ["b"]
+    other.put_away(("program", "/p/other.l"))
     other.close()
-    assert Drafts(tmp_path).adopt() == []
+    assert Drafts(tmp_path).adopt("program") == []
     [old] = (tmp_path / "old").iterdir()
     assert json.loads(old.read_text())["text"] == "b"
 
 
 def test_an_earlier_draft_does_not_replace_a_later_one(tmp_path: Path) -> None:
     session = Drafts(tmp_path)
-    early, late = draft("early"), draft("late")
+    late = draft("late")
+    turn = session.next_turn()
     session.keep(late)
-    session.keep(early)
-    assert session.get("/p/mine.l") == late
+    session.keep(draft("early"), turn)
+    assert session.get(("program", "/p/mine.l")) == late
     session.close()
-    assert [found.text for found in Drafts(tmp_path).adopt()] == ["late"]
+    assert [found.text for found in Drafts(tmp_path).adopt("program")] == ["late"]
 
 
 def test_only_so_many_old_drafts_stay(tmp_path: Path) -> None:
@@ -192,8 +211,8 @@ def test_only_so_many_old_drafts_stay(tmp_path: Path) -> None:
         session.keep(draft(f"text {number}"))
         session.close()
         session = Drafts(tmp_path)
-        session.adopt()
-        session.put_away("/p/mine.l")
+        session.adopt("program")
+        session.put_away(("program", "/p/mine.l"))
         session.close()
     texts = [json.loads(p.read_text())["text"] for p in (tmp_path / "old").iterdir()]
     assert len(texts) == OLD_DRAFTS_KEPT
@@ -207,7 +226,7 @@ def test_only_so_many_old_drafts_stay(tmp_path: Path) -> None:
 def test_a_file_that_is_no_draft_is_put_away(tmp_path: Path, rubbish: bytes) -> None:
     (tmp_path / "2020-x.json").write_bytes(rubbish)
     session = Drafts(tmp_path)
-    assert session.adopt() == []
+    assert session.adopt("program") == []
     assert len(list((tmp_path / "old").iterdir())) == 1
     session.close()
 
@@ -215,7 +234,7 @@ def test_a_file_that_is_no_draft_is_put_away(tmp_path: Path, rubbish: bytes) -> 
 def test_nothing_is_left_of_a_session_without_drafts(tmp_path: Path) -> None:
     session = Drafts(tmp_path)
     session.keep(draft("a"))
-    session.drop("/p/mine.l")
+    session.drop(("program", "/p/mine.l"))
     session.close()
     assert list(tmp_path.iterdir()) == []
 
@@ -238,7 +257,7 @@ def test_what_could_not_be_written_is_written_when_it_can_be(tmp_path: Path) -> 
     (tmp_path / "file").unlink()
     assert drafts.unwritten() == []
     drafts.close()
-    assert [kept.text for kept in Drafts(tmp_path / "file").adopt()] == ["another"]
+    assert [kept.text for kept in Drafts(tmp_path / "file").adopt("program")] == ["another"]
 
 
 def test_what_is_not_wanted_any_more_need_not_be_written(tmp_path: Path) -> None:
@@ -246,7 +265,7 @@ def test_what_is_not_wanted_any_more_need_not_be_written(tmp_path: Path) -> None
     (tmp_path / "file").write_text("in the way")
     with pytest.raises(OSError, match="file"):
         drafts.keep(draft("one"))
-    drafts.drop("/p/mine.l")
+    drafts.drop(("program", "/p/mine.l"))
     assert drafts.unwritten() == []
 
 
@@ -259,17 +278,17 @@ def test_a_disk_that_lets_nothing_be_moved_or_removed_keeps_all_and_raises_nothi
     before.close()
     (tmp_path / "old").write_text("in the way")
     drafts = Drafts(tmp_path)
-    assert len(drafts.adopt()) == 2
-    drafts.put_away("/p/first.l")
-    drafts._file("/p/second.l").mkdir()  # and in the way of what is taken
-    taken = drafts.take("/p/second.l")
+    assert len(drafts.adopt("program")) == 2
+    drafts.put_away(("program", "/p/first.l"))
+    drafts._file(("program", "/p/second.l")).mkdir()  # and in the way of what is taken
+    taken = drafts.take(("program", "/p/second.l"))
     assert taken is not None
     assert taken.text == "second"
     assert [lost.path for lost, _ in drafts.unwritten()] == ["/p/second.l"]
     drafts.close()
-    drafts._file("/p/second.l").rmdir()
+    drafts._file(("program", "/p/second.l")).rmdir()
     (tmp_path / "old").unlink()
-    assert {each.text for each in Drafts(tmp_path).adopt()} == {"first", "second"}
+    assert {each.text for each in Drafts(tmp_path).adopt("program")} == {"first", "second"}
 
 
 def test_a_session_ends_though_what_it_wrote_can_not_be_removed(tmp_path: Path) -> None:
@@ -278,21 +297,23 @@ def test_a_session_ends_though_what_it_wrote_can_not_be_removed(tmp_path: Path) 
     for file in tmp_path.iterdir():
         file.unlink()
         file.mkdir()  # which can't be unlinked
-    drafts.drop("/p/mine.l")
+    drafts.drop(("program", "/p/mine.l"))
     drafts.close()
-    assert drafts.get("/p/mine.l") is None
+    assert drafts.get(("program", "/p/mine.l")) is None
 
 
 def test_many_threads_leave_the_last_text_on_disk(tmp_path: Path) -> None:
     session = Drafts(tmp_path)
     drafts = [draft(f"text {number}") for number in range(40)]
-    threads = [threading.Thread(target=session.keep, args=(each,)) for each in drafts]
+    threads = [
+        threading.Thread(target=session.keep, args=(each, session.next_turn())) for each in drafts
+    ]
     for thread in threads:
         thread.start()
     for thread in threads:
         thread.join()
     session.close()
-    assert [found.text for found in Drafts(tmp_path).adopt()] == ["text 39"]
+    assert [found.text for found in Drafts(tmp_path).adopt("program")] == ["text 39"]
 
 
 @pytest.mark.parametrize("number", [signal.SIGKILL, signal.SIGTERM, signal.SIGHUP])
@@ -302,7 +323,7 @@ def test_a_session_killed_while_it_writes_leaves_a_whole_draft(
     script = HOLD.split("if ")[0] + (
         'print("kept", flush=True)\n'
         "for n in range(10**9):\n"
-        '    drafts.keep(Draft("mine", "/p/mine.l", str(n) * 5000, "0"))\n'
+        '    drafts.keep(Draft("program", "mine", "/p/mine.l", str(n) * 5000))\n'
     )
     process = subprocess.Popen(
         [sys.executable, "-c", script, str(tmp_path), "x"], stdout=subprocess.PIPE, text=True
@@ -314,7 +335,7 @@ def test_a_session_killed_while_it_writes_leaves_a_whole_draft(
     process.wait()
     process.stdout.close()
     session = Drafts(tmp_path)
-    [found] = session.adopt()
+    [found] = session.adopt("program")
     count = found.text[: len(found.text) // 5000]
     assert found.text == count * 5000
     assert {p.suffix for p in tmp_path.iterdir()} == {".json", ".lock"}

@@ -33,7 +33,7 @@ def keys_table() -> str:
     rows = [
         f"| {' '.join(f'`{name}`' for name in entry.key_names.split(', '))} | {entry.help} |"
         for entry in COMMANDS
-        if entry.bar
+        if entry.bar and entry.scope == "screen"
     ]
     return "\n".join(["", "| key | what it does |", "|---|---|", *rows, "", ""])
 

@@ -66,10 +66,10 @@ async def test_there_is_no_going_back_to_the_start_or_through_a_level_changed_by
 
 
 async def test_a_bookmark_that_cannot_be_read_is_passed_over(data_dir: Path, short: Path) -> None:
-    places = data_dir / "places"
-    places.mkdir(parents=True)
-    (places / "20260101000000abcdef01-0123456789abcdef.json").write_text("{}")
+    drafts = data_dir / "drafts"
+    drafts.mkdir(parents=True)
+    (drafts / "20260101000000abcdef01-0123456789abcdef.json").write_text("{}")
     async with opened(data_dir, level=short, text=AHEAD) as game:
         await game.ready()
-        await game.until(lambda: not Drafts(places).adopt())
+        await game.until(lambda: not Drafts(drafts).adopt("place"))
         assert not isinstance(game.app.screen, Question)

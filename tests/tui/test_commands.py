@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import subprocess
+import sys
 from functools import partial
 from typing import TYPE_CHECKING
 
@@ -10,9 +12,9 @@ from textual.binding import Binding
 from textual.widgets import Static, TextArea
 from textual.widgets.text_area import Selection
 
-from logical_robots_tui.tui.commands.actions import Actions
-from logical_robots_tui.tui.commands.table import COMMANDS, EDITING, GROUPS, bindings, key_name
-from logical_robots_tui.tui.commands.writing import WRITING, WRITING_GROUP
+from logical_robots_tui.tui.commands.command import key_name
+from logical_robots_tui.tui.commands.keymap import KeyMap
+from logical_robots_tui.tui.commands.table import COMMANDS
 from logical_robots_tui.tui.labyrinth.drawing.glyphs import Drawing
 from logical_robots_tui.tui.labyrinth.view import LabyrinthView
 from logical_robots_tui.tui.layout.command_bar import CommandBar
@@ -22,13 +24,12 @@ from tests.tui.conftest import PAPER, opened
 if TYPE_CHECKING:
     from pathlib import Path
 
-    from logical_robots_tui.tui.commands.table import Command
+    from logical_robots_tui.tui.commands.command import Command
 
 ONLY_IN_THE_PALETTE = {
     *(
         "diagnose",
         "find_next",
-        "record",
         "rename",
         "revert",
         "screenshot",
@@ -38,37 +39,61 @@ ONLY_IN_THE_PALETTE = {
         "tour",
     )
 }
+SCREEN = [entry for entry in COMMANDS if entry.scope == "screen"]
+WRITING = [entry for entry in COMMANDS if entry.scope == "text"]
 TAKEN_BY_OTHERS = {"ctrl+a", "ctrl+b", "ctrl+s", "ctrl+q", "ctrl+z", "ctrl+c"}
 
 
-def test_each_command_has_its_own_keys() -> None:
-    keys = [key for entry in COMMANDS for key in entry.keys]
+def test_no_two_commands_share_a_key_in_one_place() -> None:
+    keys = [(entry.scope, key) for entry in COMMANDS for key in entry.keys]
     assert len(keys) == len(set(keys))
-    assert not set(keys) & TAKEN_BY_OTHERS
+
+
+def test_keys_that_others_take_are_not_used() -> None:
+    keys = {key for entry in SCREEN for key in entry.keys}
+    assert not keys & TAKEN_BY_OTHERS
     assert not any(key.startswith("shift+") for key in keys)
 
 
-def test_each_command_is_done_and_nothing_else() -> None:
-    done = {name for name in dir(Actions) if not name.startswith("_")}
-    assert done == {entry.id for entry in (*COMMANDS, *WRITING)}
+@pytest.mark.parametrize("entry", COMMANDS, ids=lambda entry: entry.id)
+def test_a_command_has_a_title_one_sentence_of_help_and_does_something(entry: Command) -> None:
+    assert entry.title[0].isupper()
+    assert len(entry.title) <= 25  # the help has no room for more
+    assert entry.help[0].isupper()
+    assert entry.help.endswith(".")
+    assert "\n" not in entry.help
+    assert callable(entry.act)
+
+
+def test_each_id_and_each_title_belongs_to_one_command() -> None:
+    assert len({entry.id for entry in COMMANDS}) == len(COMMANDS)
+    for scopes in (("screen", "text"), ("level",)):
+        titles = [entry.title for entry in COMMANDS if entry.scope in scopes]
+        assert len(titles) == len(set(titles))
+
+
+def test_the_table_is_read_without_loading_the_screen_or_the_game() -> None:
+    script = "import sys, logical_robots_tui.tui.commands.table; print(*sys.modules)"
+    done = subprocess.run(
+        [sys.executable, "-c", script], check=True, capture_output=True, text=True, timeout=60
+    )
+    loaded = set(done.stdout.split())
+    assert "logical_robots_tui.tui.commands.levels" in loaded
+    heavy = ("game", "mind", "world", "editing", "tui.app", "tui.inspector", "tui.level_editor")
+    assert not loaded & {"numpy", "sqlite3", "textual.app", "textual.widget"}
+    assert not loaded & {f"logical_robots_tui.{part}" for part in heavy}
 
 
 def test_each_command_can_be_asked_for_without_function_keys() -> None:
-    for entry in COMMANDS:
+    for entry in SCREEN:
         plain = [key for key in entry.keys if not (key[0] == "f" and key[1:].isdigit())]
         assert plain or entry.id in ONLY_IN_THE_PALETTE, entry
 
 
-def test_each_command_belongs_to_a_heading_and_ends_its_help_with_a_stop() -> None:
-    for entry in (*COMMANDS, *WRITING):
-        assert entry.group in (*GROUPS, WRITING_GROUP)
-        assert entry.help.endswith(".")
-        assert entry.title[0].isupper()
-
-
 def test_bindings_name_every_key_once() -> None:
-    assert sorted(key for binding in bindings() for key in binding.key.split(",")) == sorted(
-        key for entry in COMMANDS for key in entry.keys
+    bindings = KeyMap(COMMANDS).bindings()
+    assert sorted(key for binding in bindings for key in binding.key.split(",")) == sorted(
+        key for entry in SCREEN for key in entry.keys
     )
 
 
@@ -126,9 +151,6 @@ def test_the_keys_for_writing_are_those_of_the_editor() -> None:
     }
     keys = [key for entry in WRITING for key in entry.keys]
     assert set(keys) <= owned
-    assert len(keys) == len(set(keys))
-    ids = [entry.id for entry in (*COMMANDS, *EDITING, *WRITING)]
-    assert len(ids) == len(set(ids))
 
 
 async def test_what_keys_do_in_the_editor_the_palette_does_from_anywhere(data_dir: Path) -> None:
@@ -182,9 +204,9 @@ async def test_each_command_for_writing_does_what_its_key_does(data_dir: Path) -
             await game.until(lambda: editor.has_focus)
             editor.load_text("  one\n")
             editor.put("  one,Sq\nthree\n")
-            if entry.id == "do_again":
+            if entry.id == "redo_edit":
                 editor.undo()
-            editor.move_cursor((0, 6) if entry.id == "do_again" else (0, 8))
+            editor.move_cursor((0, 6) if entry.id == "redo_edit" else (0, 8))
             if entry.id == "copy":
                 editor.selection = Selection((0, 2), (0, 5))
             game.app.copy_to_clipboard("before")
@@ -228,6 +250,9 @@ async def test_the_help_begins_with_what_the_player_works_in(data_dir: Path) -> 
         await game.press("T")
         await game.until(lambda: game.main.focused is game.main.timeline)
         assert "In the timeline" in await headings("timeline")
+        await game.press("M")
+        await game.until(lambda: game.main.editing.is_on)
+        assert "In the level editor" in await headings("editing")
 
 
 async def test_the_help_lists_every_command_with_its_keys(data_dir: Path) -> None:
@@ -236,7 +261,7 @@ async def test_the_help_lists_every_command_with_its_keys(data_dir: Path) -> Non
         await game.until(lambda: len(game.app.screen_stack) == 2)
         shown = game.app.screen.query_one("#help", Static)
         await game.until(lambda: "Restart" in str(shown.visual))
-        for entry in (*COMMANDS, *WRITING):
+        for entry in COMMANDS:
             assert entry.title in str(shown.visual)
             assert entry.key_names in str(shown.visual)
         await game.press("escape")

@@ -170,7 +170,7 @@ async def test_the_trials_can_be_stopped(data_dir: Path, short: Path) -> None:
     async with opened(data_dir, level=short, text=AHEAD) as game:
         await game.ready()
         game.main.action_command("stop_measuring")
-        await game.until(lambda: game.shows("Nothing is being tried."))
+        await game.until(lambda: game.shows("No robustness test is running."))
         await win(game)
         await game.until(lambda: game.main.journal.trial is not None)
         game.main.action_command("stop_measuring")

@@ -15,12 +15,18 @@ from typing import TYPE_CHECKING
 
 import pytest
 
+from benchmarks.halls import halls
+from logical_robots_tui.editing.files import save_level
+from logical_robots_tui.world.limits import MOST_OF_A_KIND, MOST_SIDE
+from tests.game.test_memory import HUNGRY
+from tests.mind.rows import ROBOT
 from tests.terminal import Terminal
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
 MIB = 1024**2
+SLOW_FOR_MANY = ("empty records", "empty lists", "many numbers", "what can't be packed")
 ADDRESSES = 2 * 1024**3  # as in restricted mode
 
 
@@ -78,3 +84,52 @@ def test_a_restricted_game_without_memory_says_so_and_loses_nothing(
             assert "memory" in terminal.everything
     drafts = [path.read_text() for path in tmp_path.rglob("drafts/*.json")]
     assert any("# typed by ada" in draft for draft in drafts)
+
+
+def most_held(terminal: Terminal) -> int:
+    """The most MiB that the game ever held."""
+    status = Path(f"/proc/{terminal.process.pid}/status").read_text()
+    found = re.search(r"VmHWM:\s+(\d+)", status)
+    assert found
+    return int(found[1]) // 1024
+
+
+def played_on_screen(level: str | Path, what: str, ticks: int, folder: Path) -> int:
+    """The most MiB that a game held which ran flat out and went back through its history."""
+    program = folder / "hungry.l"
+    program.write_text(ROBOT + HUNGRY[what] + ";")
+    play = [sys.executable, "-m", "logical_robots_tui", "play", level, program]
+    with Terminal([*play, "--data-dir", folder]) as terminal:
+        terminal.patience = 600
+        terminal.wait_for("· applied")
+        terminal.send("U")
+        terminal.wait_for("Run until tick")
+        terminal.send(f"{ticks}\r")
+        terminal.wait_for(lambda: re.search(rf"tick {ticks}\b", terminal.text))
+        for key in ("p", "p", "3", "\x1b"):
+            terminal.send(key)
+            terminal.wait_for_quiet(0.5)
+        return most_held(terminal)
+
+
+@pytest.mark.proof
+@pytest.mark.parametrize(
+    ("level", "what", "ticks"),
+    [
+        *(("01-first-steps", what, 100) for what in HUNGRY),
+        *(("12-swarm", what, 25) for what in HUNGRY if what not in SLOW_FOR_MANY),
+        *(("12-swarm", what, 8) for what in SLOW_FOR_MANY),
+    ],
+)
+def test_a_hungry_program_on_the_screen_takes_no_more_than_600_mb(
+    level: str, what: str, ticks: int, tmp_path: Path
+) -> None:
+    assert played_on_screen(level, what, ticks, tmp_path) <= 600
+
+
+@pytest.mark.proof
+def test_the_largest_level_that_loads_takes_no_more_than_1_gb(tmp_path: Path) -> None:
+    largest = halls(MOST_SIDE, MOST_SIDE, robots=MOST_OF_A_KIND, beacons=MOST_OF_A_KIND)
+    path = tmp_path / "largest.toml"
+    save_level(largest, path)
+    assert played_on_screen(path, "empty records", 3, tmp_path) <= 1000

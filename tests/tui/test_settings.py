@@ -2,27 +2,22 @@
 
 from __future__ import annotations
 
+from asyncio import Event, gather
 from typing import TYPE_CHECKING
 
 import pytest
 from textual.widgets import Static
 
 from logical_robots_tui.tui.app.settings import Settings, as_toml, read_settings
+from logical_robots_tui.tui.commands.keymap import KEY_MAP, KeyMap, with_keys
 from logical_robots_tui.tui.commands.keys import key_from
-from logical_robots_tui.tui.commands.table import COMMANDS, EDITING, use_keys, with_keys
+from logical_robots_tui.tui.commands.table import COMMANDS
 from logical_robots_tui.tui.labyrinth.drawing.glyphs import Drawing
 from logical_robots_tui.tui.layout.command_bar import CommandBar
 from tests.tui.conftest import STILL, opened
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
     from pathlib import Path
-
-
-@pytest.fixture(autouse=True)
-def _own_keys() -> Iterator[None]:
-    yield
-    use_keys({})
 
 
 def settings(folder: Path, text: str) -> Settings:
@@ -47,18 +42,39 @@ def test_everything_can_be_set(tmp_path: Path) -> None:
 
 
 def test_a_command_without_a_key_is_found_where_the_palette_is() -> None:
-    assert with_keys("{rename} {step}") == "^P n"
-    use_keys({"palette": ("f9",), "hint": (), "brush": ()})
-    assert with_keys("{rename} {hint} {brush} {step}") == "F9 F9 F9 n"
-    use_keys({"palette": ()})
-    assert with_keys("{rename} {palette}") == "Commands Commands"
+    def said(text: str, keys: dict[str, tuple[str, ...]]) -> str:
+        KEY_MAP.set(KeyMap(COMMANDS, keys))
+        return with_keys(text)
+
+    wanted = {"palette": ("f9",), "hint": (), "brush": ()}
+    assert said("{rename} {hint} {brush} {step}", wanted) == "F9 F9 F9 n"
+    assert said("{rename} {palette}", {"palette": ()}) == "Commands Commands"
+    assert said("{rename} {step}", {}) == "^P n"
+
+
+async def test_two_games_in_one_process_have_keys_of_their_own(data_dir: Path) -> None:
+    async def bar(keys: dict[str, tuple[str, ...]], begun: Event, go_on: Event) -> str:
+        async with opened(data_dir / str(len(keys)), settings=Settings(keys=keys)) as game:
+            await game.ready()
+            begun.set()
+            await go_on.wait()
+            await game.press("2", "escape")
+            await game.until(lambda: "Leave" not in game.main.query_one(CommandBar).render().plain)
+            return game.main.query_one(CommandBar).render().plain
+
+    one, other = Event(), Event()
+    with_another, with_the_usual = await gather(
+        bar({"step": ("percent_sign",)}, one, other), bar({}, other, one)
+    )
+    assert "% Step" in with_another
+    assert "n Step" in with_the_usual
 
 
 @pytest.mark.parametrize("given", [Settings(), Settings("nord", Drawing.ASCII, 5, False, True)])
 def test_what_is_printed_sets_the_same(tmp_path: Path, given: Settings) -> None:
     found = settings(tmp_path, as_toml(given))
     assert not found.complaints
-    assert found.keys == {entry.id: entry.keys for entry in (*COMMANDS, *EDITING)}
+    assert found.keys == {entry.id: entry.keys for entry in COMMANDS if entry.scope != "text"}
     assert as_toml(found) == as_toml(given)
 
 
@@ -71,9 +87,9 @@ def test_what_is_printed_sets_the_same(tmp_path: Path, given: Settings) -> None:
         ("thema = 'night'", ':1: there is no setting "thema". Did you mean "theme"?'),
         ("keys = 3", ":1: keys: this is to be a table, [keys]."),
         ("[keys]\nrum = 'n'", ':2: keys: there is no command "rum". Did you mean "run"?'),
-        ("[keys]\nrun = 7", ":2: keys.run: 7 is no key; write it as a text."),
+        ("[keys]\nrun = 7", ":2: keys.run: 7 is not a key; write it as a string."),
         ("[keys]\nrun = 'F13'", ':2: keys.run: there is no key "F13"; write n, ?, F5, ^R or'),
-        ("[keys]\nrun = '^B'", ":2: keys.run: ^B can't be used: tmux keeps it for itself."),
+        ("[keys]\nrun = '^B'", ":2: keys.run: ^B can't be used: tmux uses it."),
         ("[keys]\nrun = 'enter'", "enter can't be used: it moves within a pane, or types."),
         ("[keys]\nrun = 'alt+x'", "many terminals can't tell it from the key without Shift or"),
         ("[keys]\nrun = 'ctrl+5'", "many terminals can't tell it from the key without Ctrl."),

@@ -16,12 +16,11 @@ from textual.widgets import Button, Input
 
 from logical_robots_tui.game import load_program
 from logical_robots_tui.game.drafts import Drafts
-from logical_robots_tui.tui.commands.actions import Actions
 from logical_robots_tui.tui.commands.help import Help
+from logical_robots_tui.tui.labyrinth.view import LabyrinthView
 from logical_robots_tui.tui.layout.question import Question
 from logical_robots_tui.tui.level_editor.controller import EditingDoor
 from logical_robots_tui.tui.library.save_dialog import SaveAs
-from logical_robots_tui.tui.recovery.program_drafts import Keeper
 from logical_robots_tui.tui.terminal.crash_report import OwnMistake
 from tests.terminal import Terminal
 from tests.tui.conftest import CHARACTERS, LEVELS, PAPER, PATIENCE, opened
@@ -31,7 +30,7 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
     from pathlib import Path
 
-    from logical_robots_tui.game.drafts import Draft
+    from logical_robots_tui.game.drafts import Draft, Kind
     from tests.tui.conftest import Opened
 
 SOON = 10.0  # seconds; two are promised, the rest is for a machine that is busy
@@ -47,7 +46,7 @@ sys.exit(play(sys.argv[1], sys.argv[2], Path(sys.argv[3])))
 def texts(data_dir: Path) -> list[str]:
     """What the next session would find."""
     drafts = Drafts(data_dir / "drafts")
-    found = [draft.text for draft in drafts.adopt()]
+    found = [draft.text for draft in drafts.adopt("program")]
     drafts.close()
     return found
 
@@ -103,14 +102,14 @@ async def test_the_question_waits_until_no_dialog_lies_over_the_game(
 ) -> None:
     await type_and_leave(data_dir, "hello")
     looked, go_on = threading.Event(), threading.Event()
-    adopt = Keeper.adopt
+    adopt = Drafts.adopt
 
-    def slowly(keeper: Keeper) -> list[Draft]:
+    def slowly(drafts: Drafts, kind: Kind) -> list[Draft]:
         looked.set()
         go_on.wait(PATIENCE)
-        return adopt(keeper)
+        return adopt(drafts, kind)
 
-    monkeypatch.setattr(Keeper, "adopt", slowly)
+    monkeypatch.setattr(Drafts, "adopt", slowly)
     async with opened(data_dir) as game:
         try:
             await game.until(looked.is_set)
@@ -118,7 +117,7 @@ async def test_the_question_waits_until_no_dialog_lies_over_the_game(
             await game.until(lambda: isinstance(game.app.screen, Help))
         finally:
             go_on.set()
-        await game.until(lambda: game.main.keeper.drafts._adopted)
+        await game.until(lambda: game.main.drafts._adopted)
         await game.ready()
         assert isinstance(game.app.screen, Help)
         await game.press("escape")
@@ -130,15 +129,15 @@ async def test_text_that_has_come_back_under_a_dialog_is_not_offered(
 ) -> None:
     await type_and_leave(data_dir, "hello")
     looked, go_on = threading.Event(), threading.Event()
-    adopt = Keeper.adopt
+    adopt = Drafts.adopt
 
-    def slowly(keeper: Keeper) -> list[Draft]:
-        found = adopt(keeper)
+    def slowly(drafts: Drafts, kind: Kind) -> list[Draft]:
+        found = adopt(drafts, kind)
         looked.set()
         go_on.wait(PATIENCE)
         return found
 
-    monkeypatch.setattr(Keeper, "adopt", slowly)
+    monkeypatch.setattr(Drafts, "adopt", slowly)
     async with opened(data_dir, name="other") as game:
         try:
             await game.until(looked.is_set)
@@ -269,7 +268,7 @@ async def test_who_does_not_want_it_leaves(data_dir: Path, keys: Sequence[str]) 
 
 async def test_nobody_leaves_unasked_a_level_that_cannot_be_kept(data_dir: Path) -> None:
     async with opened(data_dir) as game:
-        (data_dir / "level-drafts").write_text("in the way")
+        (data_dir / "drafts").write_text("in the way")
         await game.press("M")
         await game.until(lambda: game.main.editing.is_on)
         await game.press("b", "enter")
@@ -287,9 +286,9 @@ async def test_a_mistake_of_our_own_keeps_the_text_and_shows_no_traceback(
         async with opened(data_dir) as game:
             await game.press("2", *"hello")
             await game.until(lambda: game.editor.text.startswith("hello"))
-            monkeypatch.setattr(Actions, "rays", lambda self: 1 / 0)
+            monkeypatch.setattr(LabyrinthView, "look_at_next", lambda self: 1 / 0)
             game.main.action_command("labyrinth")
-            await game.press("y")
+            await game.press("f")
             await game.until(lambda: not game.app.is_running)
     assert isinstance(caught.value.__cause__, ZeroDivisionError)
     assert isinstance(game.app.mistake, ZeroDivisionError)

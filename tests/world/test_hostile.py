@@ -16,6 +16,7 @@ from logical_robots_tui.world import LevelError, load_level
 from tests.world.hostile import FILES
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
     from pathlib import Path
 
 SECONDS = 2.0  # of a processor, for each file
@@ -42,15 +43,12 @@ READS = """if True:
 """
 
 
-@pytest.mark.parametrize("part", range(4))
-def test_a_hostile_level_file_is_refused_in_time_and_in_little_memory(
-    part: int, tmp_path: Path
-) -> None:
-    names = list(FILES)[part::4]
+def read(names: Sequence[str], folder: Path) -> list[tuple[str, float, int]]:
+    """What reading some of the files says, its seconds of a processor, and KiB that it takes."""
     paths = []
     for number, name in enumerate(names):
         ending, content = FILES[name]
-        path = tmp_path / f"{number}{ending}"
+        path = folder / f"{number}{ending}"
         path.write_text(content(), encoding="utf-8", newline="")
         paths.append(str(path))
     done = subprocess.run(
@@ -60,7 +58,15 @@ def test_a_hostile_level_file_is_refused_in_time_and_in_little_memory(
         check=False,
     )
     assert done.returncode == 0, done.stderr
-    told = [json.loads(line) for line in done.stdout.splitlines()]
+    return [json.loads(line) for line in done.stdout.splitlines()]
+
+
+@pytest.mark.parametrize("part", range(4))
+def test_a_hostile_level_file_is_refused_in_time_and_in_little_memory(
+    part: int, tmp_path: Path
+) -> None:
+    names = list(FILES)[part::4]
+    told = read(names, tmp_path)
     for name, (said, seconds, grown) in zip(names, told, strict=True):
         assert seconds < SECONDS, (name, seconds)
         assert grown < BYTES, (name, grown)

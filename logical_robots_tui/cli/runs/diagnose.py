@@ -112,6 +112,7 @@ def _data(found: Diagnosis) -> dict[str, Any]:
         "looked_at_every": found.step,
         "looked_for_what_never_happened_every": found.second_step,
         "left_out": found.left_out,
+        "reliable": found.is_reliable,
         "findings": [_finding(each) for each in found.findings],
     }
 

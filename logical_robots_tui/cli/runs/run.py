@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 from logical_robots_tui.cli.command import prefers_json
 from logical_robots_tui.cli.runs.common import new_run_command, opened
 from logical_robots_tui.cli.runs.progress import progress_bar
-from logical_robots_tui.cli.text import columns, finite, harmless
+from logical_robots_tui.cli.text import UNRELIABLE, columns, finite, harmless
 
 if TYPE_CHECKING:
     import argparse
@@ -198,7 +198,7 @@ class Outcome:
             if total > len(self.tally.first):
                 lines.append(f"  ... and {total - len(self.tally.first)} more")
         if not self.tally.is_reliable:
-            lines += ["", "A clock ended a thought: another run may go otherwise."]
+            lines += ["", UNRELIABLE]
         pace = self.frame.tick / self.seconds
         lines += ["", f"{self.frame.tick} ticks in {self.seconds:.1f} s ({pace:.0f} ticks/s)"]
         return "\n".join(lines)

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 from logical_robots_tui.cli.command import prefers_json
 from logical_robots_tui.cli.runs.common import new_run_command, opened, run_shown
-from logical_robots_tui.cli.text import columns, harmless, line_of_json
+from logical_robots_tui.cli.text import UNRELIABLE, columns, harmless, line_of_json
 
 if TYPE_CHECKING:
     import argparse
@@ -104,6 +104,8 @@ def _lines(question: str, found: Matches) -> list[str]:
         where = f"tick {first}" if first == last else f"ticks {first} to {last}"
         others = f" and in {found.failed_in - (last - first + 1)} more" if more else ""
         lines += ["", f"It failed in {where}{others}: {harmless(found.reason)}"]
+    if not found.is_reliable:
+        lines += ["", UNRELIABLE]
     return lines
 
 
@@ -124,4 +126,5 @@ def _data(question: str, found: Matches) -> dict[str, Any]:
         "stretches": stretches,
         "failed_in": found.failed,
         "failure": found.reason or None,
+        "reliable": found.is_reliable,
     }

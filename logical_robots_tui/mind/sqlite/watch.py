@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import threading
-from time import monotonic
+from time import process_time
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
@@ -20,7 +20,6 @@ STEPS_OF_A_CALL = 10
 
 _UNCOUNTED = 2**62  # steps of what we do ourselves
 _LOOK_SECONDS = 0.02
-_LONGEST_LOOK = 0.1  # seconds; whoever waited longer had no processor, or was suspended
 _QUIET_LOOKS = 50  # the thread goes to sleep when it has seen nothing to do for this long
 
 
@@ -31,7 +30,7 @@ class Budget:
 
     Args:
         steps: Of SQLite's virtual machine, with calls of functions and characters counted in.
-        seconds: Of waiting for it, while this process had a processor.
+        seconds: Of a processor that this process may take meanwhile.
 
     Attributes:
         steps: How many are left; negative when it took too many.
@@ -100,7 +99,7 @@ class Work:
         return self.steps < 0
 
     def look(self, seconds: float) -> None:
-        """Halt the work if that is due, so many seconds after the last look."""
+        """Halt the work if that is due, so many seconds of a processor after the last look."""
         self._budget.seconds -= seconds
         if self._budget.seconds < 0:
             self._budget.is_late = True
@@ -140,13 +139,13 @@ class _Watcher:
 
     def _run(self) -> None:
         quiet = 0
-        last = monotonic()
+        last = process_time()
         while self._awake.wait():
-            now = monotonic()
+            now = process_time()
             with self._lock:
                 quiet = 0 if self._works else quiet + 1
                 for work in self._works:
-                    work.look(min(now - last, _LONGEST_LOOK))
+                    work.look(now - last)
                 if quiet > _QUIET_LOOKS:
                     quiet = 0
                     self._awake.clear()

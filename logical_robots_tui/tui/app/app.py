@@ -17,7 +17,8 @@ from logical_robots_tui.tui.app.main_screen import MainScreen
 from logical_robots_tui.tui.app.permissions import Freedoms
 from logical_robots_tui.tui.app.quitting import leave
 from logical_robots_tui.tui.app.settings import Settings
-from logical_robots_tui.tui.commands.table import use_keys, with_keys
+from logical_robots_tui.tui.commands.keymap import KEY_MAP, KeyMap, with_keys
+from logical_robots_tui.tui.commands.table import COMMANDS
 from logical_robots_tui.tui.library.journal import Journal
 from logical_robots_tui.tui.terminal.capabilities import drawing_for
 from logical_robots_tui.tui.terminal.diff_app import SparingApp
@@ -37,6 +38,8 @@ if TYPE_CHECKING:
     from logical_robots_tui.world import Level
 
 __all__ = ["LogicalRobotsApp"]
+
+_COMPLAINTS = 3  # of the configuration that are told; `logical-robots config` tells all
 
 _TWICE = 2.0  # seconds between two presses that are meant as one wish
 
@@ -85,7 +88,7 @@ class LogicalRobotsApp(SparingApp, inherit_bindings=False):
             self.set_reactive(LogicalRobotsApp.ansi_color, False)
         self._settings = settings or Settings()
         self._first_theme = self._settings.theme or theme
-        use_keys(self._settings.keys)
+        KEY_MAP.set(KeyMap(COMMANDS, self._settings.keys))
         journal = journal or Journal(data_dir / FILE_NAME)
         self.main = MainScreen(level, source, data_dir, journal, text=text, welcome=welcome)
         self.main.freedoms = freedoms or Freedoms()
@@ -116,8 +119,15 @@ class LogicalRobotsApp(SparingApp, inherit_bindings=False):
         """Do as the settings say, and tell what in them can't be used."""
         if not self.main.freedoms.programs:
             signal.signal(signal.SIGTSTP, signal.SIG_IGN)
-        self.main.follow(self._settings)
+        self._follow(self._settings)
         self.theme_changed_signal.subscribe(self, self._keep_theme)
+
+    def _follow(self, settings: Settings) -> None:
+        self.main.redrawing.tempo.frames = settings.frames
+        view = self.main.labyrinth.view
+        view.rays, view.trails = settings.cones, settings.trails
+        for complaint in settings.complaints[:_COMPLAINTS]:
+            self.main.warn(complaint)
 
     def _keep_theme(self, theme: Theme) -> None:
         if not self._settings.theme:
@@ -193,7 +203,7 @@ class LogicalRobotsApp(SparingApp, inherit_bindings=False):
 
     def last_words(self) -> None:
         """Write what was typed to its draft, and where the game stands."""
-        self.main.keeper.flush()
+        self.main.autosave.flush()
         self.main.editing.flush()
         self.main.bookmark.flush()
 

@@ -6,6 +6,8 @@ from typing import TYPE_CHECKING, Any, Protocol, TypeAlias
 
 from textual.css.query import NoMatches
 
+from logical_robots_tui.tui.terminal.textual_internals import is_being_removed
+
 if TYPE_CHECKING:
     from collections.abc import Callable, Coroutine
 
@@ -42,7 +44,7 @@ def in_background(
             await work()
         except NoMatches:
             # A dialog that is closed loses its widgets before its work is cancelled.
-            if not node._pruning:
+            if not is_being_removed(node):
                 raise
 
     worker: Worker[None] = node.run_worker(unless_gone, group=group, exclusive=exclusive)

@@ -10,13 +10,13 @@ from textual.binding import BindingsMap
 from textual.screen import Screen
 from textual.widgets import Input, Static, TextArea
 
+from logical_robots_tui.game.drafts import Drafts
 from logical_robots_tui.garbage import collect_seldom
 from logical_robots_tui.tui.app.background import in_background
 from logical_robots_tui.tui.app.permissions import Freedoms
 from logical_robots_tui.tui.app.redrawing import Redrawing
 from logical_robots_tui.tui.app.session import Session
-from logical_robots_tui.tui.commands.actions import Actions
-from logical_robots_tui.tui.commands.table import EDITING, bindings, command
+from logical_robots_tui.tui.commands.keymap import KEY_MAP, command
 from logical_robots_tui.tui.inspector.choice import DECISION, ROBOTS, WATCH, WHY
 from logical_robots_tui.tui.inspector.pages.robots import RobotsView
 from logical_robots_tui.tui.inspector.pane import InspectorPane
@@ -37,11 +37,12 @@ from logical_robots_tui.tui.program.controller import Scribe
 from logical_robots_tui.tui.program.editor import Editor
 from logical_robots_tui.tui.program.file_watch import FileWatch
 from logical_robots_tui.tui.program.pane import ProgramPane
+from logical_robots_tui.tui.recovery.autosave import Autosave, program_draft
 from logical_robots_tui.tui.recovery.bookmark import Bookmark
 from logical_robots_tui.tui.recovery.offers import Offers
-from logical_robots_tui.tui.recovery.program_drafts import Keeper
 from logical_robots_tui.tui.theme.safe_text import one_line
 from logical_robots_tui.tui.timeline.controller import Travel
+from logical_robots_tui.tui.timeline.search import Search
 from logical_robots_tui.tui.timeline.widget import Timeline
 
 if TYPE_CHECKING:
@@ -54,14 +55,11 @@ if TYPE_CHECKING:
 
     from logical_robots_tui.game import Breakpoint, Frame, Source
     from logical_robots_tui.tui.app.background import Work
-    from logical_robots_tui.tui.app.settings import Settings
     from logical_robots_tui.tui.library.journal import Journal
     from logical_robots_tui.world import Level
 
 __all__ = ["MainScreen"]
 
-_COMPLAINTS = 3  # of the configuration that are told; `logical-robots config` tells all
-_EDITING_IDS = {entry.id for entry in EDITING}
 _HEARTBEAT = 0.25  # seconds between two looks at a clock that runs
 _READABLE = 0.2  # seconds that a number is to stand while robots run
 
@@ -95,7 +93,7 @@ class MainScreen(Screen[None]):
     ) -> None:
         super().__init__(id="main")
         # As a class variable they would be the same for every player; a keymap can't take one away.
-        self._bindings = BindingsMap.merge([self._bindings, BindingsMap(bindings())])
+        self._bindings = BindingsMap.merge([self._bindings, BindingsMap(KEY_MAP.get().bindings())])
         self.freedoms = Freedoms()
         self.data_dir = data_dir
         self.redrawing = Redrawing(self, self._draw)
@@ -108,15 +106,17 @@ class MainScreen(Screen[None]):
             used=journal.used,
             stopped=lambda hits: self.travel.tell_hits(hits),
         )
-        self.keeper = Keeper(
-            data_dir / "drafts",
-            text=lambda: self.program.text,
-            source=lambda: self.session.source,
+        self.drafts = Drafts(data_dir / "drafts")
+        self.autosave = Autosave(
+            self.drafts,
+            state=lambda: (self.session.source, self.program.text),
+            draft=program_draft,
             failed=self.warn,
+            what="What you type",
         )
         self.library = Library(self, data_dir / "programs")
-        self.editing = EditingDoor(self, data_dir)
-        self.bookmark = Bookmark(self, data_dir / "places")
+        self.editing = EditingDoor(self, data_dir / "levels", self.drafts)
+        self.bookmark = Bookmark(self, self.drafts)
         self.offers = Offers(self)
         self.guide = Guide(self)
         self.scribe = Scribe(self, data_dir / "copied.txt")
@@ -126,7 +126,7 @@ class MainScreen(Screen[None]):
         self.tours = TourGuide(self)
         self.travel = Travel(self)
         self.celebration = Celebration(self)
-        self._actions = Actions(self)
+        self.search = Search(self)
         self._status = StatusLine()
         self._tabs = PaneTabs()
         self._too_small = Static(id="too-small", markup=False)
@@ -177,19 +177,11 @@ class MainScreen(Screen[None]):
 
     async def on_unmount(self) -> None:
         """Bring the text to safety and stop all work."""
-        self.keeper.close()
+        self.autosave.stop()
         self.editing.close()
-        self.bookmark.close()
+        self.drafts.close()
         await self.session.close()
         await self.journal.close()
-
-    def follow(self, settings: Settings) -> None:
-        """Do as the player has set once for all, and tell what of it can't be used."""
-        self.redrawing.tempo.frames = settings.frames
-        view = self.labyrinth.view
-        view.rays, view.trails = settings.cones, settings.trails
-        for complaint in settings.complaints[:_COMPLAINTS]:
-            self.warn(complaint)
 
     # -- for the parts -------------------------------------------------------------------------
 
@@ -328,12 +320,12 @@ class MainScreen(Screen[None]):
 
     @on(TextArea.Changed)
     def _text_changed(self) -> None:
-        self.keeper.edited()
+        self.autosave.edited()
         self.redrawing.soon()
 
     @on(Editor.Leave)
     def _editor_left(self) -> None:
-        self._actions.leave()
+        self.action_command("leave")
 
     @on(Editor.Copied)
     def _text_copied(self, event: Editor.Copied) -> None:
@@ -373,7 +365,7 @@ class MainScreen(Screen[None]):
 
     def on_value_table_opened(self) -> None:
         """Look into the value under the cursor; by its name, because to name the class loads it."""
-        self._actions.open_value()
+        self.action_command("open_value")
 
     on_decision_view_opened = on_why_view_opened = on_value_table_opened
 
@@ -387,7 +379,8 @@ class MainScreen(Screen[None]):
 
     def action_command(self, command_id: str) -> None:
         """Do what a command says."""
-        if command_id in _EDITING_IDS:
+        entry = command(command_id)
+        if entry.scope == "level":
             self.editing.do(command_id)
         else:
-            getattr(self._actions, command_id)()
+            entry.run(self, self.spawn)

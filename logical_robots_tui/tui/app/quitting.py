@@ -16,9 +16,9 @@ __all__ = ["leave"]
 
 def leave(screen: MainScreen) -> None:
     """End the game; ask first if what is not saved can't be kept either."""
-    screen.keeper.flush()
+    screen.autosave.flush()
     screen.editing.flush()
-    lost = [*screen.keeper.drafts.unwritten(), *screen.editing.drafts.unwritten()]
+    lost = screen.drafts.unwritten()
     if lost:
         screen.spawn(partial(_ask, screen, *lost[0]), "leaving", exclusive=True)
     else:
@@ -29,7 +29,7 @@ async def _ask(screen: MainScreen, draft: Draft, error: OSError) -> None:
     from logical_robots_tui.tui.layout.question import Question
 
     question = (
-        f"What you changed in “{clip(one_line(draft.program), 40)}” is not saved and can't be "
+        f"What you changed in “{clip(one_line(draft.name), 40)}” is not saved and can't be "
         f"kept for the next time: {error.strerror or error}."
     )
     answers = [("stay", "Stay"), ("leave", "Leave without it")]

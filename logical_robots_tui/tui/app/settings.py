@@ -11,8 +11,9 @@ from typing import TYPE_CHECKING, Any
 from logical_robots_tui.paths import read_ordinary
 from logical_robots_tui.shipped import did_you_mean
 from logical_robots_tui.tui.app.facts import NIGHT_NAME
+from logical_robots_tui.tui.commands.command import key_name
 from logical_robots_tui.tui.commands.keys import key_from
-from logical_robots_tui.tui.commands.table import COMMANDS, EDITING, key_name
+from logical_robots_tui.tui.commands.table import COMMANDS
 from logical_robots_tui.tui.labyrinth.drawing.glyphs import Drawing
 from logical_robots_tui.tui.theme.themes import THEMES
 from logical_robots_tui.world.excess import excess_of_toml
@@ -22,6 +23,8 @@ if TYPE_CHECKING:
     from pathlib import Path
     from typing import TypeAlias
 
+    from logical_robots_tui.tui.commands.command import Command
+
     Complain: TypeAlias = Callable[[str, str], None]
 
 __all__ = ["Settings", "as_toml", "read_settings"]
@@ -29,7 +32,10 @@ __all__ = ["Settings", "as_toml", "read_settings"]
 _MOST_FRAMES = 60
 _LONGEST = 100_000  # bytes of the file
 _ONLY_EDITING = ("enter", "tab", "shift+tab", "delete", "backspace")
-"""Keys that only commands for editing can have, as key_name writes them."""
+"""Keys that only commands of the level editor can have, as key_name writes them."""
+
+_CHANGEABLE = {entry.id: entry for entry in COMMANDS if entry.scope != "text"}
+"""The commands that may get other keys."""
 
 
 @dataclass(frozen=True)
@@ -137,38 +143,38 @@ def _keys(found: object, complain: Complain) -> dict[str, tuple[str, ...]]:
     """
     if not isinstance(found, dict):
         raise ValueError("this is to be a table, [keys]")
-    given = {entry.id: entry.keys for entry in (*COMMANDS, *EDITING)}
-    all_owners = [
-        {key: entry.id for entry in known if entry.id not in found for key in entry.keys}
-        for known in (COMMANDS, EDITING)
-    ]
-    edits = {entry.id for entry in EDITING}
+    owners: dict[tuple[str, str], str] = {
+        (entry.scope, key): entry.id
+        for entry in _CHANGEABLE.values()
+        if entry.id not in found
+        for key in entry.keys
+    }
     chosen: dict[str, tuple[str, ...]] = {}
     for name, value in found.items():
-        if name not in given:
-            hint = did_you_mean(name, given) or "logical-robots config lists all."
+        if name not in _CHANGEABLE:
+            hint = did_you_mean(name, _CHANGEABLE) or "logical-robots config lists all."
             complain(f"keys.{name}", f'keys: there is no command "{name}". {hint}')
             continue
-        owners = all_owners[name in edits]
         keys = []
         for text in value if isinstance(value, list) else [value]:
             try:
-                keys.append(_taken(text, name, owners, edits=name in edits))
+                keys.append(_taken(text, _CHANGEABLE[name], owners))
             except ValueError as error:
                 complain(f"keys.{name}", f"keys.{name}: {error}")
         if keys or value == []:
             chosen[name] = tuple(keys)
-    for name in found.keys() & given.keys() - chosen.keys():
-        owners = all_owners[name in edits]
-        chosen[name] = tuple(key for key in given[name] if key not in owners)
+    for name in found.keys() & _CHANGEABLE.keys() - chosen.keys():
+        entry = _CHANGEABLE[name]
+        chosen[name] = tuple(key for key in entry.keys if (entry.scope, key) not in owners)
     return chosen
 
 
-def _taken(text: object, name: str, owners: dict[str, str], *, edits: bool) -> str:
-    """The key that a command takes, if no other has it."""
-    key = text if edits and isinstance(text, str) and text in _ONLY_EDITING else key_from(text)
-    other = owners.setdefault(key, name)
-    if other != name:
+def _taken(text: object, entry: Command, owners: dict[tuple[str, str], str]) -> str:
+    """The key that a command takes, if no other of its scope has it."""
+    is_free = entry.scope == "level" and isinstance(text, str) and text in _ONLY_EDITING
+    key = str(text) if is_free else key_from(text)
+    other = owners.setdefault((entry.scope, key), entry.id)
+    if other != entry.id:
         raise ValueError(
             f"{key_name(key)} is the key of {other}. Give that another key, or none: {other} = []"
         )
@@ -197,7 +203,7 @@ def as_toml(settings: Settings) -> str:
         "",
         "[keys]",
     ]
-    for entry in (*COMMANDS, *EDITING):
+    for entry in _CHANGEABLE.values():
         keys = settings.keys.get(entry.id, entry.keys)
         lines.append(f"{_set(entry.id, [key_name(key) for key in keys]):<40}  # {entry.title}")
     return "\n".join(lines)

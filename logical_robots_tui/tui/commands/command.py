@@ -1,19 +1,33 @@
-"""A command of the game: what a player can ask for."""
+"""A command, and how one is declared: all about it is said where the function is that does it."""
 
 from __future__ import annotations
 
-import string
-from dataclasses import dataclass
-from typing import Literal, TypeAlias
+from dataclasses import dataclass, field
+from functools import partial
+from inspect import iscoroutinefunction
+from typing import TYPE_CHECKING, Any, Literal, TypeAlias, TypeVar
 
-from textual.keys import _character_to_key
+from logical_robots_tui.tui.terminal.textual_internals import characters_by_key
 
-__all__ = ["CHARACTERS", "Command", "Place", "key_name"]
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from logical_robots_tui.tui.app.background import Spawn
+
+    Act = TypeVar("Act", bound=Callable[[Any], object])
+
+__all__ = ["CHARACTERS", "Command", "Group", "key_name"]
 
 Place: TypeAlias = Literal["anywhere", "editor", "outside"]
-"""Where the command bar offers a command: always, only in the editor, only outside of it."""
+"""Where the command bar offers a command: always, only in the text editor, only outside of it."""
 
-CHARACTERS = {_character_to_key(char): char for char in string.punctuation}
+Scope: TypeAlias = Literal["screen", "level", "text"]
+"""Where the keys of a command act: on the main screen, in the level editor, in the text editor.
+
+The text editor binds its keys itself, and a player can't change them.
+"""
+
+CHARACTERS = characters_by_key()
 """The printable characters that Textual has names for, by these."""
 
 _NAMES = {**CHARACTERS, "escape": "esc"}
@@ -24,15 +38,18 @@ class Command:
     """Something that a player can ask for.
 
     Attributes:
-        id: Its name in code, and that of the method that does it.
+        id: Its name in the configuration file and in texts that name its key.
         title: What it does, a few words that start with a capital letter.
         help: One sentence for the help and the palette.
         group: The heading it stands under in the help.
+        scope: Where its keys act.
         keys: Keys that ask for it, as Textual names them. Printable ones act only while nobody
             is typing.
-        bar: Label in the command bar, or "" to leave it out; beside an equal key it is not said.
+        act: Does it, given the main screen, or the edit mode for one of the level editor.
+        bar: Label in the command bar, or "" to leave it out; beside an equal key it is not shown.
         place: Where the bar shows it.
-        spare: How easily the bar does without it where there is little room; 0 is not at all.
+        spare: How early the bar drops it when there is little room; 0 is never.
+        worker: The group of workers that an asynchronous `act` runs in, one at a time.
         without_key: What to name where it has no key: that of the palette, which finds all.
     """
 
@@ -40,11 +57,26 @@ class Command:
     title: str
     help: str
     group: str
+    scope: Scope
     keys: tuple[str, ...]
+    act: Callable[[Any], object]
     bar: str = ""
     place: Place = "outside"
     spare: int = 0
+    worker: str = "dialog"
     without_key: str = "^P"
+
+    def run(self, target: object, spawn: Spawn) -> None:
+        """Do it, in the background if `act` is asynchronous.
+
+        Args:
+            target: What `act` is given.
+            spawn: Starts work in the background.
+        """
+        if iscoroutinefunction(self.act):
+            spawn(partial(self.act, target), self.worker, exclusive=True)
+        else:
+            self.act(target)
 
     @property
     def key_name(self) -> str:
@@ -66,6 +98,39 @@ class Command:
             key for key in self.keys if not typing or (len(key_name(key)) > 1 and key != "space")
         ]
         return key_name(keys[0]) if keys else ""
+
+
+@dataclass(frozen=True, slots=True)
+class Group:
+    """The commands under one heading of the help, in the order in which they are declared."""
+
+    title: str
+    scope: Scope = "screen"
+    commands: list[Command] = field(default_factory=list)
+
+    def add(
+        self, name: str, title: str, text: str, act: Callable[[Any], object], *keys: str
+    ) -> None:
+        """Declare a command that needs no function of its own."""
+        self.commands.append(Command(name, title, text, self.title, self.scope, keys, act))
+
+    def command(self, title: str, *keys: str, **options: Any) -> Callable[[Act], Act]:
+        """Declare that a function does a command; its name is the id, its docstring the help.
+
+        Args:
+            title: What it does, in a few words.
+            keys: As Textual names them.
+            options: Those of `bar`, `place`, `spare` and `worker` that differ from the usual.
+        """
+
+        def declare(act: Act) -> Act:
+            # A function can't be called `help`, but a command can.
+            name, text = act.__name__.rstrip("_"), (act.__doc__ or "").strip()
+            entry = Command(name, title, text, self.title, self.scope, keys, act, **options)
+            self.commands.append(entry)
+            return act
+
+        return declare
 
 
 def key_name(key: str) -> str:

@@ -10,9 +10,7 @@ from textual.containers import Vertical, VerticalScroll
 from textual.content import Content
 from textual.widgets import Static
 
-from logical_robots_tui.tui.commands.editing import WHILE_EDITING
-from logical_robots_tui.tui.commands.table import GROUPS, commands, editing_commands
-from logical_robots_tui.tui.commands.writing import WRITING, WRITING_GROUP
+from logical_robots_tui.tui.commands.keymap import commands
 from logical_robots_tui.tui.labyrinth.drawing.glyphs import Drawing, legend
 from logical_robots_tui.tui.layout.dialog import Dialog
 from logical_robots_tui.tui.theme.themes import INK, hex_colour, palette_of
@@ -26,58 +24,58 @@ if TYPE_CHECKING:
 __all__ = ["Help", "Subject"]
 
 _INSPECTOR_SIGNS = (
-    ("◂", "what the world gives to the program"),
-    ("•", "a predicate of the program, with the line where it begins"),
-    ("◦", "a predicate that comes with the game"),
-    ("ƒ", "a function: choose it to see with what it was called, and what it gave"),
-    ("▸", "what is folded; right opens it, left closes it"),
-    ("✓", "what holds; ✗ what nothing satisfied"),
-    ("→", "a predicate that is asked; enter makes it the root, backspace comes back"),
+    ("◂", "an input: what the world gives the program"),
+    ("•", "a predicate of the program, with its line"),
+    ("◦", "a predicate of the prelude, which comes with the game"),
+    ("ƒ", "a function: choose it to see its calls, with arguments and results"),
+    ("▸", "folded; right unfolds it, left folds it"),
+    ("✓", "a condition that holds; ✗ one that nothing satisfied"),
+    ("→", "a call; enter makes it the root, backspace goes back"),
 )
 Subject: TypeAlias = Literal["labyrinth", "editing", "editor", "inspector", "timeline"]
-"""What the help can begin with."""
+"""What the help can start with."""
 
 _ABOUT: dict[Subject, tuple[str, tuple[str, ...]]] = {
     "labyrinth": (
-        "The labyrinth shows the world at the tick on the screen. Arrows or a drag move the view, "
-        "the wheel zooms, a click chooses a robot. Single letters are commands here.",
-        ("Running", "Looking", "In the labyrinth"),
+        "The labyrinth shows the world at the current tick. Arrow keys or dragging move the view, "
+        "the wheel zooms, a click selects a robot. Single letters are commands here.",
+        ("Running", "View", "In the labyrinth"),
     ),
     "editing": (
-        "The level is edited here, by mouse or with a cursor that arrows move, further with shift. "
-        "A tool acts at a press of enter or of the mouse button; what changes is undone by one "
-        "key. The robots may run meanwhile.",
-        (WHILE_EDITING, "Making levels", "In the labyrinth"),
+        "Edit the level with the mouse, or with a cursor that the arrow keys move, faster with "
+        "shift. Enter or the mouse button applies the tool. Every change can be undone, and the "
+        "robots may run meanwhile.",
+        ("In the level editor", "Making levels", "In the labyrinth"),
     ),
     "editor": (
-        "The program is edited here; letters are text, so commands have Ctrl or function keys. "
-        "What you type is kept. A line with ✗ holds a mistake, one with ! looks odd; behind it, "
-        "where there is room, and below the text stands why.",
-        (WRITING_GROUP, "Program and level"),
+        "Edit the program here; letters are text, so commands have Ctrl or function keys. What "
+        "you type is kept. A line with ✗ has a mistake, one with ! a warning; the message is at "
+        "the end of the line, if there is room, and below the text.",
+        ("In the program", "Program and level"),
     ),
     "inspector": (
-        "The inspector shows what the program found at the tick on the screen. Choose a page or "
-        "a predicate on the left; tab goes to what it shows, arrows move there.",
+        "The inspector shows what the program derived at the current tick. Choose a page or a "
+        "predicate on the left; tab goes to its content, arrow keys move there.",
         ("In the inspector", "Rows and values"),
     ),
     "timeline": (
-        "The timeline holds the ticks that are known. Arrows, page up and down, home and end move "
-        "along it, and so does the mouse.",
+        "The timeline shows the ticks of the history. Arrow keys, page up, page down, home, end "
+        "and the mouse move along it.",
         ("In the timeline", "Time"),
     ),
 }
-"""A sentence or two about each subject, and the sections that come first then."""
+"""For each subject a few sentences, and the sections that come first."""
 
 _KEYS_WIDTH, _TITLE_WIDTH = 12, 27
-_BESIDE_FROM = 84  # columns from which on a sentence stands beside its title
+_BESIDE_FROM = 84  # columns from which the sentence stands beside its title
 
 
 class Help(Dialog[None]):
-    """A text to scroll: about the pane that is worked in, then about all else.
+    """A scrolling text: the pane in use first, then everything else.
 
     Args:
-        drawing: Whose signs to explain.
-        about: Where the player works; that is explained first.
+        drawing: The drawing style whose signs to explain.
+        about: Where the player is; that comes first.
     """
 
     DEFAULT_CSS = """
@@ -102,7 +100,7 @@ class Help(Dialog[None]):
             yield Static("↑↓ scroll   esc close", id="keys", markup=False)
 
     def on_resize(self) -> None:
-        """Break the lines anew."""
+        """Wrap the lines again."""
         self.call_after_refresh(self._write)
 
     def _write(self) -> None:
@@ -110,8 +108,11 @@ class Help(Dialog[None]):
         self.query_one("#help", Static).update(self._content(width))
 
     def _content(self, width: int) -> Content:
-        sections = {group: _commands_of(group, width) for group in GROUPS}
-        sections[WRITING_GROUP] = _commands_of(WRITING_GROUP, width)
+        sections: dict[str, list[Content]] = {}
+        for entry in commands():
+            keys = entry.key_names or entry.key_name
+            lines = _entry(keys, entry.title, entry.help, width)
+            sections.setdefault(entry.group, []).extend(lines)
         palette = palette_of(self.app.current_theme)
         signs = [
             (sign, hex_colour(rgb), said) for sign, rgb, said in legend(self._drawing, palette)
@@ -120,23 +121,13 @@ class Help(Dialog[None]):
         sections["In the timeline"] = _signs([*SIGNS.values(), PARTING, *TRACKS])
         sections["In the inspector"] = _signs([(s, INK.key, said) for s, said in _INSPECTOR_SIGNS])
         sentence, first = _ABOUT[self._about]
-        lines = [
+        content = [
             Content(""),
             *(Content.styled(line, INK.text) for line in wrap(sentence, max(width, 1))),
         ]
         for heading in dict.fromkeys((*first, *sections)):
-            lines += [_heading(heading), *sections[heading]]
-        return Content("\n").join(lines)
-
-
-def _commands_of(group: str, width: int) -> list[Content]:
-    known = (*commands(), *editing_commands().values(), *WRITING)
-    found = [entry for entry in known if entry.group == group]
-    return [
-        line
-        for entry in found
-        for line in _entry(entry.key_names or entry.key_name, entry.title, entry.help, width)
-    ]
+            content += [_heading(heading), *sections[heading]]
+        return Content("\n").join(content)
 
 
 def _signs(signs: Iterable[tuple[str, str, str]]) -> list[Content]:
@@ -151,7 +142,7 @@ def _heading(text: str) -> Content:
 
 
 def _entry(keys: str, title: str, text: str, width: int) -> list[Content]:
-    """Keys, what they do, and a sentence about it, the latter broken under itself."""
+    """Keys, title and help of a command, the help wrapped in a column of its own."""
     head = f"  {keys:<{_KEYS_WIDTH}} "
     first = Content.assemble((head, INK.key), (title, INK.text))
     indent = len(head) + (_TITLE_WIDTH if width > _BESIDE_FROM else 2)

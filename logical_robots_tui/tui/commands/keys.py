@@ -1,4 +1,4 @@
-"""Keys as a player writes them, and those that can't be had."""
+"""Keys as a player writes them, and those that can't be used."""
 
 from __future__ import annotations
 
@@ -7,19 +7,19 @@ from logical_robots_tui.tui.commands.command import CHARACTERS, key_name
 __all__ = ["key_from"]
 
 _OTHERS = {
-    "ctrl+a": "GNU screen keeps it for itself",
-    "ctrl+b": "tmux keeps it for itself",
+    "ctrl+a": "GNU screen uses it",
+    "ctrl+b": "tmux uses it",
     "ctrl+c": "it leaves the game",
     "ctrl+h": "terminals send it for backspace",
     "ctrl+i": "terminals send it for tab",
     "ctrl+j": "terminals send it for enter",
     "ctrl+m": "terminals send it for enter",
-    "ctrl+q": "it lets a stopped terminal go on",
+    "ctrl+q": "it resumes a stopped terminal",
     "ctrl+s": "it stops the terminal",
     "ctrl+z": "it suspends the game",
     "ctrl+left_square_bracket": "terminals send it for escape",
 }
-"""Keys with Ctrl that others keep, and why."""
+"""Keys with Ctrl that others use, and how."""
 
 _MOVES = "it moves within a pane, or types"
 _MOVING = (
@@ -32,16 +32,16 @@ _NAMES = {"esc": "escape", " ": "space", "tabulator": "tab", "return": "enter"}
 
 
 def key_from(text: object) -> str:
-    """Return the name that Textual has for a key.
+    """Return Textual's name for a key.
 
     Args:
-        text: What a keyboard says, such as ``n``, ``?``, ``F5``, ``^R``, ``ctrl+r`` or ``space``.
+        text: As on a keyboard, such as ``n``, ``?``, ``F5``, ``^R``, ``ctrl+r`` or ``space``.
 
     Raises:
-        ValueError: There is no such key, or it can't be had; the message says why.
+        ValueError: There is no such key, or it can't be used; the message says why.
     """
     if not isinstance(text, str) or not text:
-        raise ValueError(f"{text!r} is no key; write it as a text")
+        raise ValueError(f"{text!r} is not a key; write it as a string")
     wanted = _named(text)
     reason = _OTHERS.get(wanted, _MOVES if wanted in _MOVING else "")
     if not reason and "+" in wanted and not wanted.startswith("ctrl+"):
@@ -59,7 +59,7 @@ def key_from(text: object) -> str:
 
 
 def _named(text: str) -> str:
-    """A key as Textual would name it; what is no key stays as it is."""
+    """A key by Textual's name; what is not a key stays as it is."""
     if len(text) == 1:
         return _NAMES.get(text, _KEYS.get(text, text))
     folded = _NAMES.get(text.lower(), text.lower())

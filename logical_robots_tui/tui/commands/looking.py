@@ -1,255 +1,170 @@
-"""The commands for looking, for the rows of a predicate, and for help."""
+"""The commands for panes, for what the labyrinth shows, and for questions to the inspector."""
 
 from __future__ import annotations
 
-from logical_robots_tui.tui.commands.command import Command
+from typing import TYPE_CHECKING
 
-__all__ = ["GROUPS", "LOOKING"]
+from logical_robots_tui.tui.commands.command import Group
 
-_VIEW, _ROWS, _HELP = "Looking", "Rows and values", "Help and leaving"
-GROUPS = (_VIEW, _ROWS, _HELP)
+if TYPE_CHECKING:
+    from collections.abc import Callable
 
-LOOKING: tuple[Command, ...] = (
-    Command("labyrinth", "Labyrinth", "Go to the labyrinth.", _VIEW, ("1",)),
-    Command("editor", "Editor", "Go to the program's text.", _VIEW, ("2", "e"), bar="Edit"),
-    Command("inspector", "Inspector", "Go to the inspector.", _VIEW, ("3", "i")),
-    Command(
-        "why",
-        "Why",
-        "Say why the robot did what it did at this tick, as a proof to unfold, or why a predicate "
-        "has its rows.",
-        _VIEW,
-        ("w",),
-        bar="Why",
-        spare=2,
-    ),
-    Command(
-        "ask",
-        "Ask",
-        "Ask anything in Logica about this tick.",
-        _VIEW,
-        ("slash",),
-        bar="Ask",
-        spare=4,
-    ),
-    Command(
-        "watch",
-        "Watch",
-        "See what is pinned: its value at this tick, and how it went in the ticks around.",
-        _VIEW,
-        ("V",),
-    ),
-    Command(
-        "diagnose",
-        "Diagnosis",
-        "Look through the whole run for what may be a mistake, and where to look.",
-        _VIEW,
-        (),
-    ),
-    Command(
-        "leave",
-        "Leave the editor",
-        "Go from the editor to the labyrinth, where single letters are commands.",
-        _VIEW,
-        ("escape",),
-        bar="Leave",
-        place="editor",
-    ),
-    Command(
-        "next_pane",
-        "Next pane",
-        "Go to the next pane; works in the editor too.",
-        _VIEW,
-        ("ctrl+n", "right_square_bracket"),
-        bar="Next pane",
-        place="editor",
-    ),
-    Command(
-        "previous_pane", "Previous pane", "Go to the pane before.", _VIEW, ("left_square_bracket",)
-    ),
-    Command(
-        "view",
-        "View",
-        "Look at the whole labyrinth, follow a robot, or see only what the robots sense.",
-        _VIEW,
-        ("f",),
-        bar="View",
-        spare=2,
-    ),
-    Command("zoom_in", "Zoom in", "Show less of the labyrinth, larger.", _VIEW, ("z",)),
-    Command("zoom_out", "Zoom out", "Show more of the labyrinth.", _VIEW, ("Z",)),
-    Command(
-        "next_robot",
-        "Next robot",
-        "Select the next robot: its light is brought out, and a card tells of it.",
-        _VIEW,
-        ("a",),
-    ),
-    Command(
-        "maximise",
-        "Enlarge the pane",
-        "Give the pane you work in all the room, or share it again.",
-        _VIEW,
-        ("k", "ctrl+t"),
-    ),
-    Command(
-        "hide",
-        "Hide the pane",
-        "Hide the pane you work in; if one is hidden, show all again.",
-        _VIEW,
-        ("j",),
-    ),
-    Command("wider", "Wider program", "Give the program more columns.", _VIEW, ("D",)),
-    Command(
-        "narrower",
-        "Wider labyrinth",
-        "Give the labyrinth more columns.",
-        _VIEW,
-        ("L",),
-    ),
-    Command(
-        "higher",
-        "Higher inspector",
-        "Give the inspector more rows.",
-        _VIEW,
-        ("I",),
-    ),
-    Command(
-        "lower",
-        "Higher labyrinth",
-        "Give the labyrinth more rows.",
-        _VIEW,
-        ("G",),
-    ),
-    Command("rays", "Cones", "Show or hide what the robots' radars reach.", _VIEW, ("y",)),
-    Command(
-        "ray_lines",
-        "Rays one by one",
-        "Draw each ray of the selected robot, or none.",
-        _VIEW,
-        ("Y",),
-    ),
-    Command("trails", "Trails", "Show or hide where the robots came from.", _VIEW, ("u",)),
-    Command(
-        "drawing",
-        "Way of drawing",
-        "Draw the labyrinth in quadrants, in half blocks, in sextants, or in plain characters.",
-        _VIEW,
-        ("d",),
-    ),
-    Command(
-        "pin",
-        "Pin or unpin",
-        "Keep an eye on the value under the cursor, a predicate, a question, or a robot's memory.",
-        _ROWS,
-        ("at",),
-    ),
-    Command(
-        "open_value",
-        "Open the value",
-        "Show the value under the cursor, or what a decision came from, as a tree.",
-        _ROWS,
-        ("X",),
-    ),
-    Command(
-        "origin",
-        "Where it comes from",
-        "Follow the memory under the cursor, or a part of it, back to the tick and the rule that "
-        "made it.",
-        _ROWS,
-        ("less_than_sign",),
-    ),
-    Command(
-        "graph",
-        "Graph of predicates",
-        "Show which predicate uses which, and go along.",
-        _ROWS,
-        ("R",),
-    ),
-    Command(
-        "machinery",
-        "SQL and plan",
-        "Show what each predicate costs, and the SQL and the plan of the one inspected.",
-        _ROWS,
-        ("K",),
-    ),
-    Command(
-        "only_robot",
-        "Rows of one robot",
-        "Show only the rows of the chosen robot, or all again.",
-        _ROWS,
-        ("O",),
-    ),
-    Command(
-        "sort",
-        "Sort rows",
-        "Sort by the column under the cursor; again turns round.",
-        _ROWS,
-        ("A",),
-    ),
-    Command("search_rows", "Search rows…", "Show only rows with a text.", _ROWS, ("number_sign",)),
-    Command(
-        "turn",
-        "Turn the table",
-        "Show each column as a line, or as a column again.",
-        _ROWS,
-        ("J",),
-    ),
-    Command(
-        "copy_rows",
-        "Copy rows",
-        "Copy the rows as CSV, to the terminal's clipboard and into a file.",
-        _ROWS,
-        ("c",),
-    ),
-    Command("save_rows", "Save rows", "Save the rows as CSV and as JSON.", _ROWS, ("S",)),
-    Command(
-        "stop_here",
-        "Stop at this predicate",
-        "Let the robots stop when this predicate or column changes, or when the question holds.",
-        _ROWS,
-        ("asterisk",),
-    ),
-    Command(
-        "help",
-        "Help",
-        "Show all keys and what the signs in the labyrinth mean.",
-        _HELP,
-        ("question_mark", "f1"),
-        bar="Help",
-    ),
-    Command(
-        "palette",
-        "Commands",
-        "Find any command by typing a part of its name.",
-        _HELP,
-        ("ctrl+p",),
-        bar="Commands",
-        place="anywhere",
-        spare=4,
-    ),
-    Command(
-        "theme",
-        "Theme…",
-        "Choose the colours of the screen, dark or light; the choice is kept.",
-        _HELP,
-        (),
-    ),
-    Command(
-        "screenshot",
-        "Screenshot",
-        "Save what is shown as SVG and as text, in the data folder.",
-        _HELP,
-        (),
-    ),
-    Command("tour", "Guided tour", "Walk once round the parts of the screen.", _HELP, ()),
-    Command("redraw", "Redraw", "Paint the whole screen again.", _HELP, ("ctrl+l",)),
-    Command(
-        "quit",
-        "Quit",
-        "Leave the game. Text that is not saved is kept and offered the next time.",
-        _HELP,
-        ("q",),
-        bar="Quit",
-    ),
-)
+    from logical_robots_tui.tui.app.main_screen import MainScreen
+
+__all__ = ["looking"]
+
+looking = Group("View")
+
+
+@looking.command("Labyrinth", "1")
+def labyrinth(screen: MainScreen) -> None:
+    """Go to the labyrinth."""
+    screen.go_to(screen.labyrinth)
+
+
+@looking.command("Editor", "2", "e", bar="Edit")
+def editor(screen: MainScreen) -> None:
+    """Go to the text of the program."""
+    screen.go_to(screen.program)
+
+
+@looking.command("Inspector", "3", "i")
+def inspector(screen: MainScreen) -> None:
+    """Go to the inspector."""
+    screen.go_to(screen.inspector)
+
+
+@looking.command("Why", "w", bar="Why", spare=2)
+def why(screen: MainScreen) -> None:
+    """Prove what the robot did at this tick, or why a predicate has its rows, as a tree."""
+    screen.go_to(screen.inspector)
+    screen.inspector.why()
+
+
+@looking.command("Ask", "slash", bar="Ask", spare=4)
+def ask(screen: MainScreen) -> None:
+    """Ask any question in Logica about this tick."""
+    screen.go_to(screen.inspector)
+    screen.inspector.ask()
+
+
+@looking.command("Watch", "V")
+def watch(screen: MainScreen) -> None:
+    """Show what is pinned: its value at this tick and in the ticks around it."""
+    screen.go_to(screen.inspector)
+    screen.inspector.go_to_pins()
+
+
+@looking.command("Diagnosis")
+def diagnose(screen: MainScreen) -> None:
+    """Scan the whole run for likely mistakes."""
+    screen.go_to(screen.inspector)
+    screen.inspector.diagnose()
+
+
+@looking.command("Leave the editor", "escape", bar="Leave", place="editor")
+def leave(screen: MainScreen) -> None:
+    """Go from the editor to the labyrinth, where single letters are commands."""
+    if screen.arrangement.active is screen.labyrinth:
+        screen.labyrinth.select(None)
+        screen.labyrinth.banner.display = False
+        screen.labyrinth.briefing.display = False
+    screen.go_to(screen.labyrinth)
+
+
+@looking.command("Next pane", "ctrl+n", "right_square_bracket", bar="Next pane", place="editor")
+def next_pane(screen: MainScreen) -> None:
+    """Go to the next pane; works in the editor too."""
+    screen.go_to(screen.arrangement.beside_active(1))
+
+
+@looking.command("Previous pane", "left_square_bracket")
+def previous_pane(screen: MainScreen) -> None:
+    """Go to the previous pane."""
+    screen.go_to(screen.arrangement.beside_active(-1))
+
+
+@looking.command("View", "f", bar="View", spare=2)
+def view(screen: MainScreen) -> None:
+    """Show the whole labyrinth, follow a robot, or show only what the robots sense."""
+    screen.labyrinth.view.look_at_next()
+
+
+@looking.command("Zoom in", "z")
+def zoom_in(screen: MainScreen) -> None:
+    """Show less of the labyrinth, larger."""
+    screen.labyrinth.view.zoom(1)
+
+
+@looking.command("Zoom out", "Z")
+def zoom_out(screen: MainScreen) -> None:
+    """Show more of the labyrinth."""
+    screen.labyrinth.view.zoom(-1)
+
+
+@looking.command("Next robot", "a")
+def next_robot(screen: MainScreen) -> None:
+    """Select the next robot: highlight its light, and show a card about it."""
+    screen.labyrinth.view.select_next()
+
+
+@looking.command("Enlarge the pane", "k", "ctrl+t")
+def maximise(screen: MainScreen) -> None:
+    """Give the focused pane the whole screen, or share it again."""
+    screen.arrangement.toggle_large()
+    screen.arrangement.show()
+
+
+@looking.command("Hide the pane", "j")
+def hide(screen: MainScreen) -> None:
+    """Hide the focused pane; if one is hidden, show all again."""
+    screen.go_to(screen.arrangement.hide(screen.arrangement.active))
+
+
+def _resizing(columns: int, rows: int) -> Callable[[MainScreen], None]:
+    def act(screen: MainScreen) -> None:
+        screen.arrangement.change(columns, rows)
+        screen.arrangement.show()
+
+    return act
+
+
+for _id, _title, _key, _help, _columns, _rows in (
+    ("wider_program", "Wider program", "D", "Give the program more columns.", 4, 0),
+    ("wider_labyrinth", "Wider labyrinth", "L", "Give the labyrinth more columns.", -4, 0),
+    ("taller_inspector", "Taller inspector", "I", "Give the inspector more rows.", 0, 2),
+    ("taller_labyrinth", "Taller labyrinth", "G", "Give the labyrinth more rows.", 0, -2),
+):
+    looking.add(_id, _title, _help, _resizing(_columns, _rows), _key)
+
+
+@looking.command("Cones", "y")
+def cones(screen: MainScreen) -> None:
+    """Show or hide what the robots' radars reach."""
+    screen.labyrinth.view.rays = not screen.labyrinth.view.rays
+
+
+@looking.command("Single rays", "Y")
+def single_rays(screen: MainScreen) -> None:
+    """Show or hide each ray of the selected robot."""
+    view = screen.labyrinth.view
+    view.lines = not view.lines
+    if view.lines and view.selected is None:
+        view.select_next()
+
+
+@looking.command("Trails", "u")
+def trails(screen: MainScreen) -> None:
+    """Show or hide where the robots came from."""
+    screen.labyrinth.view.trails = not screen.labyrinth.view.trails
+
+
+@looking.command("Drawing style", "d")
+def drawing(screen: MainScreen) -> None:
+    """Draw the labyrinth in quadrants, half blocks, sextants, or plain characters."""
+    from logical_robots_tui.tui.labyrinth.drawing.glyphs import Drawing
+
+    ways = list(Drawing)
+    view = screen.labyrinth.view
+    view.drawing = ways[(ways.index(view.drawing) + 1) % len(ways)]
+    screen.tell(f"Drawn in {view.drawing.value}.")

@@ -8,17 +8,16 @@ from typing import TYPE_CHECKING
 from textual.command import CommandPalette, DiscoveryHit, Hit, Provider
 
 from logical_robots_tui.tui.app.once import ClosedOnce
-from logical_robots_tui.tui.commands.table import commands, editing_commands
-from logical_robots_tui.tui.commands.writing import WRITING
+from logical_robots_tui.tui.commands.keymap import commands
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable
+    from collections.abc import Callable
 
     from textual.command import Hits
 
-    from logical_robots_tui.tui.commands.table import Command
+    from logical_robots_tui.tui.commands.command import Command
 
-__all__ = ["CommandProvider", "Palette"]
+__all__ = ["CommandProvider", "EditingProvider", "Palette"]
 
 
 class Palette(CommandPalette, ClosedOnce[None]):
@@ -26,11 +25,15 @@ class Palette(CommandPalette, ClosedOnce[None]):
 
 
 class CommandProvider(Provider):
-    """Offers every command of the game; while a level is edited, those for that come first."""
+    """Offers every command but those of the level editor."""
+
+    def offered(self) -> list[Command]:
+        """The commands, in the order in which they are shown."""
+        return commands("screen", "text")
 
     async def discover(self) -> Hits:
         """All commands, before anything is typed."""
-        for entry in self._offered():
+        for entry in self.offered():
             if entry.id != "palette":
                 yield DiscoveryHit(
                     _title(entry), self._caller(entry), text=entry.title, help=entry.help
@@ -39,24 +42,23 @@ class CommandProvider(Provider):
     async def search(self, query: str) -> Hits:
         """The commands whose title or help matches."""
         matcher = self.matcher(query)
-        for entry in self._offered():
-            if entry.id == "palette":
-                continue
+        for entry in self.offered():
             score = max(matcher.match(entry.title), matcher.match(entry.help) * 0.5)
-            if score > 0:
+            if score > 0 and entry.id != "palette":
                 yield Hit(
                     score, _title(entry), self._caller(entry), text=entry.title, help=entry.help
                 )
 
-    def _offered(self) -> Iterable[Command]:
-        from logical_robots_tui.tui.app.main_screen import MainScreen
-
-        edits = isinstance(self.screen, MainScreen) and self.screen.editing.is_on
-        known = (*commands(), *WRITING)
-        return (*editing_commands().values(), *known) if edits else known
-
     def _caller(self, entry: Command) -> Callable[[], object]:
         return partial(self.screen.run_action, f"command('{entry.id}')")
+
+
+class EditingProvider(CommandProvider):
+    """Offers the commands of the level editor first, then all others."""
+
+    def offered(self) -> list[Command]:
+        """The commands, in the order in which they are shown."""
+        return commands("level") + super().offered()
 
 
 def _title(entry: Command) -> str:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from logical_robots_tui.game import MIND
-from logical_robots_tui.tui.commands.table import with_keys
+from logical_robots_tui.tui.commands.keymap import with_keys
 
 if TYPE_CHECKING:
     from logical_robots_tui.mind import Table

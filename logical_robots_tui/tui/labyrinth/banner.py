@@ -9,7 +9,7 @@ from textual.content import Content
 from textual.style import Style
 from textual.widgets import Static
 
-from logical_robots_tui.tui.commands.table import command
+from logical_robots_tui.tui.commands.keymap import command
 from logical_robots_tui.tui.labyrinth.results import results_lines
 from logical_robots_tui.tui.theme.safe_text import clip
 from logical_robots_tui.tui.theme.themes import INK

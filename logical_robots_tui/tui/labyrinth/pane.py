@@ -8,7 +8,7 @@ from textual import on
 from textual.binding import Binding
 from textual.content import Content
 
-from logical_robots_tui.tui.commands.table import command
+from logical_robots_tui.tui.commands.keymap import command
 from logical_robots_tui.tui.labyrinth.banner import Overlay, VictoryBanner
 from logical_robots_tui.tui.labyrinth.camera import Sight
 from logical_robots_tui.tui.labyrinth.robot_card import RobotCard

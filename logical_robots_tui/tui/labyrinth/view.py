@@ -23,6 +23,7 @@ from logical_robots_tui.tui.labyrinth.drawing.robot_view import draw_senses
 from logical_robots_tui.tui.labyrinth.drawing.thin_lines import Traces
 from logical_robots_tui.tui.labyrinth.drawing.viewport import CELL_ASPECT, Viewport
 from logical_robots_tui.tui.terminal.direct_paint import spot_of
+from logical_robots_tui.tui.terminal.textual_internals import mark_rendered_stale
 from logical_robots_tui.tui.theme.themes import palette_of
 from logical_robots_tui.world.sensing import ROBOT_RADIUS
 
@@ -299,7 +300,7 @@ class LabyrinthView(Widget):
             self.refresh(*regions)
         else:
             spot.put(self._cells, changes)
-            self._styles_cache.set_dirty(*regions)
+            mark_rendered_stale(self, regions)
 
     def on_mount(self) -> None:
         """Follow the theme."""

@@ -8,13 +8,13 @@ from textual.content import Content
 from textual.message import Message
 from textual.widget import Widget
 
-from logical_robots_tui.tui.commands.table import command, commands, editing_commands
+from logical_robots_tui.tui.commands.keymap import command, commands
 from logical_robots_tui.tui.theme.themes import INK
 
 if TYPE_CHECKING:
     from textual import events
 
-    from logical_robots_tui.tui.commands.table import Command
+    from logical_robots_tui.tui.commands.command import Command
 
 __all__ = ["CommandBar", "CommandChosen", "PaneTabs"]
 
@@ -92,10 +92,11 @@ class CommandBar(_Labels):
     def render(self) -> Content:
         """The line, as wide as the widget."""
         unwanted = "outside" if self._typing else "editor"
-        shown = [entry for entry in commands() if entry.bar and entry.place != unwanted]
+        offered = [entry for entry in commands("screen", "level") if entry.bar]
+        shown = [e for e in offered if e.scope == "screen" and e.place != unwanted]
         if self._edits and not self._typing:
             kept = [entry for entry in shown if entry.id in _WHILE_EDITING]
-            editing = [entry for entry in editing_commands().values() if entry.bar]
+            editing = [entry for entry in offered if entry.scope == "level"]
             shown = [*kept[:1], *editing, *kept[1:]]
         if self._typing:
             shown.sort(key=lambda entry: entry.id != "apply")

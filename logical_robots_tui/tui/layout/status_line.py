@@ -10,6 +10,7 @@ from textual.strip import Strip
 from textual.widget import Widget
 
 from logical_robots_tui.game import goals
+from logical_robots_tui.tui.commands.keymap import command
 from logical_robots_tui.tui.terminal.direct_paint import repaint
 from logical_robots_tui.tui.theme.safe_text import clip, one_line
 from logical_robots_tui.tui.theme.themes import INK
@@ -23,6 +24,8 @@ if TYPE_CHECKING:
 __all__ = ["Status", "StatusLine", "status_of"]
 
 Activity: TypeAlias = Literal["running", "paused", "won", "compiling"]
+
+_LONG = 2.0  # seconds of thinking
 
 _SIGNS: dict[Activity, tuple[str, str]] = {
     "running": ("● RUNNING", f"bold {INK.good}"),
@@ -121,7 +124,7 @@ def fit(status: Status, width: int) -> Content:
     tick = f"tick {status.tick}"
     sign, sign_style = _SIGNS[status.activity]
     if status.thinking_for:
-        sign, sign_style = f"◌ thinking… {status.thinking_for:.1f} s", f"bold {INK.warn}"
+        sign, sign_style = _thinking(status.thinking_for), f"bold {INK.warn}"
     thought = Content.styled(_thought(status), INK.dim)
     candidates: list[tuple[int, int, Content]] = [
         (2, 0, Content.styled(sign, sign_style)),
@@ -146,6 +149,14 @@ def fit(status: Status, width: int) -> Content:
     for number, (_, part) in enumerate(chosen):
         line = line.append(" " * gap if number else "").append(part)
     return line
+
+
+def _thinking(seconds: float) -> str:
+    """How long a thought takes; when that is long, which key stops it, also in the editor."""
+    key = command("run").bar_key(typing=True)
+    if seconds < _LONG or not key:
+        return f"◌ thinking… {seconds:.1f} s"
+    return f"◌ thinking takes long… {seconds:.1f} s, {key} stops it"
 
 
 def _goals(found: Sequence[Goal], *, long: bool) -> Content:

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 from logical_robots_tui.errors import InputError
 from logical_robots_tui.game import load_program
 from logical_robots_tui.progress import Version
-from logical_robots_tui.tui.commands.table import with_keys
+from logical_robots_tui.tui.commands.keymap import with_keys
 
 if TYPE_CHECKING:
     from logical_robots_tui.tui.app.main_screen import MainScreen

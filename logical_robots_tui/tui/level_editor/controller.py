@@ -9,11 +9,10 @@ import asyncio
 from functools import partial
 from typing import TYPE_CHECKING
 
-from logical_robots_tui.game.drafts import Drafts
-
 if TYPE_CHECKING:
     from pathlib import Path
 
+    from logical_robots_tui.game.drafts import Drafts
     from logical_robots_tui.tui.app.main_screen import MainScreen
     from logical_robots_tui.tui.level_editor.mode import EditMode
     from logical_robots_tui.world import Level
@@ -26,14 +25,14 @@ class EditingDoor:
 
     Args:
         screen: Where levels are edited.
-        data_dir: Where the player's levels and their drafts are.
+        own: Folder of the player's levels.
+        drafts: Where a level is kept while it is not saved.
     """
 
-    def __init__(self, screen: MainScreen, data_dir: Path) -> None:
+    def __init__(self, screen: MainScreen, own: Path, drafts: Drafts) -> None:
         self._screen = screen
-        self.own = data_dir / "levels"
-        """Folder of the player's levels."""
-        self.drafts = Drafts(data_dir / "level-drafts")
+        self.own = own
+        self.drafts = drafts
         self._mode: EditMode | None = None
 
     @property
@@ -72,21 +71,21 @@ class EditingDoor:
             self._mode.end()
             self._mode = None
 
+    def close(self) -> None:
+        """Write the draft and nothing after it."""
+        if self._mode is not None:
+            self._mode.autosave.stop()
+
     def flush(self) -> None:
         """Write the draft now. Safe in a signal handler; never raises."""
         if self._mode is not None:
             self._mode.autosave.flush()
 
-    def close(self) -> None:
-        """Write the draft and end the session."""
-        self.flush()
-        self.drafts.close()
-
     async def offer(self) -> None:
         """Offer the level that an earlier session left unsaved, if there is one."""
         try:
             drafts = await self._screen.offers.at_hand(
-                partial(asyncio.to_thread, self.drafts.adopt)
+                partial(asyncio.to_thread, self.drafts.adopt, "level")
             )
         except OSError:
             return  # what is edited now can't be kept either, and that is told then

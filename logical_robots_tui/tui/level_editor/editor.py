@@ -98,6 +98,11 @@ class LevelEditor:
             return None
         return thing_of(self.standing, self.selected)
 
+    def configure(self, **values: Any) -> None:
+        """Change the settings of tools; a stroke under way ends."""
+        self.finish()
+        self.settings = replace(self.settings, **values)
+
     # -- strokes -------------------------------------------------------------------------------
 
     def press(self, x: float, y: float, units: float) -> None:

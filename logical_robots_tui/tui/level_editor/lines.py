@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, ClassVar
 from textual.content import Content
 from textual.widget import Widget
 
-from logical_robots_tui.tui.commands.table import editing_commands
+from logical_robots_tui.tui.commands.keymap import command
 from logical_robots_tui.tui.layout.command_bar import CommandChosen
 from logical_robots_tui.tui.level_editor.tools import PAINTING, Tool
 from logical_robots_tui.tui.theme.safe_text import clip, one_line
@@ -79,7 +79,7 @@ class ToolLine(Widget):
         found = [(tool.value, self._tool(tool)) for tool in Tool]
         if settings.tool in PAINTING:
             width = settings.width * settings.grid
-            found.append(("thicker", _setting("[ ]", f"{width} unit{'s' * (width != 1)} wide")))
+            found.append(("wider_brush", _setting("[ ]", f"{width} unit{'s' * (width != 1)} wide")))
         if settings.tool in (Tool.LINE, Tool.RECTANGLE, Tool.FILL):
             found.append(("ink", _setting(_key("ink"), "wall" if settings.is_wall else "floor")))
         if settings.tool is Tool.RECTANGLE:
@@ -89,7 +89,7 @@ class ToolLine(Widget):
         return found
 
     def _tool(self, tool: Tool) -> Content:
-        entry = editing_commands()[tool.value]
+        entry = command(tool.value)
         if tool is self._editor.settings.tool:
             return Content.styled(f"{_key(tool.value)} {entry.title}", f"bold {_CHOSEN}")
         return Content.assemble((_key(tool.value), INK.key), " ", (entry.title, INK.text))
@@ -153,7 +153,7 @@ def described(thing: Thing | None) -> str:
 
 
 def _key(name: str) -> str:
-    return editing_commands()[name].key_name
+    return command(name).key_name
 
 
 def _setting(keys: str, text: str) -> Content:

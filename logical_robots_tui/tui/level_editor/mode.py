@@ -9,22 +9,24 @@ from typing import TYPE_CHECKING, Literal
 
 from logical_robots_tui.editing.checks import check
 from logical_robots_tui.editing.delta import alike
+from logical_robots_tui.editing.native_text import write_native
 from logical_robots_tui.game import is_shipped
-from logical_robots_tui.tui.commands.table import command, editing_commands
-from logical_robots_tui.tui.level_editor.actions import EditActions
+from logical_robots_tui.game.drafts import Draft
+from logical_robots_tui.tui.commands.keymap import command, commands
 from logical_robots_tui.tui.level_editor.editor import LevelEditor
 from logical_robots_tui.tui.level_editor.lines import InfoLine, ToolLine
 from logical_robots_tui.tui.level_editor.live import Live
 from logical_robots_tui.tui.level_editor.overlay import mark
 from logical_robots_tui.tui.level_editor.pointer import Pointer
-from logical_robots_tui.tui.recovery.level_drafts import Autosave
+from logical_robots_tui.tui.recovery.autosave import Autosave
 from logical_robots_tui.tui.theme.safe_text import one_line
 from logical_robots_tui.world import LevelError, load_level
 from logical_robots_tui.world.drawing import coarsest_cell
+from logical_robots_tui.world.native import read_native
 
 if TYPE_CHECKING:
     from logical_robots_tui.editing.checks import Finding
-    from logical_robots_tui.game.drafts import Drafts
+    from logical_robots_tui.game.drafts import Drafts, Key
     from logical_robots_tui.tui.app.main_screen import MainScreen
     from logical_robots_tui.tui.labyrinth.drawing.cells import Cells
     from logical_robots_tui.tui.labyrinth.drawing.glyphs import Look
@@ -33,6 +35,7 @@ if TYPE_CHECKING:
 
 __all__ = ["EditMode"]
 
+_DRAFT_DELAY = 1.0  # seconds from a change to its draft on disk
 _BACK_FROM_TEST = ("test", "stop_editing")
 _CHECK_DELAY = 0.3  # seconds without a change before a level is looked through
 _COARSEST = 10  # map units: a grid as coarse as the level's drawing, but not coarser
@@ -76,20 +79,21 @@ class EditMode:
         self.live = Live(screen, self.editor, self._adopted)
         self.autosave = Autosave(
             drafts,
-            base.source or key or f"new {base.name} {token_hex(4)}",
-            base.title,
-            lambda: None if self.is_saved or self._is_unwanted else self.editor.level,
-            screen.warn,
+            delay=_DRAFT_DELAY,
+            state=self._unsaved,
+            draft=lambda state: _draft_of(*state),
+            failed=screen.warn,
+            what="What you edit",
         )
+        self._drafts = drafts
+        self._path = base.source or key or f"new {base.name} {token_hex(4)}"
         self._is_unwanted = self._is_over = False
-        self.actions = EditActions(self)
         self.pointer = Pointer(self)
         self._tools = ToolLine(self.editor)
         self._info = InfoLine(self.editor)
         self._checked: Level | None = None
-        known = editing_commands().values()
         self._ids = dict.fromkeys(command("edit_level").keys, "stop_editing")
-        self._ids |= {key: entry.id for entry in known for key in entry.keys}
+        self._ids |= {key: entry.id for entry in commands("level") for key in entry.keys}
 
     @property
     def has_changes(self) -> bool:
@@ -115,7 +119,7 @@ class EditMode:
         pane.note("editing")
         if not self._tools.is_attached:
             grid = min(coarsest_cell(self.editor.level.walls), _COARSEST)
-            self.actions.settle(grid=grid)
+            self.editor.configure(grid=grid)
             pane.mount(self._tools, self._info)
             self._bring_back()
         self._tools.display = self._info.display = True
@@ -147,12 +151,28 @@ class EditMode:
             if line.is_attached:
                 line.remove()
 
+    def test(self) -> None:
+        """Play the level from its start, for a moment."""
+        self.leave()
+        self.is_testing = True
+        self.screen.labyrinth.note(f"test: {command('test').key_name} ends it")
+        self._restart()
+        self.screen.session.run()
+
+    def _end_test(self) -> None:
+        self._restart()
+        self.enter()
+
+    def _restart(self) -> None:
+        self.screen.session.restart()
+        self.screen.celebration.forget()
+
     # -- keys ----------------------------------------------------------------------------------
 
     def obeys(self, key: str) -> bool:
         """Do what a key means while a level is edited; whether it means anything."""
         if self.is_testing and self._ids.get(key) in _BACK_FROM_TEST:
-            self.actions.end_test()
+            self._end_test()
             return True
         if not self.is_on or not self.screen.labyrinth.has_focus:
             return False
@@ -167,7 +187,7 @@ class EditMode:
     def do(self, command_id: str) -> None:
         """Do a command."""
         if self.is_on:
-            getattr(self.actions, command_id)()
+            command(command_id).run(self, self.screen.spawn)
             self.redraw()
 
     # -- what becomes of it --------------------------------------------------------------------
@@ -190,7 +210,7 @@ class EditMode:
         self.screen.tell(f"Saved as {one_line(saved.name)}.")
         if self._is_over and level is not self.editor.level:
             return  # the draft holds what was done since
-        self.autosave.drop()
+        self.autosave.drop(("level", self._path))
         if self._is_over:
             return
         if saved.source != self.base.source:
@@ -199,7 +219,7 @@ class EditMode:
         self.screen.session.opened = saved
         if level is self.editor.level:
             self.editor.edits.saved()
-        self.autosave.rename(saved.source, saved.title)
+        self._path = saved.source
         self.autosave.edited()
         self.redraw()
 
@@ -207,7 +227,7 @@ class EditMode:
         """Go back to the level as it is in its file; undo brings the changes back."""
         self.editor.do("throw away", lambda _: self.base)
         self._is_unwanted = True
-        self.autosave.drop()
+        self.autosave.drop(("level", self._path))
 
     # -- drawing -------------------------------------------------------------------------------
 
@@ -243,13 +263,22 @@ class EditMode:
     # -- inside --------------------------------------------------------------------------------
 
     def _bring_back(self) -> None:
+        key: Key = "level", self._path
+        draft = self._drafts.get(key) or self._drafts.take(key)
+        if draft is None:
+            return
         try:
-            level = self.autosave.read(self.base)
+            level = read_native(draft.text, self.base.name, self.base.source)
         except LevelError:
             return
-        if level is not None and not alike(level, self.base):
+        if not alike(level, self.base):
             self.editor.do("bring back", lambda _: level)
             self.screen.tell("Your unsaved changes of the level are back.")
+
+    def _unsaved(self) -> tuple[str, str, Level | None]:
+        """Path, title, and the level if that is to be kept."""
+        is_wanted = not (self.is_saved or self._is_unwanted)
+        return self._path, self.base.title, self.editor.level if is_wanted else None
 
     def _edited(self) -> None:
         self._is_unwanted = False
@@ -272,3 +301,7 @@ class EditMode:
         if level is self.editor.level:
             self._checked, self.findings = level, found
             self.redraw()
+
+
+def _draft_of(path: str, title: str, level: Level | None) -> Draft | Key:
+    return ("level", path) if level is None else Draft("level", title, path, write_native(level))

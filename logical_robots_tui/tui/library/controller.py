@@ -15,7 +15,7 @@ from logical_robots_tui.tui.theme.safe_text import clip, one_line
 from logical_robots_tui.world import list_levels, load_level
 
 if TYPE_CHECKING:
-    from logical_robots_tui.game.drafts import Draft
+    from logical_robots_tui.game.drafts import Draft, Key
     from logical_robots_tui.tui.app.main_screen import MainScreen
     from logical_robots_tui.world import Level
 
@@ -102,7 +102,7 @@ class Library:
         elif source.path == self._screen.session.source.path:
             self._screen.replace_text(text)
         else:
-            self._screen.keeper.flush()
+            self._screen.autosave.flush()
             self._screen.put_text(text)
         self._screen.session.open_program(source, text)
 
@@ -114,9 +114,9 @@ class Library:
         former, text = session.source, self._screen.text
         saved = await self._screen.app.push_screen_wait(SaveAs(former, text, self._own))
         if saved is not None:
-            self._screen.keeper.drafts.drop(str(former.path))
+            self._screen.drafts.drop(("program", str(former.path)))
             session.saved_as(saved)
-            self._screen.keeper.edited()
+            self._screen.autosave.edited()
             self._screen.tell(f"Saved as {one_line(saved.name)}.")
 
     def take_from_disk(self, source: Source) -> None:
@@ -127,7 +127,7 @@ class Library:
         session, name = self._screen.session, one_line(source.name)
         if self._screen.text == source.text:
             session.saved_as(source)  # it may be the game that has just saved it
-            self._screen.keeper.edited()
+            self._screen.autosave.edited()
         elif self._screen.text == session.source.text:
             self._screen.replace_text(source.text)
             session.open_program(source, source.text)
@@ -149,9 +149,9 @@ class Library:
         screen = self._screen
         if source.path == screen.session.source.path:
             return screen.text
-        screen.keeper.flush()
-        drafts = screen.keeper.drafts
-        draft = drafts.get(str(source.path)) or drafts.take(str(source.path))
+        screen.autosave.flush()
+        key: Key = "program", str(source.path)
+        draft = screen.drafts.get(key) or screen.drafts.take(key)
         if draft is not None and draft.text != source.text:
             name = "program for this level"
             if draft.text != kept:
@@ -177,23 +177,27 @@ class Library:
         draft = next((draft for draft in drafts if draft.path == here), drafts[0])
         answers = [("yes", "Yes, continue"), ("no", "No, put it away"), ("show", "Show it")]
         when = draft.saved.astimezone()
-        name = clip(one_line(draft.program), 40)
+        name = clip(one_line(draft.name), 40)
         question = f"Continue with your unsaved text of “{name}” from {when:%H:%M, %d %B}?"
         answer = await screen.offers.ask("Unsaved text", question, answers, text=draft.text)
         if answer == "yes":
             self._continue_with(draft)
         elif answer == "no":
-            await asyncio.to_thread(screen.keeper.drafts.put_away, draft.path)
+            await asyncio.to_thread(screen.drafts.put_away, draft.key)
 
     async def _left_unsaved(self) -> list[Draft]:
-        drafts = await asyncio.to_thread(self._screen.keeper.adopt)
+        try:
+            drafts = await asyncio.to_thread(self._screen.drafts.adopt, "program")
+        except OSError as error:
+            self._screen.autosave.report(error)
+            return []
         return [draft for draft in drafts if await self._is_unsaved(draft)]
 
     def _continue_with(self, draft: Draft) -> None:
         screen = self._screen
         source = screen.session.source
-        screen.keeper.flush()
-        screen.keeper.drafts.take(draft.path)
+        screen.autosave.flush()
+        screen.drafts.take(draft.key)
         if draft.path == str(source.path):
             screen.replace_text(draft.text)
         else:
@@ -206,7 +210,7 @@ class Library:
         try:
             return load_program(draft.path)
         except InputError:
-            return Source(draft.program, "", Path(draft.path), shipped=False)
+            return Source(draft.name, "", Path(draft.path), shipped=False)
 
     async def _is_unsaved(self, draft: Draft) -> bool:
         """Whether a draft holds what is neither in its file nor among the earlier versions."""
@@ -214,5 +218,5 @@ class Library:
         kept = await self._screen.journal.ask(lambda progress: progress.holds(draft.text))
         if source.text != draft.text and not kept:
             return True
-        await asyncio.to_thread(self._screen.keeper.drafts.put_away, draft.path)
+        await asyncio.to_thread(self._screen.drafts.put_away, draft.key)
         return False

@@ -82,7 +82,7 @@ class Scribe:
         """Go to the next place of what was looked for last; ask for it if nothing was."""
         screen, editor = self._screen, self._screen.program.editor
         if not self._wanted:
-            screen.spawn(self.find, "library", exclusive=True)
+            screen.spawn(self.find, "dialog", exclusive=True)
             return
         selection, begin = editor.selection, min(editor.selection)
         found = find_after(editor.text, self._wanted, begin, there=True)
@@ -121,7 +121,7 @@ class Scribe:
         """Hand the terminal to the player's own editor until that ends, and take its text."""
         screen = self._screen
         if not screen.freedoms.programs:
-            screen.warn("Other editors are off here; this one is all there is.")
+            screen.warn("External editors are disabled here.")
             return
         screen.session.pause()
         try:

@@ -24,10 +24,9 @@ if TYPE_CHECKING:
 
     from rich.style import Style
     from textual import events
-    from textual.document._document import EditResult
-    from textual.document._edit import Edit
     from textual.strip import Strip
     from textual.theme import Theme
+    from textual.widgets.text_area import Edit, EditResult
 
     from logical_robots_tui.tui.program.marks import Mark
 

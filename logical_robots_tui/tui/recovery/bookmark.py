@@ -8,14 +8,13 @@ from typing import TYPE_CHECKING
 
 from logical_robots_tui.errors import InputError, LogicalRobotsError
 from logical_robots_tui.game import Place, level_key, load_program, place_of
-from logical_robots_tui.game.drafts import Draft, Drafts
+from logical_robots_tui.game.drafts import Draft
 from logical_robots_tui.tui.theme.safe_text import clip, one_line
 from logical_robots_tui.world import load_level
 
 if TYPE_CHECKING:
-    from pathlib import Path
-
     from logical_robots_tui.game import Source
+    from logical_robots_tui.game.drafts import Drafts
     from logical_robots_tui.tui.app.main_screen import MainScreen
 
 __all__ = ["Bookmark"]
@@ -26,12 +25,12 @@ class Bookmark:
 
     Args:
         screen: Whose game.
-        folder: Where to keep it.
+        drafts: Where to keep it.
     """
 
-    def __init__(self, screen: MainScreen, folder: Path) -> None:
+    def __init__(self, screen: MainScreen, drafts: Drafts) -> None:
         self._screen = screen
-        self._drafts = Drafts(folder)
+        self._drafts = drafts
 
     def flush(self) -> None:
         """Write where the game stands. Safe in a signal handler; never raises."""
@@ -41,19 +40,15 @@ class Bookmark:
         place = place_of(session.game, session.opened, session.source)
         if place is not None:
             with contextlib.suppress(OSError):  # nobody is there to be told
-                self._drafts.keep(Draft(place.title, place.level, place.as_text(), ""))
-
-    def close(self) -> None:
-        """End the session; what it wrote stays for the next one."""
-        self._drafts.close()
+                self._drafts.keep(Draft("place", place.title, place.level, place.as_text()))
 
     async def offer(self) -> None:
         """Offer to go where an earlier session was cut off, if one was."""
         with contextlib.suppress(OSError):  # no folder, no bookmark
-            for draft in (await asyncio.to_thread(self._drafts.adopt))[:1]:
+            for draft in (await asyncio.to_thread(self._drafts.adopt, "place"))[:1]:
                 with contextlib.suppress(ValueError):
                     await self._ask(Place.from_text(draft.text), draft)
-                self._drafts.put_away(draft.path)
+                self._drafts.put_away(draft.key)
 
     async def _ask(self, place: Place, draft: Draft) -> None:
         screen, when = self._screen, draft.saved.astimezone()
@@ -74,7 +69,7 @@ class Bookmark:
         if place.level != level_key(screen.session.level):
             await screen.library.open_level(await asyncio.to_thread(load_level, place.level))
         source = await asyncio.to_thread(self._source_of, place)
-        is_unsaved = screen.keeper.drafts.get(str(source.path)) is not None
+        is_unsaved = self._drafts.get(("program", str(source.path))) is not None
         screen.library.open_program(source, None if is_unsaved else place.programs[-1][1])
         screen.labyrinth.briefing.display = False
         await screen.session.replay(place)

@@ -29,10 +29,10 @@ async def offer(screen: MainScreen, door: EditingDoor, drafts: Sequence[Draft]) 
     for draft in drafts:
         found = await asyncio.to_thread(_read, draft)
         if found is None:
-            await asyncio.to_thread(door.drafts.put_away, draft.path)
+            await asyncio.to_thread(door.drafts.put_away, draft.key)
             continue
         when = draft.saved.astimezone()
-        name = clip(one_line(draft.program), 40)
+        name = clip(one_line(draft.name), 40)
         question = f"Go on editing the level “{name}” from {when:%H:%M, %d %B}?"
         answers = [("yes", "Yes, go on"), ("no", "No, put it away")]
         answer = await screen.offers.ask("Unsaved level", question, answers)
@@ -40,7 +40,7 @@ async def offer(screen: MainScreen, door: EditingDoor, drafts: Sequence[Draft]) 
             await screen.library.open_level(found)
             door.open(draft.path)
         elif answer == "no":
-            await asyncio.to_thread(door.drafts.put_away, draft.path)
+            await asyncio.to_thread(door.drafts.put_away, draft.key)
         return
 
 

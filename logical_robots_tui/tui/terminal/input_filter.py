@@ -126,12 +126,12 @@ class Incoming:
 class CarefulParser(XTermParser):
     """Textual's parser of keys, which drops what it can't understand.
 
-    By itself it raises an error for a key beyond Unicode, or a mouse in a terminal without size, and
-    takes any other sequence that it does
-    not know for the keys of its characters.
+    By itself it raises an error for a key beyond Unicode or a mouse in a terminal without size, and
+    takes any other sequence that it does not know for the keys of its characters.
     """
 
     def parse_mouse_code(self, code: str) -> Message | None:
+        """The event of a mouse, or None where it says nothing."""
         try:
             return super().parse_mouse_code(code)
         except ArithmeticError:  # in a terminal that said it has no columns, or no pixels

@@ -5,12 +5,12 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from textual._context import active_app
 from textual.style import Style
 from textual.theme import BUILTIN_THEMES, Theme
 
 from logical_robots_tui.tui.app.facts import NIGHT_NAME
 from logical_robots_tui.tui.labyrinth.drawing.palette import DARK, LIGHT, Palette, mix, parse
+from logical_robots_tui.tui.terminal.textual_internals import has_active_app
 from logical_robots_tui.tui.theme.colours import colours_in
 
 if TYPE_CHECKING:
@@ -108,7 +108,7 @@ def rich_style(text: str) -> RichStyle:
     Content takes such texts as they are; this is for widgets that paint segments. What is painted
     without an app is painted as in the theme Night.
     """
-    if active_app.get(None) is None:
+    if not has_active_app():
         given = NIGHT.to_color_system().generate()
         return Style.parse(text, given | colours_in(NIGHT)).rich_style
     return Style.parse(text).rich_style

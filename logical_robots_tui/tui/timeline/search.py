@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Literal
 
 from logical_robots_tui.game import Superseded
 from logical_robots_tui.mind import ProgramError
-from logical_robots_tui.tui.commands.table import with_keys
+from logical_robots_tui.tui.commands.keymap import with_keys
 from logical_robots_tui.tui.theme.safe_text import one_line
 
 if TYPE_CHECKING:
@@ -91,7 +91,7 @@ class Search:
         here = "It holds here. " if sought.holds_here else ""
         words = f"{here}No {'other ' * bool(here)}tick {side} {tick} is known in which it holds"
         trouble = f" It failed in some: {one_line(sought.problem)}" if sought.problem else ""
-        more = with_keys(" {seek} asks for another question.")
+        more = with_keys(" {search_ticks} asks for another question.")
         self._screen.tell(f"{words}: {question}.{trouble or more}")
 
     def _about(self, game: Game | None) -> object:

@@ -14,7 +14,7 @@ from logical_robots_tui.game import Superseded, origin_in_game
 from logical_robots_tui.game.origin import written_path
 from logical_robots_tui.mind import QueryError
 from logical_robots_tui.tui.app.background import in_background
-from logical_robots_tui.tui.commands.table import with_keys
+from logical_robots_tui.tui.commands.keymap import with_keys
 from logical_robots_tui.tui.inspector.choice import ORIGIN, ROBOTS
 from logical_robots_tui.tui.inspector.pages.robots import RobotsView
 from logical_robots_tui.tui.inspector.pointing import Placed

@@ -9,7 +9,7 @@ from textual.content import Content
 from textual.geometry import Region
 from textual.message import Message
 
-from logical_robots_tui.tui.commands.table import with_keys
+from logical_robots_tui.tui.commands.keymap import with_keys
 from logical_robots_tui.tui.inspector.widgets.cells import cell
 from logical_robots_tui.tui.inspector.widgets.lines import LinesView
 from logical_robots_tui.tui.inspector.widgets.sparkline import scale, sparkline

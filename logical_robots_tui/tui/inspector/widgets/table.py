@@ -13,7 +13,7 @@ from textual.message import Message
 from textual.scroll_view import ScrollView
 from textual.strip import Strip
 
-from logical_robots_tui.tui.commands.table import with_keys
+from logical_robots_tui.tui.commands.keymap import with_keys
 from logical_robots_tui.tui.inspector.widgets.arranging import (
     Arrangement,
     Row,
@@ -91,7 +91,7 @@ class ValueTable(ScrollView, can_focus=True):
         """What is not shown, in words, or ""."""
         if self._shown.left_out:
             more = f"and {self._shown.left_out:,} more rows side by side"
-            return with_keys(f"{more}; {{turn}} shows them one below the other")
+            return with_keys(f"{more}; {{transpose}} shows them one below the other")
         if self._are_all:
             return ""
         first = f"there are more rows than these first {len(self._all.rows):,}"

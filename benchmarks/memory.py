@@ -1,0 +1,45 @@
+"""What hostile input takes: memory of hungry programs, time and memory of reading level files."""
+
+from __future__ import annotations
+
+import tempfile
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from benchmarks.measure import Effort, Measurement
+from tests.game.test_memory import HUNGRY, MOST, SCREEN, played
+from tests.mind.rows import ROBOT
+from tests.world.hostile import FILES
+from tests.world.test_hostile import BYTES, SECONDS, read
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+__all__ = ["memory"]
+
+SUBJECTS = (("01-first-steps", 130), ("12-swarm", 25))
+SLOW = ("many numbers", "what can't be packed")  # minutes for a hundred robots
+
+
+def memory(effort: Effort) -> Iterator[Measurement]:
+    """The most that a game without a screen holds, and the worst of all hostile level files."""
+    for level, ticks in SUBJECTS:
+        for what, rule in HUNGRY.items():
+            if level == "01-first-steps" or what not in SLOW:
+                kibibytes, _ = played(level, ROBOT + rule + ";", min(ticks, effort.ticks))
+                required = f"<= {(MOST - SCREEN) * 1024 / 1e6:.0f}"
+                yield _one("hungry programs", f"{level}, {what}", kibibytes, required)
+    with tempfile.TemporaryDirectory() as folder:
+        told = read([*FILES], Path(folder))
+    of_all = f"worst of {len(FILES)} files"
+    slowest = max(seconds for _, seconds, _ in told)
+    yield Measurement(
+        *("reading a level", of_all, slowest, "s", slowest, slowest, f"<= {SECONDS:g}")
+    )
+    most = max(grown for *_, grown in told)
+    yield _one("reading a level", of_all, most, f"<= {BYTES * 1024 / 1e6:.0f}")
+
+
+def _one(group: str, subject: str, kibibytes: int, required: str) -> Measurement:
+    megabytes = kibibytes * 1024 / 1e6
+    return Measurement(group, subject, megabytes, "MB", megabytes, megabytes, required)

@@ -1,0 +1,254 @@
+"""The commands for what the inspector shows: rows, values, pins, what a predicate costs."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+from logical_robots_tui.tui.commands.command import Group
+from logical_robots_tui.tui.commands.keymap import with_keys
+
+if TYPE_CHECKING:
+    from logical_robots_tui.game import Pin
+    from logical_robots_tui.tui.app.main_screen import MainScreen
+    from logical_robots_tui.tui.inspector.widgets.table import ValueTable
+
+__all__ = ["rows"]
+
+_NO_PIN = (
+    "Choose a predicate, ask a question, or put the cursor on a value of it in a row that another "
+    "column tells from the rest; then pin it."
+)
+_NO_MEMORY = (
+    "Put the cursor on a memory: in a row of Memory, on a pin, or on a part of one in the tree "
+    "that {open_value} opens."
+)
+
+rows = Group("Rows and values")
+
+
+@rows.command("Pin or unpin", "at")
+def pin(screen: MainScreen) -> None:
+    """Watch the value under the cursor, a predicate, a question, or a robot's memory."""
+    from logical_robots_tui.game import Pin
+    from logical_robots_tui.tui.inspector.pinning import pin_here
+    from logical_robots_tui.tui.theme.safe_text import one_line
+
+    inspector = screen.inspector
+    if inspector.pages.pins.has_focus:
+        inspector.pages.pins.action_remove()
+        return
+    query = _question_asked(screen)
+    found = Pin(query) if query else None
+    found = found or pin_here(inspector.inspected, inspector.shown_table, inspector.robot)
+    if found is None or inspector.is_function:
+        screen.tell(_NO_PIN)
+    elif inspector.pages.pins.toggle(found):
+        where = with_keys("{watch} shows what is pinned.")
+        screen.tell(f"Pinned: {one_line(found.words)}. {where}")
+    else:
+        screen.tell(f"No longer pinned: {one_line(found.words)}.")
+
+
+@rows.command("Open the value", "X")
+def open_value(screen: MainScreen) -> None:
+    """Show the value under the cursor, or the inputs of a decision, as a tree."""
+    from logical_robots_tui.tui.inspector.pinning import branches_here, branches_of
+    from logical_robots_tui.tui.inspector.remembered import remembered
+    from logical_robots_tui.tui.inspector.widgets.tree import ValueTree
+
+    inspector, frame = screen.inspector, screen.session.frame
+    view = inspector.pages.reasons.view
+
+    def follow_back(pin: Pin) -> bool:
+        """Follow a value of the tree; whether it is part of a memory."""
+        asked = remembered(pin, screen.session.frame.tick)
+        if asked is not None:
+            screen.point_at(inspector)
+            inspector.follow_back(asked)
+        return asked is not None
+
+    if view.has_focus and view.pointed is not None and view.pointed.values:
+        title, branches = branches_of(view.pointed)
+    else:
+        title, branches = branches_here(
+            inspector.inspected, inspector.shown_table, inspector.robot, frame
+        )
+    if inspector.is_function:  # a call can't be found again in another tick
+        branches = [replace(branch, pin=None) for branch in branches]
+    if branches:
+        title = f"{title} · tick {frame.tick}"
+        screen.app.push_screen(ValueTree(title, branches, inspector.pages.pins.toggle, follow_back))
+    else:
+        screen.tell("Put the cursor on a value, or choose Decision.")
+
+
+@rows.command("Origin", "less_than_sign")
+def origin(screen: MainScreen) -> None:
+    """Trace the memory under the cursor, or a part of it, to the tick and rule that made it."""
+    from logical_robots_tui.tui.inspector.answers import NO_PROGRAM
+    from logical_robots_tui.tui.inspector.remembered import remembered_here
+
+    inspector, frame = screen.inspector, screen.session.frame
+    if screen.session.game is None:
+        screen.tell(NO_PROGRAM)
+        return
+    asked = remembered_here(inspector, frame)
+    if asked is None and inspector.pages.origin.asked is None:
+        screen.tell(with_keys(_NO_MEMORY))
+        return
+    screen.point_at(inspector)
+    inspector.follow_back(asked)
+
+
+@rows.command("Dependency graph", "R")
+async def graph(screen: MainScreen) -> None:
+    """Show which predicate uses which, and open one of them."""
+    from logical_robots_tui.tui.inspector.answers import NO_PROGRAM
+    from logical_robots_tui.tui.inspector.pages.graph import Graph
+
+    program = screen.session.program
+    if program is None:
+        screen.tell(NO_PROGRAM)
+        return
+    known = program.predicate(screen.inspector.inspected)
+    chosen = await screen.app.push_screen_wait(Graph(program, known.name if known else "Robot"))
+    predicate = program.predicate(chosen) if chosen is not None else None
+    if predicate is not None and predicate.kind == "prelude":
+        screen.tell(f"{predicate.reason} It is in the prelude.")
+    elif predicate is not None:
+        screen.go_to(screen.inspector)
+        screen.inspector.open(predicate.name)
+
+
+@rows.command("SQL and query plan", "K", worker="sql")
+async def sql(screen: MainScreen) -> None:
+    """Show what each predicate costs, and SQL and query plan of the one inspected."""
+    from logical_robots_tui.game import Superseded
+    from logical_robots_tui.tui.inspector.answers import NO_PROGRAM
+    from logical_robots_tui.tui.inspector.pages.sql import machinery_text
+    from logical_robots_tui.tui.learning.reader import Reader
+
+    inspector, frame = screen.inspector, screen.session.frame
+    try:
+        found = await inspector.questions.machinery(frame)
+    except Superseded:
+        found = []
+    if found:
+        text = machinery_text(found, inspector.inspected)
+        screen.app.push_screen(Reader(f"How it is computed · tick {frame.tick}", text))
+    else:
+        screen.tell(NO_PROGRAM)
+
+
+@rows.command("Rows of one robot", "O")
+def only_robot(screen: MainScreen) -> None:
+    """Show only the rows of the selected robot, or all again."""
+    if (table := _table(screen)) is not None:
+        robot = "" if table.how.robot else screen.inspector.robot
+        screen.inspector.rearrange(replace(table.how, robot=robot))
+
+
+@rows.command("Sort rows", "A")
+def sort(screen: MainScreen) -> None:
+    """Sort by the column under the cursor: ascending, then descending, then not at all."""
+    if (table := _table(screen)) is None:
+        return
+    how, column = table.how, table.column
+    if how.sideways or not column:
+        screen.tell("Put the cursor on a column of a table that is not transposed.")
+    elif how.sort != column:
+        screen.inspector.rearrange(replace(how, sort=column, descending=False))
+    elif not how.descending:
+        screen.inspector.rearrange(replace(how, descending=True))
+    else:
+        screen.inspector.rearrange(replace(how, sort="", descending=False))
+
+
+@rows.command("Search rows…", "number_sign")
+async def search_rows(screen: MainScreen) -> None:
+    """Show only the rows that contain a text."""
+    from logical_robots_tui.tui.layout.line_dialog import LinePrompt
+
+    if (table := _table(screen)) is not None:
+        question = "Only rows with this text; nothing shows all"
+        text = await screen.app.push_screen_wait(LinePrompt(question, table.how.search))
+        if text is not None:
+            screen.inspector.rearrange(replace(table.how, search=text))
+
+
+@rows.command("Transpose the table", "J")
+def transpose(screen: MainScreen) -> None:
+    """Show each column as a line, or as a column again."""
+    if (table := _table(screen)) is not None:
+        screen.inspector.rearrange(replace(table.how, sideways=not table.how.sideways))
+
+
+@rows.command("Copy rows", "c")
+def copy_rows(screen: MainScreen) -> None:
+    """Copy the rows as CSV, to the terminal's clipboard and into a file."""
+    from logical_robots_tui.tui.inspector.widgets.arranging import as_csv
+
+    if (table := _table(screen)) is not None:
+        text, count = as_csv(table.shown), len(table.shown.rows)
+        screen.app.copy_to_clipboard(text)
+        screen.tell(f"{count:,} row{'s' * (count != 1)} copied{_but(table)}.")
+        screen.scribe.keep_copy(text)
+
+
+@rows.command("Save rows", "S")
+def save_rows(screen: MainScreen) -> None:
+    """Save the rows as CSV and as JSON."""
+    from logical_robots_tui.tui.inspector.widgets.arranging import as_csv, as_json
+    from logical_robots_tui.writing import write_atomically
+
+    if (table := _table(screen)) is None:
+        return
+    folder = screen.data_dir / "rows"
+    name = re.sub(r"\W+", "-", screen.inspector.inspected).strip("-")
+    path = folder / f"{name}-tick-{screen.session.frame.tick}"
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        write_atomically(path.with_suffix(".csv"), as_csv(table.shown))
+        write_atomically(path.with_suffix(".json"), as_json(table.shown))
+    except OSError as error:
+        screen.warn(f"The rows can't be saved in {folder}: {error.strerror}.")
+    else:
+        screen.tell(f"Saved as {path}.csv and .json{_but(table)}.")
+
+
+@rows.command("Break here", "asterisk")
+def break_here(screen: MainScreen) -> None:
+    """Set a breakpoint: this predicate or column changes, or the question holds."""
+    from logical_robots_tui.game import Breakpoint
+
+    inspector = screen.inspector
+    if query := _question_asked(screen):
+        screen.add_breakpoint(Breakpoint("rows", query))
+        return
+    if inspector.inspected not in {p.name for p in screen.session.predicates if p.has_rows}:
+        screen.tell("Choose a predicate or ask a question first.")
+        return
+    table = inspector.pages.table
+    column = table.column if table.has_focus else ""
+    screen.add_breakpoint(Breakpoint("change", inspector.inspected, table.how.robot, column))
+
+
+def _question_asked(screen: MainScreen) -> str:
+    """The question whose answer the inspector shows, or ""."""
+    from logical_robots_tui.tui.inspector.choice import ASK
+
+    inspector = screen.inspector
+    return inspector.pages.asking.asked if inspector.inspected == ASK else ""
+
+
+def _table(screen: MainScreen) -> ValueTable | None:
+    table = screen.inspector.shown_table
+    if table is None:
+        screen.tell("There is no table: choose a predicate in the inspector.")
+    return table
+
+
+def _but(table: ValueTable) -> str:
+    return f"; {table.missing}" if table.missing else ""

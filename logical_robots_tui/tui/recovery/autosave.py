@@ -1,0 +1,118 @@
+"""Autosave: writes what is edited to a draft, soon after every change."""
+
+from __future__ import annotations
+
+import asyncio
+from typing import TYPE_CHECKING, Generic, TypeVar
+
+from logical_robots_tui.game.drafts import Draft
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from logical_robots_tui.game import Source
+    from logical_robots_tui.game.drafts import Drafts, Key
+
+__all__ = ["Autosave", "program_draft"]
+
+State = TypeVar("State")
+
+
+class Autosave(Generic[State]):
+    """Keeps what is edited safe; a hangup loses no more than what was done in its delay.
+
+    Args:
+        drafts: Where to.
+        delay: Seconds from a change to its draft on disk.
+        state: Gives what there is to keep, which is immutable.
+        draft: Makes a draft of that, or says what needs none any more; called in a thread.
+        failed: Called once with a sentence when drafts can't be written.
+        what: What can't be kept then, for the sentence.
+    """
+
+    def __init__(
+        self,
+        drafts: Drafts,
+        *,
+        delay: float = 0.25,
+        state: Callable[[], State],
+        draft: Callable[[State], Draft | Key],
+        failed: Callable[[str], None],
+        what: str,
+    ) -> None:
+        self._drafts = drafts
+        self._delay = delay
+        self._state = state
+        self._draft = draft
+        self._failed = failed
+        self._what = what
+        self._has_failed = False
+        self._written: State | None = None
+        self._written_turn = 0
+        self._pending: asyncio.Task[None] | None = None
+
+    def edited(self) -> None:
+        """There is a change; a draft follows in a moment, or the one there is goes."""
+        if self._pending is None or self._pending.done():
+            self._pending = asyncio.create_task(self._keep_soon())
+
+    def flush(self) -> None:
+        """Write the draft now. Safe in a signal handler; never raises."""
+        try:
+            self._keep(self._state(), self._drafts.next_turn())
+        except OSError as error:
+            self.report(error)
+
+    def stop(self) -> None:
+        """Write the draft and nothing after it."""
+        if self._pending is not None:
+            self._pending.cancel()
+        self.flush()
+
+    def drop(self, key: Key) -> None:
+        """Forget the draft: it is saved, or not wanted."""
+        if self._pending is not None:
+            self._pending.cancel()
+        self._written = None
+        self._drafts.drop(key)
+
+    def report(self, error: OSError) -> None:
+        """Say that nothing can be kept, unless that was said."""
+        if not self._has_failed:
+            self._has_failed = True
+            reason = error.strerror or str(error)
+            self._failed(f"{self._what} can't be kept on disk: {reason}. Save it elsewhere.")
+
+    async def _keep_soon(self) -> None:
+        state = self._written
+        while self._state() != state:
+            await asyncio.sleep(self._delay)
+            state, turn = self._state(), self._drafts.next_turn()
+            if state == self._written:
+                return
+            self._written = None  # until the thread is done, what is on disk is uncertain
+            try:
+                await asyncio.to_thread(self._keep, state, turn)
+            except OSError as error:
+                self.report(error)
+                return
+
+    def _keep(self, state: State, turn: int) -> None:
+        if state == self._written:
+            return
+        draft = self._draft(state)
+        if isinstance(draft, Draft):
+            self._drafts.keep(draft, turn)
+        else:
+            self._drafts.drop(draft, turn)
+        if turn > self._written_turn:
+            self._written, self._written_turn = state, turn
+
+
+def program_draft(unsaved: tuple[Source, str]) -> Draft | Key:
+    """The draft of a program's text, unless that is as in its file."""
+    source, text = unsaved
+    path = str(source.path)
+    if text == source.text:
+        return "program", path
+    return Draft("program", source.name, path, text)
