@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING
 from logical_robots_tui.later import lazy_exports
 
 if TYPE_CHECKING:
+    from logical_robots_tui.game.advancing import start_frame
     from logical_robots_tui.game.breakpoints import (
         EVENTS,
         Breakpoint,
@@ -15,10 +16,11 @@ if TYPE_CHECKING:
         subjects,
     )
     from logical_robots_tui.game.compiling import compile_program, mistake_in_question
+    from logical_robots_tui.game.continuing import Place, place_of
     from logical_robots_tui.game.divergence import Difference, Divergence
+    from logical_robots_tui.game.events import Goal, goals
     from logical_robots_tui.game.frame import Frame, NoSuchTickError, Superseded
     from logical_robots_tui.game.game import Answer, Game
-    from logical_robots_tui.game.goal import Goal, goals
     from logical_robots_tui.game.history import History
     from logical_robots_tui.game.inquiry import Inquiry
     from logical_robots_tui.game.marks import MARK_KINDS, Mark, MarkKind
@@ -40,13 +42,10 @@ if TYPE_CHECKING:
         pin_of_cell,
         read,
     )
-    from logical_robots_tui.game.place import Place, place_of
-    from logical_robots_tui.game.reference import is_shipped, level_key, reference_for
-    from logical_robots_tui.game.rules import count_rules
+    from logical_robots_tui.game.reference import count_rules, is_shipped, level_key, reference_for
     from logical_robots_tui.game.run import Run, run_key
     from logical_robots_tui.game.search import SearchResult, search_ticks
     from logical_robots_tui.game.source import Source, list_programs, load_program, save_program
-    from logical_robots_tui.game.start import start_frame
 
 __all__ = [
     "EVENTS",
@@ -112,7 +111,7 @@ _NAMES = {
     "compiling": "compile_program mistake_in_question",
     "frame": "Frame NoSuchTickError Superseded",
     "game": "Answer Game",
-    "goal": "Goal goals",
+    "events": "Goal goals",
     "history": "History",
     "matches": "Matches find_matches matching_rows",
     "inquiry": "Inquiry",
@@ -121,13 +120,12 @@ _NAMES = {
     "pace": "FLAT_OUT SPEEDS Pace",
     "divergence": "Difference Divergence",
     "pins": "MIND ROBOT_COLUMNS Path Pin Reading pin_of_cell read",
-    "place": "Place place_of",
-    "reference": "is_shipped level_key reference_for",
-    "rules": "count_rules",
+    "continuing": "Place place_of",
+    "reference": "count_rules is_shipped level_key reference_for",
     "run": "Run run_key",
     "search": "SearchResult search_ticks",
     "source": "Source list_programs load_program save_program",
-    "start": "start_frame",
+    "advancing": "start_frame",
 }
 
 __getattr__ = lazy_exports(

@@ -5,11 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from logical_robots_tui.game.advancing import known_frame
+from logical_robots_tui.game.advancing import Worlds, known_frame
 from logical_robots_tui.game.frame import Superseded
 from logical_robots_tui.game.proof_difference import condition_of, first_difference
 from logical_robots_tui.game.thinker import Thinker
-from logical_robots_tui.game.worlds import Worlds
 from logical_robots_tui.mind import QueryError
 
 if TYPE_CHECKING:

@@ -46,7 +46,7 @@ class Diagnosis:
         step: The interval, in ticks, at which everything was examined.
         second_step: The interval of the search for what seemed never to happen.
         left_out: How many places could not be observed.
-        is_reliable: Whether no time limit ended a thought of the run.
+        is_reliable: Whether no thought of the run was cut off by the clock.
     """
 
     findings: tuple[Finding, ...]

@@ -88,7 +88,7 @@ def said(work):
         return "nothing"
     except Exception as error:
         return getattr(error, "message", repr(error))
-from logical_robots_tui.game.naming import target
+from logical_robots_tui.game.source import target
 from logical_robots_tui.paths import typed_path
 paths = [
     secret, secret.with_name("nothing.l"), neighbour, pathlib.Path(json.__file__), own / "link.l",
