@@ -14,9 +14,9 @@ if TYPE_CHECKING:
     import threading
     from collections.abc import Mapping, Sequence
 
-    from logical_robots_tui.game.breakpoints import Hit
-    from logical_robots_tui.game.packing import Moment
-    from logical_robots_tui.game.watching import Watch
+    from logical_robots_tui.game.debugging.breakpoints import Hit
+    from logical_robots_tui.game.debugging.watching import Watch
+    from logical_robots_tui.game.history.packing import Moment
     from logical_robots_tui.mind import Mind
     from logical_robots_tui.values import Value
     from logical_robots_tui.world import Level, WorldState

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from logical_robots_tui.game.game import Game
-    from logical_robots_tui.game.history import History
+    from logical_robots_tui.game.history.history import History
     from logical_robots_tui.game.source import Source
     from logical_robots_tui.progress import Progress
     from logical_robots_tui.world import Level

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Coroutine, Mapping
 
     from logical_robots_tui.game import Breakpoint, Game, Hit, Place, Source
-    from logical_robots_tui.game.history import History
+    from logical_robots_tui.game.history.history import History
     from logical_robots_tui.mind import Predicate, Program, Table
     from logical_robots_tui.tui.app.background import Spawn, Work
     from logical_robots_tui.world import Level

@@ -12,7 +12,7 @@ from logical_robots_tui.tui.theme.safe_text import one_line
 
 if TYPE_CHECKING:
     from logical_robots_tui.game import Breakpoint, Hit, MarkKind
-    from logical_robots_tui.game.history import History
+    from logical_robots_tui.game.history.history import History
     from logical_robots_tui.tui.app.main_screen import MainScreen
 
 __all__ = ["TEN", "Travel"]

@@ -10,14 +10,14 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from logical_robots_tui.game.frame import driven
-from logical_robots_tui.game.marks import Marks, marks_of
-from logical_robots_tui.game.packing import Moment, Packed
+from logical_robots_tui.game.history.marks import Marks, marks_of
+from logical_robots_tui.game.history.packing import Moment, Packed
 from logical_robots_tui.world.bitmaps import PackedBits
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from logical_robots_tui.game.breakpoints import Hit
+    from logical_robots_tui.game.debugging.breakpoints import Hit
     from logical_robots_tui.game.frame import Frame
     from logical_robots_tui.mind import Program
     from logical_robots_tui.world import Level

@@ -5,18 +5,18 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from logical_robots_tui.game.advancing import Known, Worlds, known_frame
-from logical_robots_tui.game.course import Course
-from logical_robots_tui.game.divergence import find_divergence
 from logical_robots_tui.game.frame import NoSuchTickError
+from logical_robots_tui.game.history.course import Course
+from logical_robots_tui.game.history.divergence import find_divergence
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from logical_robots_tui.game.breakpoints import Hit
-    from logical_robots_tui.game.divergence import Divergence
+    from logical_robots_tui.game.debugging.breakpoints import Hit
     from logical_robots_tui.game.frame import Frame
-    from logical_robots_tui.game.marks import Marks
-    from logical_robots_tui.game.packing import Moment, Packed
+    from logical_robots_tui.game.history.divergence import Divergence
+    from logical_robots_tui.game.history.marks import Marks
+    from logical_robots_tui.game.history.packing import Moment, Packed
     from logical_robots_tui.mind import Program
     from logical_robots_tui.world import Level
 
