@@ -13,7 +13,6 @@ import tomlkit
 from tomlkit.exceptions import TOMLKitError
 from tomlkit.items import AoT, Array, Item
 
-from logical_robots_tui.editing.delta import alike
 from logical_robots_tui.editing.level_text import (
     block_text,
     needs_leniency,
@@ -23,7 +22,7 @@ from logical_robots_tui.editing.level_text import (
 from logical_robots_tui.editing.records import Record, Thing, record_of, words_of
 from logical_robots_tui.editing.things import KINDS, Kind, kind_of
 from logical_robots_tui.world.drawing import coarsest_cell, draw_rows, expresses, find_drawing
-from logical_robots_tui.world.level import LevelError
+from logical_robots_tui.world.level import LevelError, alike
 from logical_robots_tui.world.native import read_native
 
 if TYPE_CHECKING:

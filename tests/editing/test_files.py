@@ -14,7 +14,6 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from logical_robots_tui.editing.delta import alike
 from logical_robots_tui.editing.edits import Edits
 from logical_robots_tui.editing.files import save_level
 from logical_robots_tui.editing.level_text import lost_in_web, write_native, write_web
@@ -31,6 +30,7 @@ from logical_robots_tui.world import (
     Visibility,
     load_level,
 )
+from logical_robots_tui.world.level import alike
 from logical_robots_tui.world.native import read_native
 from logical_robots_tui.world.web import read_web
 from tests.editing.making import CONFORMANCE, EDITS, SHIPPED, Edit, room

@@ -147,7 +147,7 @@ async def test_text_that_has_come_back_under_a_dialog_is_not_offered(
         finally:
             go_on.set()
         offered = asyncio.Event()
-        monkeypatch.setattr(EditingDoor, "offer", lambda door: _now(offered))
+        monkeypatch.setattr(EditingDoor, "offer", lambda door, offers: _now(offered))
         await game.ready()
         await game.press("escape")
         await game.until(offered.is_set)

@@ -14,8 +14,6 @@ from textual.errors import NoWidget
 
 from logical_robots_tui.progress import FILE_NAME
 from logical_robots_tui.tui.app.main_screen import MainScreen
-from logical_robots_tui.tui.app.permissions import Freedoms
-from logical_robots_tui.tui.app.quitting import leave
 from logical_robots_tui.tui.app.settings import Settings
 from logical_robots_tui.tui.commands.keymap import KEY_MAP, KeyMap, with_keys
 from logical_robots_tui.tui.commands.table import COMMANDS
@@ -35,6 +33,7 @@ if TYPE_CHECKING:
     from textual.theme import Theme
 
     from logical_robots_tui.game import Source
+    from logical_robots_tui.tui.app.permissions import Freedoms
     from logical_robots_tui.world import Level
 
 __all__ = ["LogicalRobotsApp"]
@@ -90,8 +89,9 @@ class LogicalRobotsApp(SparingApp, inherit_bindings=False):
         self._first_theme = self._settings.theme or theme
         KEY_MAP.set(KeyMap(COMMANDS, self._settings.keys))
         journal = journal or Journal(data_dir / FILE_NAME)
-        self.main = MainScreen(level, source, data_dir, journal, text=text, welcome=welcome)
-        self.main.freedoms = freedoms or Freedoms()
+        self.main = MainScreen(
+            level, source, data_dir, journal, text=text, welcome=welcome, freedoms=freedoms
+        )
         self.animation_level = "none"
         self._turns = Turns(self)
         self._interrupted_at = float("-inf")
@@ -230,6 +230,6 @@ class LogicalRobotsApp(SparingApp, inherit_bindings=False):
         """Leave at the second ^C in a row; the first may have been meant for something else."""
         now = monotonic()
         if now - self._interrupted_at < _TWICE:
-            leave(self.main)
+            self.main.quit()
         self._interrupted_at = now
         self.notify("Press ^C again to leave the game.", markup=False, timeout=_TWICE)

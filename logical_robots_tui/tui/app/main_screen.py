@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import partial
 from time import monotonic
 from typing import TYPE_CHECKING
 
@@ -12,10 +13,12 @@ from textual.widgets import Input, Static, TextArea
 
 from logical_robots_tui.game.drafts import Drafts
 from logical_robots_tui.garbage import collect_seldom
-from logical_robots_tui.tui.app.background import in_background
+from logical_robots_tui.tui.app.background import ScreenUi
 from logical_robots_tui.tui.app.permissions import Freedoms
+from logical_robots_tui.tui.app.quitting import leave
 from logical_robots_tui.tui.app.redrawing import Redrawing
 from logical_robots_tui.tui.app.session import Session
+from logical_robots_tui.tui.app.session_listener import SessionListener
 from logical_robots_tui.tui.commands.keymap import KEY_MAP, command
 from logical_robots_tui.tui.inspector.choice import DECISION, ROBOTS, WATCH, WHY
 from logical_robots_tui.tui.inspector.pages.robots import RobotsView
@@ -40,7 +43,6 @@ from logical_robots_tui.tui.program.pane import ProgramPane
 from logical_robots_tui.tui.recovery.autosave import Autosave, program_draft
 from logical_robots_tui.tui.recovery.bookmark import Bookmark
 from logical_robots_tui.tui.recovery.offers import Offers
-from logical_robots_tui.tui.theme.safe_text import one_line
 from logical_robots_tui.tui.timeline.controller import Travel
 from logical_robots_tui.tui.timeline.search import Search
 from logical_robots_tui.tui.timeline.widget import Timeline
@@ -53,8 +55,9 @@ if TYPE_CHECKING:
     from textual.geometry import Size
     from textual.widget import Widget
 
-    from logical_robots_tui.game import Breakpoint, Frame, Source
-    from logical_robots_tui.tui.app.background import Work
+    from logical_robots_tui.game import Frame, Source
+    from logical_robots_tui.tui.level_editor.mode import EditMode
+    from logical_robots_tui.tui.level_editor.panel import EditPanel
     from logical_robots_tui.tui.library.journal import Journal
     from logical_robots_tui.world import Level
 
@@ -64,7 +67,7 @@ _HEARTBEAT = 0.25  # seconds between two looks at a clock that runs
 _READABLE = 0.2  # seconds that a number is to stand while robots run
 
 
-class MainScreen(Screen[None]):
+class MainScreen(Screen[None], SessionListener):
     """Everything that a player sees outside of dialogs.
 
     Args:
@@ -74,6 +77,7 @@ class MainScreen(Screen[None]):
         journal: Where progress is kept.
         text: What the player made of the program, or None.
         welcome: Whether to begin with the tour.
+        freedoms: What the player may do with the machine.
 
     Attributes:
         data_dir: Where drafts and the player's programs are.
@@ -90,55 +94,86 @@ class MainScreen(Screen[None]):
         *,
         text: str | None = None,
         welcome: bool = False,
+        freedoms: Freedoms | None = None,
     ) -> None:
         super().__init__(id="main")
         # As a class variable they would be the same for every player; a keymap can't take one away.
         self._bindings = BindingsMap.merge([self._bindings, BindingsMap(KEY_MAP.get().bindings())])
-        self.freedoms = Freedoms()
-        self.data_dir = data_dir
+        self.freedoms = freedoms or Freedoms()
+        self.data_dir, self.journal = data_dir, journal
+        self.ui = ScreenUi(self)
+        self.tell, self.warn, self.spawn = self.ui.tell, self.ui.warn, self.ui.spawn
         self.redrawing = Redrawing(self, self._draw)
-        self.journal = journal
-        self.session = Session(
-            level,
-            source,
-            spawn=self.spawn,
-            changed=self.redrawing.soon,
-            used=journal.used,
-            stopped=lambda hits: self.travel.tell_hits(hits),
-        )
+        self.session = Session(level, source, spawn=self.spawn, changed=self.redrawing.soon)
+        self.redrawing.pace = self.session.pace
+        self._text_to_begin_with = source.text if text is None else text
+        self._is_new_here = welcome
+        self._status, self._tabs, self._bar = StatusLine(), PaneTabs(), CommandBar()
+        self._too_small = Static(id="too-small", markup=False)
+        self.labyrinth, self.program, self.timeline = LabyrinthPane(), ProgramPane(), Timeline()
+        self.inspector = InspectorPane(self.session)
+        self.arrangement = Arrangement((self.labyrinth, self.program, self.inspector))
+        self._make_controllers()
+        self._focus_before: Widget | None = None
+        self._drawn: tuple[Level, Frame, bool] | None = None
+        self._lines_drawn_at = float("-inf")
+
+    def _make_controllers(self) -> None:
+        session, ui, journal, data_dir = self.session, self.ui, self.journal, self.data_dir
         self.drafts = Drafts(data_dir / "drafts")
         self.autosave = Autosave(
             self.drafts,
-            state=lambda: (self.session.source, self.program.text),
+            state=lambda: (session.source, self.program.text),
             draft=program_draft,
             failed=self.warn,
             what="What you type",
         )
-        self.library = Library(self, data_dir / "programs")
-        self.editing = EditingDoor(self, data_dir / "levels", self.drafts)
-        self.bookmark = Bookmark(self, self.drafts)
-        self.offers = Offers(self)
-        self.guide = Guide(self)
-        self.scribe = Scribe(self, data_dir / "copied.txt")
-        self._text_to_begin_with = source.text if text is None else text
-        self._watch = FileWatch(lambda: self.session.source, self.library.take_from_disk)
-        self._is_new_here = welcome
-        self.tours = TourGuide(self)
-        self.travel = Travel(self)
-        self.celebration = Celebration(self)
-        self.search = Search(self)
-        self._status = StatusLine()
-        self._tabs = PaneTabs()
-        self._too_small = Static(id="too-small", markup=False)
-        self.labyrinth = LabyrinthPane()
-        self.program = ProgramPane()
-        self.inspector = InspectorPane(self.session)
-        self.timeline = Timeline()
-        self._bar = CommandBar()
-        self.arrangement = Arrangement((self.labyrinth, self.program, self.inspector))
-        self._focus_before: Widget | None = None
-        self._drawn: tuple[Level, Frame, bool] | None = None
-        self._lines_drawn_at = float("-inf")
+        self.library = Library(
+            session,
+            ui,
+            journal,
+            self.drafts,
+            self.autosave,
+            self.program,
+            data_dir,
+            drawing=lambda: self.labyrinth.view.drawing,
+            make_level=lambda: self.editing.make_level(),
+        )
+        self.editing = EditingDoor(
+            session, ui, data_dir / "levels", self.drafts, self.library.open_level, self._panel
+        )
+        self.bookmark = Bookmark(
+            session, self.drafts, ui, self.library, self.labyrinth.close_briefing
+        )
+        self.offers = Offers(ui, lambda: self.is_active)
+        self.guide = Guide(session, ui, journal, self.program, self.library.open_program)
+        self.scribe = Scribe(
+            self.program,
+            session,
+            ui,
+            data_dir / "copied.txt",
+            freedoms=lambda: self.freedoms,
+            enter=lambda: self.go_to(self.program),
+            suspend=lambda: self.app.suspend(),
+        )
+        self._watch = FileWatch(lambda: session.source, self.library.take_from_disk)
+        self.tours = TourGuide(self.mount, self.arrangement, self.point_at, journal.tour_seen)
+        self.travel = Travel(session, ui, lambda: self.labyrinth.view.selected)
+        self.search = Search(session, ui, self.travel.go_to)
+        is_covered = partial(self.arrangement.covers, self.labyrinth)
+        self.celebration = Celebration(session, self.labyrinth, journal, self.tell, is_covered)
+        session.listeners += [self.editing, journal, self.celebration, self.travel, self]
+
+    def _panel(self, mode: EditMode) -> EditPanel:
+        from logical_robots_tui.tui.level_editor.panel import EditPanel
+
+        return EditPanel(
+            mode,
+            self.labyrinth,
+            enter=lambda: self.go_to(self.labyrinth),
+            switched=self.celebration.hold,
+            changed=self.redraw_lines,
+        )
 
     def compose(self) -> ComposeResult:
         """Status line, tabs, panes, timeline, command bar."""
@@ -157,7 +192,7 @@ class MainScreen(Screen[None]):
         )
         self.set_focus(self.labyrinth)
         self.set_interval(_HEARTBEAT, self._beat)
-        self.begin_level()
+        self.level_opened(self.session.level)
         self._draw()
         self.call_after_refresh(self._start)
 
@@ -168,9 +203,10 @@ class MainScreen(Screen[None]):
 
     def _start(self) -> None:
         collect_seldom()
+        self.journal.level_opened(self.session.opened)
         self.session.apply(self.text)
-        self.journal.open(self.session.level)
-        self.spawn(self.offers.make, "drafts", exclusive=False)
+        offers = partial(self.offers.make, self.library, self.editing, self.bookmark)
+        self.spawn(offers, "drafts", exclusive=False)
         self.spawn(self._watch.follow, "watch", exclusive=False)
         if self._is_new_here:
             self.tours.begin()
@@ -190,37 +226,15 @@ class MainScreen(Screen[None]):
         """What stands in the editor."""
         return self.program.text
 
-    def put_text(self, text: str) -> None:
-        """Put another program's text into the editor."""
-        self.program.editor.load_text(text)
-
-    def replace_text(self, text: str) -> None:
-        """Put another text of the same program into the editor; undo brings the former back."""
-        self.program.editor.put(text)
-
-    def tell(self, message: str) -> None:
-        """Say something in passing."""
-        self.notify(message, markup=False, timeout=4)
-
-    def warn(self, message: str) -> None:
-        """Say what went wrong."""
-        self.notify(one_line(message), markup=False, severity="warning", timeout=8)
-
-    def begin_level(self) -> None:
+    def level_opened(self, level: Level) -> None:
         """Show what the level asks for."""
-        self.editing.level_left()
         self.labyrinth.select(None)
-        self.labyrinth.briefing.tell(self.session.level)
-        self.celebration.forget()
+        self.labyrinth.briefing.tell(level)
         self.redrawing.soon()
 
-    def add_breakpoint(self, breakpoint_: Breakpoint) -> None:
-        """Let the robots stop at something from now on, and say so."""
-        self.travel.add_breakpoint(breakpoint_)
-
-    def spawn(self, work: Work, group: str, *, exclusive: bool) -> None:
-        """Work in the background."""
-        in_background(self, work, group, exclusive=exclusive)
+    def quit(self) -> None:
+        """Leave the game, but not without a word where that would lose something."""
+        leave(self.ui, self.app.exit, self.drafts, self.autosave, self.editing)
 
     # -- drawing -------------------------------------------------------------------------------
 
@@ -229,18 +243,14 @@ class MainScreen(Screen[None]):
         now = (session.level, session.frame, session.running)
         if not self.arrangement.is_tiny and self._drawn != now:
             self._drawn = now
-            level = self.editing.shown(session.level)
-            self.labyrinth.show(level, session.frame, hurried=session.running)
+            self.labyrinth.show(self.editing.level, session.frame, hurried=session.running)
         saved = self.text == session.source.text
         self.program.show(session.state, session.source.name, saved=saved)
         is_read = session.running and not self.redrawing.tempo.is_hurried
         if not is_read or monotonic() - self._lines_drawn_at > _READABLE:
             self.redraw_lines()
-        if session.frame.tick:
-            self.journal.moved()
-        self.celebration.follow()
+        self.labyrinth.banner.follow(self.journal)
         self.inspector.follow()
-        session.pace.spacing = self.redrawing.tempo.spacing
 
     @property
     def _edits(self) -> bool:

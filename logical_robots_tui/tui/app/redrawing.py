@@ -12,6 +12,8 @@ if TYPE_CHECKING:
 
     from textual.widget import Widget
 
+    from logical_robots_tui.game import Pace
+
 __all__ = ["Redrawing"]
 
 
@@ -24,12 +26,14 @@ class Redrawing:
 
     Attributes:
         tempo: How often to draw.
+        pace: Leaves as much time to others as the drawing does; None leaves it alone.
     """
 
     def __init__(self, widget: Widget, draw: Callable[[], None]) -> None:
         self.tempo = Tempo()
         self._widget = widget
         self._draw = draw
+        self.pace: Pace | None = None
         self._due: asyncio.TimerHandle | None = None
 
     def soon(self) -> None:
@@ -54,5 +58,7 @@ class Redrawing:
         try:
             with self.tempo.drawing():
                 self._draw()
+            if self.pace is not None:
+                self.pace.spacing = self.tempo.spacing
         except Exception as error:  # as timers of Textual's do
             self._widget.app._handle_exception(error)

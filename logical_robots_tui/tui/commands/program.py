@@ -98,7 +98,7 @@ async def save(screen: MainScreen) -> None:
 @program.command("Revert to the file")
 def revert(screen: MainScreen) -> None:
     """Replace the text in the editor by that of its file; undo brings yours back."""
-    screen.replace_text(screen.session.source.text)
+    screen.program.put(screen.session.source.text)
 
 
 @program.command("Earlier versions", "v", bar="Versions", spare=8)

@@ -225,14 +225,14 @@ def break_here(screen: MainScreen) -> None:
 
     inspector = screen.inspector
     if query := _question_asked(screen):
-        screen.add_breakpoint(Breakpoint("rows", query))
+        screen.travel.add_breakpoint(Breakpoint("rows", query))
         return
     if inspector.inspected not in {p.name for p in screen.session.predicates if p.has_rows}:
         screen.tell("Choose a predicate or ask a question first.")
         return
     table = inspector.pages.table
     column = table.column if table.has_focus else ""
-    screen.add_breakpoint(Breakpoint("change", inspector.inspected, table.how.robot, column))
+    screen.travel.add_breakpoint(Breakpoint("change", inspector.inspected, table.how.robot, column))
 
 
 def _question_asked(screen: MainScreen) -> str:

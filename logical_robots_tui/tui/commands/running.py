@@ -43,7 +43,6 @@ def back(screen: MainScreen) -> None:
 def restart(screen: MainScreen) -> None:
     """Start the level again at tick 0, with the same program."""
     screen.session.restart()
-    screen.celebration.forget()
 
 
 @running.command("Slower", "minus", bar="-")
