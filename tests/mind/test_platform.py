@@ -135,6 +135,21 @@ def test_a_recursion_that_mentions_itself_twice_goes_as_far_as_there_is_somethin
     assert [d.memory for d in think(text, CHAIN, {}, sensor="all", memory="all")] == together
 
 
+def test_a_functor_of_such_a_recursion_is_one_too() -> None:
+    rules = (
+        f"{REACH} Linked(a: 'Ada', b: 'Di'); Linked(a: 'Di', b: 'Bo'); Way := Reach(Sees: Linked);"
+    )
+    text = f"{rules} {ROBOT} m = List{{b :- Way(a: robot_name, b:)}};"
+    assert [d.memory for d in think(text, CHAIN, {})] == [["Bo", "Di"], None, None, ["Bo"]]
+    mind = Mind(Program.compile(text))
+    assert set(mind.query("Way", CHAIN[:1], {}).rows) == {
+        ("Ada", "Di"),
+        ("Ada", "Bo"),
+        ("Di", "Bo"),
+    }
+    mind.close()
+
+
 def test_it_says_so_when_it_was_still_growing() -> None:
     text = f"@Recursive(Reach, 1); {REACH}{ROBOT} m = List{{b :- Reach(a: robot_name, b:)}};"
     (first, *_) = think(text, CHAIN, {}, sensor="all")

@@ -90,7 +90,7 @@ def extent(found: Diagnosis) -> str:
     if found.left_out:
         said += f" Places not covered, because they are too expensive to examine: {found.left_out}."
     if not found.is_reliable:
-        said += " A clock ended a thought: another run may go otherwise."
+        said += " A time limit ended a thought: another run may differ."
     return said
 
 

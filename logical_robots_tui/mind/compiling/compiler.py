@@ -33,6 +33,7 @@ from logical_robots_tui.mind.diagnostics import Diagnostic, ProgramError
 from logical_robots_tui.mind.program import INPUTS, Predicate, Program
 from logical_robots_tui.mind.text import Prepared, diagnostic_for, prepare
 from logical_robots_tui.mind.typed import as_on_duckdb
+from logical_robots_tui.mind.why.functors import recursions_written_out
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -115,7 +116,7 @@ def compiled_rules(rules: list[Rule], text: str, source: Prepared) -> RobotProgr
         ProgramError: They can't be compiled.
     """
     try:
-        written = rewritten(rules)
+        written = rewritten(recursions_written_out(rules))
         written_out(written)
         spell_out(written, text, source)
         return RobotProgram(_with_prelude(written), user_flags={"logica_default_engine": "sqlite"})

@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
 from logical_robots_tui.mind.compiling.quicker import deep_copy
-from logical_robots_tui.mind.compiling.rules import called, head_name, heads, value_of
+from logical_robots_tui.mind.compiling.rules import called, head_name, heads, subject, value_of
 from logical_robots_tui.mind.why import trees
 
 if TYPE_CHECKING:
@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
     from logical_robots_tui.mind.compiling.rules import Rule
 
-__all__ = ["Expanded", "expand"]
+__all__ = ["Expanded", "expand", "recursions_written_out"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -71,6 +71,31 @@ def expand(raw: Iterable[Rule]) -> Expanded:
         for name in ready or list(waiting):
             _make(name, waiting.pop(name), expanded)
     return expanded
+
+
+def recursions_written_out(raw: list[Rule]) -> list[Rule]:
+    """The rules with all ``:=`` written out, if one makes a recursive predicate, else as they are.
+
+    For a recursion that the package makes, it has to unroll.
+
+    Args:
+        raw: The rules of a program, as written.
+    """
+    if not any(head_name(rule) == "@Make" for rule in raw):
+        return raw
+    expanded = expand(raw)
+    made = {name: expanded.bases[name] for name in expanded.bases}
+    made |= {copy: original for copy, (original, _) in expanded.origins.items()}
+    if not any(name in expanded.reach(name) for name in made):
+        return raw
+    rules = list(expanded.others)
+    for name, original in made.items():
+        for other in expanded.others:
+            if subject(other) == original:
+                copied = deep_copy(other)
+                rename(copied, {original: name})
+                rules.append(copied)
+    return [*rules, *(rule for own in expanded.rules.values() for rule in own)]
 
 
 def _is_ready(make: Rule, waiting: Mapping[str, Rule], expanded: Expanded) -> bool:

@@ -114,20 +114,25 @@ class Group:
         """Declare a command that needs no function of its own."""
         self.commands.append(Command(name, title, text, self.title, self.scope, keys, act))
 
-    def command(self, title: str, *keys: str, **options: Any) -> Callable[[Act], Act]:
-        """Declare that a function does a command; its name is the id, its docstring the help.
+    def command(
+        self,
+        title: str,
+        *keys: str,
+        bar: str = "",
+        place: Place = "outside",
+        spare: int = 0,
+        worker: str = "dialog",
+    ) -> Callable[[Act], Act]:
+        """Declare the command that a function does; its name is the id, its docstring the help.
 
-        Args:
-            title: What it does, in a few words.
-            keys: As Textual names them.
-            options: Those of `bar`, `place`, `spare` and `worker` that differ from the usual.
+        The arguments are attributes of `Command`.
         """
 
         def declare(act: Act) -> Act:
-            # A function can't be called `help`, but a command can.
-            name, text = act.__name__.rstrip("_"), (act.__doc__ or "").strip()
-            entry = Command(name, title, text, self.title, self.scope, keys, act, **options)
-            self.commands.append(entry)
+            # A function that is called `help` would hide Python's own.
+            said = act.__name__.rstrip("_"), title, (act.__doc__ or "").strip()
+            where = self.title, self.scope
+            self.commands.append(Command(*said, *where, keys, act, bar, place, spare, worker))
             return act
 
         return declare

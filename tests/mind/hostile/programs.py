@@ -355,6 +355,107 @@ _TEXTS: list[tuple[str, str, str]] = [
     ("divides by nothing", "bounded", "ROBOT m = List{i / 0 :- i in Range(1000)};"),
     ("wants a root of less than nothing", "bounded", "ROBOT m = Sqrt(0 - 1);"),
     ("raises high", "bounded", "ROBOT m = 10 ^ 400;"),
+    # growing in a single step, and by names that are not ours
+    (
+        "doubles a text by recursion",
+        "failed",
+        '@Recursive(T, 60); T("ab", 0); T(x ++ x, n + 1) :- T(x, n), n < 50; '
+        "ROBOT m = Max{Length(x) :- T(x, n)};",
+    ),
+    (
+        "doubles rows by recursion",
+        "failed",
+        "@Recursive(N, 40); N(x: 0); N(x: y * 2) :- N(x: y); N(x: y * 2 + 1) :- N(x: y); "
+        "ROBOT m = Sum{1 :- N(x:)};",
+    ),
+    (
+        "lists triples of rays",
+        "failed",
+        "ROBOT m = List{[a, b, c] :- a in sensor.radar, b in sensor.radar, c in sensor.radar};",
+    ),
+    (
+        "joins triples of rays",
+        "failed",
+        "ROBOT m = Join(List{ToString(a) ++ ToString(b) :- a in sensor.radar, "
+        'b in sensor.radar, c in sensor.radar}, "");',
+    ),
+    ("collects its sensor", "failed", "ROBOT m = List{sensor :- i in Range(20000)};"),
+    (
+        "replaces by more",
+        "failed",
+        'R(x) = Replace(x, "a", "aaaaaaaaaa"); ROBOT m = Length(R(R(R(R(R(R(R(R("a")))))))));',
+    ),
+    ("replaces nothing", "harmless", 'ROBOT m = Replace("abc", "", "x");'),
+    ("takes a width from a number", "failed", 'ROBOT m = Format("%*d", 2000000000, 1);'),
+    ("fills with blanks", "failed", 'ROBOT m = Format("%1999999999s", "x");'),
+    ("fills with hex digits", "failed", 'ROBOT m = Format("%.1000000x", 1);'),
+    (
+        "fills a hundred times",
+        "failed",
+        'ROBOT m = Format("' + "%1000000d" * 100 + '"' + ", 1" * 100 + ");",
+    ),
+    ("writes through a format", "failed", 'ROBOT m = Format("%n%p%a%q%Q%w", 1, 2, 3, 4, 5, 6);'),
+    ("counts to a fraction", "failed", "ROBOT m = Size(Range(1e18));"),
+    ("counts to a text", "failed", 'ROBOT m = Size(Range("99999999999"));'),
+    ("counts to what is no number", "harmless", "ROBOT m = Size(Range(Log(0 - 1)));"),
+    ("builds a tower of powers", "harmless", "ROBOT m = 10 ^ (10 ^ (10 ^ 10));"),
+    (
+        "cuts beyond all ends",
+        "harmless",
+        'ROBOT m = Substr("abc", -9223372036854775808, 9223372036854775807);',
+    ),
+    ("picks beyond the end", "harmless", "ROBOT m = Element(Range(10), 9223372036854775807);"),
+    ("writes what is no character", "harmless", "ROBOT m = [Chr(1114112), Chr(-1), Chr(55296)];"),
+    (
+        "nests its memory ever deeper",
+        "harmless",
+        "ROBOT Memory(robot_name:, memory:), m = [[[[[[[[[[memory]]]]]]]]]];",
+    ),
+    (
+        "remembers long names of fields",
+        "bounded",
+        'ROBOT m = AssembleRecord(List{{arg: Format("%0500d", i), value: i} :- i in Range(1500)});',
+    ),
+    (
+        "sorts what is nested",
+        "failed",
+        "ROBOT m = Sort(List{[[i, j], {a: i}] :- i in Range(140), j in Range(140)});",
+    ),
+    ("casts to a list", "refused", 'ROBOT m = Cast(Range(10), "INTEGER[]");'),
+    ("casts to bytes", "refused", 'ROBOT m = Cast(1, "BLOB");'),
+    ("casts to a length and SQL", "refused", 'ROBOT m = Cast(1, "VARCHAR(1)) || (SELECT 1");'),
+    (
+        "orders by more columns and SQL",
+        "refused",
+        '@OrderBy(P, "col0", "col0 desc", "(select 1)"); P(1); ROBOT P(m);',
+    ),
+    ("orders by a record", "refused", '@OrderBy(P, {x: "col0"}); P(1); ROBOT P(m);'),
+    ("limits by a query", "refused", '@Limit(P, "1 union select 2"); P(1); ROBOT P(m);'),
+    ("reads a text", "refused", 'ROBOT m = ReadText("/etc/passwd");'),
+    ("reads a blob", "refused", 'ROBOT m = Read_blob("/etc/passwd");'),
+    ("lists files", "refused", 'ROBOT m = Glob("/etc/*");'),
+    ("lists a folder", "refused", "ROBOT Fsdir(name:), m = name;"),
+    ("asks the environment", "refused", 'ROBOT m = Getenv("HOME");'),
+    ("asks a pragma", "refused", "ROBOT Pragma_database_list(file:), m = file;"),
+    ("asks for series", "refused", "ROBOT Generate_series(value:), m = value;"),
+    ("evaluates", "refused", 'ROBOT m = Eval("1");'),
+    (
+        "has engines without bounds",
+        "bounded",
+        "Robot(robot_name:, desire: {left_engine: 1e308 * 10, right_engine: -1e300}, "
+        "memory: 1) :- Sensor(robot_name:);",
+    ),
+    (
+        "wants a list of engines",
+        "bounded",
+        "Robot(robot_name:, desire: Range(90000), memory: 1) :- Sensor(robot_name:);",
+    ),
+    (
+        "has a name without end",
+        "bounded",
+        'Robot(robot_name: Format("%01900000d", 1), desire: {left_engine: 1, right_engine: 1}, '
+        "memory: 1);",
+    ),
     # the parser
     ("opens brackets", "refused", "ROBOT m = " + "(" * 20_000 + "1" + ")" * 20_000 + ";"),
     ("opens lists", "refused", "ROBOT m = " + "[" * 20_000 + "]" * 20_000 + ";"),
