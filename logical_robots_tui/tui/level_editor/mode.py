@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Literal
 
 from logical_robots_tui.editing.checks import check
 from logical_robots_tui.editing.delta import alike
-from logical_robots_tui.editing.native_text import write_native
+from logical_robots_tui.editing.level_text import write_native
 from logical_robots_tui.game import is_shipped
 from logical_robots_tui.game.drafts import Draft
 from logical_robots_tui.tui.commands.keymap import command, commands
