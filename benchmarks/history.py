@@ -19,7 +19,7 @@ from benchmarks.measure import Effort, Measurement
 from benchmarks.subjects import program_text, robots_of
 from logical_robots_tui import Program, load_level
 from logical_robots_tui.game import Frame, Game, History, load_program
-from logical_robots_tui.game.history import DEFAULT_LENGTH
+from logical_robots_tui.game.history.history import DEFAULT_LENGTH
 from logical_robots_tui.world import list_levels
 from tests.terminal import Terminal
 

@@ -28,7 +28,7 @@ from logical_robots_tui.game.continuing import (
     program_to_begin_with,
 )
 from logical_robots_tui.game.events import events_between
-from logical_robots_tui.game.naming import target
+from logical_robots_tui.game.source import target
 from logical_robots_tui.game.victory import keep_victory, victory_of
 from logical_robots_tui.mind import Program, ProgramError
 from logical_robots_tui.paths import is_there

@@ -5,7 +5,10 @@ from typing import TYPE_CHECKING
 from logical_robots_tui.later import lazy_exports
 
 if TYPE_CHECKING:
-    from logical_robots_tui.game.breakpoints import (
+    from logical_robots_tui.game.advancing import start_frame
+    from logical_robots_tui.game.compiling import compile_program, mistake_in_question
+    from logical_robots_tui.game.continuing import Place, place_of
+    from logical_robots_tui.game.debugging.breakpoints import (
         EVENTS,
         Breakpoint,
         Breakpoints,
@@ -14,24 +17,16 @@ if TYPE_CHECKING:
         mistake_in,
         subjects,
     )
-    from logical_robots_tui.game.compiling import compile_program, mistake_in_question
-    from logical_robots_tui.game.divergence import Difference, Divergence
-    from logical_robots_tui.game.frame import Frame, NoSuchTickError, Superseded
-    from logical_robots_tui.game.game import Answer, Game
-    from logical_robots_tui.game.goal import Goal, goals
-    from logical_robots_tui.game.history import History
-    from logical_robots_tui.game.inquiry import Inquiry
-    from logical_robots_tui.game.marks import MARK_KINDS, Mark, MarkKind
-    from logical_robots_tui.game.matches import Matches, find_matches, matching_rows
-    from logical_robots_tui.game.origin import (
+    from logical_robots_tui.game.debugging.inquiry import Inquiry
+    from logical_robots_tui.game.debugging.matches import Matches, find_matches, matching_rows
+    from logical_robots_tui.game.debugging.origin import (
         Link,
         Origin,
         origin_in_game,
         origin_in_run,
         read_path,
     )
-    from logical_robots_tui.game.pace import FLAT_OUT, SPEEDS, Pace
-    from logical_robots_tui.game.pins import (
+    from logical_robots_tui.game.debugging.pins import (
         MIND,
         ROBOT_COLUMNS,
         Path,
@@ -40,13 +35,17 @@ if TYPE_CHECKING:
         pin_of_cell,
         read,
     )
-    from logical_robots_tui.game.place import Place, place_of
-    from logical_robots_tui.game.reference import is_shipped, level_key, reference_for
-    from logical_robots_tui.game.rules import count_rules
+    from logical_robots_tui.game.debugging.search import SearchResult, search_ticks
+    from logical_robots_tui.game.events import Goal, goals
+    from logical_robots_tui.game.frame import Frame, NoSuchTickError, Superseded
+    from logical_robots_tui.game.game import Answer, Game
+    from logical_robots_tui.game.history.divergence import Difference, Divergence
+    from logical_robots_tui.game.history.history import History
+    from logical_robots_tui.game.history.marks import MARK_KINDS, Mark, MarkKind
+    from logical_robots_tui.game.pace import FLAT_OUT, SPEEDS, Pace
+    from logical_robots_tui.game.reference import count_rules, is_shipped, level_key, reference_for
     from logical_robots_tui.game.run import Run, run_key
-    from logical_robots_tui.game.search import SearchResult, search_ticks
     from logical_robots_tui.game.source import Source, list_programs, load_program, save_program
-    from logical_robots_tui.game.start import start_frame
 
 __all__ = [
     "EVENTS",
@@ -108,26 +107,25 @@ __all__ = [
 ]
 
 _NAMES = {
-    "breakpoints": "EVENTS Breakpoint Breakpoints Event Hit mistake_in subjects",
+    "debugging.breakpoints": "EVENTS Breakpoint Breakpoints Event Hit mistake_in subjects",
     "compiling": "compile_program mistake_in_question",
     "frame": "Frame NoSuchTickError Superseded",
     "game": "Answer Game",
-    "goal": "Goal goals",
-    "history": "History",
-    "matches": "Matches find_matches matching_rows",
-    "inquiry": "Inquiry",
-    "marks": "MARK_KINDS Mark MarkKind",
-    "origin": "Link Origin origin_in_game origin_in_run read_path",
+    "events": "Goal goals",
+    "history.history": "History",
+    "debugging.matches": "Matches find_matches matching_rows",
+    "debugging.inquiry": "Inquiry",
+    "history.marks": "MARK_KINDS Mark MarkKind",
+    "debugging.origin": "Link Origin origin_in_game origin_in_run read_path",
     "pace": "FLAT_OUT SPEEDS Pace",
-    "divergence": "Difference Divergence",
-    "pins": "MIND ROBOT_COLUMNS Path Pin Reading pin_of_cell read",
-    "place": "Place place_of",
-    "reference": "is_shipped level_key reference_for",
-    "rules": "count_rules",
+    "history.divergence": "Difference Divergence",
+    "debugging.pins": "MIND ROBOT_COLUMNS Path Pin Reading pin_of_cell read",
+    "continuing": "Place place_of",
+    "reference": "count_rules is_shipped level_key reference_for",
     "run": "Run run_key",
-    "search": "SearchResult search_ticks",
+    "debugging.search": "SearchResult search_ticks",
     "source": "Source list_programs load_program save_program",
-    "start": "start_frame",
+    "advancing": "start_frame",
 }
 
 __getattr__ = lazy_exports(

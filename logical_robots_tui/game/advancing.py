@@ -1,27 +1,37 @@
-"""Advancing a game: computing the next ticks, or replaying them from history."""
+"""Advancing a game: its first frame, and the next ones, computed, replayed or edited."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from time import perf_counter
 from typing import TYPE_CHECKING
 
 from logical_robots_tui.game.frame import Frame
-from logical_robots_tui.game.start import fresh_frame
+from logical_robots_tui.world import World
+from logical_robots_tui.world.changing import changed_state, former_names
 
 if TYPE_CHECKING:
     import threading
     from collections.abc import Mapping, Sequence
 
-    from logical_robots_tui.game.breakpoints import Hit
-    from logical_robots_tui.game.packing import Moment
-    from logical_robots_tui.game.watching import Watch
-    from logical_robots_tui.game.worlds import Worlds
+    from logical_robots_tui.game.debugging.breakpoints import Hit
+    from logical_robots_tui.game.debugging.watching import Watch
+    from logical_robots_tui.game.history.packing import Moment
     from logical_robots_tui.mind import Mind
     from logical_robots_tui.values import Value
-    from logical_robots_tui.world import Level, World, WorldState
+    from logical_robots_tui.world import Level, WorldState
+    from logical_robots_tui.world.changing import Pose
 
-__all__ = ["Advance", "Known", "advance", "known_frame"]
+__all__ = [
+    "Advance",
+    "Known",
+    "Worlds",
+    "advance",
+    "changed_frame",
+    "fresh_frame",
+    "known_frame",
+    "start_frame",
+]
 
 
 @dataclass(frozen=True, slots=True)
@@ -128,4 +138,76 @@ def _next_frame(world: World, mind: Mind, past: Frame, stop: threading.Event) ->
     memories = {d.robot_name: d.memory for d in decisions}
     return Frame(
         after.tick, before, after, sensors, past.memories, decisions, memories, milliseconds
+    )
+
+
+def start_frame(level: Level, world: World | None = None) -> Frame:
+    """Return frame 0 of a level: nobody has thought yet, and no program is needed.
+
+    Args:
+        level: The level.
+        world: A new world of the level, if there is one already.
+    """
+    world = world or World(level)
+    return fresh_frame(world, world.save(), {robot.name: "" for robot in level.robots})
+
+
+def fresh_frame(world: World, state: WorldState, memories: Mapping[str, Value]) -> Frame:
+    """Return a frame without decisions.
+
+    Args:
+        world: The world to sense in; it is in this state afterwards.
+        state: The state of the world.
+        memories: Each robot's memory, by robot name.
+    """
+    world.restore(state)
+    return Frame(state.tick, state, state, tuple(world.look()), memories, (), memories, 0.0)
+
+
+class Worlds:
+    """Holds one world; a world for a similar level is created from it quickly.
+
+    Args:
+        level: The first level.
+    """
+
+    def __init__(self, level: Level) -> None:
+        self._world = World(level)
+
+    def of(self, level: Level) -> World:
+        """Return the world of a level, in the state it was left in."""
+        if self._world.level is not level:
+            self._world = World(level, like=self._world)
+        return self._world
+
+
+def changed_frame(
+    worlds: Worlds, frame: Frame, before: Level, after: Level, poses: Mapping[str, Pose]
+) -> Frame:
+    """Return a frame whose tick ends in another level; keeps its decisions if possible.
+
+    Args:
+        worlds: The worlds to sense in.
+        frame: The frame.
+        before: The old level.
+        after: The new level.
+        poses: New poses of robots, by their name in the new level.
+
+    Raises:
+        ValueError: A pose is for an unknown robot.
+    """
+    state = changed_state(frame.after, before, after, poses)
+    if frame.decisions and _is_thought_alike(before, after):
+        return replace(frame, after=state)
+    former = former_names(before, after)
+    known: dict[str, Value] = {name: frame.memories[old] for name, old in former.items()}
+    memories = {robot.name: known.get(robot.name, "") for robot in after.robots}
+    return fresh_frame(worlds.of(after), state, memories)
+
+
+def _is_thought_alike(before: Level, after: Level) -> bool:
+    """Return whether robots, areas and visibility are the same, so that decisions stay valid."""
+    return before.visibility == after.visibility and all(
+        [thing.name for thing in one] == [thing.name for thing in other]
+        for one, other in ((before.robots, after.robots), (before.areas, after.areas))
     )

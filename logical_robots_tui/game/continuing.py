@@ -1,7 +1,9 @@
-"""Where a player continues, and what progress is kept; shared by the screen and plain mode."""
+"""Where a player continues: the position in a game, the last level and program."""
 
 from __future__ import annotations
 
+import json
+from dataclasses import asdict, dataclass
 from typing import TYPE_CHECKING
 
 from logical_robots_tui.errors import InputError
@@ -17,13 +19,17 @@ from logical_robots_tui.world import list_levels
 if TYPE_CHECKING:
     from pathlib import Path
 
+    from logical_robots_tui.game.game import Game
+    from logical_robots_tui.game.source import Source
     from logical_robots_tui.progress import Progress
     from logical_robots_tui.world import Level
 
 __all__ = [
+    "Place",
     "keep_if_own",
     "level_to_begin_with",
     "note_level",
+    "place_of",
     "program_to_begin_with",
 ]
 
@@ -72,3 +78,72 @@ def keep_if_own(progress: Progress, key: str, text: str) -> None:
     """Keep a program with the level of that key, unless it is a shipped one."""
     if text not in shipped_texts().values():
         progress.keep(key, text)
+
+
+@dataclass(frozen=True, slots=True)
+class Place:
+    """A tick, and how to get there: same level, same programs, same ticks.
+
+    Attributes:
+        level: Name of a shipped level, otherwise the path of its file.
+        title: The level's title.
+        program: Name of the last program if it is a shipped one, otherwise the path of its file.
+        tick: Number of the tick, at least 1.
+        programs: The first tick that each program decided, and its text, in order.
+    """
+
+    level: str
+    title: str
+    program: str
+    tick: int
+    programs: tuple[tuple[int, str], ...]
+
+    def as_text(self) -> str:
+        """Serialise the place for `from_text`."""
+        return json.dumps(asdict(self), ensure_ascii=False)
+
+    @classmethod
+    def from_text(cls, text: str) -> Place:
+        """Parse a place.
+
+        Raises:
+            ValueError: The text is not a place.
+        """
+        try:
+            found = json.loads(text)
+            programs = tuple((int(begin), str(program)) for begin, program in found["programs"])
+            level, title, program = (str(found[name]) for name in ("level", "title", "program"))
+            place = cls(level, title, program, int(found["tick"]), programs)
+        except (KeyError, TypeError, ValueError) as error:
+            raise ValueError("this is not a place in a game") from error
+        begins = [begin for begin, _ in place.programs]
+        if begins[:1] != [1] or begins != sorted(set(begins)) or begins[-1] > place.tick:
+            raise ValueError("the programs of this place are out of order")
+        return place
+
+    def stretches(self) -> list[tuple[str, int]]:
+        """Return the programs' texts, each with the last tick that it decided."""
+        ends = [begin - 1 for begin, _ in self.programs[1:]]
+        return [
+            (text, end) for (_, text), end in zip(self.programs, [*ends, self.tick], strict=True)
+        ]
+
+
+def place_of(game: Game, level: Level, source: Source) -> Place | None:
+    """Return the position of a game.
+
+    Args:
+        game: The game.
+        level: The level as saved in its file.
+        source: The source of the program.
+
+    Returns:
+        None at the start, where there is nothing to return to, and if the level was edited on the
+        way, because the tick can't be reproduced then.
+    """
+    history, tick = game.history, game.frame.tick
+    if tick == 0 or history.level_at(0) is not level or history.is_changed_up_to(tick):
+        return None
+    programs = tuple((begin, program.text) for begin, program in history.programs(tick))
+    program = source.name if source.shipped else str(source.path)
+    return Place(level_key(level), level.title, program, tick, programs)

@@ -1,4 +1,4 @@
-"""Drafts: unsaved texts, levels and places, kept on disk so that they survive crashes."""
+"""Drafts: unsaved texts, levels and positions, kept on disk so that they survive crashes."""
 
 from __future__ import annotations
 
@@ -25,22 +25,22 @@ OLD_DRAFTS_KEPT = 50
 
 Kind: TypeAlias = Literal["program", "level", "place"]
 Key: TypeAlias = tuple[Kind, str]
-"""What a draft is of: its kind, and the path of its file. Drafts of one key follow each other."""
+"""The kind and the file path of a draft. A newer draft of the same key replaces the older one."""
 
 _held_locks: set[int] = set()
 
 
 @dataclass(frozen=True, slots=True)
 class Draft:
-    """Something that is not saved.
+    """Unsaved work.
 
     Attributes:
         kind: A program's text, a level's text, or the place where a game stood.
-        name: What to call it.
-        path: Path of the file that it belongs to, or what stands for that.
-        text: What there is of it.
+        name: The name to show.
+        path: Path of the file that it belongs to, or a substitute.
+        text: The unsaved text.
         saved: When the draft was made, with time zone, to show.
-        turn: Counts on from draft to draft, whatever the clock says.
+        turn: A counter that orders drafts regardless of the clock.
     """
 
     kind: Kind
@@ -52,7 +52,7 @@ class Draft:
 
     @property
     def key(self) -> Key:
-        """What it is of."""
+        """Its kind and path."""
         return self.kind, self.path
 
 
@@ -80,17 +80,17 @@ class Drafts:
         self._unwritten: set[Key] = set()
 
     def next_turn(self) -> int:
-        """Take a turn for a draft that is written later: what has a later one counts."""
+        """Reserve a turn for a draft that is written later; the latest turn wins."""
         with self._guard:
             self._turn += 1
             return self._turn
 
     def keep(self, draft: Draft, turn: int | None = None) -> None:
-        """Write a draft in the place of the one before it.
+        """Write a draft, replacing an older one.
 
         Args:
             draft: The draft.
-            turn: When it was made; after a later draft or drop nothing changes. By default now.
+            turn: When it was made, by default now; ignored after a later draft or drop.
 
         Raises:
             OSError: It can't be written.
@@ -118,13 +118,13 @@ class Drafts:
         return found
 
     def get(self, key: Key) -> Draft | None:
-        """The draft that this session kept, or None."""
+        """Return this session's draft, or None."""
         return self._mine.get(key)
 
     def take(self, key: Key) -> Draft | None:
-        """Make an adopted draft one's own; None if there is none.
+        """Turn an adopted draft into an own one; return None if there is none.
 
-        One's own draft of the same goes into the folder ``old``.
+        An own draft of the same key is moved to the folder ``old``.
         """
         with self._guard:
             draft = self._adopted.pop(key, None)
@@ -139,11 +139,11 @@ class Drafts:
             return draft
 
     def drop(self, key: Key, turn: int | None = None) -> None:
-        """Forget a draft, because it is saved or is as in its file again.
+        """Delete a draft that was saved or equals its file again.
 
         Args:
-            key: What it is of.
-            turn: When that was so; after a later draft nothing changes. By default now.
+            key: The key of the draft.
+            turn: When that was, by default now; ignored after a later draft.
         """
         with self._guard:
             if not self._is_turn_of(key, turn):
@@ -154,17 +154,17 @@ class Drafts:
                     self._file(key).unlink(missing_ok=True)
 
     def put_away(self, key: Key) -> None:
-        """Move an adopted draft into the folder ``old``; it is not wanted now."""
+        """Move an adopted draft to the folder ``old``."""
         with self._guard:
             if self._adopted.pop(key, None) is not None:
                 with suppress(OSError):
                     self._retire(self._adopted_file(key))
 
     def adopt(self, kind: Kind) -> list[Draft]:
-        """Take over what sessions that are over left behind.
+        """Take over the drafts of sessions that have ended.
 
         Returns:
-            The adopted drafts of a kind, newest first; one for each path.
+            The adopted drafts of a kind, newest first, one per path.
 
         Raises:
             OSError: The folder can't be used.

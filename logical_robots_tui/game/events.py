@@ -1,19 +1,18 @@
-"""The events of a tick, as sentences."""
+"""The events of a tick and the goals of a level, as sentences."""
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
-
-from logical_robots_tui.game.goal import goals
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
     from logical_robots_tui.game.frame import Frame
-    from logical_robots_tui.world import Level
+    from logical_robots_tui.world import Level, WorldState
     from logical_robots_tui.world.state import AreaState, RobotState
 
-__all__ = ["events_between"]
+__all__ = ["Goal", "events_between", "goals"]
 
 
 def events_between(level: Level, past: Frame, frame: Frame) -> Iterator[str]:
@@ -64,3 +63,46 @@ def _of_area(old: AreaState, area: AreaState) -> Iterator[str]:
     for name in old.visitors:
         if name not in area.visitors:
             yield f"{name} leaves {area.name}."
+
+
+@dataclass(frozen=True, slots=True)
+class Goal:
+    """One goal area and the robots in it.
+
+    Attributes:
+        area_name: Name of the area.
+        active: Whether it counts at this tick.
+        wanted: Names of the robots that must all be inside at once.
+        inside: Names of those that are inside.
+    """
+
+    area_name: str
+    active: bool
+    wanted: tuple[str, ...]
+    inside: tuple[str, ...]
+
+    @property
+    def reached(self) -> bool:
+        """Whether all required robots are inside while the area is active."""
+        return self.active and len(self.inside) == len(self.wanted)
+
+    @property
+    def words(self) -> str:
+        """Which of the required robots are inside, one sentence."""
+        if len(self.wanted) == 1:
+            return f"{self.area_name}: {self.wanted[0]} is {'in' if self.inside else 'not in yet'}."
+        return f"{self.area_name}: {len(self.inside)} of {len(self.wanted)} are in."
+
+
+def goals(level: Level, state: WorldState) -> tuple[Goal, ...]:
+    """Return the goal areas of a level in file order, with their state after a tick."""
+    return tuple(
+        Goal(
+            area.name,
+            now.active,
+            area.victory_robots,
+            tuple(name for name in area.victory_robots if name in now.visitors),
+        )
+        for area, now in zip(level.areas, state.areas, strict=True)
+        if area.victory_robots
+    )

@@ -1,7 +1,8 @@
-"""A frame: the immutable record of one finished tick."""
+"""Frames: immutable records of finished ticks."""
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
@@ -12,9 +13,9 @@ if TYPE_CHECKING:
 
     from logical_robots_tui.mind.decision import Decision
     from logical_robots_tui.values import SensorRow, Value
-    from logical_robots_tui.world.state import WorldState
+    from logical_robots_tui.world import WorldState
 
-__all__ = ["Frame", "NoSuchTickError", "Superseded"]
+__all__ = ["Frame", "NoSuchTickError", "Superseded", "driven"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -60,3 +61,11 @@ class NoSuchTickError(LogicalRobotsError):
 
 class Superseded(Exception):  # noqa: N818 - not an error: the player did something else meanwhile
     """The work belonged to a run that is over; its result was dropped."""
+
+
+def driven(before: WorldState, after: WorldState) -> float:
+    """Return the total straight-line distance of all robots between two states, in map units."""
+    return sum(
+        math.hypot(now.x - then.x, now.y - then.y)
+        for then, now in zip(before.robots, after.robots, strict=True)
+    )

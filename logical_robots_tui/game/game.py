@@ -7,17 +7,13 @@ from dataclasses import dataclass
 from itertools import takewhile
 from typing import TYPE_CHECKING
 
-from logical_robots_tui.game.advancing import advance
-from logical_robots_tui.game.breakpoints import Breakpoint, Breakpoints, mistake_in
+from logical_robots_tui.game.advancing import Worlds, advance, changed_frame, start_frame
+from logical_robots_tui.game.debugging.breakpoints import Breakpoint, Breakpoints, mistake_in
+from logical_robots_tui.game.debugging.watching import Watch
 from logical_robots_tui.game.frame import Superseded
-from logical_robots_tui.game.history import DEFAULT_LENGTH, History
-from logical_robots_tui.game.intervention import changed_frame
+from logical_robots_tui.game.history.history import DEFAULT_LENGTH, History, Past
 from logical_robots_tui.game.pace import Pace
-from logical_robots_tui.game.past import Past
-from logical_robots_tui.game.start import start_frame
 from logical_robots_tui.game.thinker import Thinker
-from logical_robots_tui.game.watching import Watch
-from logical_robots_tui.game.worlds import Worlds
 from logical_robots_tui.mind import Limits, Stopped
 
 if TYPE_CHECKING:
@@ -25,7 +21,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
 
     from logical_robots_tui.game.advancing import Advance, Known
-    from logical_robots_tui.game.breakpoints import Hit
+    from logical_robots_tui.game.debugging.breakpoints import Hit
     from logical_robots_tui.game.frame import Frame
     from logical_robots_tui.mind import Program, Table
     from logical_robots_tui.world import Level

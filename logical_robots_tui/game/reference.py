@@ -1,4 +1,4 @@
-"""The measures of the reference programs, taken once and shipped with the levels."""
+"""The measures of the reference programs, and counting the rules of a program."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ from functools import lru_cache
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from logical_robots_tui.mind.text import prepare, statements
 from logical_robots_tui.progress import Measures
 from logical_robots_tui.shipped import shipped_folder
 
@@ -15,7 +16,15 @@ if TYPE_CHECKING:
 
     from logical_robots_tui.world import Level
 
-__all__ = ["FIELDS", "FILE_NAME", "is_shipped", "level_key", "reference_for", "reference_table"]
+__all__ = [
+    "FIELDS",
+    "FILE_NAME",
+    "count_rules",
+    "is_shipped",
+    "level_key",
+    "reference_for",
+    "reference_table",
+]
 
 FILE_NAME = "reference.csv"
 FIELDS = ("level", "ticks", "rules", "distance", "wins", "starts")
@@ -56,3 +65,13 @@ def _measures(row: dict[str, str]) -> Measures:
         int(row["wins"]),
         int(row["starts"]),
     )
+
+
+def count_rules(text: str) -> int:
+    """Return the number of rules of a program that compiles.
+
+    Every statement counts as one, however long it is and however many cases it has; annotations,
+    which begin with ``@``, don't.
+    """
+    source = prepare(text)
+    return sum(source.text[start] != "@" for start, _ in statements(source))

@@ -6,7 +6,7 @@ import random
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
-from logical_robots_tui.game.odometer import driven
+from logical_robots_tui.game.frame import driven
 from logical_robots_tui.mind import Mind
 from logical_robots_tui.world import World
 

@@ -14,14 +14,12 @@ from time import perf_counter
 from typing import TYPE_CHECKING, TypeVar
 
 from logical_robots_tui.caching import digest_of_code
-from logical_robots_tui.game.advancing import Known, advance, known_frame
-from logical_robots_tui.game.odometer import driven
-from logical_robots_tui.game.packing import Moment
-from logical_robots_tui.game.recording import DamagedError, Recording
-from logical_robots_tui.game.start import start_frame
+from logical_robots_tui.game.advancing import Known, Worlds, advance, known_frame, start_frame
+from logical_robots_tui.game.debugging.watching import Watch
+from logical_robots_tui.game.frame import driven
+from logical_robots_tui.game.history.packing import Moment
+from logical_robots_tui.game.history.recording import DamagedError, Recording
 from logical_robots_tui.game.thinker import Thinker
-from logical_robots_tui.game.watching import Watch
-from logical_robots_tui.game.worlds import Worlds
 from logical_robots_tui.mind import Limits
 
 if TYPE_CHECKING:

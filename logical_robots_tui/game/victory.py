@@ -5,14 +5,14 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Literal, TypeAlias
 
-from logical_robots_tui.game.rules import count_rules
+from logical_robots_tui.game.reference import count_rules
 from logical_robots_tui.game.source import shipped_texts
 from logical_robots_tui.progress import Measures
 from logical_robots_tui.world.level import alike
 
 if TYPE_CHECKING:
     from logical_robots_tui.game.game import Game
-    from logical_robots_tui.game.history import History
+    from logical_robots_tui.game.history.history import History
     from logical_robots_tui.mind import Program
     from logical_robots_tui.progress import Progress
     from logical_robots_tui.world import Level

@@ -88,7 +88,7 @@ def said(work):
         return "nothing"
     except Exception as error:
         return getattr(error, "message", repr(error))
-from logical_robots_tui.game.naming import target
+from logical_robots_tui.game.source import target
 from logical_robots_tui.paths import typed_path
 paths = [
     secret, secret.with_name("nothing.l"), neighbour, pathlib.Path(json.__file__), own / "link.l",
@@ -284,7 +284,8 @@ FILLS_CACHES = """if True:
     import os, sys
     from pathlib import Path
     from logical_robots_tui.confinement import MOST_BYTES, MOST_FILES, check_quota, confine
-    from logical_robots_tui.game import matches, recording
+    from logical_robots_tui.game.debugging import matches
+    from logical_robots_tui.game.history import recording
     from logical_robots_tui.mind import cache
 
     own = Path(sys.argv[1])

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import pytest
 
 from logical_robots_tui.errors import InputError
-from logical_robots_tui.game.naming import target
+from logical_robots_tui.game.source import target
 from logical_robots_tui.paths import is_file, is_folder, is_there, real, typed_path
 
 if TYPE_CHECKING:

@@ -7,8 +7,12 @@ from typing import TYPE_CHECKING
 import pytest
 
 from logical_robots_tui.game import Game
-from logical_robots_tui.game.comparing import Comparison, compare_proofs
-from logical_robots_tui.game.proof_difference import ProofDifference, condition_of, first_difference
+from logical_robots_tui.game.debugging.comparing import Comparison, compare_proofs
+from logical_robots_tui.game.debugging.proof_difference import (
+    ProofDifference,
+    condition_of,
+    first_difference,
+)
 from logical_robots_tui.mind import Mind, Program
 from logical_robots_tui.world import World
 from tests.game.playing import hall

@@ -14,8 +14,9 @@ from typing import TYPE_CHECKING, Any
 
 import pytest
 
-from logical_robots_tui.game import Game, Run, load_program, recording, run_key
+from logical_robots_tui.game import Game, Run, load_program, run_key
 from logical_robots_tui.game import run as running
+from logical_robots_tui.game.history import recording
 from logical_robots_tui.mind import Limits, Mind, Program
 from logical_robots_tui.paths import is_there
 from logical_robots_tui.world import World, load_level

@@ -10,7 +10,7 @@ import pytest
 
 from logical_robots_tui.errors import InputError
 from logical_robots_tui.game import list_programs, load_program, save_program
-from logical_robots_tui.game.naming import target
+from logical_robots_tui.game.source import target
 
 if TYPE_CHECKING:
     from pathlib import Path

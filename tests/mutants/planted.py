@@ -10,14 +10,14 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from logical_robots_tui.game import Game, load_program
-from logical_robots_tui.game.diagnosing import diagnose
+from logical_robots_tui.game.diagnosis.diagnosing import diagnose
 from logical_robots_tui.mind import Mind, Program
 from logical_robots_tui.mind.compilation import check_up
 from logical_robots_tui.mind.diagnosis.nearest import nearest_misses
 from logical_robots_tui.world import World, load_level
 
 if TYPE_CHECKING:
-    from logical_robots_tui.game.diagnosing import Diagnosis
+    from logical_robots_tui.game.diagnosis.diagnosing import Diagnosis
     from logical_robots_tui.mind.diagnosis.finding import Finding
     from logical_robots_tui.mind.diagnosis.nearest import Suggestion
     from logical_robots_tui.values import SensorRow, Value

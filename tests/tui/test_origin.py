@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import pytest
 
 from logical_robots_tui.game import Pin
-from logical_robots_tui.game.origin import Link, Origin
+from logical_robots_tui.game.debugging.origin import Link, Origin
 from logical_robots_tui.mind.why.probing import Span
 from logical_robots_tui.mind.why.sourcing import Read
 from logical_robots_tui.tui.inspector.choice import DECISION, ORIGIN, ROBOTS, WHY

@@ -9,9 +9,8 @@ from rich.segment import Segment
 from rich.style import Style
 from textual.strip import Strip
 
-from logical_robots_tui.tui.program.indenting import indentation_after, shifted
-from logical_robots_tui.tui.program.line_mapping import followed
-from logical_robots_tui.tui.program.marks import Mark, marked
+from logical_robots_tui.tui.program.mistakes import Mark, marked
+from logical_robots_tui.tui.program.text_operations import followed, indentation_after, shifted
 
 LINES = st.lists(st.sampled_from("abc"), max_size=6)
 

@@ -10,15 +10,15 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from logical_robots_tui.tui.program.controller import edited
-from logical_robots_tui.tui.program.searching import find_after, rename
-from logical_robots_tui.tui.program.words import (
+from logical_robots_tui.tui.program.completion import (
     call_before,
     definitions,
     help_on,
     word_around,
     words_for,
 )
+from logical_robots_tui.tui.program.controller import edited
+from logical_robots_tui.tui.program.text_operations import find_after, rename
 from tests.terminal import Terminal
 from tests.tui.conftest import PAPER, STILL, WRONG, opened
 from tests.tui.test_program_pane import ODD

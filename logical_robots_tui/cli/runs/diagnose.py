@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
 
     from logical_robots_tui.cli.command import Commands
-    from logical_robots_tui.game.diagnosing import Diagnosis
+    from logical_robots_tui.game.diagnosis.diagnosing import Diagnosis
     from logical_robots_tui.mind import Program
     from logical_robots_tui.mind.diagnosis.finding import Finding
     from logical_robots_tui.world import Level
@@ -65,7 +65,7 @@ def start(options: argparse.Namespace) -> int:
 
 async def _diagnose(level: Level, program: Program, ticks: int) -> Diagnosis:
     from logical_robots_tui.game import Game
-    from logical_robots_tui.game.diagnosing import diagnose
+    from logical_robots_tui.game.diagnosis.diagnosing import diagnose
 
     game = Game(level, program, history=ticks)
     try:
@@ -87,7 +87,7 @@ def _be_silent(_done: int, _all: int) -> None:
 
 
 def _lines(found: Diagnosis) -> Iterator[str]:
-    from logical_robots_tui.game.diagnosing import extent
+    from logical_robots_tui.game.diagnosis.diagnosing import extent
 
     wide = max(NARROWEST, min(WIDEST, shutil.get_terminal_size((WIDEST, 0)).columns))
     yield from textwrap.wrap(extent(found), wide)

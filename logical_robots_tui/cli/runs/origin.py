@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
 
     from logical_robots_tui.cli.command import Commands
-    from logical_robots_tui.game.origin import Link, Origin
+    from logical_robots_tui.game.debugging.origin import Link, Origin
     from logical_robots_tui.mind import Program
     from logical_robots_tui.mind.why.sourcing import Path, Read
     from logical_robots_tui.world import Level
@@ -90,7 +90,7 @@ def _lines(origin: Origin) -> Iterator[str]:
 
 
 def _link(number: int, link: Link) -> Iterator[str]:
-    from logical_robots_tui.game.origin import written_path
+    from logical_robots_tui.game.debugging.origin import written_path
 
     name = f"{link.robot}'s {written_path(link.path)}"
     yield harmless(f"{number + 1}. {name} = {_short(link.value)}")
@@ -111,13 +111,13 @@ def _link(number: int, link: Link) -> Iterator[str]:
 
 
 def _read(read: Read) -> str:
-    from logical_robots_tui.game.origin import written_path
+    from logical_robots_tui.game.debugging.origin import written_path
 
     return f"{read.robot}'s {written_path(read.path, read.what)} = {_short(read.value)}"
 
 
 def _data(link: Link) -> dict[str, Any]:
-    from logical_robots_tui.game.origin import written_path
+    from logical_robots_tui.game.debugging.origin import written_path
 
     return {
         "robot": link.robot,
@@ -145,7 +145,7 @@ def _cut(text: str) -> str:
 
 
 def _path(text: str) -> Path:
-    from logical_robots_tui.game.origin import read_path
+    from logical_robots_tui.game.debugging.origin import read_path
 
     try:
         return read_path(text)

@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Coroutine, Mapping
 
     from logical_robots_tui.game import Breakpoint, Game, Hit, Place, Source
-    from logical_robots_tui.game.history import History
+    from logical_robots_tui.game.history.history import History
     from logical_robots_tui.mind import Predicate, Program, Table
     from logical_robots_tui.tui.app.session_listener import SessionListener
     from logical_robots_tui.tui.app.ui import Spawn, Work

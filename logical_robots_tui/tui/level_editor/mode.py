@@ -8,7 +8,7 @@ from secrets import token_hex
 from typing import TYPE_CHECKING, Literal, Protocol
 
 from logical_robots_tui.editing.checks import check
-from logical_robots_tui.editing.native_text import write_native
+from logical_robots_tui.editing.level_text import write_native
 from logical_robots_tui.game import is_shipped
 from logical_robots_tui.game.drafts import Draft
 from logical_robots_tui.tui.level_editor.editor import LevelEditor

@@ -11,7 +11,7 @@ from textual.widgets import Input, Static
 from logical_robots_tui.editing.files import save_level
 from logical_robots_tui.editing.properties import set_words
 from logical_robots_tui.errors import InputError
-from logical_robots_tui.game.naming import target
+from logical_robots_tui.game.source import target
 from logical_robots_tui.tui.layout.question import Question
 from logical_robots_tui.tui.library.save_dialog import SaveDialog
 from logical_robots_tui.tui.theme.safe_text import one_line

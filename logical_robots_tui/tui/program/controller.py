@@ -13,8 +13,8 @@ from textual.app import SuspendNotSupported
 from textual.widgets.text_area import Selection
 
 from logical_robots_tui.game.source import SUFFIX
-from logical_robots_tui.tui.program.searching import find_after, is_predicate_name, rename
-from logical_robots_tui.tui.program.words import definitions
+from logical_robots_tui.tui.program.completion import definitions
+from logical_robots_tui.tui.program.text_operations import find_after, is_predicate_name, rename
 from logical_robots_tui.tui.theme.safe_text import clip, one_line
 from logical_robots_tui.writing import write_atomically
 

@@ -11,11 +11,10 @@ from textual.message import Message
 from textual.widgets import TextArea
 from textual.widgets.text_area import Selection, TextAreaTheme
 
-from logical_robots_tui.tui.program.completion import Completion
-from logical_robots_tui.tui.program.indenting import WIDTH, indentation_after, shifted
+from logical_robots_tui.tui.program.completion import Completion, word_around, words_for
 from logical_robots_tui.tui.program.lexer import LONGEST_LINE, LineStates, pieces
-from logical_robots_tui.tui.program.marks import marked
-from logical_robots_tui.tui.program.words import word_around, words_for
+from logical_robots_tui.tui.program.mistakes import marked
+from logical_robots_tui.tui.program.text_operations import WIDTH, indentation_after, shifted
 from logical_robots_tui.tui.theme.safe_text import visible
 from logical_robots_tui.tui.theme.themes import INK, SYNTAX, rich_style
 
@@ -28,7 +27,7 @@ if TYPE_CHECKING:
     from textual.theme import Theme
     from textual.widgets.text_area import Edit, EditResult
 
-    from logical_robots_tui.tui.program.marks import Mark
+    from logical_robots_tui.tui.program.mistakes import Mark
 
 __all__ = ["Editor"]
 

@@ -10,11 +10,10 @@ from textual.content import Content
 from textual.widgets import Static, TextArea
 
 from logical_robots_tui.tui.layout.pane import Pane
+from logical_robots_tui.tui.program.completion import call_before, definitions, help_on
 from logical_robots_tui.tui.program.editor import Editor
-from logical_robots_tui.tui.program.line_mapping import followed
-from logical_robots_tui.tui.program.marks import Mark
-from logical_robots_tui.tui.program.mistakes import MistakeStrip
-from logical_robots_tui.tui.program.words import call_before, definitions, help_on
+from logical_robots_tui.tui.program.mistakes import Mark, MistakeStrip
+from logical_robots_tui.tui.program.text_operations import followed
 from logical_robots_tui.tui.theme.safe_text import clip, one_line
 
 if TYPE_CHECKING:

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
     from logical_robots_tui.game import Breakpoint, Hit, MarkKind
-    from logical_robots_tui.game.history import History
+    from logical_robots_tui.game.history.history import History
     from logical_robots_tui.tui.app.session import Session
     from logical_robots_tui.tui.app.ui import Ui
 

@@ -9,7 +9,7 @@ from textual.content import Content
 from textual.widgets import Static
 
 from logical_robots_tui.game import NoSuchTickError, Superseded
-from logical_robots_tui.game.comparing import compare_proofs
+from logical_robots_tui.game.debugging.comparing import compare_proofs
 from logical_robots_tui.mind import QueryError
 from logical_robots_tui.tui.app.background import in_background
 from logical_robots_tui.tui.inspector.waiting import Waiting, under_way
@@ -23,8 +23,8 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
 
     from logical_robots_tui.game import Difference, Divergence, Game
-    from logical_robots_tui.game.comparing import Comparison
-    from logical_robots_tui.game.divergence import Matter
+    from logical_robots_tui.game.debugging.comparing import Comparison
+    from logical_robots_tui.game.history.divergence import Matter
     from logical_robots_tui.mind import Node
 
 __all__ = ["DivergencePage", "derivation", "told"]

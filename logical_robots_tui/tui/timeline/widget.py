@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from textual import events
 
     from logical_robots_tui.game import Mark
-    from logical_robots_tui.game.history import History
+    from logical_robots_tui.game.history.history import History
     from logical_robots_tui.tui.app.session import Session
 
 __all__ = ["Timeline"]

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from logical_robots_tui.game import Difference, Divergence
-from logical_robots_tui.game.comparing import Comparison
-from logical_robots_tui.game.proof_difference import ProofDifference
+from logical_robots_tui.game.debugging.comparing import Comparison
+from logical_robots_tui.game.debugging.proof_difference import ProofDifference
 from logical_robots_tui.mind import Ask, Node
 from logical_robots_tui.mind.why.probing import Span
 from logical_robots_tui.tui.timeline.divergence import derivation, told

@@ -17,7 +17,7 @@ from logical_robots_tui.mind import ProgramError, QueryError
 from logical_robots_tui.tui.inspector.answers import NO_PROGRAM, shown_rows
 from logical_robots_tui.tui.inspector.waiting import GivenUp, Waiting, under_way
 from logical_robots_tui.tui.inspector.widgets.table import ValueTable
-from logical_robots_tui.tui.program.words import NAMES
+from logical_robots_tui.tui.program.completion import NAMES
 from logical_robots_tui.tui.theme.safe_text import one_line
 from logical_robots_tui.tui.theme.themes import INK
 

@@ -11,7 +11,7 @@ from textual.widgets import OptionList, Static
 from textual.widgets.option_list import Option
 
 from logical_robots_tui.game import Superseded
-from logical_robots_tui.game.diagnosing import Diagnosis, diagnose, extent
+from logical_robots_tui.game.diagnosis.diagnosing import Diagnosis, diagnose, extent
 from logical_robots_tui.mind import QueryError
 from logical_robots_tui.tui.app.background import in_background
 from logical_robots_tui.tui.inspector.pointing import Placed

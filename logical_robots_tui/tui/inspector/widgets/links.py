@@ -9,7 +9,7 @@ from textual.content import Content
 from textual.geometry import Region
 from textual.message import Message
 
-from logical_robots_tui.game.origin import written_path
+from logical_robots_tui.game.debugging.origin import written_path
 from logical_robots_tui.tui.inspector.widgets.cells import cell
 from logical_robots_tui.tui.inspector.widgets.lines import LinesView
 from logical_robots_tui.tui.theme.safe_text import one_line

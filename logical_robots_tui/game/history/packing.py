@@ -213,7 +213,7 @@ def _decision(name: str, memory: Value, desire: Any, notices: Any) -> Decision:
 
 
 def is_moment(moment: Moment, tick: int, level: Level) -> bool:
-    """Whether a moment can be what a tick left behind in a level, down to every type."""
+    """Return whether a moment is a valid state for a tick of a level, down to every type."""
     try:
         return _is_moment(moment, tick, level)
     except TypeError:  # a list in place of a name
@@ -264,7 +264,7 @@ def _are_numbers(*values: Any) -> bool:
 
 
 def _is_value(value: Any, depth: int) -> bool:
-    """Whether a value is nested no deeper than that; it is out of JSON, so its type is right."""
+    """Return whether a value's nesting is within a limit; being from JSON, its type is right."""
     if type(value) not in (list, dict):
         return True
     inside = value.values() if type(value) is dict else value

@@ -4,23 +4,23 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from logical_robots_tui.game.advancing import Known
-from logical_robots_tui.game.course import Course
-from logical_robots_tui.game.divergence import find_divergence
+from logical_robots_tui.game.advancing import Known, Worlds, known_frame
 from logical_robots_tui.game.frame import NoSuchTickError
+from logical_robots_tui.game.history.course import Course
+from logical_robots_tui.game.history.divergence import find_divergence
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from logical_robots_tui.game.breakpoints import Hit
-    from logical_robots_tui.game.divergence import Divergence
+    from logical_robots_tui.game.debugging.breakpoints import Hit
     from logical_robots_tui.game.frame import Frame
-    from logical_robots_tui.game.marks import Marks
-    from logical_robots_tui.game.packing import Moment, Packed
+    from logical_robots_tui.game.history.divergence import Divergence
+    from logical_robots_tui.game.history.marks import Marks
+    from logical_robots_tui.game.history.packing import Moment, Packed
     from logical_robots_tui.mind import Program
     from logical_robots_tui.world import Level
 
-__all__ = ["DEFAULT_LENGTH", "History"]
+__all__ = ["DEFAULT_LENGTH", "History", "Past"]
 
 DEFAULT_LENGTH = 20_000
 _MOST_BYTES = 100_000_000
@@ -252,3 +252,41 @@ class History:
             self._other = self.divergence = None
         while self.kept_bytes > self._most_bytes and self._course.forget_pack():
             self.dropped = self._course.first
+
+
+class Past:
+    """Restores ticks of a history, on the event loop.
+
+    Going back tick by tick requests each one twice, first as the previous tick and then as the
+    current one; so the last one is cached.
+
+    Args:
+        history: The history.
+
+    Attributes:
+        worlds: The worlds in which the robots sense again.
+    """
+
+    def __init__(self, history: History) -> None:
+        self.worlds = Worlds(history.level_at(0))
+        self._history = history
+        self._last: Frame | None = None
+        self._turns = 0
+
+    def frame(self, tick: int) -> Frame:
+        """Return the exact frame of a tick.
+
+        Raises:
+            NoSuchTickError: History does not hold it.
+        """
+        history = self._history
+        before, _ = history.around(tick)
+        if self._last is None or self._last.tick != tick or self._turns != history.turns:
+            known = history.known(tick)
+            self._last = known_frame(self.worlds, before.after, before.memories, known)
+            self._turns = history.turns
+        return self._last
+
+    def forget(self) -> None:
+        """Clear the cache, because the end of a tick was edited."""
+        self._last = None

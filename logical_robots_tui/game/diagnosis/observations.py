@@ -7,13 +7,13 @@ from collections import Counter
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
-from logical_robots_tui.game.movement import stretches
+from logical_robots_tui.game.diagnosis.movement import stretches
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from logical_robots_tui.game.history import History
-    from logical_robots_tui.game.movement import Stretch
+    from logical_robots_tui.game.diagnosis.movement import Stretch
+    from logical_robots_tui.game.history.history import History
     from logical_robots_tui.mind.decision import NoticeKind
     from logical_robots_tui.values import Value
     from logical_robots_tui.world import RobotState

@@ -13,8 +13,8 @@ from logical_robots_tui.mind.diagnosis.telling import rule_findings, shortened
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping
 
-    from logical_robots_tui.game.movement import Stretch
-    from logical_robots_tui.game.observations import Observations
+    from logical_robots_tui.game.diagnosis.movement import Stretch
+    from logical_robots_tui.game.diagnosis.observations import Observations
     from logical_robots_tui.mind.diagnosis.counting import Tally
     from logical_robots_tui.mind.diagnosis.sites import Checkup, Span
     from logical_robots_tui.world import Level

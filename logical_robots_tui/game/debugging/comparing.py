@@ -5,21 +5,20 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from logical_robots_tui.game.advancing import known_frame
+from logical_robots_tui.game.advancing import Worlds, known_frame
+from logical_robots_tui.game.debugging.proof_difference import condition_of, first_difference
 from logical_robots_tui.game.frame import Superseded
-from logical_robots_tui.game.proof_difference import condition_of, first_difference
 from logical_robots_tui.game.thinker import Thinker
-from logical_robots_tui.game.worlds import Worlds
 from logical_robots_tui.mind import QueryError
 
 if TYPE_CHECKING:
     import threading
 
     from logical_robots_tui.game.advancing import Known
-    from logical_robots_tui.game.divergence import Divergence
+    from logical_robots_tui.game.debugging.proof_difference import ProofDifference, Side
     from logical_robots_tui.game.game import Game
-    from logical_robots_tui.game.packing import Moment
-    from logical_robots_tui.game.proof_difference import ProofDifference, Side
+    from logical_robots_tui.game.history.divergence import Divergence
+    from logical_robots_tui.game.history.packing import Moment
     from logical_robots_tui.mind import Ask, Explanation, Limits, Node, Program, Proof
     from logical_robots_tui.mind.why.explainer import Explainer
 

@@ -71,7 +71,7 @@ class Matches:
         stretches: First and last tick of each stretch in which it holds, ascending.
         failed: The same for the stretches in which it failed.
         reason: Why it first failed, or "".
-        is_reliable: Whether no time limit ended a thought in these ticks.
+        is_reliable: Whether no thought in these ticks was cut off by the clock.
     """
 
     ticks: int
@@ -137,7 +137,7 @@ async def find_matches(
             _add(holds, last)
         told(last)
     found = Matches(last, won_at, tuple(holds), tuple(failed), reason, is_reliable)
-    if is_reliable and run.lasts and not failed:  # it might have failed for want of time only
+    if is_reliable and run.lasts and not failed:  # it may have failed only for lack of time
         _keep(name, found)
     return found
 

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, Literal, TypeAlias
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from logical_robots_tui.game.packing import Moment
+    from logical_robots_tui.game.history.packing import Moment
     from logical_robots_tui.mind import Decision
 
 __all__ = ["Difference", "Divergence", "Matter", "find_divergence"]

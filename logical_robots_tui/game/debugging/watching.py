@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections import Counter
 from typing import TYPE_CHECKING, TypeAlias
 
-from logical_robots_tui.game.breakpoints import OF_QUESTIONS, Breakpoint, Hit
-from logical_robots_tui.game.matches import matching_rows
+from logical_robots_tui.game.debugging.breakpoints import OF_QUESTIONS, Breakpoint, Hit
+from logical_robots_tui.game.debugging.matches import matching_rows
 from logical_robots_tui.mind import ProgramError, QueryError, Table
 from logical_robots_tui.mind.sqlite.stored import to_json
 

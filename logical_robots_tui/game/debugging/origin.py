@@ -11,10 +11,9 @@ from dataclasses import dataclass, replace
 from functools import partial
 from typing import TYPE_CHECKING, TypeAlias
 
-from logical_robots_tui.game.advancing import known_frame
+from logical_robots_tui.game.advancing import Worlds, known_frame
 from logical_robots_tui.game.frame import NoSuchTickError, Superseded
 from logical_robots_tui.game.thinker import Thinker
-from logical_robots_tui.game.worlds import Worlds
 from logical_robots_tui.mind import QueryError
 from logical_robots_tui.mind.why.relations import alike
 from logical_robots_tui.mind.why.sourcing import part_of

@@ -7,9 +7,9 @@ import contextlib
 from functools import partial
 from typing import TYPE_CHECKING, TypeVar
 
+from logical_robots_tui.game.debugging.matches import matching_rows
+from logical_robots_tui.game.debugging.pins import read
 from logical_robots_tui.game.frame import Superseded
-from logical_robots_tui.game.matches import matching_rows
-from logical_robots_tui.game.pins import read
 from logical_robots_tui.game.thinker import Thinker
 from logical_robots_tui.mind import Limits, ProgramError, QueryError, Stopped, Table
 from logical_robots_tui.mind.compilation import check_up
@@ -18,8 +18,8 @@ if TYPE_CHECKING:
     import threading
     from collections.abc import Callable, Iterable, Mapping, Sequence
 
+    from logical_robots_tui.game.debugging.pins import Pin, Reading
     from logical_robots_tui.game.frame import Frame
-    from logical_robots_tui.game.pins import Pin, Reading
     from logical_robots_tui.mind import Explanation, Machinery, Mind, Program, Proof
     from logical_robots_tui.mind.diagnosis.nearest import Suggestion
     from logical_robots_tui.values import Value

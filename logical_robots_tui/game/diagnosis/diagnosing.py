@@ -6,9 +6,9 @@ from dataclasses import dataclass
 from functools import partial
 from typing import TYPE_CHECKING
 
-from logical_robots_tui.game.findings import findings_of
+from logical_robots_tui.game.diagnosis.findings import findings_of
+from logical_robots_tui.game.diagnosis.observations import observe
 from logical_robots_tui.game.frame import Superseded
-from logical_robots_tui.game.observations import observe
 from logical_robots_tui.game.thinker import Thinker
 from logical_robots_tui.mind import Limits
 from logical_robots_tui.mind.compilation import check_up
@@ -18,9 +18,9 @@ if TYPE_CHECKING:
     import threading
     from collections.abc import Callable, Mapping, Sequence
 
+    from logical_robots_tui.game.diagnosis.observations import Observations
     from logical_robots_tui.game.frame import Frame
     from logical_robots_tui.game.game import Game
-    from logical_robots_tui.game.observations import Observations
     from logical_robots_tui.mind.diagnosis.finding import Finding
     from logical_robots_tui.mind.diagnosis.sites import Checkup
     from logical_robots_tui.world import Level
@@ -46,7 +46,7 @@ class Diagnosis:
         step: The interval, in ticks, at which everything was examined.
         second_step: The interval of the search for what seemed never to happen.
         left_out: How many places could not be observed.
-        is_reliable: Whether no time limit ended a thought of the run.
+        is_reliable: Whether no thought of the run was cut off by the clock.
     """
 
     findings: tuple[Finding, ...]

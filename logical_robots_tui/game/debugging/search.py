@@ -6,11 +6,10 @@ from dataclasses import dataclass
 from functools import partial
 from typing import TYPE_CHECKING, Literal, TypeAlias
 
-from logical_robots_tui.game.advancing import Known, known_frame
+from logical_robots_tui.game.advancing import Known, Worlds, known_frame
+from logical_robots_tui.game.debugging.matches import matching_rows
 from logical_robots_tui.game.frame import NoSuchTickError
-from logical_robots_tui.game.matches import matching_rows
 from logical_robots_tui.game.thinker import Thinker
-from logical_robots_tui.game.worlds import Worlds
 from logical_robots_tui.mind import QueryError, Stopped
 
 if TYPE_CHECKING:
@@ -18,8 +17,8 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
     from logical_robots_tui.game.game import Game
-    from logical_robots_tui.game.history import History
-    from logical_robots_tui.game.packing import Moment
+    from logical_robots_tui.game.history.history import History
+    from logical_robots_tui.game.history.packing import Moment
     from logical_robots_tui.mind import Program, Question
 
 __all__ = ["SearchResult", "search_ticks"]

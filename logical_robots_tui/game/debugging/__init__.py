@@ -1,0 +1,1 @@
+"""Tools for finding mistakes: breakpoints, searches, questions and explanations."""

@@ -1,0 +1,1 @@
+"""Diagnosis: scanning a run for likely mistakes."""

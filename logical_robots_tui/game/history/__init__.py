@@ -1,0 +1,1 @@
+"""What a game remembers: courses, marks and packed ticks."""

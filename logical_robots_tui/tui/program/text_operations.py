@@ -1,0 +1,137 @@
+"""Operations on the text of a program: indentation, moving lines, search and renaming."""
+
+from __future__ import annotations
+
+import re
+from typing import TYPE_CHECKING
+
+from logical_robots_tui.tui.program.lexer import LineStates, pieces
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+__all__ = [
+    "WIDTH",
+    "find_after",
+    "followed",
+    "indentation_after",
+    "is_predicate_name",
+    "rename",
+    "shifted",
+]
+
+
+def followed(rows: Sequence[int], before: Sequence[str], after: Sequence[str]) -> list[int | None]:
+    """Return where some lines of a text stand in a changed one, all counted from 0.
+
+    Args:
+        rows: Which lines.
+        before: All lines of the text.
+        after: All lines of the changed text.
+
+    Returns:
+        For each its new number, or None if it is gone. A line that was changed is still the same
+        one, unless lines went or came in the same place.
+    """
+    same, most = 0, min(len(before), len(after))
+    while same < most and before[same] == after[same]:
+        same += 1
+    most -= same
+    tail = 0
+    while tail < most and before[-1 - tail] == after[-1 - tail]:
+        tail += 1
+    grown = len(after) - len(before)
+    changed = len(before) - tail - same
+
+    def new(row: int) -> int | None:
+        if row < same:
+            return row
+        if row >= same + changed:
+            return row + grown
+        if grown == 0:
+            return row
+        was_split, was_joined = changed == 1 and grown > 0, changed + grown == 1
+        return same if was_split or was_joined else None
+
+    return [new(row) for row in rows]
+
+
+WIDTH = 2
+"""Columns of a step."""
+
+_COMMENT = re.compile(r"\s*#.*")
+_OPENS = (":-", "(", "[", "{")
+
+
+def indentation_after(before: str) -> str:
+    """Return the white space that a line begins with, behind another one.
+
+    Args:
+        before: That other line, or as much of it as stays there. One step is added behind what
+            opens something, and a rule that ends is followed by another one, not indented.
+    """
+    given = before[: len(before) - len(before.lstrip())]
+    written = _COMMENT.sub("", before).rstrip()
+    if written.endswith(";"):
+        return ""
+    return given + " " * WIDTH if written.endswith(_OPENS) else given
+
+
+def shifted(lines: list[str], *, back: bool) -> list[str]:
+    """Return lines a step further to the right, or as far back as they can go, up to a step."""
+    if not back:
+        return [" " * WIDTH + line if line.strip() else line for line in lines]
+    return [re.sub(f"^(\t| {{1,{WIDTH}}})", "", line) for line in lines]
+
+
+def is_predicate_name(text: str) -> bool:
+    """Whether a predicate may be called so."""
+    return re.fullmatch(r"[A-Z]\w*", text) is not None
+
+
+def find_after(
+    text: str, wanted: str, place: tuple[int, int], *, there: bool = False
+) -> tuple[int, int] | None:
+    """Return where a text stands next, from the top again after the end; None if nowhere.
+
+    Args:
+        text: Where to look.
+        wanted: What to look for; capitals count only if it has some.
+        place: Line and column, from 0, after which to look.
+        there: Whether a text that begins right at the place counts, too.
+    """
+    if not wanted:
+        return None
+    if wanted == wanted.lower() and len(text.lower()) == len(text):
+        text = text.lower()
+    lines = text.split("\n")
+    offset = sum(len(line) + 1 for line in lines[: place[0]]) + place[1]
+    at = text.find(wanted, offset + (not there))
+    if at < 0:
+        at = text.find(wanted)
+    if at < 0:
+        return None
+    return text.count("\n", 0, at), at - (text.rfind("\n", 0, at) + 1)
+
+
+def rename(text: str, old: str, new: str) -> tuple[str, int]:
+    """Give a predicate another name wherever it is used; comments and texts stay as they are.
+
+    Args:
+        text: The program.
+        old: The predicate's name.
+        new: Its new name.
+
+    Returns:
+        The program, and in how many places it was changed.
+    """
+    lines, states, count = text.split("\n"), LineStates(), 0
+    changed = []
+    for number, line in enumerate(lines):
+        written = line
+        for start, end, kind in reversed(pieces(line, states.at(number, lines.__getitem__))):
+            if kind == "predicate" and line[start:end] == old:
+                written = written[:start] + new + written[end:]
+                count += 1
+        changed.append(written)
+    return "\n".join(changed), count
