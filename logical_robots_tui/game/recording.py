@@ -16,11 +16,11 @@ from bisect import bisect_right
 from dataclasses import dataclass
 from functools import lru_cache
 from operator import attrgetter
-from typing import TYPE_CHECKING, Any, get_args
+from typing import TYPE_CHECKING, Any
 
 from logical_robots_tui.caching import CacheFolder, cache_place
 from logical_robots_tui.game.packing import Moment, laid_out, moment_in
-from logical_robots_tui.mind import NoticeKind
+from logical_robots_tui.game.recorded import is_moment
 from logical_robots_tui.mind.weight import weight_of_text
 
 if TYPE_CHECKING:
@@ -53,7 +53,6 @@ _HEAVY = 12_000_000  # bytes of objects in what is not packed, unless one moment
 _HEAVIEST = (
     48_000_000  # bytes that the objects of a piece may take at most, unless it is one moment
 )
-_DEEPEST = 200  # that a memory may be nested
 _QUICK = 2  # of zlib's levels
 _KEPT_OPEN = 2  # pieces, for those who go through them
 
@@ -224,7 +223,7 @@ class Recording:
             DamagedError: It can't be one of this run.
         """
         try:
-            is_right = _is_moment(moment, tick, self._level)
+            is_right = is_moment(moment, tick, self._level)
         except TypeError:  # a list in place of a name
             is_right = False
         if not is_right:
@@ -363,55 +362,3 @@ def _that_fit(pieces: Iterable[_Piece]) -> list[_Piece]:
 
 def _digest(content: bytes) -> str:
     return hashlib.sha256(content).hexdigest()
-
-
-def _is_moment(moment: Moment, tick: int, level: Level) -> bool:
-    """Whether a moment can be what a tick left behind in a level, down to every type."""
-    after, names = moment.after, [robot.name for robot in level.robots]
-    return (
-        type(after.tick) is int
-        and after.tick == tick
-        and (after.won_at is None or (type(after.won_at) is int and 0 < after.won_at <= tick))
-        and [robot.name for robot in after.robots] == names
-        and all(_is_body(robot) for robot in after.robots)
-        and [area.name for area in after.areas] == [area.name for area in level.areas]
-        and all(
-            type(area.active) is bool and set(area.visitors) <= set(names) for area in after.areas
-        )
-        and _are_numbers(moment.think_milliseconds, moment.driven)
-        and type(moment.weight) is int
-        and moment.weight >= 0
-        and list(moment.memories) == names
-        and all(_is_value(memory, _DEEPEST) for memory in moment.memories.values())
-        and [each.robot_name for each in moment.decisions] == (names if tick else [])
-        and all(_is_decision(each) for each in moment.decisions)
-    )
-
-
-def _is_body(robot: Any) -> bool:
-    numbers = (robot.x, robot.y, robot.angle, robot.battery_level)
-    return (
-        _are_numbers(*numbers, robot.left_engine, robot.right_engine)
-        and type(robot.blocked) is bool
-        and type(robot.dead) is bool
-    )
-
-
-def _is_decision(decision: Any) -> bool:
-    desire = decision.desire
-    return (desire is None or _are_numbers(desire.left_engine, desire.right_engine)) and all(
-        notice.kind in get_args(NoticeKind) and type(notice.message) is str
-        for notice in decision.notices
-    )
-
-
-def _are_numbers(*values: Any) -> bool:
-    return all(type(value) in (int, float) and math.isfinite(value) for value in values)
-
-
-def _is_value(value: Any, depth: int) -> bool:
-    """Whether a value is nested no deeper than that; it is out of JSON, so its type is right."""
-    if type(value) not in (list, dict):
-        return True
-    inside = value.values() if type(value) is dict else value
-    return depth > 0 and all(_is_value(each, depth - 1) for each in inside)
