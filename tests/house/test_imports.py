@@ -31,7 +31,7 @@ MUST_NOT_LOAD = {
         for part in (
             "app.session",
             "library.controller",
-            "library.journal",
+            "library.progress_recorder",
             "labyrinth.victory",
             "level_editor.controller",
             "level_editor.mode",

@@ -1,4 +1,4 @@
-"""The journal: keeps what the player achieves at the level at hand, and has wins measured."""
+"""The recorder: keeps what the player achieves at the level at hand, and has wins measured."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from logical_robots_tui.tui.app.ui import Spawn
     from logical_robots_tui.world import Level
 
-__all__ = ["Journal"]
+__all__ = ["ProgressRecorder"]
 
 T = TypeVar("T")
 
@@ -40,7 +40,7 @@ class Measured(Protocol):
         """Hear where, how well, and whether that is the level at hand."""
 
 
-class Journal(SessionListener):
+class ProgressRecorder(SessionListener):
     """The player's record on disk, seen from the screen: nothing here holds up a key.
 
     Args:
@@ -64,7 +64,9 @@ class Journal(SessionListener):
         self.latest: Measures | None = None
         self.former: Bests = NEW.bests
         self.is_reference = False
-        self._desk = ThreadPoolExecutor(max_workers=1, thread_name_prefix="logical-robots-journal")
+        self._writer = ThreadPoolExecutor(
+            max_workers=1, thread_name_prefix="logical-robots-recorder"
+        )
         self._key = ""
         self._trials: dict[str, tuple[str, Trial]] = {}
         self._turn = asyncio.Lock()
@@ -93,8 +95,8 @@ class Journal(SessionListener):
     async def close(self) -> None:
         """Finish what is to be written, and let go of the file."""
         self._is_closed = True
-        await asyncio.get_running_loop().run_in_executor(self._desk, self.progress.close)
-        self._desk.shutdown(wait=False)
+        await asyncio.get_running_loop().run_in_executor(self._writer, self.progress.close)
+        self._writer.shutdown(wait=False)
 
     # -- looking -------------------------------------------------------------------------------
 
@@ -106,7 +108,7 @@ class Journal(SessionListener):
 
     async def ask(self, look: Callable[[Progress], T]) -> T:
         """Look something up in the record, after all that is still to be written."""
-        found = await asyncio.get_running_loop().run_in_executor(self._desk, look, self.progress)
+        found = await asyncio.get_running_loop().run_in_executor(self._writer, look, self.progress)
         self._tell_news()
         return found
 
@@ -126,7 +128,7 @@ class Journal(SessionListener):
         self._key, self.reference = level_key(level), reference_for(level)
         self.record, self.latest, self._has_begun = NEW, None, False
         self._write(lambda progress: note_level(progress, level))
-        self._spawn(self._look, "journal", exclusive=False)
+        self._spawn(self._look, "recorder", exclusive=False)
 
     def level_saved(self, level: Level) -> None:
         """The level at hand is in a file; another one has a record of its own."""
@@ -195,8 +197,8 @@ class Journal(SessionListener):
     def _write(self, work: Callable[[Progress], None]) -> None:
         if self._is_closed:
             return
-        self._desk.submit(work, self.progress)
-        self._spawn(self._look, "journal", exclusive=False)
+        self._writer.submit(work, self.progress)
+        self._spawn(self._look, "recorder", exclusive=False)
 
     async def _look(self) -> None:
         """See what the record says of the level at hand by now."""
