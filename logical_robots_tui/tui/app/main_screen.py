@@ -17,10 +17,10 @@ from logical_robots_tui.tui.app.redrawing import Redrawing
 from logical_robots_tui.tui.app.session import Session
 from logical_robots_tui.tui.commands.actions import Actions
 from logical_robots_tui.tui.commands.table import EDITING, bindings, command
-from logical_robots_tui.tui.inspector.choice import DECISION, ROBOTS, WATCH, WHY
+from logical_robots_tui.tui.inspector.highlights import Placed, Sighted
 from logical_robots_tui.tui.inspector.pages.robots import RobotsView
 from logical_robots_tui.tui.inspector.pane import InspectorPane
-from logical_robots_tui.tui.inspector.pointing import Placed, Sighted
+from logical_robots_tui.tui.inspector.predicate_list import DECISION, ROBOTS, WATCH, WHY
 from logical_robots_tui.tui.labyrinth.pane import LabyrinthPane
 from logical_robots_tui.tui.labyrinth.victory import Celebration
 from logical_robots_tui.tui.labyrinth.view import LabyrinthView

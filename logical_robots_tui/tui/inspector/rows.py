@@ -8,11 +8,16 @@ from typing import TYPE_CHECKING
 
 from logical_robots_tui.game import Breakpoint, Pin, Superseded
 from logical_robots_tui.tui.commands.table import with_keys
-from logical_robots_tui.tui.inspector.answers import NO_PROGRAM
-from logical_robots_tui.tui.inspector.choice import ASK
-from logical_robots_tui.tui.inspector.pinning import branches_here, branches_of, pin_here
-from logical_robots_tui.tui.inspector.remembered import remembered, remembered_here
-from logical_robots_tui.tui.inspector.widgets.arranging import as_csv, as_json
+from logical_robots_tui.tui.inspector.page import NO_PROGRAM
+from logical_robots_tui.tui.inspector.predicate_list import ASK
+from logical_robots_tui.tui.inspector.under_cursor import (
+    branches_here,
+    branches_of,
+    memory_here,
+    memory_of,
+    pin_here,
+)
+from logical_robots_tui.tui.inspector.widgets.row_order import as_csv, as_json
 from logical_robots_tui.tui.theme.safe_text import one_line
 from logical_robots_tui.writing import write_atomically
 
@@ -138,7 +143,7 @@ class RowCommands:
 
     def open_value(self) -> None:
         """Open the value under the cursor, or what a decision came from, as a tree."""
-        from logical_robots_tui.tui.inspector.widgets.tree import ValueTree
+        from logical_robots_tui.tui.inspector.widgets.value_tree import ValueTree
 
         inspector, frame = self._screen.inspector, self._screen.session.frame
         view = inspector.pages.reasons.view
@@ -163,7 +168,7 @@ class RowCommands:
         if self._screen.session.game is None:
             self._screen.tell(NO_PROGRAM)
             return
-        asked = remembered_here(inspector, frame)
+        asked = memory_here(inspector, frame)
         if asked is None and inspector.pages.origin.asked is None:
             self._screen.tell(with_keys(_NO_MEMORY))
             return
@@ -172,7 +177,7 @@ class RowCommands:
 
     def _follow_back(self, pin: Pin) -> bool:
         """Follow a value that was opened as a tree; whether it is part of a memory."""
-        asked = remembered(pin, self._screen.session.frame.tick)
+        asked = memory_of(pin, self._screen.session.frame.tick)
         if asked is not None:
             self._screen.point_at(self._screen.inspector)
             self._screen.inspector.follow_back(asked)
@@ -180,7 +185,7 @@ class RowCommands:
 
     async def graph(self) -> None:
         """Show which predicate uses which, and open the one that is chosen there."""
-        from logical_robots_tui.tui.inspector.pages.graph import Graph
+        from logical_robots_tui.tui.inspector.predicate_graph import Graph
 
         screen, program = self._screen, self._screen.session.program
         if program is None:
@@ -197,7 +202,7 @@ class RowCommands:
 
     async def machinery(self) -> None:
         """Show how the predicate that is inspected is computed, and what all of them cost."""
-        from logical_robots_tui.tui.inspector.pages.sql import machinery_text
+        from logical_robots_tui.tui.inspector.query_plan import machinery_text
         from logical_robots_tui.tui.learning.reader import Reader
 
         inspector, frame = self._screen.inspector, self._screen.session.frame

@@ -13,24 +13,26 @@ from textual.message import Message
 from textual.scroll_view import ScrollView
 from textual.strip import Strip
 
+from logical_robots_tui.game import MIND
 from logical_robots_tui.tui.commands.table import with_keys
-from logical_robots_tui.tui.inspector.widgets.arranging import (
+from logical_robots_tui.tui.inspector.widgets.cells import cell, is_number
+from logical_robots_tui.tui.inspector.widgets.row_order import (
     Arrangement,
     Row,
     Rows,
     arranged,
     changed_cells,
 )
-from logical_robots_tui.tui.inspector.widgets.cells import cell, is_number
 from logical_robots_tui.tui.theme.safe_text import clip, visible
 from logical_robots_tui.tui.theme.themes import INK, rich_style
 
 if TYPE_CHECKING:
     from textual import events
 
+    from logical_robots_tui.mind import Table
     from logical_robots_tui.values import Value
 
-__all__ = ["ValueTable"]
+__all__ = ["ValueTable", "counted"]
 
 _GAP = 2
 _MEASURED_ROWS = 200
@@ -46,7 +48,7 @@ class ValueTable(ScrollView, can_focus=True):
     """Rows of a predicate under the names of its columns."""
 
     DEFAULT_CSS = """
-    ValueTable { background: $surface; height: 1fr; overflow: auto auto; }
+    ValueTable { background: $surface; height: 1fr; overflow: auto auto; margin: 0 1; }
     """
 
     BINDINGS: ClassVar[list[Binding | tuple[str, str] | tuple[str, str, str]]] = [
@@ -123,26 +125,18 @@ class ValueTable(ScrollView, can_focus=True):
         number = next((n for n, each in enumerate(self._all.rows) if each is row), None)
         return None if number is None else (number, self.column)
 
-    def show(
-        self,
-        columns: tuple[str, ...],
-        rows: tuple[Row, ...],
-        before: tuple[Row, ...] | None = None,
-        *,
-        are_all: bool = True,
-    ) -> None:
-        """Show other rows; the cursor stays where it is as far as they reach.
+    def show(self, table: Table | None, before: Table | None = None) -> None:
+        """Replace the rows; the cursor stays where it is as far as they reach.
 
         Args:
-            columns: Names of the columns.
-            rows: The rows.
-            before: The rows of the tick before; values that differ from it are brought out.
-            are_all: Whether there are no more rows than these.
+            table: The rows, or None for none.
+            before: The rows at the tick before; values that differ from it are marked.
         """
-        self._are_all = are_all
+        columns, rows = _named_rows(table) if table is not None else ((), ())
+        self._are_all = table is None or not table.truncated
         changed = frozenset[tuple[int, int]]()
         if before is not None:
-            changed = changed_cells(rows, before)
+            changed = changed_cells(rows, _named_rows(before)[1])
         if columns != self._all.columns:
             self._at = (self._at[0], 0)
         self._all = Rows(columns, rows, changed)
@@ -268,3 +262,25 @@ def _fit(text: str, width: int, right: bool) -> str:
     text = set_cell_size(text, width) if cell_len(text) > width else text
     missing = " " * (width - cell_len(text))
     return missing + text if right else text + missing
+
+
+def _named_rows(table: Table) -> tuple[tuple[str, ...], tuple[Row, ...]]:
+    """Columns and rows, with a column for the robot whose mind has a row where that matters."""
+    if len(set(table.viewers)) < 2 or "robot_name" in table.columns:
+        return table.columns, table.rows
+    rows = tuple((who, *row) for who, row in zip(table.viewers, table.rows, strict=True))
+    return (MIND, *table.columns), rows
+
+
+def counted(table: Table, what: str = "row", more: str = "") -> str:
+    """The number of rows in words.
+
+    Args:
+        table: The rows.
+        what: What to call one of them.
+        more: What follows.
+    """
+    count = len(table.rows)
+    if table.truncated:
+        return with_keys(f"first {count:,} {what}s{more}, there are more: {{ask}} narrows down")
+    return f"{count:,} {what}{'' if count == 1 else 's'}{more}"

@@ -1,4 +1,4 @@
-"""What the cursor of the inspector is on, told to the rest of the screen."""
+"""Highlights what the inspector's cursor is on, in the program and in the labyrinth."""
 
 from __future__ import annotations
 
@@ -19,11 +19,11 @@ __all__ = ["Placed", "Sighted", "definition", "sight"]
 
 
 class Placed(Message):
-    """What the cursor is on stands at a place in the program.
+    """Highlight a place in the program.
 
     Attributes:
         program: The program's text.
-        place: Offset of its first character, and offset behind its last one.
+        place: Offsets of its first character and behind its last one.
     """
 
     def __init__(self, program: str, place: tuple[int, int]) -> None:
@@ -32,11 +32,11 @@ class Placed(Message):
 
 
 class Sighted(Message):
-    """What the cursor is on can be seen in the labyrinth, or no longer.
+    """Highlight a robot or a ray in the labyrinth, or nothing.
 
     Attributes:
         highlight: The robot or the ray, or None.
-        frame: The tick that this is about.
+        frame: The tick that it belongs to.
     """
 
     def __init__(self, highlight: Highlight | None, frame: Frame) -> None:
@@ -45,11 +45,11 @@ class Sighted(Message):
 
 
 def sight(node: Node, robot: str, frame: Frame) -> Highlight | None:
-    """What can be seen in the labyrinth of a node of a proof.
+    """The robot or the ray that a node of a proof is about, or None.
 
     Args:
         node: The node.
-        robot: In whose reasoning it is; of rays that are alike it is this robot's.
+        robot: The robot whose reasoning it belongs to; equal rays are taken to be this robot's.
         frame: The tick.
     """
     if node.robot:
@@ -65,7 +65,7 @@ def sight(node: Node, robot: str, frame: Frame) -> Highlight | None:
 
 
 def _is_same(value: Mapping[str, Value], ray: Mapping[str, Any]) -> bool:
-    """Whether a value is a ray; SQLite may have changed the last digits of its angle."""
+    """Whether a value is a ray; SQLite may change the last digits of its angle."""
     angle = value["angle"]
     return (
         value.keys() == ray.keys()

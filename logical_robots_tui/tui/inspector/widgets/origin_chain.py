@@ -1,4 +1,4 @@
-"""The chain of a value's origin as lines, a few for each link, with a cursor on one of them."""
+"""The origin of a value on the screen: a chain of assignments, with a cursor on one of them."""
 
 from __future__ import annotations
 
@@ -6,47 +6,33 @@ from typing import TYPE_CHECKING, ClassVar
 
 from textual.binding import Binding
 from textual.content import Content
-from textual.geometry import Region
 from textual.message import Message
 
 from logical_robots_tui.game.origin import written_path
 from logical_robots_tui.tui.inspector.widgets.cells import cell
-from logical_robots_tui.tui.inspector.widgets.lines import LinesView
+from logical_robots_tui.tui.inspector.widgets.line_views import CursorView
 from logical_robots_tui.tui.theme.safe_text import one_line
-from logical_robots_tui.tui.theme.themes import INK, rich_style
+from logical_robots_tui.tui.theme.themes import INK
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
-
-    from rich.style import Style
-    from textual import events
 
     from logical_robots_tui.game import Link, Origin
     from logical_robots_tui.mind.why.sourcing import Read
 
 __all__ = ["LinksView", "link_lines"]
 
-_END = 1_000_000
-_HERE = "on $here"
 _INDENT = "    "
 _SHOWN_READS = 5
 _LONGEST = 60  # characters of a value that was read
 _KEYS = "enter goes to that tick and says why   esc back"
-_NOT_ALL = "This is not all of it: more was read than is followed here."
+_INCOMPLETE = "This is not all of it: more values were read than are traced here."
 
 
-class LinksView(LinesView):
-    """The links, the value itself first; enter goes to one, escape leaves."""
-
-    DEFAULT_CSS = """
-    LinksView { margin: 0 1; }
-    """
+class LinksView(CursorView):
+    """The links of the chain, the value itself first; enter goes to one, escape leaves."""
 
     BINDINGS: ClassVar[list[Binding | tuple[str, str] | tuple[str, str, str]]] = [
-        Binding("up", "move(-1)", show=False),
-        Binding("down", "move(1)", show=False),
-        Binding("home", f"move({-_END})", show=False),
-        Binding("end", f"move({_END})", show=False),
         Binding("enter", "open", show=False),
         Binding("escape,backspace", "leave", show=False),
     ]
@@ -63,7 +49,7 @@ class LinksView(LinesView):
             self.link = link
 
     class Opened(Message):
-        """The player wants to go to a link.
+        """The player goes to a link.
 
         Attributes:
             link: The link.
@@ -74,13 +60,11 @@ class LinksView(LinesView):
             self.link = link
 
     class Left(Message):
-        """The player wants to go back."""
+        """The player goes back."""
 
     def __init__(self) -> None:
         super().__init__(id="links")
         self._origin: Origin | None = None
-        self._at = 0
-        self._owners: list[int | None] = []
 
     @property
     def pointed(self) -> Link | None:
@@ -88,46 +72,35 @@ class LinksView(LinesView):
         return self._origin.links[self._at] if self._origin is not None else None
 
     def show(self, origin: Origin | None) -> None:
-        """Show an origin, with the cursor on the value itself, or none."""
+        """Show an origin, with the cursor on the value itself, or nothing."""
         self._origin, self._at = origin, 0
-        self._draw()
+        self.draw()
+        self.refresh()
         self.scroll_to(y=0, animate=False)
-        self._tell()
+        if self.has_focus:
+            self.cursor_moved()
 
-    def on_resize(self) -> None:
-        """Use the width there is now."""
-        self._draw()
+    def draw(self) -> None:
+        """Paint the chain."""
+        links = self._origin.links if self._origin is not None else ()
+        after: list[Content] = []
+        if self._origin is not None:
+            if not self._origin.complete:
+                after += Content.styled(_INCOMPLETE, INK.warn).wrap(max(1, self.columns))
+            after += [Content(""), Content.styled(_KEYS, INK.dim).truncate(self.columns)]
+        items = [list(link_lines(n, link, self.columns)) for n, link in enumerate(links)]
+        self.paint_items(items, after)
 
-    def on_focus(self) -> None:
-        """Show the cursor."""
-        self._draw()
-        self._tell()
+    def cursor_moved(self) -> None:
+        """Point out the link under the cursor."""
+        if self.pointed is not None:
+            self.post_message(self.Pointed(self.pointed))
 
-    def on_blur(self) -> None:
-        """Hide the cursor."""
-        self._draw()
-
-    def on_click(self, event: events.Click) -> None:
-        """Put the cursor on a link; a second click goes there."""
-        line = event.y + self.scroll_offset.y
-        owner = self._owners[line] if line < len(self._owners) else None
-        if owner == self._at:
+    def clicked(self, x: int, line: int, *, again: bool) -> None:
+        """Go to the link at a second click."""
+        del x, line
+        if again:
             self.action_open()
-        elif owner is not None:
-            self.action_move(owner - self._at)
-
-    def action_move(self, down: int) -> None:
-        """Move the cursor from link to link."""
-        if self._origin is None:
-            return
-        self._at = max(0, min(self._at + down, len(self._origin.links) - 1))
-        self._draw()
-        mine = [number for number, owner in enumerate(self._owners) if owner == self._at]
-        # The last link brings what is said below it into sight, too.
-        is_last = self._at == len(self._origin.links) - 1
-        height = (len(self._owners) if is_last else mine[-1] + 1) - mine[0]
-        self.scroll_to_region(Region(0, mine[0], 1, height), animate=False, force=True)
-        self._tell()
 
     def action_open(self) -> None:
         """Go to the link under the cursor."""
@@ -138,35 +111,9 @@ class LinksView(LinesView):
         """Go back."""
         self.post_message(self.Left())
 
-    def fill(self, number: int) -> Style:
-        """The style behind the end of a line."""
-        is_here = self.has_focus and number < len(self._owners) and self._owners[number] == self._at
-        return self.rich_style + rich_style(_HERE) if is_here else self.rich_style
-
-    def _tell(self) -> None:
-        if self.pointed is not None and self.has_focus:
-            self.post_message(self.Pointed(self.pointed))
-
-    def _draw(self) -> None:
-        if self.columns <= 0:
-            return
-        lines: list[Content] = []
-        self._owners = []
-        for number, link in enumerate(self._origin.links if self._origin is not None else ()):
-            told = list(link_lines(number, link, self.columns))
-            is_here = number == self._at and self.has_focus
-            lines += [each.stylize_before(_HERE) for each in told] if is_here else told
-            self._owners += [number] * len(told)
-        if self._origin is not None:
-            if not self._origin.complete:
-                lines += Content.styled(_NOT_ALL, INK.warn).wrap(self.columns)
-            lines += [Content(""), Content.styled(_KEYS, INK.dim).truncate(self.columns)]
-        self._owners += [None] * (len(lines) - len(self._owners))
-        self.paint(lines)
-
 
 def link_lines(number: int, link: Link, width: int) -> Iterator[Content]:
-    """What there is to say of a link.
+    """The lines of a link.
 
     Args:
         number: Its place in the chain, from 0.
@@ -190,7 +137,7 @@ def link_lines(number: int, link: Link, width: int) -> Iterator[Content]:
 
 
 def _when(link: Link) -> Content:
-    """In which tick it was made, by which rule, and how long it was kept."""
+    """The tick and rule that assigned the value, and how long it was kept."""
     kept = f", kept until tick {link.until}" if link.until > link.tick else ""
     if link.tick == 0:
         return Content.styled(f"{_INDENT}there since the start{kept}", INK.text)
@@ -201,7 +148,7 @@ def _when(link: Link) -> Content:
 
 
 def _read(read: Read) -> Content:
-    """What was read of a sensor or a memory; of a ray its number."""
+    """A value read from a sensor or a memory; rays go by their number."""
     path = read.path
     name = written_path(path, read.what)
     if read.what == "sensor" and path[:1] == ("radar",) and len(path) > 1:

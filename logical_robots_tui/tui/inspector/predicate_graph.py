@@ -1,4 +1,4 @@
-"""Which predicate uses which: one in the middle, users at its left, what it uses at its right."""
+"""The call graph around a predicate: its users at the left, what it uses at the right."""
 
 from __future__ import annotations
 
@@ -12,8 +12,8 @@ from textual.geometry import Region
 from textual.message import Message
 from textual.widgets import Static
 
-from logical_robots_tui.tui.inspector.choice import MARKS
-from logical_robots_tui.tui.inspector.widgets.lines import LinesView
+from logical_robots_tui.tui.inspector.predicate_list import MARKS
+from logical_robots_tui.tui.inspector.widgets.line_views import LinesView
 from logical_robots_tui.tui.layout.dialog import Dialog
 from logical_robots_tui.tui.theme.safe_text import clip, one_line
 from logical_robots_tui.tui.theme.themes import INK
@@ -45,7 +45,7 @@ class GraphView(LinesView):
 
     Args:
         program: Whose predicates.
-        name: The one to begin with.
+        name: The predicate in the middle at first.
     """
 
     BINDINGS: ClassVar[list[Binding | tuple[str, str] | tuple[str, str, str]]] = [
@@ -57,7 +57,7 @@ class GraphView(LinesView):
     ]
 
     class Opened(Message):
-        """The player wants to see a predicate in the inspector.
+        """The player opens a predicate in the inspector.
 
         Attributes:
             predicate: Its name.
@@ -89,7 +89,7 @@ class GraphView(LinesView):
         return self._columns[column][row]
 
     def centre(self, name: str) -> None:
-        """Put a predicate into the middle, with the cursor on it."""
+        """Move a predicate to the middle, with the cursor on it."""
         uses = self._program.uses
         users = [user for user, used in uses.items() if name in used]
         self._middle = name
@@ -99,12 +99,12 @@ class GraphView(LinesView):
         self._show_chosen()
 
     def on_resize(self) -> None:
-        """Use the width there is now."""
+        """Draw at the new width."""
         self._draw()
         self._show_chosen()
 
     def on_click(self, event: events.Click) -> None:
-        """Put a predicate into the middle, or open the one that is there."""
+        """Move a predicate to the middle, or open the one that is there."""
         row, column, x = event.y + self.scroll_offset.y, _USERS, event.x
         while column < _USED and x >= self._widths[column]:
             x -= self._widths[column] + _ARROWS // 2
@@ -124,7 +124,7 @@ class GraphView(LinesView):
         self._show_chosen()
 
     def action_along(self, right: int) -> None:
-        """Move the cursor to the next column; from an outer one, go along."""
+        """Move the cursor to the next column; beyond the last, move its predicate to the middle."""
         column = self._at[0] + right
         if not _USERS <= column <= _USED:
             self.centre(self.chosen)
@@ -135,7 +135,7 @@ class GraphView(LinesView):
             self._show_chosen()
 
     def action_open(self) -> None:
-        """Show the predicate under the cursor in the inspector."""
+        """Open the predicate under the cursor in the inspector."""
         self.post_message(self.Opened(self.chosen))
 
     def _show_chosen(self) -> None:
@@ -158,7 +158,7 @@ class GraphView(LinesView):
         self.paint([self._line(row, labels) for row in range(height)])
 
     def _line(self, row: int, labels: Sequence[Sequence[Content]]) -> Content:
-        """One line: a user, how it is joined, the one in the middle, the same to the right."""
+        """One line: a user, a connector, the middle, a connector, a used predicate."""
         parts = []
         for column, (top, width) in enumerate(zip(self._tops, self._widths, strict=True)):
             place = row - top
@@ -179,7 +179,7 @@ class GraphView(LinesView):
         )
 
     def _span(self, column: int) -> range:
-        """The lines on which a column has predicates."""
+        """The lines that a column fills."""
         top = self._tops[column]
         return range(top, top + len(self._columns[column]))
 
@@ -192,12 +192,12 @@ class GraphView(LinesView):
 
 
 def joint(row: int, ends: range, middle: int, *, to_right: bool) -> str:
-    """Where the lines at a row lead: some of ``e``, ``n``, ``s``, ``w``, in this order.
+    """The directions of the connector on a row: some of ``e``, ``n``, ``s``, ``w``, in this order.
 
     Args:
         row: The row.
-        ends: The rows of what is joined.
-        middle: The row that they are joined to.
+        ends: The rows to connect.
+        middle: The row to connect them to.
         to_right: Whether that is to the right of them.
     """
     if not ends:
@@ -214,11 +214,11 @@ def joint(row: int, ends: range, middle: int, *, to_right: bool) -> str:
 
 
 class Graph(Dialog[str]):
-    """The graph in a box; gives the name of the predicate that is to be opened.
+    """A dialog with the graph; returns the name of the predicate to open.
 
     Args:
         program: Whose predicates.
-        name: The one to begin with.
+        name: The predicate in the middle at first.
     """
 
     DEFAULT_CSS = """
@@ -242,7 +242,7 @@ class Graph(Dialog[str]):
             yield Static(_KEYS, id="keys", markup=False)
 
     def on_mount(self) -> None:
-        """Begin in the middle."""
+        """Focus the graph."""
         self.view.focus()
 
     @on(GraphView.Opened)
