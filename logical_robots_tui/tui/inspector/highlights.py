@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import dataclass
 from math import isclose
 from typing import TYPE_CHECKING, Any
 
@@ -13,11 +14,11 @@ from logical_robots_tui.tui.labyrinth.drawing.look import Highlight
 if TYPE_CHECKING:
     from logical_robots_tui.game import Frame
     from logical_robots_tui.mind import Node, Program
-    from logical_robots_tui.values import Value
 
 __all__ = ["Placed", "Sighted", "definition", "sight"]
 
 
+@dataclass
 class Placed(Message):
     """Highlight a place in the program.
 
@@ -26,11 +27,11 @@ class Placed(Message):
         place: Offsets of its first character and behind its last one.
     """
 
-    def __init__(self, program: str, place: tuple[int, int]) -> None:
-        super().__init__()
-        self.program, self.place = program, place
+    program: str
+    place: tuple[int, int]
 
 
+@dataclass
 class Sighted(Message):
     """Highlight a robot or a ray in the labyrinth, or nothing.
 
@@ -39,9 +40,8 @@ class Sighted(Message):
         frame: The tick that it belongs to.
     """
 
-    def __init__(self, highlight: Highlight | None, frame: Frame) -> None:
-        super().__init__()
-        self.highlight, self.frame = highlight, frame
+    highlight: Highlight | None
+    frame: Frame
 
 
 def sight(node: Node, robot: str, frame: Frame) -> Highlight | None:
@@ -54,23 +54,23 @@ def sight(node: Node, robot: str, frame: Frame) -> Highlight | None:
     """
     if node.robot:
         return Highlight(node.robot)
-    value = node.values[0] if len(node.values) == 1 else None
-    if isinstance(value, Mapping) and "angle" in value:
+    if node.ray is not None and len(node.values) == 1:
         rows = sorted(frame.sensors, key=lambda row: row["robot_name"] != robot)
         for row in rows:
             for ray in row["sensor"]["radar"]:
-                if _is_same(value, ray):
+                if _is_same(node, ray):
                     return Highlight(row["robot_name"], ray["angle"])
     return None
 
 
-def _is_same(value: Mapping[str, Value], ray: Mapping[str, Any]) -> bool:
-    """Whether a value is a ray; SQLite may change the last digits of its angle."""
-    angle = value["angle"]
+def _is_same(node: Node, ray: Mapping[str, Any]) -> bool:
+    """Whether a node's value is a ray; SQLite may change the last digits of its angle."""
+    value = node.values[0]
     return (
-        value.keys() == ray.keys()
-        and isinstance(angle, int | float)
-        and isclose(angle, ray["angle"], abs_tol=1e-9)
+        isinstance(value, Mapping)
+        and node.ray is not None
+        and value.keys() == ray.keys()
+        and isclose(node.ray, ray["angle"], abs_tol=1e-9)
         and all(value[name] == ray[name] for name in ray if name != "angle")
     )
 
