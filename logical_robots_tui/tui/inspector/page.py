@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, ClassVar
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, ClassVar, Protocol, runtime_checkable
 
 from textual.containers import Vertical
 from textual.content import Content
@@ -26,6 +27,14 @@ if TYPE_CHECKING:
 __all__ = ["NO_PROGRAM", "Page"]
 
 NO_PROGRAM = "There is no program to query yet."
+
+
+@runtime_checkable
+class Redrawn(Protocol):
+    """A view that has to be drawn again when its size changes."""
+
+    def redraw(self) -> None:
+        """Draw at the present size."""
 
 
 class Page(Vertical):
@@ -56,6 +65,7 @@ class Page(Vertical):
     replays: ClassVar[bool] = True
     """Whether it computes past ticks with the current program, which may not have decided them."""
 
+    @dataclass
     class Ready(Message):
         """A hidden page has something to show.
 
@@ -63,13 +73,12 @@ class Page(Vertical):
             page: The page.
         """
 
-        def __init__(self, page: Page) -> None:
-            super().__init__()
-            self.page = page
+        page: Page
 
     class Changed(Message):
         """The page has something else to show for the same tick."""
 
+    @dataclass
     class Opened(Message):
         """The player follows a link to a predicate, a query or another page.
 
@@ -77,10 +86,9 @@ class Page(Vertical):
             name: Which one.
         """
 
-        def __init__(self, name: str) -> None:
-            super().__init__()
-            self.name = name
+        name: str
 
+    @dataclass
     class Left(Message):
         """The player returns to what was shown before this page.
 
@@ -88,9 +96,7 @@ class Page(Vertical):
             name: A page or a predicate.
         """
 
-        def __init__(self, name: str) -> None:
-            super().__init__()
-            self.name = name
+        name: str
 
     def __init__(
         self,
@@ -139,6 +145,15 @@ class Page(Vertical):
         self._heading.update(Content(" · ").join(parts), layout=False)
         if not self.display:
             self.post_message(self.Ready(self))
+
+    def redraw(self) -> None:
+        """Draw at the present size.
+
+        Textual loses the resize event of a widget that is shown while another one scrolls.
+        """
+        for each in dict.fromkeys((self.view, self.table)):
+            if isinstance(each, Redrawn):
+                each.redraw()
 
     def say(self, words: Content | str) -> None:
         """Show a message above the view, or none if there are no words."""

@@ -292,6 +292,8 @@ class InspectorPane(Pane):
         event.stop()
         if event.page is self.page:
             self._switcher.current = event.page.id
+            self.screen.refresh(layout=True)
+            self.screen.call_after_refresh(event.page.redraw)
 
     @on(Page.Changed)
     def _page_changed(self, event: Page.Changed) -> None:

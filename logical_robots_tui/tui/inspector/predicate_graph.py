@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, ClassVar
 
 from textual import on
@@ -56,6 +57,7 @@ class GraphView(LinesView):
         Binding("enter", "open", show=False),
     ]
 
+    @dataclass
     class Opened(Message):
         """The player opens a predicate in the inspector.
 
@@ -63,9 +65,7 @@ class GraphView(LinesView):
             predicate: Its name.
         """
 
-        def __init__(self, predicate: str) -> None:
-            super().__init__()
-            self.predicate = predicate
+        predicate: str
 
     def __init__(self, program: Program, name: str) -> None:
         super().__init__(id="graph")
@@ -95,13 +95,7 @@ class GraphView(LinesView):
         self._middle = name
         self._columns = (users, (name,), uses.get(name, ()))
         self._at = (_MIDDLE, 0)
-        self._draw()
-        self._show_chosen()
-
-    def on_resize(self) -> None:
-        """Draw at the new width."""
-        self._draw()
-        self._show_chosen()
+        self.redraw()
 
     def on_click(self, event: events.Click) -> None:
         """Move a predicate to the middle, or open the one that is there."""
@@ -120,8 +114,7 @@ class GraphView(LinesView):
         """Move the cursor up and down among the users, or among what is used."""
         column, row = self._at
         self._at = (column, max(0, min(row + down, len(self._columns[column]) - 1)))
-        self._draw()
-        self._show_chosen()
+        self.redraw()
 
     def action_along(self, right: int) -> None:
         """Move the cursor to the next column; beyond the last, move its predicate to the middle."""
@@ -131,21 +124,14 @@ class GraphView(LinesView):
         elif self._columns[column]:
             row = self._tops[self._at[0]] + self._at[1] - self._tops[column]
             self._at = (column, max(0, min(row, len(self._columns[column]) - 1)))
-            self._draw()
-            self._show_chosen()
+            self.redraw()
 
     def action_open(self) -> None:
         """Open the predicate under the cursor in the inspector."""
         self.post_message(self.Opened(self.chosen))
 
-    def _show_chosen(self) -> None:
-        column, row = self._at
-        area = Region(0, self._tops[column] + row, 1, 1)
-        self.scroll_to_region(area, animate=False, force=True)
-
-    def _draw(self) -> None:
-        if self.columns <= 0:
-            return
+    def draw(self) -> None:
+        """Paint the graph, and bring the cursor into view."""
         labels = [[self._label(name) for name in names] for names in self._columns]
         labels[_USERS] = labels[_USERS] or [Content.styled(_NOBODY, INK.dim)]
         labels[_USED] = labels[_USED] or [Content.styled(_NOTHING, INK.dim)]
@@ -156,6 +142,9 @@ class GraphView(LinesView):
             min(most, max(label.cell_length for label in each)) for each in labels
         )
         self.paint([self._line(row, labels) for row in range(height)])
+        column, row = self._at
+        area = Region(0, self._tops[column] + row, 1, 1)
+        self.scroll_to_region(area, animate=False, force=True)
 
     def _line(self, row: int, labels: Sequence[Sequence[Content]]) -> Content:
         """One line: a user, a connector, the middle, a connector, a used predicate."""

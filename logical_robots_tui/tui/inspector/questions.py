@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from logical_robots_tui.game import Inquiry, NoSuchTickError, Superseded
 from logical_robots_tui.mind import QueryError, Table
@@ -118,14 +118,7 @@ class Questions:
         Raises:
             QueryError: It can't be asked.
         """
-        return await self._inquire().why(
-            self.program,
-            robot,
-            frame,
-            predicate=asked.predicate,
-            given=asked.given or None,
-            within=asked.within,
-        )
+        return await self._inquire().why(self.program, robot, frame, **_parts(asked))
 
     async def proof(self, robot: str, frame: Frame, asked: Ask) -> Proof:
         """The whole proof of a row for a robot at a frame.
@@ -133,14 +126,7 @@ class Questions:
         Raises:
             QueryError: It can't be asked.
         """
-        return await self._inquire().proof(
-            self.program,
-            robot,
-            frame,
-            predicate=asked.predicate,
-            given=asked.given or None,
-            within=asked.within,
-        )
+        return await self._inquire().proof(self.program, robot, frame, **_parts(asked))
 
     async def nearest(
         self, robot: str, frame: Frame, predicate: str
@@ -212,3 +198,7 @@ class Questions:
             return game.frame_at(frame.tick - 1)
         except NoSuchTickError:
             return None
+
+
+def _parts(asked: Ask) -> dict[str, Any]:
+    return {"predicate": asked.predicate, "given": asked.given or None, "within": asked.within}

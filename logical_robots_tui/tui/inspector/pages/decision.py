@@ -53,18 +53,15 @@ class DecisionView(LinesView):
     ) -> None:
         """Show a tick, as `decision_lines` does."""
         self._shown = (program, frame, robot, survey)
-        self._draw()
-
-    def on_resize(self) -> None:
-        """Draw at the new width."""
-        self._draw()
+        self.redraw()
 
     def action_open(self) -> None:
         """Open the values as a tree."""
         self.post_message(self.Opened())
 
-    def _draw(self) -> None:
-        if self._shown is not None and self.columns > 0:
+    def draw(self) -> None:
+        """Paint the decision."""
+        if self._shown is not None:
             self.paint(decision_lines(*self._shown, self.columns))
 
 

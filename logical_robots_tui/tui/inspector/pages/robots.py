@@ -47,6 +47,7 @@ class RobotsView(LinesView):
         Binding("down", "choose(1)", show=False),
     ]
 
+    @dataclass
     class Chosen(Message):
         """A robot was chosen.
 
@@ -54,9 +55,7 @@ class RobotsView(LinesView):
             robot_name: Its name.
         """
 
-        def __init__(self, robot_name: str) -> None:
-            super().__init__()
-            self.robot_name = robot_name
+        robot_name: str
 
     def __init__(self) -> None:
         super().__init__(id="robots")
@@ -66,21 +65,17 @@ class RobotsView(LinesView):
     def show(self, level: Level, frame: Frame) -> None:
         """Show the robots of a tick."""
         self._shown = (level, frame)
-        self._draw()
+        self.redraw()
 
     def choose(self, robot_name: str | None) -> None:
         """Highlight a robot."""
         if robot_name != self._chosen:
             self._chosen = robot_name
-            self._draw()
+            self.redraw()
 
     def on_mount(self) -> None:
         """Follow the theme."""
-        self.app.theme_changed_signal.subscribe(self, lambda _: self._draw())
-
-    def on_resize(self) -> None:
-        """Draw at the new width."""
-        self._draw()
+        self.app.theme_changed_signal.subscribe(self, lambda _: self.redraw())
 
     def on_click(self, event: events.Click) -> None:
         """Choose the robot under the pointer."""
@@ -97,11 +92,11 @@ class RobotsView(LinesView):
         if self._shown is not None and 0 <= number < len(self._shown[0].robots):
             self.post_message(self.Chosen(self._shown[0].robots[number].name))
 
-    def _draw(self) -> None:
-        width = self.columns
-        if self._shown is None or width <= 0:
+    def draw(self) -> None:
+        """Paint the robots and the notes."""
+        if self._shown is None:
             return
-        level, frame = self._shown
+        width, (level, frame) = self.columns, self._shown
         palette = palette_of(self.app.current_theme)
         robots = _robot_lines(level, frame, width, self._chosen, palette)
         lines = [_column_titles(level, width), *robots, Content("")]

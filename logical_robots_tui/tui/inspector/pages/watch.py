@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 from contextlib import suppress
+from dataclasses import dataclass
 from time import perf_counter
 from typing import TYPE_CHECKING, ClassVar
 
@@ -66,6 +67,7 @@ class WatchView(CursorView):
         Binding("delete,backspace", "remove", show=False),
     ]
 
+    @dataclass
     class Opened(Message):
         """The player opens the predicate of a pin.
 
@@ -73,9 +75,7 @@ class WatchView(CursorView):
             predicate: Its name.
         """
 
-        def __init__(self, predicate: str) -> None:
-            super().__init__()
-            self.predicate = predicate
+        predicate: str
 
     class Changed(Message):
         """There are other pins, or there is room for other ticks."""
@@ -111,8 +111,7 @@ class WatchView(CursorView):
             self._pins.append(pin)
         else:
             self._pins.remove(pin)
-        self.draw()
-        self.post_message(self.Changed())
+        self.redraw()
         return is_new
 
     def show(self, ticks: range, tick: int, readings: Mapping[Pin, Reading], plain: bool) -> None:
@@ -125,10 +124,12 @@ class WatchView(CursorView):
             plain: Whether to draw with ASCII only.
         """
         self.ticks, self._tick, self._readings, self._plain = ticks, tick, readings, plain
-        self.draw()
+        if self.columns > 0:
+            self.draw()
 
-    def on_resize(self) -> None:
-        """Ask for as many ticks as there is room for now."""
+    def redraw(self) -> None:
+        """Draw at the present width, and ask for as many ticks as there is room for."""
+        super().redraw()
         self.post_message(self.Changed())
 
     def clicked(self, x: int, line: int, *, again: bool) -> None:
@@ -164,8 +165,6 @@ class WatchView(CursorView):
 
     def draw(self) -> None:
         """Paint the pins."""
-        if self.columns <= 0:
-            return
         if self._pins and self.ticks:
             words = f"{_KEYS}  ticks {self.ticks[0]} to {self.ticks[-1]}"
             after = [Content(""), Content.styled(clip(words, self.columns), INK.dim)]

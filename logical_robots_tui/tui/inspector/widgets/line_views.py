@@ -58,6 +58,19 @@ class LinesView(ScrollView, can_focus=True):
         del number
         return False
 
+    def draw(self) -> None:
+        """Paint what is to be shown, at the present width."""
+        raise NotImplementedError
+
+    def redraw(self) -> None:
+        """Draw at the present width, if there is any."""
+        if self.columns > 0:
+            self.draw()
+
+    def on_resize(self) -> None:
+        """Draw at the new width."""
+        self.redraw()
+
     def paint(self, lines: Sequence[Content]) -> None:
         """Replace the lines."""
         before, self._painted = self._painted, list(lines)
@@ -132,21 +145,12 @@ class CursorView(LinesView):
         self._at = max(0, min(self._at, len(items) - 1))
         self.paint([*lines, *after])
 
-    def draw(self) -> None:
-        """Paint what is to be shown, at the present width."""
-        raise NotImplementedError
-
     def cursor_moved(self) -> None:
         """Follow the cursor, which the player has put on an item."""
 
     def is_at_cursor(self, number: int) -> bool:
         """Whether a line is highlighted."""
         return self.has_focus and self._at < self.count and number in self.span(self._at)
-
-    def on_resize(self) -> None:
-        """Draw at the new width."""
-        if self.columns > 0:
-            self.draw()
 
     def on_focus(self) -> None:
         """Show the cursor."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, ClassVar
 
 from textual.binding import Binding
@@ -37,6 +38,7 @@ class LinksView(CursorView):
         Binding("escape,backspace", "leave", show=False),
     ]
 
+    @dataclass
     class Pointed(Message):
         """The cursor is on another link.
 
@@ -44,10 +46,9 @@ class LinksView(CursorView):
             link: The link.
         """
 
-        def __init__(self, link: Link) -> None:
-            super().__init__()
-            self.link = link
+        link: Link
 
+    @dataclass
     class Opened(Message):
         """The player goes to a link.
 
@@ -55,9 +56,7 @@ class LinksView(CursorView):
             link: The link.
         """
 
-        def __init__(self, link: Link) -> None:
-            super().__init__()
-            self.link = link
+        link: Link
 
     class Left(Message):
         """The player goes back."""
@@ -74,7 +73,8 @@ class LinksView(CursorView):
     def show(self, origin: Origin | None) -> None:
         """Show an origin, with the cursor on the value itself, or nothing."""
         self._origin, self._at = origin, 0
-        self.draw()
+        if self.columns > 0:
+            self.draw()
         self.refresh()
         self.scroll_to(y=0, animate=False)
         if self.has_focus:

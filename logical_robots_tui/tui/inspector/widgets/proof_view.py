@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, ClassVar
 
 from textual.binding import Binding
@@ -40,6 +41,7 @@ class WhyView(CursorView):
         Binding("backspace", "back", show=False),
     ]
 
+    @dataclass
     class Pointed(Message):
         """The cursor is on another node, or the node under it has been replaced.
 
@@ -48,10 +50,10 @@ class WhyView(CursorView):
             moved: Whether the player has moved the cursor.
         """
 
-        def __init__(self, node: Node, *, moved: bool) -> None:
-            super().__init__()
-            self.node, self.moved = node, moved
+        node: Node
+        moved: bool
 
+    @dataclass
     class Deeper(Message):
         """The player asks about a call in the proof.
 
@@ -59,10 +61,9 @@ class WhyView(CursorView):
             asked: The question.
         """
 
-        def __init__(self, asked: Ask) -> None:
-            super().__init__()
-            self.asked = asked
+        asked: Ask
 
+    @dataclass
     class Lacking(Message):
         """A line was expanded whose proof is not known yet.
 
@@ -71,9 +72,8 @@ class WhyView(CursorView):
             asked: The question that it asks.
         """
 
-        def __init__(self, key: int, asked: Ask) -> None:
-            super().__init__()
-            self.key, self.asked = key, asked
+        key: int
+        asked: Ask
 
     class Opened(Message):
         """The player opens the values of the node under the cursor."""

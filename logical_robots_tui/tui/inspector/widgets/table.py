@@ -154,7 +154,11 @@ class ValueTable(ScrollView, can_focus=True):
         self.refresh()
 
     def on_resize(self) -> None:
-        """Give the columns the width there is now."""
+        """Fit the columns to the new width."""
+        self.redraw()
+
+    def redraw(self) -> None:
+        """Fit the columns to the present width."""
         self._measure()
         self.refresh()
 
