@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, ClassVar, Protocol, runtime_checkable
+from typing import TYPE_CHECKING, ClassVar
 
 from textual.containers import Vertical
 from textual.content import Content
 from textual.message import Message
 from textual.widgets import Static
 
+from logical_robots_tui.tui.inspector.widgets.line_views import LinesView
 from logical_robots_tui.tui.theme.safe_text import one_line
 from logical_robots_tui.tui.theme.themes import INK
 
@@ -27,14 +28,6 @@ if TYPE_CHECKING:
 __all__ = ["NO_PROGRAM", "Page"]
 
 NO_PROGRAM = "There is no program to query yet."
-
-
-@runtime_checkable
-class Redrawn(Protocol):
-    """A view that has to be drawn again when its size changes."""
-
-    def redraw(self) -> None:
-        """Draw at the present size."""
 
 
 class Page(Vertical):
@@ -151,9 +144,10 @@ class Page(Vertical):
 
         Textual loses the resize event of a widget that is shown while another one scrolls.
         """
-        for each in dict.fromkeys((self.view, self.table)):
-            if isinstance(each, Redrawn):
-                each.redraw()
+        if isinstance(self.view, LinesView):
+            self.view.redraw()
+        if self.table is not None:
+            self.table.redraw()
 
     def say(self, words: Content | str) -> None:
         """Show a message above the view, or none if there are no words."""

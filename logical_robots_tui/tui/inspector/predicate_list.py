@@ -49,7 +49,12 @@ _NARROWEST = 12  # columns of an entry
 
 
 class PredicateList(Listing):
-    """Lists what can be inspected."""
+    """Lists what can be inspected.
+
+    Attributes:
+        predicates: The predicates of the listed program, or None before the first one.
+        names: The listed pages and predicates.
+    """
 
     DEFAULT_CSS = """
     PredicateList {
@@ -61,20 +66,10 @@ class PredicateList(Listing):
 
     def __init__(self) -> None:
         super().__init__(id="choice", markup=False, compact=True)
-        self._predicates: tuple[Predicate, ...] | None = None
-        self._names: list[str] = []
+        self.predicates: tuple[Predicate, ...] | None = None
+        self.names: Sequence[str] = ()
         self._survey: Survey | None = None
         self._counted: dict[str, tuple[str, bool, int]] = {}
-
-    @property
-    def predicates(self) -> tuple[Predicate, ...] | None:
-        """The listed predicates, or None before the first program."""
-        return self._predicates
-
-    @property
-    def names(self) -> Sequence[str]:
-        """The listed pages and predicates."""
-        return self._names
 
     def list(self, predicates: tuple[Predicate, ...], inspected: str) -> None:
         """List the predicates of a program.
@@ -83,11 +78,11 @@ class PredicateList(Listing):
             predicates: All of them.
             inspected: The page or predicate to highlight.
         """
-        self._predicates, self._survey = predicates, None
+        self.predicates, self._survey = predicates, None
         self._counted.clear()
         # Functions of the prelude never have rows to show; those of the program have calls.
         listed = [each for each in predicates if each.has_rows or each.kind != "prelude"]
-        names = self._names = [*_PAGES, *(predicate.name for predicate in listed)]
+        names = self.names = [*_PAGES, *(predicate.name for predicate in listed)]
         self.clear_options()
         self.add_options(
             [
@@ -100,7 +95,7 @@ class PredicateList(Listing):
 
     def count(self, survey: Survey) -> None:
         """Show how many rows each predicate has, if the survey is about the listed program."""
-        if survey.program.predicates == self._predicates:
+        if survey.program.predicates == self.predicates:
             self._survey = survey
             self._count()
 
@@ -116,21 +111,12 @@ class PredicateList(Listing):
         if self._survey is None:
             return
         width = max(self.scrollable_content_region.width, _NARROWEST)
-        for predicate in self._predicates or ():
+        for predicate in self.predicates or ():
             name = predicate.name
             told = (self._survey.count(name), self._survey.differs(name), width)
             if predicate.has_rows and self._counted.get(name) != told:
                 self._counted[name] = told
-                self._renew(self.get_option_index(name), _with_count(_entry(predicate), *told))
-
-    def _renew(self, line: int, entry: Content) -> None:
-        """Replace one entry; `replace_option_prompt` would repaint all others as well."""
-        option = self.get_option_at_index(line)
-        option._set_prompt(entry)
-        for key in list(self._option_render_cache.keys()):
-            if key[0] is option:
-                self._option_render_cache.discard(key)
-        self.refresh_line(line)
+                self.replace_option_prompt(name, _with_count(_entry(predicate), *told))
 
 
 def _entry(predicate: Predicate) -> Content:

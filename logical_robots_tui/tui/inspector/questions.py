@@ -68,11 +68,6 @@ class Questions:
         self._surveyed: Survey | None = None
 
     @property
-    def has_program(self) -> bool:
-        """Whether there is a program to query."""
-        return self._session.game is not None
-
-    @property
     def program(self) -> Program:
         """The program that the robots think with.
 
@@ -149,8 +144,8 @@ class Questions:
     async def survey(self, frame: Frame) -> Survey:
         """The rows of every predicate at a frame, and at the one before."""
         program, last = self.program, self._surveyed
-        if last is not None and last.program is program and last.frame is frame:
-            return last
+        if known := self.surveyed(frame):
+            return known
         inquiry = self._inquire()
         before: dict[str, Table | QueryError] = {}
         earlier = self._frame_before(frame)
