@@ -162,7 +162,7 @@ class AskPage(Page):
         if self._background.is_long:
             self._background.cancel()
         else:
-            self.screen.focus_next(ValueTable)
+            self.screen.set_focus(self.table)
 
     def _name_query(self, query: str) -> None:
         """Name the query that was answered; another one may be in the line by now."""

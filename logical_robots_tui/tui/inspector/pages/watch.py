@@ -253,7 +253,8 @@ class WatchPage(Page):
     @on(WatchView.Changed)
     def _view_changed(self, event: WatchView.Changed) -> None:
         event.stop()
-        self.post_message(self.Changed())
+        if self.display:
+            self.post_message(self.Changed())
 
     @on(WatchView.Opened)
     def _view_opened(self, event: WatchView.Opened) -> None:
