@@ -20,10 +20,10 @@ from logical_robots_tui.tui.app.quitting import leave
 from logical_robots_tui.tui.app.session import Session
 from logical_robots_tui.tui.app.session_listener import SessionListener
 from logical_robots_tui.tui.commands.keymap import KEY_MAP, command
-from logical_robots_tui.tui.inspector.choice import DECISION, ROBOTS, WATCH, WHY
+from logical_robots_tui.tui.inspector.highlights import Placed, Sighted
 from logical_robots_tui.tui.inspector.pages.robots import RobotsView
 from logical_robots_tui.tui.inspector.pane import InspectorPane
-from logical_robots_tui.tui.inspector.pointing import Placed, Sighted
+from logical_robots_tui.tui.inspector.predicate_list import DECISION, ROBOTS, WATCH, WHY
 from logical_robots_tui.tui.labyrinth.pane import LabyrinthPane
 from logical_robots_tui.tui.labyrinth.victory import VictoryAnnouncer
 from logical_robots_tui.tui.labyrinth.view import LabyrinthView
