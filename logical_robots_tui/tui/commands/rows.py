@@ -54,7 +54,7 @@ def pin(screen: MainScreen) -> None:
 @rows.command("Open the value", "X")
 def open_value(screen: MainScreen) -> None:
     """Show the value under the cursor, or the inputs of a decision, as a tree."""
-    from logical_robots_tui.tui.inspector.under_cursor import branches_here, branches_of
+    from logical_robots_tui.tui.inspector.under_cursor import branches_here, branches_of, memory_of
     from logical_robots_tui.tui.inspector.widgets.value_tree import ValueTree
 
     inspector, frame = screen.inspector, screen.session.frame
