@@ -188,12 +188,7 @@ class MainScreen(Screen[None], SessionListener):
     def on_mount(self) -> None:
         """Paint at once; compile and look for drafts after that."""
         self.program.editor.load_text(self._text_to_begin_with)
-        self.recorder.attach(
-            spawn=self.spawn,
-            changed=self.scheduler.soon,
-            warn=self.warn,
-            measured=self.announcer.measured,
-        )
+        self.recorder.attach(self.ui, changed=self.scheduler.soon, measured=self.announcer.measured)
         self.set_focus(self.labyrinth)
         self.set_interval(_HEARTBEAT, self._beat)
         self.level_opened(self.session.level)
