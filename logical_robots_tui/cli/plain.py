@@ -24,12 +24,12 @@ from logical_robots_tui.game import (
 from logical_robots_tui.game.continuing import (
     keep_if_own,
     level_to_begin_with,
-    measured_at_victory,
     note_level,
     program_to_begin_with,
 )
 from logical_robots_tui.game.events import events_between
-from logical_robots_tui.game.source import shipped_texts, target
+from logical_robots_tui.game.source import target
+from logical_robots_tui.game.victory import keep_victory, victory_of
 from logical_robots_tui.mind import Program, ProgramError
 from logical_robots_tui.paths import is_there
 from logical_robots_tui.progress import FILE_NAME, Progress
@@ -40,6 +40,7 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from logical_robots_tui.game import Frame, Source
+    from logical_robots_tui.game.victory import Victory
     from logical_robots_tui.world import Level
 
 __all__ = ["play_in_lines"]
@@ -211,20 +212,17 @@ class _Table:
                 _say(f"Tick {frame.tick}: {event}")
             if frame.tick == 1:
                 self._progress.begin(self._key)
-            if frame.after.won_at == frame.tick:
-                self._keep_victory(frame.tick)
+            if (victory := victory_of(self._game, self._level)) is not None:
+                self._keep(victory)
         self._past = frame
 
-    def _keep_victory(self, tick: int) -> None:
-        text = self._game.program.text
-        if self._level.solution and text == shipped_texts().get(self._level.solution):
+    def _keep(self, victory: Victory) -> None:
+        keep_victory(self._progress, self._key, victory)
+        if victory.verdict == "reference":
             _say("That was the reference program: it counts for itself.")
-            return
-        if not self._game.history.is_reliable_up_to(tick):
-            _say("A thought was ended by the clock on the way: this victory is not kept.")
-            return
-        self._progress.win(self._key, text, measured_at_victory(self._game.history, text, tick))
-        if self._progress.is_kept:
+        elif victory.refusal:
+            _say(victory.refusal)
+        elif self._progress.is_kept:
             _say("The victory is kept in your progress.")
         else:
             _say("The victory counts until you leave: nothing can be kept on this disk.")

@@ -12,16 +12,11 @@ if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
-__all__ = ["Delta", "alike"]
+__all__ = ["Delta"]
 
 _LISTS = ("robots", "beacons", "areas")
 _APART = {*_LISTS, "walls", "name", "source"}
 _VALUES = tuple(field.name for field in fields(Level) if field.name not in _APART)
-
-
-def alike(one: Level, other: Level) -> bool:
-    """Return whether two levels are equal, ignoring their files."""
-    return Delta.between(one, other).empty
 
 
 @dataclass(frozen=True, slots=True)

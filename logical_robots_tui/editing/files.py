@@ -6,9 +6,8 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from logical_robots_tui.editing.checks import refusals
-from logical_robots_tui.editing.native_text import write_native
+from logical_robots_tui.editing.level_text import write_native, write_web
 from logical_robots_tui.editing.rewriting import rewritten
-from logical_robots_tui.editing.web_text import write_web
 from logical_robots_tui.paths import real
 from logical_robots_tui.shipped import shipped_folder
 from logical_robots_tui.world.level import LevelError

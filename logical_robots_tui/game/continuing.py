@@ -7,21 +7,19 @@ from dataclasses import asdict, dataclass
 from typing import TYPE_CHECKING
 
 from logical_robots_tui.errors import InputError
-from logical_robots_tui.game.reference import count_rules, is_shipped, level_key
+from logical_robots_tui.game.reference import is_shipped, level_key
 from logical_robots_tui.game.source import (
     DEFAULT_PROGRAM,
     Source,
     load_program,
     shipped_texts,
 )
-from logical_robots_tui.progress import Measures
 from logical_robots_tui.world import list_levels
 
 if TYPE_CHECKING:
     from pathlib import Path
 
     from logical_robots_tui.game.game import Game
-    from logical_robots_tui.game.history.history import History
     from logical_robots_tui.game.source import Source
     from logical_robots_tui.progress import Progress
     from logical_robots_tui.world import Level
@@ -30,7 +28,6 @@ __all__ = [
     "Place",
     "keep_if_own",
     "level_to_begin_with",
-    "measured_at_victory",
     "note_level",
     "place_of",
     "program_to_begin_with",
@@ -81,13 +78,6 @@ def keep_if_own(progress: Progress, key: str, text: str) -> None:
     """Keep a program with the level of that key, unless it is a shipped one."""
     if text not in shipped_texts().values():
         progress.keep(key, text)
-
-
-def measured_at_victory(history: History, text: str, tick: int) -> Measures | None:
-    """Return the measures of a victory at that tick; None if several programs were involved."""
-    if not history.is_all_by(text, tick):
-        return None
-    return Measures(tick, count_rules(text), history.driven(tick))
 
 
 @dataclass(frozen=True, slots=True)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields
 from typing import TYPE_CHECKING, Literal
 
 from logical_robots_tui.errors import InputError
@@ -20,6 +20,7 @@ __all__ = [
     "LevelError",
     "Robot",
     "Visibility",
+    "alike",
 ]
 
 ROBOT_COLOR = "#4a9eff"
@@ -159,3 +160,15 @@ class Level:
     starter: str = ""
     solution: str = ""
     source: str = ""
+
+
+_COMPARED = tuple(f.name for f in fields(Level) if f.name not in ("name", "source", "walls"))
+
+
+def alike(one: Level, other: Level) -> bool:
+    """Whether two levels are the same, whatever file they came from."""
+    return one is other or (
+        all(getattr(one, name) == getattr(other, name) for name in _COMPARED)
+        and one.walls.shape == other.walls.shape
+        and bool((one.walls == other.walls).all())
+    )

@@ -9,8 +9,8 @@ from xml.etree import ElementTree as ET
 import pytest
 
 from logical_robots_tui import load_level
-from logical_robots_tui.editing.delta import alike
 from logical_robots_tui.shipped import shipped_folder
+from logical_robots_tui.world.level import alike
 from tests.cli.running import in_terminal
 
 if TYPE_CHECKING:

@@ -7,6 +7,7 @@ import json
 import os
 import re
 import shutil
+import signal
 import socket
 import statistics
 import subprocess
@@ -254,6 +255,72 @@ def test_from_behind_the_second_wall_there_is_no_way_out(wall: Path, tmp_path: P
     assert (players / NAMES[0] / "mine.l").read_text() == "x"
     assert secret.read_text() == "nobody's business"
     assert not (tmp_path / "touched").exists()
+
+
+def words_of(name: str) -> list[str]:
+    """The command that the script of the recipe keeps by that name."""
+    (found,) = re.findall(rf'^{name}="(.*) --"$', recipe("robots-session"), re.MULTILINE)
+    return str(found).split()
+
+
+def test_for_an_account_that_is_not_root_the_recipe_bounds_processes() -> None:
+    setpriv = shutil.which("setpriv")
+    if os.geteuid() != 0:
+        pytest.skip("the attempt to break out looks at it, for this account")
+    if setpriv is None or shutil.which("prlimit") is None:
+        pytest.skip("there is no setpriv or no prlimit, so root can't become somebody else")
+    nobody = [setpriv, "--reuid=64999", "--regid=64999", "--clear-groups"]
+    many = "i=0; while [ $i -lt 100 ]; do sleep 60 & i=$((i+1)); done; echo all"
+    with subprocess.Popen(
+        [*nobody, *words_of("bounds"), "--", "sh", "-c", many],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.DEVNULL,
+        text=True,
+        start_new_session=True,
+    ) as shell:
+        assert shell.wait(30) != 0
+        os.killpg(shell.pid, signal.SIGKILL)
+        assert shell.stdout is not None
+        assert "all" not in shell.stdout.read()
+
+
+@pytest.mark.parametrize("has_systemd", [True, False])
+def test_a_session_runs_in_a_scope_of_systemd_where_there_is_one(
+    has_systemd: bool, wall: Path, tmp_path: Path
+) -> None:
+    """Something in the place of systemd-run notes how it is called, or fails as that does."""
+    notes = tmp_path / "notes"
+    stand_in = tmp_path / "bin" / "systemd-run"
+    stand_in.parent.mkdir()
+    runs = 'while [ "$1" != -- ]; do shift; done; shift; exec "$@"' if has_systemd else "exit 1"
+    stand_in.write_text(f'#!/bin/sh\necho "$@" >> {notes}\n{runs}\n')
+    stand_in.chmod(0o755)
+    environment = {
+        **os.environ,
+        "PATH": f"{stand_in.parent}:{os.environ['PATH']}",
+        "LOGICAL_ROBOTS_PLAYER": NAMES[0],
+    }
+    done = subprocess.run(
+        [wall, "echo", "inside"], env=environment, capture_output=True, text=True, check=True
+    )
+    assert done.stdout == "inside\n"
+    calls = notes.read_text().splitlines()
+    assert len(calls) == (2 if has_systemd else 1)
+    assert all(call.startswith(" ".join(words_of("scope")[1:])) for call in calls)
+    assert not has_systemd or "-- bwrap --unshare-all" in calls[1]
+
+
+def test_systemd_bounds_the_processes_of_a_scope() -> None:
+    scope = words_of("scope")
+    if shutil.which(scope[0]) is None:
+        pytest.skip("there is no systemd-run")
+    asks = "cat /sys/fs/cgroup$(cut -d: -f3 /proc/self/cgroup)/pids.max"
+    done = subprocess.run(
+        [*scope, "--", "sh", "-c", asks], capture_output=True, text=True, check=False
+    )
+    if done.returncode:
+        pytest.skip(f"no systemd runs for this user: {done.stderr.strip()}")
+    assert done.stdout == "64\n"
 
 
 def leads_anywhere(school: School, option: str, way: str) -> bool:

@@ -8,11 +8,12 @@ from dataclasses import replace
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from logical_robots_tui.editing.delta import Delta, alike
+from logical_robots_tui.editing.delta import Delta
 from logical_robots_tui.editing.edits import Edits
 from logical_robots_tui.editing.properties import resize
 from logical_robots_tui.editing.walls import paint
 from logical_robots_tui.world.bitmaps import changed_box
+from logical_robots_tui.world.level import alike
 from tests.editing.making import EDITS, Edit, room
 
 

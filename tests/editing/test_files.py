@@ -14,16 +14,14 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from logical_robots_tui.editing.delta import alike
 from logical_robots_tui.editing.edits import Edits
 from logical_robots_tui.editing.files import save_level
-from logical_robots_tui.editing.native_text import write_native
+from logical_robots_tui.editing.level_text import lost_in_web, write_native, write_web
 from logical_robots_tui.editing.properties import resize, set_words
 from logical_robots_tui.editing.records import record_of
 from logical_robots_tui.editing.rewriting import rewritten
 from logical_robots_tui.editing.things import Ref, add, change, remove
 from logical_robots_tui.editing.walls import paint, paint_rectangle
-from logical_robots_tui.editing.web_text import lost_in_web, write_web
 from logical_robots_tui.world import (
     Area,
     Beacon,
@@ -32,6 +30,7 @@ from logical_robots_tui.world import (
     Visibility,
     load_level,
 )
+from logical_robots_tui.world.level import alike
 from logical_robots_tui.world.native import read_native
 from logical_robots_tui.world.web import read_web
 from tests.editing.making import CONFORMANCE, EDITS, SHIPPED, Edit, room

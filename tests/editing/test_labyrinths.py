@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 
 from logical_robots_tui.editing.checks import check
 from logical_robots_tui.editing.labyrinths import empty_room, labyrinth
-from logical_robots_tui.editing.regions import Regions
+from logical_robots_tui.editing.walls import Regions
 from logical_robots_tui.world import LevelError
 from logical_robots_tui.world.drawing import coarsest_cell
 from tests.editing.making import sketch

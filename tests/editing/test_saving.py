@@ -8,7 +8,6 @@ from typing import Any
 
 import pytest
 
-from logical_robots_tui.editing.delta import alike
 from logical_robots_tui.editing.files import save_level
 from logical_robots_tui.editing.things import Ref, change
 from logical_robots_tui.world import (
@@ -17,6 +16,7 @@ from logical_robots_tui.world import (
     Robot,
     load_level,
 )
+from logical_robots_tui.world.level import alike
 from tests.editing.making import CONFORMANCE, SHIPPED, room
 
 

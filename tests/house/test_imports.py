@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import ast
 import json
 import subprocess
 import sys
+from pathlib import Path
 
 import pytest
 
@@ -25,6 +27,19 @@ MUST_NOT_LOAD = {
     f"{EDITING}.edits": {MIND, PROGRESS, GAME, TUI, CLI, "logica", "sqlite3"} | SCREEN,
     GAME: {TUI, CLI, "logica", "sqlglot"} | SCREEN,
     "logical_robots_tui.tui.app.play": {CLI},
+    **{
+        f"{TUI}.{part}": {CLI, f"{TUI}.app.main_screen"} | SCREEN
+        for part in (
+            "app.session",
+            "library.controller",
+            "library.progress_recorder",
+            "labyrinth.victory",
+            "level_editor.controller",
+            "level_editor.mode",
+            "recovery.bookmark",
+            "timeline.controller",
+        )
+    },
     "logical_robots_tui.cli.main": {WORLD, MIND, GAME, TUI, "numpy", "logica", "sqlite3"} | SCREEN,
 }
 
@@ -62,6 +77,18 @@ def test_a_run_without_a_screen_never_loads_textual() -> None:
     )
     assert WORLD in loaded
     assert loaded & {"textual", TUI} == set()
+
+
+def test_only_the_app_and_the_commands_know_the_main_screen_even_for_types() -> None:
+    package = Path(logical_robots_tui.__file__).parent
+    knowing = {
+        path.relative_to(package).as_posix()
+        for path in package.rglob("*.py")
+        for node in ast.walk(ast.parse(path.read_text("utf-8")))
+        if isinstance(node, ast.ImportFrom) and "MainScreen" in {name.name for name in node.names}
+    }
+    assert "tui/app/app.py" in knowing
+    assert {path for path in knowing if not path.startswith("tui/commands/")} == {"tui/app/app.py"}
 
 
 @pytest.mark.parametrize("name", PUBLIC_NAMES)

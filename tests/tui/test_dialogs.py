@@ -112,7 +112,7 @@ async def test_a_dialog_that_is_closed_does_nothing_any_more(data_dir: Path, sho
         await game.app.run_action("more", hints)
         await hints.run_action("more")
         assert game.app.screen is game.main
-        assert game.main.journal.record.hints == 1
+        assert game.main.recorder.record.hints == 1
 
 
 async def test_a_choice_that_comes_when_the_dialog_is_left_already_is_too_late(

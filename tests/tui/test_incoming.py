@@ -54,6 +54,14 @@ class Input:
         b"\x1b]11;rgb:1e1e/1e1e/1e1e\x1b\\",
         b"\x1b]11;rgb:1e1e/1e1e/1e1e\x07",
         b"\x1bP1$r0m\x1b\\",
+        b"\x1b]52;c;" + b"QUJD" * 20_000 + b"\x07",
+        b"\x1b_G" + b"A" * 70_000 + b"\x1b\\",
+        b"\x1bP>|xterm(390)\x1b\\",
+        b"\x1bX" + b"\xff" * 5_000 + b"\x1b\\",
+        b"\x1b[?9999999999999999999999u",
+        b"\x1b[<0;99999999999999999999;1M"[:-1] + b"z",
+        b"\x1b[97;5:3;" + b"1:" * 15 + b"u",
+        b"\x1b[48;99999999;t",
         b"\x1b[" + b"7" * 50 + b"u",
         b"\x1b[" + b"7" * 10_000 + b"u",
     ],
@@ -82,6 +90,20 @@ def test_a_terminal_that_says_it_has_no_size_may_have_a_mouse(size: bytes) -> No
 )
 def test_keys_are_what_they_were(sent: bytes, key: str) -> None:
     assert Input().take(sent).keys == [key]
+
+
+@pytest.mark.parametrize("end", [b"\x07", b"\x1b\\"])
+def test_what_a_terminal_says_in_several_parts_is_no_typing(end: bytes) -> None:
+    said = b"\x1b]11;rgb:1e1e/1e1e/1e1e" + end
+    for at in range(3, len(said)):
+        assert Input().take(said[:at]).take(said[at:]).take(b"n").keys == ["n"], at
+
+
+def test_what_it_never_ends_to_say_is_ended_by_a_key_after_a_silence() -> None:
+    found = Input().take(b"\x1b]0;" + b"x" * 200_000)
+    found.now += 5
+    assert found.take(b"n").keys == ["n"]
+    assert Input().take(b"\x1b_" + b"x" * 9000).take(b"\x1b[A").keys == ["up"]
 
 
 def test_a_number_that_goes_on_for_five_million_digits_is_dropped_in_time() -> None:

@@ -19,7 +19,7 @@ from logical_robots_tui.game.drafts import Drafts
 from logical_robots_tui.tui.commands.help import Help
 from logical_robots_tui.tui.labyrinth.view import LabyrinthView
 from logical_robots_tui.tui.layout.question import Question
-from logical_robots_tui.tui.level_editor.controller import EditingDoor
+from logical_robots_tui.tui.level_editor.controller import LevelEditing
 from logical_robots_tui.tui.library.save_dialog import SaveAs
 from logical_robots_tui.tui.terminal.crash_report import OwnMistake
 from tests.terminal import Terminal
@@ -146,7 +146,7 @@ async def test_text_that_has_come_back_under_a_dialog_is_not_offered(
         finally:
             go_on.set()
         offered = asyncio.Event()
-        monkeypatch.setattr(EditingDoor, "offer", lambda door: _now(offered))
+        monkeypatch.setattr(LevelEditing, "offer", lambda door, offers: _now(offered))
         await game.ready()
         await game.press("escape")
         await game.until(offered.is_set)

@@ -126,6 +126,63 @@ FILES: dict[str, tuple[str, Callable[[], str]]] = {
         ".json",
         lambda: JSON.format("", f'"robots": [{{"name": "{"n" * MUCH}"}}]'),
     ),
+    "deep objects in JSON": (".json", lambda: '{"a": ' * 29_000),
+    "deep objects that end in JSON": (
+        ".json",
+        lambda: '{"width": 9, "height": 9, "walls": "", "x": ' + '{"a": ' * 90 + "1" + "}" * 91,
+    ),
+    "coordinates that are none in JSON": (
+        ".json",
+        lambda: JSON.format("0" * 100, '"robots": [{"name": "a", "x": NaN, "y": -Infinity}]'),
+    ),
+    "coordinates beyond all in JSON": (
+        ".json",
+        lambda: JSON.format("0" * 100, '"robots": [{"name": "a", "x": 1e400, "y": -1e308}]'),
+    ),
+    "escapes in JSON": (".json", lambda: '{"title": "' + "\\u0000" * 600_000 + '"}'),
+    "JSON that is a list": (".json", lambda: "[" + "1," * 290_000 + "1]"),
+    "JSON with two ends": (".json", lambda: "{}" * 14_000),
+    # coordinates, sizes and names in TOML
+    "coordinates that are none": (
+        ".toml",
+        lambda: WALLS.format("...") + _records("robots", 1).replace("x = 1", "x = nan"),
+    ),
+    "coordinates without end": (
+        ".toml",
+        lambda: WALLS.format("...") + _records("beacons", 1).replace("y = 1", "y = -inf"),
+    ),
+    "an area of a thousand millions": (
+        ".toml",
+        lambda: WALLS.format("...") + _records("areas", 1, "radius = 1000000000"),
+    ),
+    "an area without end": (
+        ".toml",
+        lambda: WALLS.format("...") + _records("areas", 1, "radius = inf"),
+    ),
+    "an area of less than nothing": (
+        ".toml",
+        lambda: WALLS.format("...") + _records("areas", 1, "radius = -1e308"),
+    ),
+    "a robot of many joined characters": (
+        ".toml",
+        lambda: (
+            WALLS.format("...")
+            + _records("robots", 1).replace('"n"', '"e' + "\u0301" * 90_000 + '"')
+        ),
+    ),
+    "a robot of characters without width": (
+        ".toml",
+        lambda: (
+            WALLS.format("...") + _records("robots", 1).replace('"n"', '"' + "\u200b" * 50 + '"')
+        ),
+    ),
+    "a hint again and again": (
+        ".toml",
+        lambda: WALLS.format("...") + "hints = [" + '"x",' * 140_000 + "]",
+    ),
+    "lists of lists of lists": (".toml", lambda: "x = [" + "[[[1]]]," * 14_000 + "]"),
+    "a byte order mark and nothing": (".toml", lambda: "\ufeff" * 1_000_000),
+    "line ends of other kinds": (".toml", lambda: "a = 1\u2028" * 30_000),
     # neither
     "anything": ("", lambda: "x" * MUCH),
     "words": (".txt", lambda: "word " * (MUCH // 5)),

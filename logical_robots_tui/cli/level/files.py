@@ -38,7 +38,7 @@ def refuse_existing(path: Path, *, force: bool) -> None:
 
 def tell_lost(level: Level, path: Path) -> None:
     """Say what of a level a file of the web platform could not take."""
-    from logical_robots_tui.editing.web_text import lost_in_web
+    from logical_robots_tui.editing.level_text import lost_in_web
     from logical_robots_tui.world.load import WEB
 
     lost = lost_in_web(replace(level, name=path.stem))

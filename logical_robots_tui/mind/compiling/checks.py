@@ -176,6 +176,10 @@ def _names(rules: list[Rule], text: str, doubtful: frozenset[str]) -> Iterator[D
         seen.add(name)
         if name == "SqlExpr" or re.match(r"`\W*\w", name):
             yield diagnostic_for(text, name, "robots can't write SQL", "Say it in Logica.")
+        elif re.fullmatch(r"-\s*\w+", name):
+            other = name[1:].strip()
+            message = f"a minus can't stand right before {other}"
+            yield diagnostic_for(text, name, message, f"Put a space between: - {other}(...).")
         elif name in _OUTSIDE:
             message = f"{name} is not there for robots"
             yield diagnostic_for(text, name, message, "Robots can only think.")

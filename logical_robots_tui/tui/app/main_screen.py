@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import partial
 from time import monotonic
 from typing import TYPE_CHECKING
 
@@ -12,36 +13,37 @@ from textual.widgets import Input, Static, TextArea
 
 from logical_robots_tui.game.drafts import Drafts
 from logical_robots_tui.garbage import collect_seldom
-from logical_robots_tui.tui.app.background import in_background
-from logical_robots_tui.tui.app.permissions import Freedoms
-from logical_robots_tui.tui.app.redrawing import Redrawing
+from logical_robots_tui.tui.app.background import ScreenUi
+from logical_robots_tui.tui.app.frame_scheduler import FrameScheduler
+from logical_robots_tui.tui.app.permissions import Permissions
+from logical_robots_tui.tui.app.quitting import leave
 from logical_robots_tui.tui.app.session import Session
+from logical_robots_tui.tui.app.session_listener import SessionListener
 from logical_robots_tui.tui.commands.keymap import KEY_MAP, command
 from logical_robots_tui.tui.inspector.choice import DECISION, ROBOTS, WATCH, WHY
 from logical_robots_tui.tui.inspector.pages.robots import RobotsView
 from logical_robots_tui.tui.inspector.pane import InspectorPane
 from logical_robots_tui.tui.inspector.pointing import Placed, Sighted
 from logical_robots_tui.tui.labyrinth.pane import LabyrinthPane
-from logical_robots_tui.tui.labyrinth.victory import Celebration
+from logical_robots_tui.tui.labyrinth.victory import VictoryAnnouncer
 from logical_robots_tui.tui.labyrinth.view import LabyrinthView
 from logical_robots_tui.tui.layout.arrangement import Arrangement
 from logical_robots_tui.tui.layout.command_bar import CommandBar, CommandChosen, PaneTabs
 from logical_robots_tui.tui.layout.layout import LEAST_HEIGHT, LEAST_WIDTH, Layout
 from logical_robots_tui.tui.layout.pane import Pane
 from logical_robots_tui.tui.layout.status_line import StatusLine, status_of
-from logical_robots_tui.tui.learning.controller import Guide
-from logical_robots_tui.tui.learning.tour_controller import TourGuide
-from logical_robots_tui.tui.level_editor.controller import EditingDoor
-from logical_robots_tui.tui.library.controller import Library
-from logical_robots_tui.tui.program.controller import Scribe
+from logical_robots_tui.tui.learning.controller import LearningController
+from logical_robots_tui.tui.learning.tour_controller import TourController
+from logical_robots_tui.tui.level_editor.controller import LevelEditing
+from logical_robots_tui.tui.library.controller import LibraryController
+from logical_robots_tui.tui.program.controller import ProgramController
 from logical_robots_tui.tui.program.editor import Editor
 from logical_robots_tui.tui.program.file_watch import FileWatch
 from logical_robots_tui.tui.program.pane import ProgramPane
 from logical_robots_tui.tui.recovery.autosave import Autosave, program_draft
 from logical_robots_tui.tui.recovery.bookmark import Bookmark
 from logical_robots_tui.tui.recovery.offers import Offers
-from logical_robots_tui.tui.theme.safe_text import one_line
-from logical_robots_tui.tui.timeline.controller import Travel
+from logical_robots_tui.tui.timeline.controller import TimelineController
 from logical_robots_tui.tui.timeline.search import Search
 from logical_robots_tui.tui.timeline.widget import Timeline
 
@@ -53,9 +55,10 @@ if TYPE_CHECKING:
     from textual.geometry import Size
     from textual.widget import Widget
 
-    from logical_robots_tui.game import Breakpoint, Frame, Source
-    from logical_robots_tui.tui.app.background import Work
-    from logical_robots_tui.tui.library.journal import Journal
+    from logical_robots_tui.game import Frame, Source
+    from logical_robots_tui.tui.level_editor.mode import EditMode
+    from logical_robots_tui.tui.level_editor.panel import EditPanel
+    from logical_robots_tui.tui.library.progress_recorder import ProgressRecorder
     from logical_robots_tui.world import Level
 
 __all__ = ["MainScreen"]
@@ -64,21 +67,22 @@ _HEARTBEAT = 0.25  # seconds between two looks at a clock that runs
 _READABLE = 0.2  # seconds that a number is to stand while robots run
 
 
-class MainScreen(Screen[None]):
+class MainScreen(Screen[None], SessionListener):
     """Everything that a player sees outside of dialogs.
 
     Args:
         level: Where to begin.
         source: The program to begin with.
         data_dir: Where drafts and the player's programs are.
-        journal: Where progress is kept.
+        recorder: Where progress is kept.
         text: What the player made of the program, or None.
         welcome: Whether to begin with the tour.
+        permissions: What the player may do with the machine.
 
     Attributes:
         data_dir: Where drafts and the player's programs are.
-        freedoms: What the player may do with the machine.
-        redrawing: When the game is drawn again.
+        permissions: What the player may do with the machine.
+        scheduler: When the game is drawn again.
     """
 
     def __init__(
@@ -86,59 +90,94 @@ class MainScreen(Screen[None]):
         level: Level,
         source: Source,
         data_dir: Path,
-        journal: Journal,
+        recorder: ProgressRecorder,
         *,
         text: str | None = None,
         welcome: bool = False,
+        permissions: Permissions | None = None,
     ) -> None:
         super().__init__(id="main")
         # As a class variable they would be the same for every player; a keymap can't take one away.
         self._bindings = BindingsMap.merge([self._bindings, BindingsMap(KEY_MAP.get().bindings())])
-        self.freedoms = Freedoms()
-        self.data_dir = data_dir
-        self.redrawing = Redrawing(self, self._draw)
-        self.journal = journal
-        self.session = Session(
-            level,
-            source,
-            spawn=self.spawn,
-            changed=self.redrawing.soon,
-            used=journal.used,
-            stopped=lambda hits: self.travel.tell_hits(hits),
-        )
+        self.permissions = permissions or Permissions()
+        self.data_dir, self.recorder = data_dir, recorder
+        self.ui = ScreenUi(self)
+        self.tell, self.warn, self.spawn = self.ui.tell, self.ui.warn, self.ui.spawn
+        self.scheduler = FrameScheduler(self, self._draw)
+        self.session = Session(level, source, spawn=self.spawn, changed=self.scheduler.soon)
+        self.scheduler.pace = self.session.pace
+        self._text_to_begin_with = source.text if text is None else text
+        self._is_new_here = welcome
+        self._status, self._tabs, self._bar = StatusLine(), PaneTabs(), CommandBar()
+        self._too_small = Static(id="too-small", markup=False)
+        self.labyrinth, self.program, self.timeline = LabyrinthPane(), ProgramPane(), Timeline()
+        self.inspector = InspectorPane(self.session)
+        self.arrangement = Arrangement((self.labyrinth, self.program, self.inspector))
+        self._make_controllers()
+        self._focus_before: Widget | None = None
+        self._drawn: tuple[Level, Frame, bool] | None = None
+        self._lines_drawn_at = float("-inf")
+
+    def _make_controllers(self) -> None:
+        session, ui, recorder, data_dir = self.session, self.ui, self.recorder, self.data_dir
+        program, view = self.program, self.labyrinth.view
         self.drafts = Drafts(data_dir / "drafts")
         self.autosave = Autosave(
             self.drafts,
-            state=lambda: (self.session.source, self.program.text),
+            state=lambda: (session.source, program.text),
             draft=program_draft,
             failed=self.warn,
             what="What you type",
         )
-        self.library = Library(self, data_dir / "programs")
-        self.editing = EditingDoor(self, data_dir / "levels", self.drafts)
-        self.bookmark = Bookmark(self, self.drafts)
-        self.offers = Offers(self)
-        self.guide = Guide(self)
-        self.scribe = Scribe(self, data_dir / "copied.txt")
-        self._text_to_begin_with = source.text if text is None else text
-        self._watch = FileWatch(lambda: self.session.source, self.library.take_from_disk)
-        self._is_new_here = welcome
-        self.tours = TourGuide(self)
-        self.travel = Travel(self)
-        self.celebration = Celebration(self)
-        self.search = Search(self)
-        self._status = StatusLine()
-        self._tabs = PaneTabs()
-        self._too_small = Static(id="too-small", markup=False)
-        self.labyrinth = LabyrinthPane()
-        self.program = ProgramPane()
-        self.inspector = InspectorPane(self.session)
-        self.timeline = Timeline()
-        self._bar = CommandBar()
-        self.arrangement = Arrangement((self.labyrinth, self.program, self.inspector))
-        self._focus_before: Widget | None = None
-        self._drawn: tuple[Level, Frame, bool] | None = None
-        self._lines_drawn_at = float("-inf")
+        self.library = LibraryController(
+            session,
+            ui,
+            recorder,
+            self.drafts,
+            self.autosave,
+            program,
+            data_dir,
+            drawing=lambda: view.drawing,
+            make_level=lambda: self.editing.make_level(),
+        )
+        self.editing = LevelEditing(
+            session, ui, data_dir / "levels", self.drafts, self.library.open_level, self._panel
+        )
+        self.bookmark = Bookmark(
+            session, self.drafts, ui, self.library, self.labyrinth.close_briefing
+        )
+        self.offers = Offers(ui, lambda: self.is_active)
+        self.learning = LearningController(
+            session, ui, recorder, program, self.library.open_program
+        )
+        self.program_controller = ProgramController(
+            program,
+            session,
+            ui,
+            data_dir / "copied.txt",
+            permissions=lambda: self.permissions,
+            enter=lambda: self.go_to(program),
+            suspend=lambda: self.app.suspend(),
+        )
+        self._watch = FileWatch(lambda: session.source, self.library.take_from_disk)
+        self.tour = TourController(self.mount, self.arrangement, self.point_at, recorder.tour_seen)
+        self.timeline_controller = TimelineController(session, ui, lambda: view.selected)
+        self.search = Search(session, ui, self.timeline_controller.go_to)
+        is_covered = partial(self.arrangement.covers, self.labyrinth)
+        self.announcer = VictoryAnnouncer(session, self.labyrinth, recorder, self.tell, is_covered)
+        session.listeners += [self.editing, recorder, self.announcer]
+        session.listeners += [self.timeline_controller, self]
+
+    def _panel(self, mode: EditMode) -> EditPanel:
+        from logical_robots_tui.tui.level_editor.panel import EditPanel
+
+        return EditPanel(
+            mode,
+            self.labyrinth,
+            enter=lambda: self.go_to(self.labyrinth),
+            switched=self.announcer.hold,
+            changed=self.redraw_lines,
+        )
 
     def compose(self) -> ComposeResult:
         """Status line, tabs, panes, timeline, command bar."""
@@ -149,15 +188,15 @@ class MainScreen(Screen[None]):
     def on_mount(self) -> None:
         """Paint at once; compile and look for drafts after that."""
         self.program.editor.load_text(self._text_to_begin_with)
-        self.journal.attach(
+        self.recorder.attach(
             spawn=self.spawn,
-            changed=self.redrawing.soon,
+            changed=self.scheduler.soon,
             warn=self.warn,
-            measured=self.celebration.measured,
+            measured=self.announcer.measured,
         )
         self.set_focus(self.labyrinth)
         self.set_interval(_HEARTBEAT, self._beat)
-        self.begin_level()
+        self.level_opened(self.session.level)
         self._draw()
         self.call_after_refresh(self._start)
 
@@ -168,12 +207,13 @@ class MainScreen(Screen[None]):
 
     def _start(self) -> None:
         collect_seldom()
+        self.recorder.level_opened(self.session.opened)
         self.session.apply(self.text)
-        self.journal.open(self.session.level)
-        self.spawn(self.offers.make, "drafts", exclusive=False)
+        offers = partial(self.offers.make, self.library, self.editing, self.bookmark)
+        self.spawn(offers, "drafts", exclusive=False)
         self.spawn(self._watch.follow, "watch", exclusive=False)
         if self._is_new_here:
-            self.tours.begin()
+            self.tour.begin()
 
     async def on_unmount(self) -> None:
         """Bring the text to safety and stop all work."""
@@ -181,7 +221,7 @@ class MainScreen(Screen[None]):
         self.editing.close()
         self.drafts.close()
         await self.session.close()
-        await self.journal.close()
+        await self.recorder.close()
 
     # -- for the parts -------------------------------------------------------------------------
 
@@ -190,37 +230,15 @@ class MainScreen(Screen[None]):
         """What stands in the editor."""
         return self.program.text
 
-    def put_text(self, text: str) -> None:
-        """Put another program's text into the editor."""
-        self.program.editor.load_text(text)
-
-    def replace_text(self, text: str) -> None:
-        """Put another text of the same program into the editor; undo brings the former back."""
-        self.program.editor.put(text)
-
-    def tell(self, message: str) -> None:
-        """Say something in passing."""
-        self.notify(message, markup=False, timeout=4)
-
-    def warn(self, message: str) -> None:
-        """Say what went wrong."""
-        self.notify(one_line(message), markup=False, severity="warning", timeout=8)
-
-    def begin_level(self) -> None:
+    def level_opened(self, level: Level) -> None:
         """Show what the level asks for."""
-        self.editing.level_left()
         self.labyrinth.select(None)
-        self.labyrinth.briefing.tell(self.session.level)
-        self.celebration.forget()
-        self.redrawing.soon()
+        self.labyrinth.briefing.tell(level)
+        self.scheduler.soon()
 
-    def add_breakpoint(self, breakpoint_: Breakpoint) -> None:
-        """Let the robots stop at something from now on, and say so."""
-        self.travel.add_breakpoint(breakpoint_)
-
-    def spawn(self, work: Work, group: str, *, exclusive: bool) -> None:
-        """Work in the background."""
-        in_background(self, work, group, exclusive=exclusive)
+    def quit(self) -> None:
+        """Leave the game, but not without a word where that would lose something."""
+        leave(self.ui, self.app.exit, self.drafts, self.autosave, self.editing)
 
     # -- drawing -------------------------------------------------------------------------------
 
@@ -229,18 +247,14 @@ class MainScreen(Screen[None]):
         now = (session.level, session.frame, session.running)
         if not self.arrangement.is_tiny and self._drawn != now:
             self._drawn = now
-            level = self.editing.shown(session.level)
-            self.labyrinth.show(level, session.frame, hurried=session.running)
+            self.labyrinth.show(self.editing.level, session.frame, hurried=session.running)
         saved = self.text == session.source.text
         self.program.show(session.state, session.source.name, saved=saved)
-        is_read = session.running and not self.redrawing.tempo.is_hurried
+        is_read = session.running and not self.scheduler.rate.is_hurried
         if not is_read or monotonic() - self._lines_drawn_at > _READABLE:
             self.redraw_lines()
-        if session.frame.tick:
-            self.journal.moved()
-        self.celebration.follow()
+        self.labyrinth.banner.follow(self.recorder)
         self.inspector.follow()
-        session.pace.spacing = self.redrawing.tempo.spacing
 
     @property
     def _edits(self) -> bool:
@@ -258,7 +272,7 @@ class MainScreen(Screen[None]):
         self._tabs.show(tabs, self.arrangement.active.command_id)
 
     def _beat(self) -> None:
-        if self.session.busy and self.redrawing.tempo.rested > _HEARTBEAT:
+        if self.session.busy and self.scheduler.rate.rested > _HEARTBEAT:
             self.redraw_lines()
 
     # -- layout --------------------------------------------------------------------------------
@@ -274,9 +288,9 @@ class MainScreen(Screen[None]):
         elif before is Layout.TINY and self._focus_before is not None:
             self.set_focus(self._focus_before)
             self._focus_before = None
-        self.call_after_refresh(self.tours.place)
+        self.call_after_refresh(self.tour.place)
         self._drawn = None
-        self.redrawing.soon()
+        self.scheduler.soon()
 
     def _fit(self, size: Size) -> None:
         self.arrangement.fit(size)
@@ -287,7 +301,7 @@ class MainScreen(Screen[None]):
         """Bring a pane to sight without going there."""
         self.arrangement.active = pane
         self.arrangement.show()
-        self.redrawing.soon()
+        self.scheduler.soon()
 
     def go_to(self, pane: Pane) -> None:
         """Go to a pane; in a narrow terminal it takes the place of the one there."""
@@ -313,7 +327,7 @@ class MainScreen(Screen[None]):
     def on_descendant_focus(self) -> None:
         """Remember which pane is worked in, and offer the commands that fit."""
         if self.arrangement.focused():
-            self.tours.end()
+            self.tour.end()
         self.redraw_lines()
 
     # -- messages ------------------------------------------------------------------------------
@@ -321,7 +335,7 @@ class MainScreen(Screen[None]):
     @on(TextArea.Changed)
     def _text_changed(self) -> None:
         self.autosave.edited()
-        self.redrawing.soon()
+        self.scheduler.soon()
 
     @on(Editor.Leave)
     def _editor_left(self) -> None:
@@ -329,11 +343,11 @@ class MainScreen(Screen[None]):
 
     @on(Editor.Copied)
     def _text_copied(self, event: Editor.Copied) -> None:
-        self.scribe.keep_copy(event.text)
+        self.program_controller.keep_copy(event.text)
 
     @on(Timeline.Pointed)
     def _tick_pointed(self, event: Timeline.Pointed) -> None:
-        self.travel.go_to(event.tick)
+        self.timeline_controller.go_to(event.tick)
 
     @on(Pane.Pulled)
     def _side_pulled(self, event: Pane.Pulled) -> None:

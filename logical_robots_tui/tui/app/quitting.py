@@ -3,29 +3,45 @@
 from __future__ import annotations
 
 from functools import partial
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Protocol
 
 from logical_robots_tui.tui.theme.safe_text import clip, one_line
 
 if TYPE_CHECKING:
-    from logical_robots_tui.game.drafts import Draft
-    from logical_robots_tui.tui.app.main_screen import MainScreen
+    from collections.abc import Callable
 
-__all__ = ["leave"]
+    from logical_robots_tui.game.drafts import Draft, Drafts
+    from logical_robots_tui.tui.app.ui import Ui
+
+__all__ = ["Unsaved", "leave"]
 
 
-def leave(screen: MainScreen) -> None:
-    """End the game; ask first if what is not saved can't be kept either."""
-    screen.autosave.flush()
-    screen.editing.flush()
-    lost = screen.drafts.unwritten()
+class Unsaved(Protocol):
+    """Keeps what is not saved."""
+
+    def flush(self) -> None:
+        """Write it now."""
+
+
+def leave(ui: Ui, end: Callable[[], None], drafts: Drafts, *unsaved: Unsaved) -> None:
+    """End the game; ask first if what is not saved can't be kept either.
+
+    Args:
+        ui: Where to ask.
+        end: Ends the game.
+        drafts: Where what is not saved is kept.
+        unsaved: What keeps it there.
+    """
+    for each in unsaved:
+        each.flush()
+    lost = drafts.unwritten()
     if lost:
-        screen.spawn(partial(_ask, screen, *lost[0]), "leaving", exclusive=True)
+        ui.spawn(partial(_ask, ui, end, *lost[0]), "leaving", exclusive=True)
     else:
-        screen.app.exit()
+        end()
 
 
-async def _ask(screen: MainScreen, draft: Draft, error: OSError) -> None:
+async def _ask(ui: Ui, end: Callable[[], None], draft: Draft, error: OSError) -> None:
     from logical_robots_tui.tui.layout.question import Question
 
     question = (
@@ -33,6 +49,5 @@ async def _ask(screen: MainScreen, draft: Draft, error: OSError) -> None:
         f"kept for the next time: {error.strerror or error}."
     )
     answers = [("stay", "Stay"), ("leave", "Leave without it")]
-    answer = await screen.app.push_screen_wait(Question("Not saved", question, answers))
-    if answer == "leave":
-        screen.app.exit()
+    if await ui.ask(Question("Not saved", question, answers)) == "leave":
+        end()

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from dataclasses import replace
 from functools import partial
-from time import perf_counter
 from typing import TYPE_CHECKING, Any
 
 from logical_robots_tui.game import (
@@ -16,7 +15,11 @@ from logical_robots_tui.game import (
     mistake_in,
     start_frame,
 )
+from logical_robots_tui.game.victory import victory_of
 from logical_robots_tui.mind import ProgramError
+from logical_robots_tui.tui.app.movement import Movement
+from logical_robots_tui.tui.app.open_level import OpenLevel
+from logical_robots_tui.tui.app.ui import nothing
 from logical_robots_tui.tui.program.state import ProgramState
 
 if TYPE_CHECKING:
@@ -25,28 +28,31 @@ if TYPE_CHECKING:
     from logical_robots_tui.game import Breakpoint, Game, Hit, Place, Source
     from logical_robots_tui.game.history.history import History
     from logical_robots_tui.mind import Predicate, Program, Table
-    from logical_robots_tui.tui.app.background import Spawn, Work
+    from logical_robots_tui.tui.app.session_listener import SessionListener
+    from logical_robots_tui.tui.app.ui import Spawn, Work
     from logical_robots_tui.world import Level
     from logical_robots_tui.world.changing import Pose
 
-__all__ = ["Session"]
+    Going = Callable[[Game], Coroutine[Any, Any, object]]
 
-_MOST_OWED = 5  # steps that a key held down may leave behind
-_NOTICEABLE = 0.5  # seconds of thinking from which on the screen says so
+__all__ = ["Session"]
 
 
 class Session:
     """One level under one program at a time; another level begins a new game.
 
-    `level` is that of the frame on the screen, `opened` the one that its file holds.
+    What happens is said once, to each listener in turn.
 
     Args:
         level: Where to begin.
         source: The program to begin with.
         spawn: Starts work in the background.
         changed: Called after everything that the screen may want to show.
-        used: Called with each program that the robots begin to think with.
-        stopped: Called with the breakpoints at which the robots have stopped.
+
+    Attributes:
+        levels: The level at hand: in its file, edited, and on the screen.
+        listeners: Who is told what happens.
+        movement: What the robots do.
     """
 
     def __init__(
@@ -56,41 +62,42 @@ class Session:
         *,
         spawn: Spawn,
         changed: Callable[[], None],
-        used: Callable[[Program], None],
-        stopped: Callable[[tuple[Hit, ...]], None],
     ) -> None:
-        self.level = self.opened = level
+        self.levels = OpenLevel(level)
         self.source = source
         self.state = ProgramState()
         self.pace = Pace()
         self.game: Game | None = None
         self.frame = start_frame(level)
         self.breakpoints = Breakpoints()
+        self.listeners: list[SessionListener] = []
+        self.movement = Movement()
         self._spawn = spawn
         self._changed = changed
-        self._used = used
-        self._stopped = stopped
         self._program: Program | None = None
-        self._run_when_ready = False
-        self._stepping: object = None
-        self._steps_owed = 0
-        self._runs_until: int | None = None
-        self._waiting_since = 0.0
+        self._won: tuple[str, int] | None = None
 
     # -- looking -------------------------------------------------------------------------------
 
     @property
+    def level(self) -> Level:
+        """The level of the frame on the screen."""
+        return self.levels.shown
+
+    @property
+    def opened(self) -> Level:
+        """The level as it is in its file."""
+        return self.levels.saved
+
+    @property
     def running(self) -> bool:
         """Whether the robots go on by themselves, or will as soon as the program is compiled."""
-        is_on_its_way = self._runs_until is not None and self._stepping is not None
-        return (
-            self._run_when_ready or is_on_its_way or (self.game is not None and self.game.running)
-        )
+        return self.movement.goes_on
 
     @property
     def busy(self) -> bool:
         """Whether something is under way that the player may want to stop."""
-        return self.running or self._stepping is not None
+        return not self.movement.is_resting
 
     @property
     def program(self) -> Program | None:
@@ -121,21 +128,22 @@ class Session:
     @property
     def thinking_for(self) -> float:
         """Seconds that the thought under way has taken, 0.0 as long as that is not worth saying."""
-        if self.game is None or not (self.game.running or self._stepping is not None):
-            return 0.0
-        pause = self.pace.period if self.game.running else 0.0
-        seconds = perf_counter() - self._waiting_since - pause
-        return seconds if seconds > _NOTICEABLE else 0.0
+        return self.movement.thinking_for(self.pace.period)
 
     # -- level and program ---------------------------------------------------------------------
 
     def open_level(self, level: Level, source: Source, text: str) -> None:
         """Go to a level with a program; its robots stand at the start."""
-        self._end_game()
+        self.pause()
+        if self.game is not None:
+            self.release(self.game.close)
+            self.game = None
         self.state = ProgramState()
-        self.level = self.opened = level
+        self.levels = OpenLevel(level)
         self.frame = start_frame(level)
         self.source = source
+        self._won = None
+        self._tell(lambda listener: listener.level_opened(level))
         self.apply(text)
 
     def open_program(self, source: Source, text: str) -> None:
@@ -148,10 +156,15 @@ class Session:
         self.source = source
         self._changed()
 
+    def level_saved_as(self, level: Level) -> None:
+        """The level at hand is saved, with the name and source of its file."""
+        self.levels.saved = level
+        self._tell(lambda listener: listener.level_saved(level))
+
     def apply(self, text: str) -> None:
         """Compile a text in the background and use it; an older compilation is given up."""
         if self._program is not None and self._program.text == text:
-            self._spawn(_nothing, "compile", exclusive=True)
+            self._spawn(nothing, "compile", exclusive=True)
             self._use(self._program)
             return
         self.state = self.state.compiling(text)
@@ -169,38 +182,33 @@ class Session:
 
     def run(self) -> None:
         """Let the robots go on, as soon as there is a program."""
-        if self.game is None:
-            self._run_when_ready = self.state.phase in ("fresh", "compiling")
-        elif not self.game.running:
-            self._waiting_since = perf_counter()
-            self._spawn(partial(self._run, self.game), "move", exclusive=True)
+        if self.game is not None and self.movement.kind != "run":
+            self._begin(Movement("run"), lambda game: game.run())
+        elif self.game is None and self.state.phase in ("fresh", "compiling"):
+            self.movement = Movement("awaiting")
         self._changed()
 
     def pause(self) -> None:
         """Stop running, and stop a thought under way."""
-        self._run_when_ready = False
         if self.game is not None:
             self.game.pause()
-        if self._stepping is not None:
-            self._stepping = self._runs_until = None
-            self._spawn(_nothing, "move", exclusive=True)
+        if self.movement.thinks:
+            self._spawn(nothing, "move", exclusive=True)
+        self.movement = Movement()
         self._changed()
 
     def step(self, ticks: int = 1) -> None:
         """Go some ticks on; while running, stop after them. Quick presses are worked off."""
-        if self._stepping is not None and self._runs_until is None:
-            most = max(self._steps_owed, _MOST_OWED * ticks)
-            self._steps_owed = min(self._steps_owed + ticks, most)
+        if self.movement.kind == "steps":
+            self.movement.owe(ticks)
         elif self.game is not None:
             self.game.pause()
-            self._steps_owed, self._runs_until = ticks, None
-            self._begin(self._step)
+            self._begin(Movement("steps", ticks), self._step)
 
     def run_until(self, tick: int) -> None:
         """Run flat out up to a tick, a breakpoint or victory."""
         self.pause()
-        self._runs_until = tick
-        self._begin(lambda game: game.run_until(tick=tick))
+        self._begin(Movement("until"), lambda game: game.run_until(tick=tick))
 
     async def replay(self, place: Place) -> None:
         """Go again where an earlier session of this level stood; a pause ends that on the way.
@@ -210,10 +218,9 @@ class Session:
         """
         ends = [(await compile_program(text), end) for text, end in place.stretches()]
         self.restart()
-        self._spawn(_nothing, "compile", exclusive=True)
+        self._spawn(nothing, "compile", exclusive=True)
         self._use(ends[0][0])
-        self._runs_until = place.tick
-        self._begin(partial(self._replay, ends))
+        self._begin(Movement("until"), partial(self._replay, ends))
 
     def back(self, ticks: int = 1) -> None:
         """Return by so many ticks, as far as history reaches."""
@@ -239,7 +246,7 @@ class Session:
         """
         self.pause()
         if self.game is not None:
-            self._spawn(_nothing, "compile", exclusive=True)
+            self._spawn(nothing, "compile", exclusive=True)
             self.game.change_course()
             self._think_with(self.game.program)
             self._changed()
@@ -249,14 +256,16 @@ class Session:
         if self.game is not None:
             self.game.change_level(level, poses)
         else:
-            self.level, self.frame = level, start_frame(level)
+            self.levels.shown, self.frame = level, start_frame(level)
             self._changed()
 
     def restart(self) -> None:
         """Begin the level again, standing still."""
         self.pause()
+        self._won = None
         if self.game is not None:
             self.game.restart()
+        self._tell(lambda listener: listener.restarted())
 
     def faster(self) -> None:
         """Choose the next higher speed."""
@@ -295,7 +304,8 @@ class Session:
         try:
             program = await compile_program(text, partial(self._compiled, text))
         except ProgramError as error:
-            self._run_when_ready = False
+            if self.movement.kind == "awaiting":
+                self.movement = Movement()
             self.state = replace(self.state, phase="mistake", mistakes=error.diagnostics)
             self._changed()
             return
@@ -310,14 +320,13 @@ class Session:
         from logical_robots_tui.game import Game  # takes time that the first picture needs
 
         self._think_with(program)
-        self._used(program)
+        self._tell(lambda listener: listener.program_used(program))
         if self.game is None:
             game = self.game = Game(self.level, program, breakpoints=self.breakpoints)
             game.pace = self.pace
             game.listen(lambda frame: self._show(game, frame))
             self.frame = game.frame
-            if self._run_when_ready:
-                self._run_when_ready = False
+            if self.movement.kind == "awaiting":
                 self.run()
         else:
             self.game.use(program)
@@ -328,46 +337,52 @@ class Session:
         self.state = ProgramState.of_applied(program.text, program.warnings)
 
     def _show(self, game: Game, frame: Frame) -> None:
-        if game is self.game:
-            self.frame, self.level = frame, game.level
-            self._waiting_since = perf_counter()
-            self._changed()
+        if game is not self.game:
+            return
+        is_next = frame.tick == self.frame.tick + 1
+        is_changed = game.level is not self.level
+        self.frame, self.levels.shown = frame, game.level
+        self.movement.has_thought()
+        self._tell(lambda listener: listener.tick_shown(frame))
+        if is_changed:
+            self._tell(lambda listener: listener.level_changed())
+        if is_next and (victory := victory_of(game, self.opened)) is not None:
+            won = victory.program.text, victory.tick
+            if won != self._won:
+                self._won = won
+                self._tell(lambda listener: listener.won(victory))
+        self._changed()
 
-    async def _run(self, game: Game) -> None:
-        try:
-            await game.run()
-            self._tell_hits(game)
-        finally:
-            self._changed()
+    def _tell(self, what: Callable[[SessionListener], None]) -> None:
+        for listener in self.listeners:
+            what(listener)
 
-    def _begin(self, work: Callable[[Game], Coroutine[Any, Any, object]]) -> None:
+    def _begin(self, movement: Movement, work: Going) -> None:
         """Go on in the background by something that pausing ends."""
         if self.game is not None:
-            self._stepping = object()
-            self._waiting_since = perf_counter()
-            move = partial(self._move, self.game, work, self._stepping)
+            self.movement = movement
+            move = partial(self._move, self.game, work, movement)
             self._spawn(move, "move", exclusive=True)
 
-    async def _move(
-        self, game: Game, work: Callable[[Game], Coroutine[Any, Any, object]], token: object
-    ) -> None:
+    async def _move(self, game: Game, work: Going, movement: Movement) -> None:
         try:
             await work(game)
-            self._tell_hits(game)
+            if game is self.game and (hits := self._hits(game)):
+                self._tell(lambda listener: listener.stopped(hits))
         except Superseded:
             pass
         finally:
-            if self._stepping is token:
-                self._stepping = self._runs_until = None
+            if self.movement is movement:
+                self.movement = Movement()
             self._changed()
 
     async def _step(self, game: Game) -> None:
-        token = self._stepping
-        while self._steps_owed and self._stepping is token:
-            self._steps_owed -= 1
+        movement = self.movement
+        while movement.owed and self.movement is movement:
+            movement.owed -= 1
             frame = await game.step()
             if self._hits(game) or game.won_at == frame.tick:
-                self._steps_owed = 0
+                movement.owed = 0
 
     async def _replay(self, ends: list[tuple[Program, int]], game: Game) -> None:
         for program, end in ends:
@@ -378,17 +393,3 @@ class Session:
     def _hits(self, game: Game) -> tuple[Hit, ...]:
         """The breakpoints that stop the robots at the present tick."""
         return tuple(hit for hit in game.hits if self.breakpoints.is_on(hit.breakpoint))
-
-    def _tell_hits(self, game: Game) -> None:
-        if game is self.game and (hits := self._hits(game)):
-            self._stopped(hits)
-
-    def _end_game(self) -> None:
-        self.pause()
-        game, self.game = self.game, None
-        if game is not None:
-            self._spawn(game.close, "close", exclusive=False)
-
-
-async def _nothing() -> None:
-    """Take the place of work that is to end."""

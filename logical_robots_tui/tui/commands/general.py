@@ -75,7 +75,7 @@ def _save_picture(screen: MainScreen) -> None:
 @general.command("Guided tour")
 def tour(screen: MainScreen) -> None:
     """Explain the parts of the screen, one by one."""
-    screen.tours.begin()
+    screen.tour.begin()
 
 
 @general.command("Redraw", "ctrl+l")
@@ -91,6 +91,4 @@ def redraw(screen: MainScreen) -> None:
 @general.command("Quit", "q", bar="Quit")
 def quit_(screen: MainScreen) -> None:
     """Leave the game. Unsaved text is kept and offered the next time."""
-    from logical_robots_tui.tui.app.quitting import leave
-
-    leave(screen)
+    screen.quit()

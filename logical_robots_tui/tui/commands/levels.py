@@ -27,9 +27,7 @@ def edit_level(screen: MainScreen) -> None:
 @levels.command("New level…", "H")
 async def new_level(screen: MainScreen) -> None:
     """Make a level: an empty room, a random labyrinth, or a copy of any level."""
-    from logical_robots_tui.tui.level_editor.new_level import make_level
-
-    await make_level(screen, screen.editing.own)
+    await screen.editing.make_level()
 
 
 editing = Group("In the level editor", "level")
@@ -58,7 +56,7 @@ for _tool, _key, _help in (
 @editing.command("Use the tool", "enter", bar="Use")
 def use(mode: EditMode) -> None:
     """Act as the mouse button at the cursor: begin or end a stroke, take or drop an object."""
-    mode.pointer.use()
+    mode.view.use()
 
 
 @editing.command("Undo", "u", bar="Undo")
@@ -66,14 +64,14 @@ def undo(mode: EditMode) -> None:
     """Undo the last change."""
     if not mode.editor.cancel():
         what = mode.editor.undo()
-        mode.screen.tell(f"Undone: {what}." if what else "There is nothing to undo.")
+        mode.ui.tell(f"Undone: {what}." if what else "There is nothing to undo.")
 
 
 @editing.command("Redo", "U", bar="Redo", spare=5)
 def redo(mode: EditMode) -> None:
     """Redo the change undone last."""
     what = mode.editor.redo()
-    mode.screen.tell(f"Redone: {what}." if what else "There is nothing to redo.")
+    mode.ui.tell(f"Redone: {what}." if what else "There is nothing to redo.")
 
 
 @editing.command("Narrower brush", "left_square_bracket")
@@ -117,14 +115,14 @@ def grid_size(mode: EditMode) -> None:
 def next_object(mode: EditMode) -> None:
     """Select the next robot, beacon or area."""
     mode.editor.select_next(1)
-    mode.pointer.go_to(mode.editor.cursor)
+    mode.view.go_to(mode.editor.cursor)
 
 
 @editing.command("Previous object", "shift+tab")
 def previous_object(mode: EditMode) -> None:
     """Select the previous robot, beacon or area."""
     mode.editor.select_next(-1)
-    mode.pointer.go_to(mode.editor.cursor)
+    mode.view.go_to(mode.editor.cursor)
 
 
 @editing.command("Turn left", "comma")
@@ -146,9 +144,9 @@ def properties(mode: EditMode) -> None:
 
     ref = mode.editor.selected
     if ref is None or mode.editor.thing is None:
-        mode.screen.warn(with_keys("Select an object first: click it, or press {next_object}."))
+        mode.ui.warn(with_keys("Select an object first: click it, or press {next_object}."))
     else:
-        mode.screen.app.push_screen(ThingForm(mode.editor, ref), lambda _: mode.redraw())
+        mode.ui.show(ThingForm(mode.editor, ref), lambda _: mode.redraw())
 
 
 @editing.command("Duplicate", "d")
@@ -168,7 +166,7 @@ def level_properties(mode: EditMode) -> None:
     """Edit the level's size, its texts, and what programs may see."""
     from logical_robots_tui.tui.level_editor.level_form import LevelForm
 
-    mode.screen.app.push_screen(LevelForm(mode.editor), lambda _: mode.redraw())
+    mode.ui.show(LevelForm(mode.editor), lambda _: mode.redraw())
 
 
 @editing.command("Findings", "j", bar="Findings", spare=2)
@@ -177,14 +175,14 @@ async def findings(mode: EditMode) -> None:
     from logical_robots_tui.tui.level_editor.finding_list import FindingList
 
     if mode.findings is None:
-        mode.screen.tell("Checking the level…")
+        mode.ui.tell("Checking the level…")
         return
     if not mode.findings:
-        mode.screen.tell("Nothing looks wrong.")
+        mode.ui.tell("Nothing looks wrong.")
         return
-    finding = await mode.screen.app.push_screen_wait(FindingList(mode.findings))
+    finding = await mode.ui.ask(FindingList(mode.findings))
     if finding is not None and finding.x is not None and finding.y is not None:
-        mode.pointer.go_to((finding.x, finding.y))
+        mode.view.go_to((finding.x, finding.y))
     mode.redraw()
 
 
@@ -230,4 +228,4 @@ def stop_editing(mode: EditMode) -> None:
     if mode.is_saved:
         mode.leave()
     else:
-        mode.screen.spawn(partial(ask_what_to_keep, mode), "dialog", exclusive=True)
+        mode.ui.spawn(partial(ask_what_to_keep, mode), "dialog", exclusive=True)

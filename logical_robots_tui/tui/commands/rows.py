@@ -194,7 +194,7 @@ def copy_rows(screen: MainScreen) -> None:
         text, count = as_csv(table.shown), len(table.shown.rows)
         screen.app.copy_to_clipboard(text)
         screen.tell(f"{count:,} row{'s' * (count != 1)} copied{_but(table)}.")
-        screen.scribe.keep_copy(text)
+        screen.program_controller.keep_copy(text)
 
 
 @rows.command("Save rows", "S")
@@ -225,14 +225,16 @@ def break_here(screen: MainScreen) -> None:
 
     inspector = screen.inspector
     if query := _question_asked(screen):
-        screen.add_breakpoint(Breakpoint("rows", query))
+        screen.timeline_controller.add_breakpoint(Breakpoint("rows", query))
         return
     if inspector.inspected not in {p.name for p in screen.session.predicates if p.has_rows}:
         screen.tell("Choose a predicate or ask a question first.")
         return
     table = inspector.pages.table
     column = table.column if table.has_focus else ""
-    screen.add_breakpoint(Breakpoint("change", inspector.inspected, table.how.robot, column))
+    screen.timeline_controller.add_breakpoint(
+        Breakpoint("change", inspector.inspected, table.how.robot, column)
+    )
 
 
 def _question_asked(screen: MainScreen) -> str:

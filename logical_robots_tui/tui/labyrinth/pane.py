@@ -86,6 +86,10 @@ class LabyrinthPane(Pane, can_focus=True):
         self.note(note if self.view.overlay is None else f"editing {note}".rstrip())
         self.select(self.view.selected)
 
+    def close_briefing(self) -> None:
+        """Hide what the level asks for."""
+        self.briefing.display = False
+
     def action_pan(self, across: int, down: int) -> None:
         """Move the view by an eighth of it."""
         columns, rows = self.view.size

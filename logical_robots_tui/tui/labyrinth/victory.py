@@ -4,73 +4,90 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from logical_robots_tui.editing.delta import alike
-from logical_robots_tui.tui.layout.layout import Layout
+from logical_robots_tui.tui.app.session_listener import SessionListener
 from logical_robots_tui.tui.theme.safe_text import one_line
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from logical_robots_tui.game.victory import Victory
     from logical_robots_tui.progress import Measures
-    from logical_robots_tui.tui.app.main_screen import MainScreen
     from logical_robots_tui.tui.app.session import Session
+    from logical_robots_tui.tui.labyrinth.pane import LabyrinthPane
+    from logical_robots_tui.tui.library.progress_recorder import ProgressRecorder
     from logical_robots_tui.world import Level
 
-__all__ = ["Celebration", "is_by_the_book"]
+__all__ = ["VictoryAnnouncer"]
 
 
-class Celebration:
-    """Tells of a victory, once.
+class VictoryAnnouncer(SessionListener):
+    """Tells of each victory once; after the recorder has kept it.
 
     Args:
-        screen: Where to tell it.
+        session: Where it happened.
+        pane: Where the banner is.
+        recorder: Knows the measures.
+        tell: Says something in passing.
+        is_hidden: Tells whether something else has the place of the labyrinth.
     """
 
-    def __init__(self, screen: MainScreen) -> None:
-        self._screen = screen
-        self._is_over = False
+    def __init__(
+        self,
+        session: Session,
+        pane: LabyrinthPane,
+        recorder: ProgressRecorder,
+        tell: Callable[[str], None],
+        is_hidden: Callable[[], bool],
+    ) -> None:
+        self._session, self._pane, self._recorder = session, pane, recorder
+        self._tell, self._is_hidden = tell, is_hidden
+        self._waiting: Victory | None = None
+        self._is_held = False
 
-    def follow(self) -> None:
-        """Celebrate if the robots have just won, and keep the banner true."""
-        screen = self._screen
-        won_at = screen.session.won_at
-        if won_at is not None and not self._is_over and not screen.editing.is_on:
-            self._is_over = True
-            self._celebrate(won_at)
-        screen.labyrinth.banner.follow(screen.journal)
+    def level_opened(self, level: Level) -> None:
+        """Take the banner away."""
+        self.restarted()
 
-    def _celebrate(self, won_at: int) -> None:
-        screen = self._screen
-        alone = len(screen.session.level.robots) == 1
-        who = "You are there" if alone else "Everybody is there"
-        screen.labyrinth.briefing.display = False
-        history = screen.session.history
-        if history is not None and not history.is_reliable_up_to(won_at):
-            screen.tell("A thought was ended by the clock on the way: this victory is not kept.")
-        elif is_by_the_book(screen.session):
-            screen.journal.won(screen.session)
-        else:
-            screen.tell("The level was changed by hand: this victory is not kept.")
-        screen.labyrinth.banner.celebrate(won_at, who, screen.journal)
-        arrangement = screen.arrangement
-        if arrangement.layout is Layout.NARROW and arrangement.active is not screen.labyrinth:
-            screen.tell(f"★ {who}: {won_at} ticks ★")
+    def restarted(self) -> None:
+        """Take the banner away."""
+        self._waiting = None
+        self._pane.banner.display = False
 
-    def measured(self, level: Level, found: Measures) -> None:
-        """Say what a winner measures, unless the banner does."""
-        screen = self._screen
-        if level is not screen.session.level or not screen.labyrinth.banner.display:
+    def won(self, victory: Victory) -> None:
+        """Tell of a victory, now or when the level is no longer edited."""
+        self._waiting = victory
+        if not self._is_held:
+            self._announce()
+
+    def hold(self, is_held: bool) -> None:
+        """Wait with the news, as while the level is edited, or no longer.
+
+        A victory meanwhile is news if the robots have still won.
+        """
+        self._is_held = is_held
+        if not is_held and self._session.won_at is not None:
+            self._announce()
+
+    def measured(self, level: Level, found: Measures, *, is_here: bool) -> None:
+        """Say what a winner measures, unless the banner does.
+
+        Args:
+            level: Where it has won.
+            found: What was measured.
+            is_here: Whether that is the level at hand.
+        """
+        if not (is_here and self._pane.banner.display):
             title = one_line(level.title)
-            screen.tell(f"{title}: won from {found.wins} of {found.starts} shifted starts.")
+            self._tell(f"{title}: won from {found.wins} of {found.starts} shifted starts.")
 
-    def forget(self) -> None:
-        """Take the banner away; the next victory is celebrated again."""
-        self._is_over = False
-        self._screen.labyrinth.banner.display = False
-
-
-def is_by_the_book(session: Session) -> bool:
-    """Whether all up to the present frame happened in the level as it is in its file."""
-    history = session.history
-    if history is None:
-        return session.level is session.opened
-    tick = session.frame.tick
-    return not history.is_changed_up_to(tick) and alike(history.level_at(0), session.opened)
+    def _announce(self) -> None:
+        victory, self._waiting = self._waiting, None
+        if victory is None:
+            return
+        who = "You are there" if len(victory.level.robots) == 1 else "Everybody is there"
+        self._pane.briefing.display = False
+        if victory.refusal:
+            self._tell(victory.refusal)
+        self._pane.banner.celebrate(victory.tick, who, self._recorder)
+        if self._is_hidden():
+            self._tell(f"★ {who}: {victory.tick} ticks ★")

@@ -42,6 +42,10 @@ class Arrangement:
         """Whether the terminal is too small for any pane."""
         return self.layout is Layout.TINY
 
+    def covers(self, pane: Pane) -> bool:
+        """Whether another pane has the place of that one."""
+        return self.layout is Layout.NARROW and self.active is not pane
+
     def fit(self, size: Size) -> None:
         """Arrange the panes for a terminal of that size."""
         self._size = size

@@ -14,115 +14,130 @@ from logical_robots_tui.progress import Version
 from logical_robots_tui.tui.commands.keymap import with_keys
 
 if TYPE_CHECKING:
-    from logical_robots_tui.tui.app.main_screen import MainScreen
+    from collections.abc import Callable
 
-__all__ = ["Guide"]
+    from logical_robots_tui.game import Source
+    from logical_robots_tui.tui.app.session import Session
+    from logical_robots_tui.tui.app.ui import Ui
+    from logical_robots_tui.tui.library.progress_recorder import ProgressRecorder
+    from logical_robots_tui.tui.program.state import ProgramText
+
+__all__ = ["LearningController"]
 
 
-class Guide:
-    """Answers to "what now?" at the level of a screen.
+class LearningController:
+    """Answers to "what now?" at the level at hand.
 
     Args:
-        screen: Whose level and program.
+        session: Whose level.
+        ui: Where to say and ask.
+        recorder: What the player has achieved.
+        program: The text in the editor.
+        open_program: Goes to a program with a text of it.
     """
 
-    def __init__(self, screen: MainScreen) -> None:
-        self._screen = screen
+    def __init__(
+        self,
+        session: Session,
+        ui: Ui,
+        recorder: ProgressRecorder,
+        program: ProgramText,
+        open_program: Callable[[Source, str], None],
+    ) -> None:
+        self._session, self._ui, self._recorder = session, ui, recorder
+        self._program, self._open_program = program, open_program
 
     def hints(self) -> None:
         """Show the hints revealed so far, and reveal more when asked."""
         from logical_robots_tui.tui.learning.hints import Hints
 
-        level, journal = self._screen.session.level, self._screen.journal
+        level, recorder = self._session.level, self._recorder
         if level.hints:
-            hints = Hints(level.title, level.hints, journal.record.hints, journal.reveal)
-            self._screen.app.push_screen(hints)
+            hints = Hints(level.title, level.hints, recorder.record.hints, recorder.reveal)
+            self._ui.show(hints)
         else:
-            self._screen.tell("This level has no hints.")
+            self._ui.tell("This level has no hints.")
 
     def lesson(self) -> None:
         """Show the lesson and, after a victory, what to try next."""
         from logical_robots_tui.tui.learning.reader import Reader, markdown
 
-        level = self._screen.session.level
+        level = self._session.level
         parts = [level.lesson]
-        if level.further and self._screen.journal.record.state == "won":
+        if level.further and self._recorder.record.state == "won":
             parts.append(f"## Further\n\n{level.further}")
         text = "\n\n".join(filter(None, parts))
         if text:
-            self._screen.app.push_screen(Reader(f"Lesson · {level.title}", markdown(text)))
+            self._ui.show(Reader(f"Lesson · {level.title}", markdown(text)))
         else:
-            self._screen.tell("This level has no lesson.")
+            self._ui.tell("This level has no lesson.")
 
     async def solution(self) -> None:
         """Show the reference program; before a victory only to somebody who insists."""
         from logical_robots_tui.tui.layout.question import Question
         from logical_robots_tui.tui.learning.reader import Reader, coloured
 
-        screen = self._screen
-        level = screen.session.level
+        level = self._session.level
         if not level.solution:
-            screen.tell("This level has no reference program.")
+            self._ui.tell("This level has no reference program.")
             return
-        if screen.journal.record.state != "won":
+        if self._recorder.record.state != "won":
             answers = [("no", "No, I go on trying"), ("yes", "Yes, show it")]
             question = with_keys(
                 "See the program that wins before you have won? "
                 "A hint ({hint}) may be all you need."
             )
             asked = Question("Reference program", question, answers)
-            if await screen.app.push_screen_wait(asked) != "yes":
+            if await self._ui.ask(asked) != "yes":
                 return
         try:
             source = await asyncio.to_thread(load_program, level.solution)
         except InputError as error:
-            screen.warn(str(error))
+            self._ui.warn(str(error))
             return
-        await screen.app.push_screen(Reader(f"Reference · {source.name}", coloured(source.text)))
+        self._ui.show(Reader(f"Reference · {source.name}", coloured(source.text)))
 
     async def choose_version(self) -> None:
         """Ask for an earlier version and think with it; what stands in the editor is kept."""
         from logical_robots_tui.tui.library.chooser import Chooser
         from logical_robots_tui.tui.library.shelves import VersionShelf
 
-        screen = self._screen
-        versions = await screen.journal.versions()
+        versions = await self._recorder.versions()
         if not versions:
-            screen.tell("No earlier versions yet: each program that you apply will be kept.")
+            self._ui.tell("No earlier versions yet: each program that you apply will be kept.")
             return
-        here = [version for version in versions if version.text == screen.text]
+        here = [version for version in versions if version.text == self._program.text]
         shelf = VersionShelf(versions)
         name = shelf.names()[versions.index(here[0])] if here else ""
-        version = await screen.app.push_screen_wait(Chooser[Version](shelf, name))
-        if version is not None and version.text != screen.text:
-            screen.journal.keep(screen.text, version.text)
-            screen.replace_text(version.text)
-            screen.session.apply(version.text)
-            screen.tell("The earlier version is back.")
+        version = await self._ui.ask(Chooser[Version](shelf, name))
+        if version is not None and version.text != self._program.text:
+            self._recorder.keep(self._program.text, version.text)
+            self._program.put(version.text)
+            self._session.apply(version.text)
+            self._ui.tell("The earlier version is back.")
 
     async def reset(self) -> None:
         """Put the level's starter program back, if the player means it."""
         from logical_robots_tui.tui.layout.question import Question
 
-        screen = self._screen
-        level = screen.session.level
+        level = self._session.level
         if not level.starter:
-            screen.tell("This level has no starter program.")
+            self._ui.tell("This level has no starter program.")
             return
         try:
             starter = await asyncio.to_thread(load_program, level.starter)
         except InputError as error:
-            screen.warn(str(error))
+            self._ui.warn(str(error))
             return
-        if starter.text == screen.text:
-            screen.tell("This is the starter program.")
+        if starter.text == self._program.text:
+            self._ui.tell("This is the starter program.")
             return
         answers = [("yes", "Yes, begin anew"), ("no", "No, keep mine")]
         question = with_keys(
             "Put the starter program back? Yours is kept among the earlier versions ({versions})."
         )
         asked = Question("Reset to the starter", question, answers)
-        if await screen.app.push_screen_wait(asked) == "yes":
-            screen.journal.keep(screen.text, starter.text)
-            screen.library.open_program(starter, starter.text)
-            screen.tell("The starter program is back.")
+        if await self._ui.ask(asked) == "yes":
+            self._recorder.keep(self._program.text, starter.text)
+            self._open_program(starter, starter.text)
+            self._ui.tell("The starter program is back.")

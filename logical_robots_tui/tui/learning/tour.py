@@ -16,7 +16,6 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
     from textual import events
-    from textual.geometry import Region
 
 __all__ = ["STOPS", "Stop", "Tour"]
 
@@ -102,8 +101,9 @@ class Tour(Static, can_focus=True):
         self.focus()
         self.action_move(0)
 
-    def place(self, part: Region, room: Region) -> None:
-        """Stand where a part of the screen has room: the labyrinth above, all others below."""
+    def place(self) -> None:
+        """Stand where the part of the screen has room: the labyrinth above, all others below."""
+        part, room = self.screen.query_one(f"#{self.stop.place}").region, self.screen.region
         height = self.size.height + self.gutter.height
         if part.height <= height:
             x, y = part.x + 2, part.y - height

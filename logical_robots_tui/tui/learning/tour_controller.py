@@ -5,21 +5,34 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from logical_robots_tui.tui.app.main_screen import MainScreen
+    from collections.abc import Callable
+
+    from logical_robots_tui.tui.layout.arrangement import Arrangement
+    from logical_robots_tui.tui.layout.pane import Pane
     from logical_robots_tui.tui.learning.tour import Tour
 
-__all__ = ["TourGuide"]
+__all__ = ["TourController"]
 
 
-class TourGuide:
+class TourController:
     """Shows what the tour speaks of.
 
     Args:
-        screen: Where it takes place.
+        mount: Shows the tour.
+        arrangement: The panes that it passes.
+        point_at: Brings a pane to sight.
+        ended: Called when it is over.
     """
 
-    def __init__(self, screen: MainScreen) -> None:
-        self._screen = screen
+    def __init__(
+        self,
+        mount: Callable[[Tour], object],
+        arrangement: Arrangement,
+        point_at: Callable[[Pane], None],
+        ended: Callable[[], None],
+    ) -> None:
+        self._mount, self._arrangement = mount, arrangement
+        self._point_at, self._ended = point_at, ended
         self._tour: Tour | None = None
 
     def begin(self) -> None:
@@ -27,44 +40,45 @@ class TourGuide:
         from logical_robots_tui.tui.learning.tour import Tour
 
         self._remove()
-        if not self._screen.arrangement.is_tiny:
+        if not self._arrangement.is_tiny:
             self._tour = Tour(moved=self._show, ended=self._come_home)
-            self._screen.mount(self._tour)
+            self._mount(self._tour)
 
     def place(self) -> None:
         """Put the box where it belongs, such as after the screen has another size."""
         if self._tour is None:
             return
-        if self._screen.arrangement.is_tiny:
+        if self._arrangement.is_tiny:
             self._come_home()
-            return
-        part = self._screen.query_one(f"#{self._tour.stop.place}")
-        self._tour.place(part.region, self._screen.region)
+        else:
+            self._tour.place()
 
     def end(self) -> None:
         """The player went on without it: leave everything as it is."""
         if self._tour is not None:
             self._remove()
-            self._screen.journal.tour_seen()
+            self._ended()
 
     def _come_home(self) -> None:
         self.end()
-        self._screen.go_to(self._screen.labyrinth)
+        home = self._arrangement.panes[0]
+        self._point_at(home)
+        home.enter()
 
     def _show(self) -> None:
         if self._tour is None:
             return  # it was ended before it stood
-        self._screen.point_at(self._screen.labyrinth)
-        for pane in self._screen.arrangement.panes:
+        self._point_at(self._arrangement.panes[0])
+        for pane in self._arrangement.panes:
             is_it = pane.command_id == self._tour.stop.place
             pane.set_class(is_it, "-pointed")
             if is_it:
-                self._screen.point_at(pane)
-        self._screen.call_after_refresh(self.place)
+                self._point_at(pane)
+        self._tour.call_after_refresh(self.place)
 
     def _remove(self) -> None:
         tour, self._tour = self._tour, None
-        for pane in self._screen.arrangement.panes:
+        for pane in self._arrangement.panes:
             pane.remove_class("-pointed")
         if tour is not None:
             tour.remove()

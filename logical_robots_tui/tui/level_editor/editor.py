@@ -6,7 +6,6 @@ import math
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
-from logical_robots_tui.editing.edits import Edits
 from logical_robots_tui.editing.things import KINDS, Ref, add, change, duplicate, ref_at, remove
 from logical_robots_tui.editing.things import thing as thing_of
 from logical_robots_tui.editing.walls import fill, paint, paint_rectangle
@@ -18,6 +17,7 @@ from logical_robots_tui.world.sensing import BEACON_RADIUS, ROBOT_RADIUS
 if TYPE_CHECKING:
     from collections.abc import Callable
 
+    from logical_robots_tui.editing.edits import Edits
     from logical_robots_tui.editing.records import Thing
     from logical_robots_tui.editing.strokes import Point
     from logical_robots_tui.world import Level, WorldState
@@ -57,7 +57,7 @@ class LevelEditor:
     What a level refuses is told, and changes nothing.
 
     Args:
-        level: What to edit.
+        edits: The level to edit, and the way back and forth.
         state: Gives the world as it stands.
         changed: Called after every change of the level.
         complain: Called with what a level refuses.
@@ -65,19 +65,19 @@ class LevelEditor:
 
     def __init__(
         self,
-        level: Level,
+        edits: Edits,
         state: Callable[[], WorldState],
         changed: Callable[[], None],
         complain: Callable[[str], None],
     ) -> None:
-        self.edits = Edits(level)
+        self.edits = edits
         self.poses = Poses()
         self.settings = Settings()
         self.selected: Ref | None = None
-        self.cursor: Point = (float(level.width // 2), float(level.height // 2))
+        self.cursor: Point = (float(edits.level.width // 2), float(edits.level.height // 2))
         self.stroke: Stroke | None = None
         self._state = state
-        self._changed = changed
+        self._tell_changed = changed
         self._complain = complain
 
     @property
@@ -93,10 +93,7 @@ class LevelEditor:
     @property
     def thing(self) -> Thing | None:
         """The selected thing, where it stands."""
-        if self.selected is None or not self._is_there(self.selected):
-            self.selected = None
-            return None
-        return thing_of(self.standing, self.selected)
+        return None if self.selected is None else thing_of(self.standing, self.selected)
 
     def configure(self, **values: Any) -> None:
         """Change the settings of tools; a stroke under way ends."""
@@ -180,6 +177,11 @@ class LevelEditor:
             return False
         self._changed()
         return True
+
+    def adopt(self, what: str, level: Level) -> None:
+        """Take a step that the game has taken already, with nothing selected."""
+        self.selected = None
+        self.edits.do(what, level)
 
     def undo(self) -> str:
         """Undo a step and return its name, or ""."""
@@ -269,8 +271,11 @@ class LevelEditor:
 
     # -- inside --------------------------------------------------------------------------------
 
-    def _is_there(self, ref: Ref) -> bool:
-        return ref.index < len(getattr(self.level, ref.kind))
+    def _changed(self) -> None:
+        ref = self.selected
+        if ref is not None and ref.index >= len(getattr(self.level, ref.kind)):
+            self.selected = None
+        self._tell_changed()
 
     def _take(self, x: float, y: float, units: float) -> None:
         """Take what is at a point, or the handle of what is selected."""

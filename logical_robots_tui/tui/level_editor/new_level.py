@@ -23,9 +23,9 @@ if TYPE_CHECKING:
 
     from textual.widget import Widget
 
-    from logical_robots_tui.tui.app.main_screen import MainScreen
+    from logical_robots_tui.tui.app.ui import Ui
 
-__all__ = ["NewLevelForm", "make_level"]
+__all__ = ["NewLevelForm", "ask_for_level"]
 
 _KINDS = {"room": "an empty room", "labyrinth": "a labyrinth drawn by lot", "copy": "a copy"}
 _OF = {
@@ -109,11 +109,15 @@ def _copy(name: str, own: Path) -> Level:
     return replace(level, name=f"{name}-copy", title=f"{level.title} (copy)", source="")
 
 
-async def make_level(screen: MainScreen, own: Path) -> None:
-    """Ask what to make, go there and edit it."""
+async def ask_for_level(ui: Ui, here: str, own: Path) -> Level | None:
+    """Ask what to make, and return that, or None.
+
+    Args:
+        ui: Where to ask.
+        here: Name of the level at hand.
+        own: Folder of the player's levels.
+    """
     own_names = await asyncio.to_thread(partial(own_levels, own))
     names = list(dict.fromkeys([*await asyncio.to_thread(list_levels), *own_names]))
-    form = NewLevelForm(names, screen.session.level.name, own)
-    if await screen.app.push_screen_wait(form) and form.made is not None:
-        await screen.library.open_level(form.made)
-        screen.editing.open()
+    form = NewLevelForm(names, here, own)
+    return form.made if await ui.ask(form) else None

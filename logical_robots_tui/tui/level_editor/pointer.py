@@ -9,8 +9,11 @@ from logical_robots_tui.tui.labyrinth.drawing.viewport import CELL_ASPECT
 from logical_robots_tui.tui.level_editor.tools import Tool
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from logical_robots_tui.editing.strokes import Point
-    from logical_robots_tui.tui.level_editor.mode import EditMode
+    from logical_robots_tui.tui.labyrinth.view import LabyrinthView
+    from logical_robots_tui.tui.level_editor.editor import LevelEditor
 
 __all__ = ["Pointer"]
 
@@ -22,47 +25,60 @@ class Pointer:
     """Tells the editor where the player points.
 
     Args:
-        mode: What edits.
+        editor: What edits.
+        picture: Where the level is drawn.
+        moved: Called after every move.
+        released: Called when a stroke is over.
+        opened: Called when a thing is clicked twice.
     """
 
-    def __init__(self, mode: EditMode) -> None:
-        self._mode = mode
+    def __init__(
+        self,
+        editor: LevelEditor,
+        picture: LabyrinthView,
+        *,
+        moved: Callable[[], None],
+        released: Callable[[], None],
+        opened: Callable[[], None],
+    ) -> None:
+        self._editor, self._picture = editor, picture
+        self._moved, self._released, self._opened = moved, released, opened
 
     # -- the mouse -----------------------------------------------------------------------------
 
     def press(self, x: float, y: float) -> None:
         """A button was pressed at a point of the map."""
-        editor = self._mode.editor
+        editor = self._editor
         editor.finish()
         editor.cursor = (x, y)
         editor.press(x, y, self._units)
-        self._mode.redraw()
+        self._moved()
 
     def hover(self, x: float, y: float, *, is_held: bool) -> None:
         """The mouse is at a point of the map."""
-        editor = self._mode.editor
+        editor = self._editor
         editor.cursor = (x, y)
         if is_held:
             editor.drag(x, y)
-        self._mode.redraw()
+        self._moved()
 
     def release(self) -> None:
         """The button was let go."""
-        self._mode.editor.release()
-        self._mode.live.flush()
-        self._mode.redraw()
+        self._editor.release()
+        self._released()
+        self._moved()
 
     def open(self) -> None:
         """A thing was clicked twice."""
-        editor = self._mode.editor
+        editor = self._editor
         if editor.settings.tool is Tool.HAND and editor.thing is not None:
-            self._mode.do("properties")
+            self._opened()
 
     # -- keys ----------------------------------------------------------------------------------
 
     def move(self, key: str) -> None:
         """Move the cursor by an arrow key, and the view with it."""
-        editor, view = self._mode.editor, self._mode.screen.labyrinth.view.view
+        editor, view = self._editor, self._picture.view
         if view is None:
             return
         across, down = _WAYS[key.removeprefix("shift+")]
@@ -76,36 +92,35 @@ class Pointer:
         editor.cursor = (x, y)
         editor.drag(x, y)
         self._keep_in_sight((x, y))
-        self._mode.redraw()
+        self._moved()
 
     def use(self) -> None:
         """Do at the cursor what pressing a button does, or what letting it go does."""
-        editor = self._mode.editor
+        editor = self._editor
         if editor.stroke is None:
             editor.press(*editor.cursor, self._units)
         else:
             editor.release()
-            self._mode.live.flush()
+            self._released()
 
     def go_to(self, point: Point) -> None:
         """Put the cursor somewhere."""
-        self._mode.editor.cursor = point
+        self._editor.cursor = point
         self._keep_in_sight(point)
 
     @property
     def _units(self) -> float:
-        view = self._mode.screen.labyrinth.view.view
+        view = self._picture.view
         return view.units if view else 1.0
 
     def _keep_in_sight(self, point: Point) -> None:
-        labyrinth = self._mode.screen.labyrinth.view
-        view = labyrinth.view
+        view = self._picture.view
         if view is None:
             return
         columns = _beyond((point[0] - view.left) / view.units, view.columns)
         rows = _beyond((point[1] - view.top) / (view.units * CELL_ASPECT), view.rows)
         if columns or rows:
-            labyrinth.pan(columns, rows)
+            self._picture.pan(columns, rows)
 
 
 def _beyond(place: float, length: int) -> float:

@@ -36,7 +36,7 @@ async def save(mode: EditMode) -> bool:
     is_saved = await asyncio.shield(asyncio.create_task(_save_in(mode, mode.file)))
     if is_saved is None:
         name = one_line(mode.file.name)
-        mode.screen.warn(f"{name} was changed by another program. Save under another name.")
+        mode.ui.warn(f"{name} was changed by another program. Save under another name.")
         return await save_as(mode)
     return is_saved
 
@@ -48,14 +48,14 @@ async def _save_in(mode: EditMode, file: Path) -> bool | None:
         if on_disk == "another":
             return None
         if mode.is_saved and on_disk == "same":
-            mode.screen.tell("It is saved already.")
+            mode.ui.tell("It is saved already.")
             return True
-        level = mode.editor.level
-        mode.screen.tell("Saving…")
+        level = mode.levels.edited
+        mode.ui.tell("Saving…")
         try:
             saved = await asyncio.to_thread(save_level, level, file)
         except InputError as error:
-            mode.screen.warn(str(error))
+            mode.ui.warn(str(error))
             return False
         mode.saved(level, saved)
         return True
@@ -63,13 +63,13 @@ async def _save_in(mode: EditMode, file: Path) -> bool | None:
 
 async def save_as(mode: EditMode) -> bool:
     """Ask for a name and save a level under it; whether it is saved."""
-    level = mode.editor.level
+    level = mode.levels.edited
     dialog = SaveLevel(level, _proposal(mode), mode.own, mode.file)
-    saved = await mode.screen.app.push_screen_wait(dialog)
+    saved = await mode.ui.ask(dialog)
     if saved is None:
         return False
     mode.editor.do("title", lambda level: set_words(level, title=saved.title))
-    mode.saved(mode.editor.level, saved)
+    mode.saved(mode.levels.edited, saved)
     return True
 
 
@@ -84,7 +84,7 @@ async def ask_what_to_keep(mode: EditMode) -> None:
     if mode.file is not None:
         answers.insert(0, ("save", "Save"))
     question = "What becomes of the changes to the level?"
-    answer = await mode.screen.app.push_screen_wait(Question("Leave editing", question, answers))
+    answer = await mode.ui.ask(Question("Leave editing", question, answers))
     if answer == "away":
         mode.throw_away()
     elif (answer == "save" and not await save(mode)) or (
@@ -97,12 +97,12 @@ async def ask_what_to_keep(mode: EditMode) -> None:
 
 async def ask_to_throw_away(mode: EditMode) -> None:
     """Go back to the level as it is in its file, if the player is sure."""
-    if not mode.has_changes:
-        mode.screen.tell("Nothing has changed.")
+    if not mode.levels.has_changes:
+        mode.ui.tell("Nothing has changed.")
         return
     answers = [("no", "No, keep them"), ("yes", "Yes, throw them away")]
     question = "Throw all changes away? Undo brings them back as long as you stay."
-    if await mode.screen.app.push_screen_wait(Question("Throw away", question, answers)) == "yes":
+    if await mode.ui.ask(Question("Throw away", question, answers)) == "yes":
         mode.throw_away()
         mode.redraw()
 
@@ -111,9 +111,9 @@ def _proposal(mode: EditMode) -> str:
     if mode.file is not None:
         other = mode.file.with_stem(f"{mode.file.stem}-2")
         return other.stem if other.parent == mode.own else str(other)
-    name = mode.base.name
-    if not mode.base.source:  # a new level is called as its title says
-        words = re.findall(r"[^\W_]+", mode.editor.level.title.lower())
+    name = mode.levels.saved.name
+    if not mode.levels.saved.source:  # a new level is called as its title says
+        words = re.findall(r"[^\W_]+", mode.levels.edited.title.lower())
         return "-".join(words) or name
     return f"my-{name.lstrip('0123456789-') or name}"
 

@@ -19,25 +19,45 @@ from logical_robots_tui.tui.theme.safe_text import clip, one_line
 from logical_robots_tui.writing import write_atomically
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Callable, Mapping
+    from contextlib import AbstractContextManager
 
-    from logical_robots_tui.tui.app.main_screen import MainScreen
+    from logical_robots_tui.tui.app.permissions import Permissions
+    from logical_robots_tui.tui.app.session import Session
+    from logical_robots_tui.tui.app.ui import Ui
+    from logical_robots_tui.tui.program.pane import ProgramPane
 
-__all__ = ["Scribe", "edited"]
+__all__ = ["ProgramController", "edited"]
 
 _LONGEST = 30
 
 
-class Scribe:
+class ProgramController:
     """Finds, replaces and renames.
 
     Args:
-        screen: Where the editor is.
+        pane: Where the editor is.
+        session: Thinks with what another editor leaves.
+        ui: Where to say and ask.
         copies: The file that holds what was copied last.
+        permissions: Tells what the player may do with the machine.
+        enter: Goes to the editor.
+        suspend: Hands the terminal to another program.
     """
 
-    def __init__(self, screen: MainScreen, copies: Path) -> None:
-        self._screen, self._copies = screen, copies
+    def __init__(
+        self,
+        pane: ProgramPane,
+        session: Session,
+        ui: Ui,
+        copies: Path,
+        *,
+        permissions: Callable[[], Permissions],
+        enter: Callable[[], None],
+        suspend: Callable[[], AbstractContextManager[None]],
+    ) -> None:
+        self._pane, self._session, self._ui, self._copies = pane, session, ui, copies
+        self._permissions, self._enter, self._suspend = permissions, enter, suspend
         self._wanted = ""
         self._is_copy_told = False
 
@@ -47,51 +67,51 @@ class Scribe:
             self._copies.parent.mkdir(parents=True, exist_ok=True)
             write_atomically(self._copies, text)
         except OSError as error:
-            self._screen.warn(f"What was copied can't be kept: {error.strerror}.")
+            self._ui.warn(f"What was copied can't be kept: {error.strerror}.")
             return
         if not self._is_copy_told:
             sent = "Sent to your terminal's clipboard, and into"
-            head = sent if self._screen.freedoms.clipboard else "Kept in"
-            self._screen.tell(f"{head} {self._copies}.")
+            head = sent if self._permissions().clipboard else "Kept in"
+            self._ui.tell(f"{head} {self._copies}.")
         self._is_copy_told = True
 
     async def find(self) -> None:
         """Ask what to find, and go there or replace it."""
         from logical_robots_tui.tui.program.find_dialog import Find
 
-        screen, editor = self._screen, self._screen.program.editor
+        editor = self._pane.editor
         chosen = editor.selected_text
         begin = chosen if chosen and "\n" not in chosen else self._wanted
-        wish = await screen.app.push_screen_wait(Find(begin))
+        wish = await self._ui.ask(Find(begin))
         if wish is None:
             return
         self._wanted = wish.wanted
         if wish.instead is None:
             self.find_next()
             return
-        count = screen.text.count(wish.wanted)
+        count = self._pane.text.count(wish.wanted)
         if count:
-            screen.replace_text(screen.text.replace(wish.wanted, wish.instead))
-            screen.tell(f"Replaced in {count} place{'s' * (count != 1)}.")
-        elif find_after(screen.text, wish.wanted, (0, 0)) is not None:
-            screen.tell("Nothing was replaced: it is there with other capitals only.")
+            self._pane.put(self._pane.text.replace(wish.wanted, wish.instead))
+            self._ui.tell(f"Replaced in {count} place{'s' * (count != 1)}.")
+        elif find_after(self._pane.text, wish.wanted, (0, 0)) is not None:
+            self._ui.tell("Nothing was replaced: it is there with other capitals only.")
         else:
-            screen.tell(self._nowhere())
+            self._ui.tell(self._nowhere())
 
     def find_next(self) -> None:
         """Go to the next place of what was looked for last; ask for it if nothing was."""
-        screen, editor = self._screen, self._screen.program.editor
+        editor = self._pane.editor
         if not self._wanted:
-            screen.spawn(self.find, "dialog", exclusive=True)
+            self._ui.spawn(self.find, "dialog", exclusive=True)
             return
         selection, begin = editor.selection, min(editor.selection)
         found = find_after(editor.text, self._wanted, begin, there=True)
         if found == begin and max(selection) == self._end_of(found):
             found = find_after(editor.text, self._wanted, begin)  # that one is found already
         if found is None:
-            screen.tell(self._nowhere())
+            self._ui.tell(self._nowhere())
             return
-        screen.go_to(screen.program)
+        self._enter()
         editor.move_cursor(found, center=True)
         editor.selection = Selection(self._end_of(found), found)
 
@@ -99,42 +119,41 @@ class Scribe:
         """Ask for another name of the predicate under the cursor, and use it everywhere."""
         from logical_robots_tui.tui.layout.line_dialog import LinePrompt
 
-        screen, old = self._screen, self._screen.program.editor.word
-        if old not in definitions(screen.text):
-            screen.tell("Put the cursor on a predicate of this program first.")
+        old = self._pane.editor.word
+        if old not in definitions(self._pane.text):
+            self._ui.tell("Put the cursor on a predicate of this program first.")
             return
-        typed = await screen.app.push_screen_wait(LinePrompt("Rename the predicate", old))
+        typed = await self._ui.ask(LinePrompt("Rename the predicate", old))
         new = (typed or "").strip()
         if not new or new == old:
             return
         if not is_predicate_name(new):
-            screen.warn("A predicate's name begins with a capital letter.")
+            self._ui.warn("A predicate's name begins with a capital letter.")
             return
-        if new in definitions(screen.text):
-            screen.warn(f"{clip(new, _LONGEST)} is the name of another predicate here.")
+        if new in definitions(self._pane.text):
+            self._ui.warn(f"{clip(new, _LONGEST)} is the name of another predicate here.")
             return
-        text, count = rename(screen.text, old, new)
-        screen.replace_text(text)
-        screen.tell(f"Renamed in {count} place{'s' * (count != 1)}.")
+        text, count = rename(self._pane.text, old, new)
+        self._pane.put(text)
+        self._ui.tell(f"Renamed in {count} place{'s' * (count != 1)}.")
 
     def edit_elsewhere(self) -> None:
         """Hand the terminal to the player's own editor until that ends, and take its text."""
-        screen = self._screen
-        if not screen.freedoms.programs:
-            screen.warn("External editors are disabled here.")
+        if not self._permissions().programs:
+            self._ui.warn("External editors are disabled here.")
             return
-        screen.session.pause()
+        self._session.pause()
         try:
-            with screen.app.suspend():
-                text = edited(screen.text, os.environ)
+            with self._suspend():
+                text = edited(self._pane.text, os.environ)
         except SuspendNotSupported:
-            screen.warn("This terminal can't be handed to another program.")
+            self._ui.warn("This terminal can't be handed to another program.")
         except (OSError, ValueError, subprocess.CalledProcessError) as error:
-            screen.warn(f"The editor failed: {error}. The text is as it was.")
+            self._ui.warn(f"The editor failed: {error}. The text is as it was.")
         else:
-            if text != screen.text:
-                screen.replace_text(text)
-                screen.session.apply(text)
+            if text != self._pane.text:
+                self._pane.put(text)
+                self._session.apply(text)
 
     def _end_of(self, found: tuple[int, int]) -> tuple[int, int]:
         return found[0], found[1] + len(self._wanted)

@@ -54,6 +54,14 @@ class ProgramPane(Pane):
         """What stands in the editor."""
         return self.editor.text
 
+    def load(self, text: str) -> None:
+        """Put another program's text into the editor."""
+        self.editor.load_text(text)
+
+    def put(self, text: str) -> None:
+        """Put another text of the same program into the editor; undo brings the former back."""
+        self.editor.put(text)
+
     def show(self, state: ProgramState, name: str, *, saved: bool) -> None:
         """Show what became of the text.
 

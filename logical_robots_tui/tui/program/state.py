@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Literal, TypeAlias
+from typing import TYPE_CHECKING, Literal, Protocol, TypeAlias
 
 if TYPE_CHECKING:
     from logical_robots_tui.mind import Diagnostic
 
-__all__ = ["ProgramState"]
+__all__ = ["ProgramState", "ProgramText"]
 
 Phase: TypeAlias = Literal["fresh", "compiling", "applied", "mistake"]
 
@@ -50,3 +50,17 @@ class ProgramState:
         if self.phase != "mistake" or text == self.tried or text != self.applied:
             return self
         return replace(self, phase="applied", tried=text, mistakes=self.warnings)
+
+
+class ProgramText(Protocol):
+    """The text of the program at hand, where it can be changed."""
+
+    @property
+    def text(self) -> str:
+        """What stands there."""
+
+    def load(self, text: str) -> None:
+        """Put another program's text there."""
+
+    def put(self, text: str) -> None:
+        """Put another text of the same program there; undo brings the former back."""

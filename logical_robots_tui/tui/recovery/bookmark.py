@@ -13,9 +13,14 @@ from logical_robots_tui.tui.theme.safe_text import clip, one_line
 from logical_robots_tui.world import load_level
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from logical_robots_tui.game import Source
     from logical_robots_tui.game.drafts import Drafts
-    from logical_robots_tui.tui.app.main_screen import MainScreen
+    from logical_robots_tui.tui.app.session import Session
+    from logical_robots_tui.tui.app.ui import Ui
+    from logical_robots_tui.tui.library.controller import LibraryController
+    from logical_robots_tui.tui.recovery.offers import Offers
 
 __all__ = ["Bookmark"]
 
@@ -24,17 +29,27 @@ class Bookmark:
     """Keeps the tick of a session that is cut off, and offers it to the next one.
 
     Args:
-        screen: Whose game.
+        session: Whose game.
         drafts: Where to keep it.
+        ui: Where to say what went wrong.
+        library: Goes to levels and programs.
+        moved: Called when the robots are about to go there.
     """
 
-    def __init__(self, screen: MainScreen, drafts: Drafts) -> None:
-        self._screen = screen
+    def __init__(
+        self,
+        session: Session,
+        drafts: Drafts,
+        ui: Ui,
+        library: LibraryController,
+        moved: Callable[[], None],
+    ) -> None:
+        self._session, self._ui, self._library, self._moved = session, ui, library, moved
         self._drafts = drafts
 
     def flush(self) -> None:
         """Write where the game stands. Safe in a signal handler; never raises."""
-        session = self._screen.session
+        session = self._session
         if session.game is None:
             return
         place = place_of(session.game, session.opened, session.source)
@@ -42,41 +57,40 @@ class Bookmark:
             with contextlib.suppress(OSError):  # nobody is there to be told
                 self._drafts.keep(Draft("place", place.title, place.level, place.as_text()))
 
-    async def offer(self) -> None:
+    async def offer(self, offers: Offers) -> None:
         """Offer to go where an earlier session was cut off, if one was."""
         with contextlib.suppress(OSError):  # no folder, no bookmark
             for draft in (await asyncio.to_thread(self._drafts.adopt, "place"))[:1]:
                 with contextlib.suppress(ValueError):
-                    await self._ask(Place.from_text(draft.text), draft)
+                    await self._ask(offers, Place.from_text(draft.text), draft)
                 self._drafts.put_away(draft.key)
 
-    async def _ask(self, place: Place, draft: Draft) -> None:
-        screen, when = self._screen, draft.saved.astimezone()
+    async def _ask(self, offers: Offers, place: Place, draft: Draft) -> None:
+        when = draft.saved.astimezone()
         question = (
             f"“{clip(one_line(place.title), 40)}” was cut off at tick {place.tick}, "
             f"{when:%H:%M, %d %B}. Continue exactly there?"
         )
         answers = [("yes", "Yes, continue"), ("no", "No, from the start")]
-        if await screen.offers.ask("Cut off", question, answers) == "yes":
+        if await offers.ask("Cut off", question, answers) == "yes":
             try:
                 await self._go_to(place)
             except LogicalRobotsError as error:
-                screen.warn(f"Can't continue at tick {place.tick}: {error}")
+                self._ui.warn(f"Can't continue at tick {place.tick}: {error}")
 
     async def _go_to(self, place: Place) -> None:
         """Go to a place; unsaved text that came back stays in the editor."""
-        screen = self._screen
-        if place.level != level_key(screen.session.level):
-            await screen.library.open_level(await asyncio.to_thread(load_level, place.level))
+        if place.level != level_key(self._session.level):
+            await self._library.open_level(await asyncio.to_thread(load_level, place.level))
         source = await asyncio.to_thread(self._source_of, place)
         is_unsaved = self._drafts.get(("program", str(source.path))) is not None
-        screen.library.open_program(source, None if is_unsaved else place.programs[-1][1])
-        screen.labyrinth.briefing.display = False
-        await screen.session.replay(place)
+        self._library.open_program(source, None if is_unsaved else place.programs[-1][1])
+        self._moved()
+        await self._session.replay(place)
 
     def _source_of(self, place: Place) -> Source:
         """Where the program of a place is from; the present one if its file is gone."""
         try:
             return load_program(place.program)
         except InputError:
-            return self._screen.session.source
+            return self._session.source

@@ -6,41 +6,51 @@ import asyncio
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from logical_robots_tui.editing.delta import alike
 from logical_robots_tui.errors import InputError
 from logical_robots_tui.paths import is_file
 from logical_robots_tui.tui.theme.safe_text import clip, one_line
 from logical_robots_tui.world import load_level
+from logical_robots_tui.world.level import alike
 from logical_robots_tui.world.native import read_native
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Awaitable, Callable, Sequence
 
-    from logical_robots_tui.game.drafts import Draft
-    from logical_robots_tui.tui.app.main_screen import MainScreen
-    from logical_robots_tui.tui.level_editor.controller import EditingDoor
+    from logical_robots_tui.game.drafts import Draft, Drafts
+    from logical_robots_tui.tui.recovery.offers import Offers
     from logical_robots_tui.world import Level
 
 __all__ = ["offer"]
 
 
-async def offer(screen: MainScreen, door: EditingDoor, drafts: Sequence[Draft]) -> None:
-    """Offer the newest level that can be gone on with; others are offered the next time."""
+async def offer(
+    offers: Offers,
+    drafts: Sequence[Draft],
+    store: Drafts,
+    go_on: Callable[[Level, Draft], Awaitable[None]],
+) -> None:
+    """Offer the newest level that can be gone on with; others are offered the next time.
+
+    Args:
+        offers: Asks.
+        drafts: What was left, the newest first.
+        store: Where that is.
+        go_on: Goes on with a level.
+    """
     for draft in drafts:
         found = await asyncio.to_thread(_read, draft)
         if found is None:
-            await asyncio.to_thread(door.drafts.put_away, draft.key)
+            await asyncio.to_thread(store.put_away, draft.key)
             continue
         when = draft.saved.astimezone()
         name = clip(one_line(draft.name), 40)
         question = f"Go on editing the level “{name}” from {when:%H:%M, %d %B}?"
         answers = [("yes", "Yes, go on"), ("no", "No, put it away")]
-        answer = await screen.offers.ask("Unsaved level", question, answers)
+        answer = await offers.ask("Unsaved level", question, answers)
         if answer == "yes":
-            await screen.library.open_level(found)
-            door.open(draft.path)
+            await go_on(found, draft)
         elif answer == "no":
-            await asyncio.to_thread(door.drafts.put_away, draft.key)
+            await asyncio.to_thread(store.put_away, draft.key)
         return
 
 

@@ -3,17 +3,17 @@
 from __future__ import annotations
 
 import asyncio
-from typing import TYPE_CHECKING, TypeVar
+from typing import TYPE_CHECKING, Protocol, TypeVar
 
 if TYPE_CHECKING:
     from collections.abc import Awaitable, Callable, Sequence
 
     from textual import events
 
-    from logical_robots_tui.tui.app.main_screen import MainScreen
+    from logical_robots_tui.tui.app.ui import Ui
     from logical_robots_tui.tui.layout.question import Question
 
-__all__ = ["Offers"]
+__all__ = ["Offering", "Offers"]
 
 Found = TypeVar("Found")
 
@@ -24,23 +24,30 @@ To see something new and hold back a key that is on its way takes half a second 
 """
 
 
+class Offering(Protocol):
+    """Has something that an earlier session left."""
+
+    async def offer(self, offers: Offers) -> None:
+        """Offer it, if there is anything."""
+
+
 class Offers:
     """Asks when nothing else lies over the game, and leaves the game's keys alone.
 
     Args:
-        screen: The game's own screen.
+        ui: Where to ask.
+        is_free: Tells whether nothing lies over the game.
     """
 
-    def __init__(self, screen: MainScreen) -> None:
-        self._screen = screen
+    def __init__(self, ui: Ui, is_free: Callable[[], bool]) -> None:
+        self._ui, self._is_free = ui, is_free
         self._resumed = asyncio.Event()
         self._asked: Question | None = None
 
-    async def make(self) -> None:
+    async def make(self, *offerings: Offering) -> None:
         """Offer all that there is, one after the other."""
-        screen = self._screen
-        for keeper in (screen.library, screen.editing, screen.bookmark):
-            await keeper.offer()
+        for each in offerings:
+            await each.offer(self)
 
     def resumed(self) -> None:
         """Nothing lies over the game any more."""
@@ -51,7 +58,7 @@ class Offers:
         while True:
             await self._free()
             found = await find()
-            if self._screen.is_active:
+            if self._is_free():
                 return found
 
     async def ask(
@@ -69,7 +76,7 @@ class Offers:
 
         await self._free()
         self._asked = Question(title, question, answers, text=text, noticing=_NOTICING)
-        return await self._screen.app.push_screen_wait(self._asked)
+        return await self._ui.ask(self._asked)
 
     def overhears(self, event: events.Key | events.Paste) -> bool:
         """Whether a key comes to a question that the player can't have seen when pressing it."""
@@ -77,6 +84,6 @@ class Offers:
         return asked is not None and asked.is_active and event.time < asked.answered_from
 
     async def _free(self) -> None:
-        while not self._screen.is_active:
+        while not self._is_free():
             self._resumed.clear()
             await self._resumed.wait()

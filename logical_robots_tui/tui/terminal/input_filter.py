@@ -23,7 +23,9 @@ __all__ = ["MOST_PASTED", "CarefulParser", "Incoming", "Pasted"]
 MOST_PASTED = 1_000_000
 """Characters of one paste; more is left out. A program may have a fifth of that."""
 
-_LONGEST = 40  # characters of a control sequence; the longest that means anything has 32
+_LONGEST = (
+    30  # parameters of a sequence; of longer ones Textual makes keys, and none means anything
+)
 _FORSAKEN = 1.0  # seconds of silence after which a single key ends a paste that was never ended
 _ONE_KEY = 8  # bytes at most
 
@@ -33,6 +35,9 @@ _REST = re.compile(r"[0-?]*[ -/]*[@-~]?")
 _BEGUN = re.compile(rf"\x1b\[[0-?]{{0,{_LONGEST}}}\Z")
 _STRING = re.compile(r"\x1b[]P^_X][^\x07\x1b]+(?:\x07|\x1b\\)")
 """What a terminal says of its colours or its version, and no key does."""
+
+_STRING_BEGUN = re.compile(r"\x1b[]P^_X][^\x00-\x1f]*(\x1b?)\Z")
+_STRING_END = re.compile(r"\x07|\x1b\\|\x1b(?=.)|[\x00-\x1a\x1c-\x1f]", re.DOTALL)
 
 _PASTE_BEGIN, _PASTE_END = "\x1b[200~", "\x1b[201~"
 
@@ -58,6 +63,7 @@ class Incoming:
         self._paste: deque[str] | None = None
         self._pasted = 0
         self._is_escape_last = False
+        self._is_in_string = False
         self._last = 0.0
 
     def take(self, data: bytes, now: float) -> tuple[list[str | Pasted], int]:
@@ -74,6 +80,7 @@ class Incoming:
         found: list[str | Pasted] = []
         if self._paste is not None and is_forsaken and text and _PASTE_END not in text:
             found.append(self._finished())
+        self._is_in_string = self._is_in_string and not is_forsaken
         found += self._split(text)
         return found, answers
 
@@ -95,11 +102,12 @@ class Incoming:
     def _split(self, text: str) -> Iterator[str | Pasted]:
         if self._paste is None and self._is_escape_last and text.startswith(_PASTE_BEGIN[1:]):
             text = f"\x1b{text}"
+        text = self._after_string(text)
         self._is_escape_last = self._paste is None and text.endswith("\x1b")
         while text:
             if self._paste is None:
                 keys, begin, text = text.partition(_PASTE_BEGIN)
-                if keys := _STRING.sub("", keys):
+                if keys := self._without_strings(keys, is_last=not begin):
                     yield keys
                 if begin:
                     self._paste, self._pasted = deque(), 0
@@ -108,6 +116,26 @@ class Incoming:
                 self._keep(inside)
                 if end:
                     yield self._finished()
+
+    def _without_strings(self, keys: str, *, is_last: bool) -> str:
+        """The keys without what a terminal says, and without what it has only begun to say."""
+        begun = _STRING_BEGUN.search(keys := _STRING.sub("", keys)) if is_last else None
+        if begun is None or len(keys) == 2:  # such as alt with a bracket
+            return keys
+        self._is_in_string = True
+        self._begun = f"{begun[1]}{self._begun}"
+        return keys[: begun.start()]
+
+    def _after_string(self, text: str) -> str:
+        """What comes after a string that was begun before."""
+        if not self._is_in_string:
+            return text
+        if end := _STRING_END.search(text):
+            self._is_in_string = False
+            return text[end.end() if end[0] in ("\x07", "\x1b\\") else end.start() :]
+        if text.endswith("\x1b"):
+            self._begun = f"\x1b{self._begun}"
+        return ""
 
     def _keep(self, text: str) -> None:
         assert self._paste is not None

@@ -8,39 +8,45 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Literal
 
 from logical_robots_tui.game import NoSuchTickError
+from logical_robots_tui.tui.app.session_listener import SessionListener
 from logical_robots_tui.tui.theme.safe_text import one_line
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from logical_robots_tui.game import Breakpoint, Hit, MarkKind
     from logical_robots_tui.game.history.history import History
-    from logical_robots_tui.tui.app.main_screen import MainScreen
+    from logical_robots_tui.tui.app.session import Session
+    from logical_robots_tui.tui.app.ui import Ui
 
-__all__ = ["TEN", "Travel"]
+__all__ = ["TEN", "TimelineController"]
 
 TEN = 10
 _SOUGHT: tuple[MarkKind, ...] = (*("victory", "breakpoint", "program", "edit", "area", "notice"),)
 
 
-class Travel:
+class TimelineController(SessionListener):
     """Goes to other ticks, and sets what a run is to stop at.
 
     Args:
-        screen: Whose session.
+        session: Whose ticks.
+        ui: Where to say and ask.
+        selected: Tells which robot the player has selected, if any.
     """
 
-    def __init__(self, screen: MainScreen) -> None:
-        self._screen = screen
+    def __init__(self, session: Session, ui: Ui, selected: Callable[[], str | None]) -> None:
+        self._session, self._ui, self._selected = session, ui, selected
 
     @property
     def _history(self) -> History | None:
-        return self._screen.session.history
+        return self._session.history
 
     def go_to(self, tick: int) -> None:
         """Go to a tick, or say why that can't be."""
         try:
-            self._screen.session.go_to(tick)
+            self._session.go_to(tick)
         except NoSuchTickError as error:
-            self._screen.warn(f"{error}{self._elsewhere(tick)}")
+            self._ui.warn(f"{error}{self._elsewhere(tick)}")
 
     def first(self) -> None:
         """Go to the earliest tick in history."""
@@ -56,23 +62,23 @@ class Travel:
         """Go to the next or the last tick before in which something happened."""
         if self._history is None:
             return
-        robot = self._screen.labyrinth.view.selected
-        tick = self._screen.session.frame.tick
+        robot = self._selected()
+        tick = self._session.frame.tick
         found = self._history.marks.nearest(tick, steps, _SOUGHT, robot)
         if found is not None and found >= self._history.first:
             self.go_to(found)
         else:
             what = "Nothing happened after" if steps > 0 else "Nothing happened before"
             hint = "" if robot else " Choose a robot to find changes of its memory, too."
-            self._screen.tell(f"{what} tick {tick}, as far as is known.{hint}")
+            self._ui.tell(f"{what} tick {tick}, as far as is known.{hint}")
 
     async def ask_for_tick(self) -> None:
         """Ask for a tick of history, and go there."""
         from logical_robots_tui.tui.timeline.prompt import TickPrompt
 
-        history, here = self._history, self._screen.session.frame.tick
+        history, here = self._history, self._session.frame.tick
         if history is None:
-            self._screen.tell("There is no program yet.")
+            self._ui.tell("There is no program yet.")
             return
 
         def complaint(tick: int) -> str:
@@ -83,7 +89,7 @@ class Travel:
                 kept += " There was no room for more."
             return f"{kept}{self._elsewhere(tick)}"
 
-        found = await self._screen.app.push_screen_wait(TickPrompt("Go to tick", here, complaint))
+        found = await self._ui.ask(TickPrompt("Go to tick", here, complaint))
         if found is not None:
             self.go_to(found)
 
@@ -91,50 +97,47 @@ class Travel:
         """Ask for a tick, and run until then."""
         from logical_robots_tui.tui.timeline.prompt import TickPrompt
 
-        session = self._screen.session
-        here = session.frame.tick
+        here = self._session.frame.tick
 
         def complaint(tick: int) -> str:
             return "" if tick > here else f"The robots are at tick {here} already."
 
         if self._history is None:
-            self._screen.tell("There is no program yet.")
+            self._ui.tell("There is no program yet.")
             return
-        found = await self._screen.app.push_screen_wait(
-            TickPrompt("Run until tick", here, complaint)
-        )
+        found = await self._ui.ask(TickPrompt("Run until tick", here, complaint))
         if found is not None:
-            session.run_until(found)
+            self._session.run_until(found)
 
     # -- the other future ----------------------------------------------------------------------
 
     def change_course(self) -> None:
         """Go over to the other future."""
         try:
-            self._screen.session.change_course()
+            self._session.change_course()
         except NoSuchTickError:
             self._say_there_is_none()
             return
-        self._screen.tell("This is the other future. The robots think with its program.")
+        self._ui.tell("This is the other future. The robots think with its program.")
 
     def compare(self) -> None:
         """Go to where the two futures part, and say in what and why."""
-        game, history = self._screen.session.game, self._history
+        game, history = self._session.game, self._history
         if game is None or history is None or history.other is None:
             self._say_there_is_none()
             return
         if history.divergence is None:
             known = min(history.last, history.other[-1])
-            self._screen.tell(f"The two futures are the same as far as both are known, to {known}.")
+            self._ui.tell(f"The two futures are the same as far as both are known, to {known}.")
             return
         from logical_robots_tui.tui.timeline.divergence import DivergencePage
 
         if history.first <= history.divergence.tick <= history.last:
             self.go_to(history.divergence.tick)
-        self._screen.app.push_screen(DivergencePage(game, history.divergence))
+        self._ui.show(DivergencePage(game, history.divergence))
 
     def _say_there_is_none(self) -> None:
-        self._screen.tell(
+        self._ui.tell(
             "There is no other future yet: go back, change the program, and let the robots go on."
         )
 
@@ -148,20 +151,19 @@ class Travel:
         """Show the breakpoints."""
         from logical_robots_tui.tui.timeline.breakpoints import BreakpointList
 
-        self._screen.app.push_screen(BreakpointList(self._screen.session))
+        self._ui.show(BreakpointList(self._session))
 
     def add_breakpoint(self, breakpoint_: Breakpoint) -> None:
         """Set a breakpoint, and say so."""
-        session = self._screen.session
-        session.breakpoints.add(breakpoint_)
-        trouble = session.problem_with(breakpoint_)
+        self._session.breakpoints.add(breakpoint_)
+        trouble = self._session.problem_with(breakpoint_)
         if trouble:
-            self._screen.warn(f"{breakpoint_.words}: {trouble}")
+            self._ui.warn(f"{breakpoint_.words}: {trouble}")
         else:
-            self._screen.tell(f"The robots stop when {one_line(breakpoint_.words)}.")
+            self._ui.tell(f"The robots stop when {one_line(breakpoint_.words)}.")
 
-    def tell_hits(self, hits: tuple[Hit, ...]) -> None:
+    def stopped(self, hits: tuple[Hit, ...]) -> None:
         """Say which breakpoints were hit, and with what values."""
         for hit in hits:
             words = one_line(f"{hit.breakpoint.words}: {hit.values}")
-            self._screen.tell(f"◉ Stopped at tick {hit.tick}. {words}")
+            self._ui.tell(f"◉ Stopped at tick {hit.tick}. {words}")

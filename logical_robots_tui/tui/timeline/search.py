@@ -11,8 +11,11 @@ from logical_robots_tui.tui.commands.keymap import with_keys
 from logical_robots_tui.tui.theme.safe_text import one_line
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from logical_robots_tui.game import Game, SearchResult
-    from logical_robots_tui.tui.app.main_screen import MainScreen
+    from logical_robots_tui.tui.app.session import Session
+    from logical_robots_tui.tui.app.ui import Ui
 
 __all__ = ["Search"]
 
@@ -24,23 +27,25 @@ class Search:
     """Goes to the next tick in which a question holds, or to the last one before.
 
     Args:
-        screen: Whose session.
+        session: Whose ticks.
+        ui: Where to say and ask.
+        go_to: Goes to a tick.
     """
 
-    def __init__(self, screen: MainScreen) -> None:
-        self._screen = screen
+    def __init__(self, session: Session, ui: Ui, go_to: Callable[[int], None]) -> None:
+        self._session, self._ui, self._go_to = session, ui, go_to
         self._question = ""
 
     async def ask(self) -> None:
         """Ask for a question, and go to the next tick in which it holds."""
         from logical_robots_tui.tui.timeline.question import QuestionPrompt
 
-        program = self._screen.session.program
+        program = self._session.program
         if program is None:
-            self._screen.tell(_NO_PROGRAM)
+            self._ui.tell(_NO_PROGRAM)
             return
         prompt = QuestionPrompt("Go to the next tick in which…", self._question, program)
-        found = await self._screen.app.push_screen_wait(prompt)
+        found = await self._ui.ask(prompt)
         if found is not None:
             self._question = found
             await self.go(1)
@@ -51,16 +56,16 @@ class Search:
         Args:
             way: 1 for later ticks, -1 for earlier ones.
         """
-        session = self._screen.session
+        session = self._session
         if not self._question:
             await self.ask()
             return
         session.pause()
         game = session.game
         if game is None:
-            self._screen.tell(_NO_PROGRAM)
+            self._ui.tell(_NO_PROGRAM)
             return
-        about, patience = self._about(game), _Patience(self._screen)
+        about, patience = self._about(game), _Patience(self._ui)
 
         def told(tick: int) -> None:
             if about != self._about(session.game):
@@ -75,24 +80,24 @@ class Search:
             return
         except ProgramError as error:
             message = error.diagnostics[0].message
-            self._screen.warn(f"{self._question} can't be asked: {message}.")
+            self._ui.warn(f"{self._question} can't be asked: {message}.")
             return
         if about != self._about(session.game):
             return
         if sought.tick is not None:
-            self._screen.travel.go_to(sought.tick)
+            self._go_to(sought.tick)
         else:
             self._say_there_is_none(sought, way)
 
     def _say_there_is_none(self, sought: SearchResult, way: Literal[-1, 1]) -> None:
         side = "after" if way > 0 else "before"
-        tick = self._screen.session.frame.tick
+        tick = self._session.frame.tick
         question = one_line(self._question)
         here = "It holds here. " if sought.holds_here else ""
         words = f"{here}No {'other ' * bool(here)}tick {side} {tick} is known in which it holds"
         trouble = f" It failed in some: {one_line(sought.problem)}" if sought.problem else ""
         more = with_keys(" {search_ticks} asks for another question.")
-        self._screen.tell(f"{words}: {question}.{trouble or more}")
+        self._ui.tell(f"{words}: {question}.{trouble or more}")
 
     def _about(self, game: Game | None) -> object:
         """What a search belongs to: with any other, its result says nothing."""
@@ -104,8 +109,8 @@ class Search:
 class _Patience:
     """Says once, of a search that takes its time, that it goes on."""
 
-    def __init__(self, screen: MainScreen) -> None:
-        self._screen = screen
+    def __init__(self, ui: Ui) -> None:
+        self._ui = ui
         self._began = monotonic()
         self._has_told = False
 
@@ -113,4 +118,4 @@ class _Patience:
         """Take note of how far it has come."""
         if not self._has_told and monotonic() > self._began + _PATIENCE:
             self._has_told = True
-            self._screen.tell(f"Searching, at tick {tick}… To go to any tick ends it.")
+            self._ui.tell(f"Searching, at tick {tick}… To go to any tick ends it.")

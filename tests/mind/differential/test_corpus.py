@@ -98,6 +98,16 @@ def test_try_cast_means_what_duckdb_means_by_it(
     assert same(here(program(value=f'TryCast({value}, "{theirs}")')), expected)
 
 
+@pytest.mark.parametrize("depth", [1, 3, 4, 7])
+def test_a_recursion_ends_where_it_is_told_to(depth: int, tmp_path: Path) -> None:
+    rules = f"@Recursive(S, {depth}); S(0); S(n + 1) :- S(n), n < 100;"
+    text = program(rules, value="Max{n :- S(n)}")
+    assert here(text) == [(depth,)]
+    ((theirs,),) = there(text, tmp_path)
+    assert theirs == depth if depth >= 4 else depth <= theirs <= depth + 2
+    assert "fewer than four steps" in PAGE.read_text(encoding="utf-8")
+
+
 def test_what_was_cast_is_a_record_to_go_on_with() -> None:
     rules = "M(m) :- Memory(memory:), m = TryCast(memory, {count: Num, seen: [{d: Num}]});"
     text = f"{rules} Answer(value: m.count + Sum{{e.d :- e in m.seen}}) :- M(m);"

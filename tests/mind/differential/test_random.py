@@ -6,7 +6,7 @@ import re
 from typing import TYPE_CHECKING, Any
 
 import pytest
-from hypothesis import HealthCheck, given, settings
+from hypothesis import HealthCheck, Phase, given, settings
 from hypothesis import strategies as st
 
 from tests.mind.differential.comparing import here, program, same, there
@@ -208,6 +208,18 @@ def test_a_thousand_random_programs_mean_the_same(
     tmp_path: Path, expressions: dict[str, str]
 ) -> None:
     check(expressions, tmp_path)
+
+
+@settings(
+    max_examples=12,
+    deadline=None,
+    derandomize=True,
+    phases=[Phase.explicit, Phase.generate],
+    suppress_health_check=relaxed,
+)
+@given(programs())
+def test_random_robot_programs_mean_the_same(tmp_path: Path, text: str) -> None:
+    check_whole(text, tmp_path)
 
 
 @pytest.mark.proof

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from tests.mind.differential.whole_programs import MOMENTS, PROGRAMS, differences
+from tests.mind.differential.whole_programs import MOMENTS, PLAYERS, PROGRAMS, differences
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -23,7 +23,8 @@ def test_there_are_enough_of_them() -> None:
     assert len(PROGRAMS) >= 150
     assert len(MOMENTS) >= 5
     assert len({moment["level"] for moment in MOMENTS}) >= 3
-    for text in PROGRAMS.values():
+    assert len(PLAYERS) >= 10
+    for text in [*PROGRAMS.values(), *PLAYERS.values()]:
         assert 9 <= text.count("\n") <= 60
     assert {part for title in SOME for part in title.split(", ")} == {
         part for title in PROGRAMS for part in title.split(", ")
@@ -33,6 +34,11 @@ def test_there_are_enough_of_them() -> None:
 @pytest.mark.parametrize("title", SOME)
 def test_a_program_means_the_same_as_on_duckdb(title: str, tmp_path: Path) -> None:
     assert not differences(PROGRAMS[title], tmp_path)
+
+
+@pytest.mark.parametrize("title", PLAYERS)
+def test_a_program_of_a_player_means_the_same(title: str, tmp_path: Path) -> None:
+    assert not differences(PLAYERS[title], tmp_path)
 
 
 @pytest.mark.proof

@@ -1,4 +1,5 @@
-"""Whole robot programs: every way to drive with every way to keep a memory, of ``parts.txt``.
+"""Whole robot programs: every way to drive with every way to keep a memory, of ``parts.txt``,
+and those of ``players.txt``.
 
 They run one after the other over recorded moments of three levels, where all robots reason
 together as on the platform: what a program keeps at one moment of a level it finds at the next.
@@ -17,7 +18,7 @@ from tests.mind.differential.duckdb_reference import answer
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-__all__ = ["MOMENTS", "PROGRAMS", "differences"]
+__all__ = ["MOMENTS", "PLAYERS", "PROGRAMS", "differences"]
 
 _HERE = Path(__file__).parent
 
@@ -29,13 +30,16 @@ Robot(robot_name:, desire:, memory:) :- Drive(robot_name:, desire:), Keep(robot_
 """
 
 
-def _parts() -> dict[str, str]:
-    sections = _HERE.joinpath("parts.txt").read_text("utf-8").split("## ")[1:]
+def _sections(name: str) -> dict[str, str]:
+    sections = _HERE.joinpath(name).read_text("utf-8").split("## ")[1:]
     titles_and_rules = (section.split("\n", 1) for section in sections)
     return dict(titles_and_rules)
 
 
-_PARTS = _parts()
+_PARTS = _sections("parts.txt")
+
+PLAYERS = _sections("players.txt")
+"""Programs by title as a player writes them, each about something else."""
 
 PROGRAMS = {
     f"{drive}, {keep}": f"{_PARTS[drive]}{_PARTS[keep]}{ROBOT}"

@@ -67,7 +67,7 @@ class Studio:
 
     @property
     def mode(self) -> EditMode:
-        mode = self.game.main.editing._mode
+        mode = self.game.main.editing.mode
         assert mode is not None
         return mode
 

@@ -13,12 +13,13 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from logical_robots_tui.editing.checks import refusals
-from logical_robots_tui.editing.delta import alike
+from logical_robots_tui.editing.edits import Edits
 from logical_robots_tui.editing.files import save_level
 from logical_robots_tui.tui.level_editor.editor import LevelEditor
 from logical_robots_tui.tui.level_editor.tools import GRIDS, WIDTHS, Tool
 from logical_robots_tui.world import Beacon, World, load_level
 from logical_robots_tui.world.changing import changed_state
+from logical_robots_tui.world.level import alike
 from tests.editing.making import room
 
 if TYPE_CHECKING:
@@ -49,7 +50,7 @@ deeds = st.one_of(
 
 def editor_of(level: Level) -> LevelEditor:
     state = World(level).save()
-    return LevelEditor(level, lambda: state, lambda: None, lambda _: None)
+    return LevelEditor(Edits(level), lambda: state, lambda: None, lambda _: None)
 
 
 @settings(deadline=None)
@@ -101,7 +102,7 @@ def test_a_level_that_grows_on_all_sides_takes_robots_under_way_along() -> None:
     state = replace(
         world.save(), robots=tuple(replace(r, x=60.0, angle=1.0) for r in world.save().robots)
     )
-    editor = LevelEditor(level, lambda: state, lambda: None, lambda _: None)
+    editor = LevelEditor(Edits(level), lambda: state, lambda: None, lambda _: None)
     moved = tuple(replace(robot, x=robot.x + 10) for robot in level.robots)
     editor.change_level("level", replace(level, robots=moved))
     poses = editor.poses.between(level, editor.level)
@@ -114,7 +115,7 @@ def test_several_turns_are_one_step_and_a_beacon_is_not_turned() -> None:
     complaints: list[str] = []
     level = replace(room(), beacons=(Beacon("Lamp", 50, 50),))
     state = World(level).save()
-    editor = LevelEditor(level, lambda: state, lambda: None, complaints.append)
+    editor = LevelEditor(Edits(level), lambda: state, lambda: None, complaints.append)
     editor.select_next(1)
     editor.turn(1)
     editor.turn(1)

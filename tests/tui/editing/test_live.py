@@ -10,7 +10,7 @@ import pytest
 from textual.widgets import Checkbox, Input, Select, TextArea
 
 from logical_robots_tui.editing.files import save_level
-from logical_robots_tui.tui.labyrinth.victory import is_by_the_book
+from logical_robots_tui.game.victory import is_by_the_book
 from logical_robots_tui.tui.level_editor.finding_list import FindingList
 from logical_robots_tui.tui.level_editor.form import Ticks
 from logical_robots_tui.tui.level_editor.forms import ThingForm
@@ -80,13 +80,14 @@ async def test_a_robot_is_stopped_by_a_wall_and_taken_elsewhere_under_way(
         session.go_to(last.tick)
         await game.until(lambda: game.tick == last.tick)
         assert session.frame == last
-        assert not is_by_the_book(session)
+        assert session.history is not None
+        assert not is_by_the_book(session.history, session.opened, game.tick)
         await s.press("u", "u", "u")
         await s.press("escape")
         await game.until(lambda: game.shows("What becomes of the changes"))
         await s.press("t")
         await game.until(lambda: not game.main.editing.is_on)
-        assert np.array_equal(session.level.walls, s.mode.base.walls)
+        assert np.array_equal(session.level.walls, s.mode.levels.saved.walls)
 
 
 async def test_undoing_brings_a_robot_back_to_where_it_was_taken(
@@ -115,11 +116,26 @@ async def test_playing_what_is_edited_loses_no_stroke_and_counts_for_nothing(
         await s.press("t")
         await game.until(lambda: game.session.won_at is not None)
         assert not game.main.editing.is_on
-        assert game.main.journal.record.state != "won"
+        assert game.main.recorder.record.state != "won"
         await s.press("t")
         await game.until(lambda: game.main.editing.is_on and game.tick == 0)
         assert s.editor.edits.can_undo == "move"
         assert game.session.frame.after.robots[0].x == 40
+
+
+async def test_a_victory_while_the_level_is_edited_is_kept_at_once_and_told_afterwards(
+    data_dir: Path, room_file: Path
+) -> None:
+    async with studio(data_dir, room_file) as s:
+        game = s.game
+        game.session.pace.speed = None
+        await s.press("space")
+        await game.until(lambda: game.main.recorder.record.state == "won")
+        assert game.main.editing.is_on
+        assert not game.main.labyrinth.banner.display
+        await s.press("escape")
+        await game.until(lambda: game.main.labyrinth.banner.display)
+        assert not game.main.editing.is_on
 
 
 async def test_properties_are_set_in_forms_with_the_choices_there_are(
@@ -244,7 +260,6 @@ async def test_a_save_under_way_when_the_level_is_left_keeps_what_was_done_since
         await game.until(lambda: game.shows("Saved as room"))
         assert game.session.opened.name != "room"
         game.main.session.open_level(load_level(room_file), game.session.source, STILL)
-        game.main.begin_level()
         await s.press("M")
         await game.until(lambda: game.shows("unsaved changes of the level are back"))
         assert s.level.beacons == newest
@@ -330,7 +345,7 @@ async def test_what_was_edited_is_offered_after_a_hangup(data_dir: Path, room_fi
         await game.until(lambda: not game.session.level.walls[40, 100])
     async with opened(data_dir) as game:
         await game.ready()
-        await game.until(lambda: game.main.journal.record)
+        await game.until(lambda: game.main.recorder.record)
         assert not game.shows("Go on editing")
 
 

@@ -122,7 +122,10 @@ async def test_things_are_placed_dragged_turned_and_deleted(
         await s.game.until(lambda: s.game.shows("A level needs at least one robot"))
         while s.editor.edits.can_undo:
             await s.press("u")
-        assert (s.level.robots, s.level.beacons) == (s.mode.base.robots, s.mode.base.beacons)
+        assert (s.level.robots, s.level.beacons) == (
+            s.mode.levels.saved.robots,
+            s.mode.levels.saved.beacons,
+        )
         assert s.game.session.frame.after.robots[0].x == 40
 
 

@@ -1,4 +1,4 @@
-"""The journal: keeps what the player achieves at the level at hand, and has wins measured."""
+"""The recorder: keeps what the player achieves at the level at hand, and has wins measured."""
 
 from __future__ import annotations
 
@@ -6,31 +6,41 @@ import asyncio
 import queue
 from concurrent.futures import ThreadPoolExecutor
 from functools import partial
-from typing import TYPE_CHECKING, TypeVar
+from typing import TYPE_CHECKING, Protocol, TypeVar
 
 from logical_robots_tui.game import level_key, reference_for
-from logical_robots_tui.game.continuing import keep_if_own, measured_at_victory, note_level
-from logical_robots_tui.game.source import shipped_texts
+from logical_robots_tui.game.continuing import keep_if_own, note_level
+from logical_robots_tui.game.victory import keep_victory
 from logical_robots_tui.progress import NEW, Progress
 from logical_robots_tui.tui.app.facts import THEME, TOUR
+from logical_robots_tui.tui.app.session_listener import SessionListener
+from logical_robots_tui.tui.app.ui import nothing
 
 if TYPE_CHECKING:
     from collections.abc import Callable
     from pathlib import Path
 
+    from logical_robots_tui.game import Frame
     from logical_robots_tui.game.measuring import Trial
+    from logical_robots_tui.game.victory import Victory
     from logical_robots_tui.mind import Program
     from logical_robots_tui.progress import Bests, LevelRecord, Measures, Version
-    from logical_robots_tui.tui.app.background import Spawn
-    from logical_robots_tui.tui.app.session import Session
+    from logical_robots_tui.tui.app.ui import Spawn
     from logical_robots_tui.world import Level
 
-__all__ = ["Journal"]
+__all__ = ["ProgressRecorder"]
 
 T = TypeVar("T")
 
 
-class Journal:
+class Measured(Protocol):
+    """Hears when a victory is measured in full."""
+
+    def __call__(self, level: Level, found: Measures, *, is_here: bool) -> None:
+        """Hear where, how well, and whether that is the level at hand."""
+
+
+class ProgressRecorder(SessionListener):
     """The player's record on disk, seen from the screen: nothing here holds up a key.
 
     Args:
@@ -39,6 +49,7 @@ class Journal:
     Attributes:
         progress: The record itself; its methods block.
         record: What is known of the level at hand.
+        reference: Measures of the reference program there, or None.
         latest: Measures of the last victory there, as far as they are known, or None.
         former: The bests before that victory.
         trial: How far the trial from shifted starts is at the level at hand, or None.
@@ -49,13 +60,14 @@ class Journal:
         self._news: queue.SimpleQueue[str] = queue.SimpleQueue()
         self.progress = Progress(file, self._news.put)
         self.record: LevelRecord = NEW
+        self.reference: Measures | None = None
         self.latest: Measures | None = None
         self.former: Bests = NEW.bests
         self.is_reference = False
-        self._desk = ThreadPoolExecutor(max_workers=1, thread_name_prefix="logical-robots-journal")
-        self._level: Level | None = None
+        self._writer = ThreadPoolExecutor(
+            max_workers=1, thread_name_prefix="logical-robots-recorder"
+        )
         self._key = ""
-        self._solution = ""
         self._trials: dict[str, tuple[str, Trial]] = {}
         self._turn = asyncio.Lock()
         self._has_begun = False
@@ -67,7 +79,7 @@ class Journal:
         spawn: Spawn,
         changed: Callable[[], None],
         warn: Callable[[str], None],
-        measured: Callable[[Level, Measures], None],
+        measured: Measured,
     ) -> None:
         """Begin to work for a screen.
 
@@ -83,15 +95,10 @@ class Journal:
     async def close(self) -> None:
         """Finish what is to be written, and let go of the file."""
         self._is_closed = True
-        await asyncio.get_running_loop().run_in_executor(self._desk, self.progress.close)
-        self._desk.shutdown(wait=False)
+        await asyncio.get_running_loop().run_in_executor(self._writer, self.progress.close)
+        self._writer.shutdown(wait=False)
 
     # -- looking -------------------------------------------------------------------------------
-
-    @property
-    def reference(self) -> Measures | None:
-        """Measures of the reference program of the level at hand, or None."""
-        return reference_for(self._level) if self._level else None
 
     @property
     def trial(self) -> Trial | None:
@@ -101,7 +108,7 @@ class Journal:
 
     async def ask(self, look: Callable[[Progress], T]) -> T:
         """Look something up in the record, after all that is still to be written."""
-        found = await asyncio.get_running_loop().run_in_executor(self._desk, look, self.progress)
+        found = await asyncio.get_running_loop().run_in_executor(self._writer, look, self.progress)
         self._tell_news()
         return found
 
@@ -116,22 +123,26 @@ class Journal:
 
     # -- writing -------------------------------------------------------------------------------
 
-    def open(self, level: Level) -> None:
+    def level_opened(self, level: Level) -> None:
         """The player has gone to a level."""
-        self._level, self._key = level, level_key(level)
+        self._key, self.reference = level_key(level), reference_for(level)
         self.record, self.latest, self._has_begun = NEW, None, False
-        self._solution = ""
         self._write(lambda progress: note_level(progress, level))
-        self._spawn(self._look, "journal", exclusive=False)
+        self._spawn(self._look, "recorder", exclusive=False)
 
-    def used(self, program: Program) -> None:
+    def level_saved(self, level: Level) -> None:
+        """The level at hand is in a file; another one has a record of its own."""
+        if level_key(level) != self._key:
+            self.level_opened(level)
+
+    def program_used(self, program: Program) -> None:
         """The robots begin to think with a program; it is kept if it is the player's own."""
         key, text = self._key, program.text
         self._write(lambda progress: keep_if_own(progress, key, text))
 
-    def moved(self) -> None:
+    def tick_shown(self, frame: Frame) -> None:
         """The robots have done something: the level is in work."""
-        if not self._has_begun:
+        if frame.tick and not self._has_begun:
             self._has_begun = True
             key = self._key
             self._write(lambda progress: progress.begin(key))
@@ -159,28 +170,25 @@ class Journal:
         """The tour need not be shown again."""
         self._write(lambda progress: progress.set_fact(TOUR, "seen"))
 
-    def won(self, session: Session) -> None:
-        """The level is won: keep that, and measure how well."""
-        program, tick, level, game = session.program, session.won_at, session.level, session.game
-        if program is None or tick is None or game is None:
+    def won(self, victory: Victory) -> None:
+        """The level is won: keep that if it counts, and measure how well."""
+        if victory.refusal:
             return
-        text, key = program.text, self._key
-        self.former = self.record.bests
-        self.latest = measured_at_victory(game.history, text, tick)
-        self.is_reference = bool(level.solution) and text == self._solution
-        if not self.is_reference:
-            measures = self.latest
-            self._write(lambda progress: progress.win(key, text, measures))
-        if not self.is_reference and self._trials.get(key, ("",))[0] != text:
-            self._spawn(
-                partial(self._measure, level, key, program), f"measure {key}", exclusive=True
-            )
+        self.former, self.latest = self.record.bests, victory.measures
+        self.is_reference = victory.verdict == "reference"
+        if self.is_reference:
+            return
+        key = self._key
+        self._write(lambda progress: keep_victory(progress, key, victory))
+        if self._trials.get(key, ("",))[0] != victory.program.text:
+            measure = partial(self._measure, victory.level, key, victory.program)
+            self._spawn(measure, f"measure {key}", exclusive=True)
 
     def stop_measuring(self) -> bool:
         """Stop trying shifted starts at the level at hand; False if nothing is under way."""
         if self._trials.pop(self._key, None) is None:
             return False
-        self._spawn(_nothing, f"measure {self._key}", exclusive=True)
+        self._spawn(nothing, f"measure {self._key}", exclusive=True)
         self._changed()
         return True
 
@@ -189,16 +197,13 @@ class Journal:
     def _write(self, work: Callable[[Progress], None]) -> None:
         if self._is_closed:
             return
-        self._desk.submit(work, self.progress)
-        self._spawn(self._look, "journal", exclusive=False)
+        self._writer.submit(work, self.progress)
+        self._spawn(self._look, "recorder", exclusive=False)
 
     async def _look(self) -> None:
         """See what the record says of the level at hand by now."""
-        key, level = self._key, self._level
+        key = self._key
         record = await self.ask(lambda progress: progress.record(key))
-        if level is not None and level.solution and not self._solution:
-            texts = await asyncio.to_thread(shipped_texts)
-            self._solution = texts.get(level.solution, "")
         if key == self._key and record != self.record:
             self.record = record
             self._changed()
@@ -231,7 +236,7 @@ class Journal:
         else:
             found = known
             self._write(lambda progress: progress.win(key, text, found))
-            self._measured(level, found)
+            self._measured(level, found, is_here=key == self._key)
             if key == self._key:
                 self.latest = found
                 self._changed()
@@ -240,7 +245,3 @@ class Journal:
         if key in self._trials:
             self._trials[key] = (text, trial)
             self._changed()
-
-
-async def _nothing() -> None:
-    """Take the place of work that is to end."""

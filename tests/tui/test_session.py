@@ -1,0 +1,335 @@
+"""The session and those who listen to it, from opening a level to leaving, without a screen."""
+
+from __future__ import annotations
+
+import asyncio
+from contextlib import asynccontextmanager
+from dataclasses import dataclass, field, replace
+from time import monotonic
+from typing import TYPE_CHECKING, Any
+
+from logical_robots_tui.game import load_program
+from logical_robots_tui.game.drafts import Drafts
+from logical_robots_tui.progress import FILE_NAME, Progress
+from logical_robots_tui.tui.app.session import Session
+from logical_robots_tui.tui.app.session_listener import SessionListener
+from logical_robots_tui.tui.app.ui import Ui
+from logical_robots_tui.tui.level_editor.controller import LevelEditing
+from logical_robots_tui.tui.level_editor.mode import EditView
+from logical_robots_tui.tui.level_editor.tools import Tool
+from logical_robots_tui.tui.library.progress_recorder import ProgressRecorder
+from logical_robots_tui.world import load_level
+from logical_robots_tui.world.level import alike
+from logical_robots_tui.world.native import read_native
+from tests.short import AHEAD, LEVEL
+from tests.waiting import PATIENCE, a_moment
+
+if TYPE_CHECKING:
+    from collections.abc import AsyncIterator, Callable
+    from pathlib import Path
+
+    from logical_robots_tui.editing.strokes import Point
+    from logical_robots_tui.game import Frame
+    from logical_robots_tui.game.victory import Victory
+    from logical_robots_tui.mind import Program
+    from logical_robots_tui.tui.app.ui import Work
+    from logical_robots_tui.tui.level_editor.editor import LevelEditor
+    from logical_robots_tui.world import Level
+
+FAST = AHEAD.replace("0.5", "0.9")
+
+
+class Background(Ui):
+    """Works on the event loop and keeps what is said."""
+
+    def __init__(self) -> None:
+        self.said: list[str] = []
+        self._tasks: dict[asyncio.Task[None], str] = {}
+
+    def tell(self, message: str) -> None:
+        self.said.append(message)
+
+    warn = tell
+
+    def spawn(self, work: Work, group: str, *, exclusive: bool) -> None:
+        for task, known in self._tasks.items():
+            if exclusive and known == group:
+                task.cancel()
+        task = asyncio.ensure_future(work())
+        self._tasks[task] = group
+        task.add_done_callback(self._tasks.pop)
+
+    def show(self, dialog: object, closed: object = None) -> None:
+        raise AssertionError(f"nothing is to be asked, not even {dialog}")
+
+    async def ask(self, dialog: object) -> Any:
+        raise AssertionError(f"nothing is to be asked, not even {dialog}")
+
+    async def close(self) -> None:
+        tasks = list(self._tasks)
+        for task in tasks:
+            task.cancel()
+        await asyncio.gather(*tasks, return_exceptions=True)
+
+
+class Unseen(EditView):
+    """Shows a level to nobody."""
+
+    def enter(self) -> None: ...
+
+    def leave(self, *, is_testing: bool) -> None: ...
+
+    def remove(self) -> None: ...
+
+    def redraw(self) -> None: ...
+
+    def obeys(self, key: str) -> bool:
+        return False
+
+    def do(self, command_id: str) -> None: ...
+
+    def use(self) -> None: ...
+
+    def go_to(self, point: Point) -> None: ...
+
+
+@dataclass
+class Chronicle(SessionListener):
+    """Writes down what happens."""
+
+    ticks: list[int] = field(default_factory=list)
+    victories: list[Victory] = field(default_factory=list)
+    programs: list[str] = field(default_factory=list)
+    events: list[str] = field(default_factory=list)
+
+    def level_opened(self, level: Level) -> None:
+        self.events.append(f"opened {level.name}")
+
+    def level_saved(self, level: Level) -> None:
+        self.events.append(f"saved {level.name}")
+
+    def level_changed(self) -> None:
+        self.events.append("changed")
+
+    def restarted(self) -> None:
+        self.events.append("restarted")
+
+    def program_used(self, program: Program) -> None:
+        self.programs.append(program.text)
+
+    def tick_shown(self, frame: Frame) -> None:
+        self.ticks.append(frame.tick)
+
+    def won(self, victory: Victory) -> None:
+        self.victories.append(victory)
+
+
+@dataclass
+class Table:
+    """A session, who listens to it, and what they said."""
+
+    session: Session
+    recorder: ProgressRecorder
+    editing: LevelEditing
+    chronicle: Chronicle
+    ui: Background
+    drafts: Drafts
+    data_dir: Path
+
+    @property
+    def editor(self) -> LevelEditor:
+        assert self.editing.mode is not None
+        return self.editing.mode.editor
+
+    async def until(self, condition: Callable[[], object]) -> None:
+        deadline = monotonic() + PATIENCE
+        while not condition():
+            assert monotonic() < deadline, (self.ui.said, self.chronicle)
+            await a_moment()
+
+    async def apply(self, text: str) -> None:
+        self.session.apply(text)
+        await self.until(lambda: self.session.state.applied == text)
+
+    async def win(self) -> int:
+        self.session.run()
+        await self.until(lambda: not self.session.busy)
+        assert self.session.won_at == self.session.frame.tick
+        return self.session.frame.tick
+
+    def paint(self, *points: Point) -> None:
+        self.editor.settings = replace(self.editor.settings, tool=Tool.BRUSH)
+        self.editor.press(*points[0], 1.0)
+        for point in points[1:]:
+            self.editor.drag(*point)
+        self.editor.release()
+
+
+@asynccontextmanager
+async def table(tmp_path: Path, text: str = AHEAD) -> AsyncIterator[Table]:
+    """Sit down at a level that is won by going straight ahead."""
+    file, program = tmp_path / "short.toml", tmp_path / "mine.l"
+    file.write_text(LEVEL, "utf-8")
+    program.write_text(text, "utf-8")
+    data_dir, ui, chronicle = tmp_path / "data", Background(), Chronicle()
+    recorder, drafts = ProgressRecorder(data_dir / FILE_NAME), Drafts(data_dir / "drafts")
+    session = Session(load_level(file), load_program(program), spawn=ui.spawn, changed=lambda: None)
+
+    async def open_level(level: Level) -> None:
+        session.open_level(level, session.source, text)
+
+    editing = LevelEditing(session, ui, data_dir / "levels", drafts, open_level, lambda _: Unseen())
+    recorder.attach(
+        spawn=ui.spawn,
+        changed=lambda: None,
+        warn=ui.warn,
+        measured=lambda level, found, is_here: None,
+    )
+    session.listeners += [editing, recorder, chronicle]
+    session.pace.speed = None
+    recorder.level_opened(session.opened)
+    try:
+        opened = Table(session, recorder, editing, chronicle, ui, drafts, data_dir)
+        await opened.apply(text)
+        yield opened
+    finally:
+        editing.close()
+        drafts.close()
+        await ui.close()
+        await session.close()
+        await recorder.close()
+
+
+async def test_a_whole_game_is_played_without_a_screen(tmp_path: Path) -> None:
+    async with table(tmp_path) as t:
+        session, levels = t.session, t.session.levels
+        won_at = await t.win()
+        await t.until(lambda: t.recorder.record.state == "won")
+        assert t.chronicle.ticks == list(range(1, won_at + 1))
+        assert t.recorder.latest is not None
+        assert t.recorder.latest.ticks == won_at
+
+        session.go_to(3)
+        t.editing.open()
+        t.paint((30, 8), (30, 17))
+        assert levels.edited.walls[12, 30]
+        assert not levels.saved.walls[12, 30]
+        await t.until(lambda: levels.shown is levels.edited)
+        assert t.editing.level is levels.edited
+        session.run_until(won_at)
+        await t.until(lambda: not session.busy)
+        assert session.frame.after.robots[0].blocked
+        assert session.won_at is None
+
+        session.go_to(1)
+        assert not levels.edited.walls[12, 30]
+        assert t.editor.edits.can_undo == "go to tick 1"
+        t.editor.undo()
+        await t.until(lambda: levels.shown.walls[12, 30])
+        assert levels.has_changes
+        assert t.editing.mode is not None
+        t.editing.mode.leave()
+        assert t.editing.level is levels.shown
+
+        mode = t.editing.mode
+        await t.editing._open_level(load_level("01-first-steps"))
+        assert t.editing.mode is None
+        assert session.levels is not levels
+        assert mode.levels is levels
+        assert session.frame.tick == 0
+        await t.until(lambda: t.recorder.record.state == "new")
+        draft = t.drafts.get(("level", str(tmp_path / "short.toml")))
+        assert draft is not None
+        assert alike(read_native(draft.text, "short", ""), levels.edited)
+    kept = Progress(t.data_dir / FILE_NAME)
+    assert kept.record(str(tmp_path / "short.toml")).state == "won"
+    kept.close()
+
+
+async def test_a_victory_is_told_once_for_each_program_and_tick(tmp_path: Path) -> None:
+    async with table(tmp_path) as t:
+        first = await t.win()
+        t.session.back(2)
+        await t.win()
+        assert [victory.tick for victory in t.chronicle.victories] == [first]
+        t.session.back(first - 2)
+        await t.apply(FAST)
+        second = await t.win()
+        assert second < first
+        assert [victory.tick for victory in t.chronicle.victories] == [first, second]
+        t.session.restart()
+        third = await t.win()
+        assert [victory.tick for victory in t.chronicle.victories] == [first, second, third]
+        assert [victory.verdict for victory in t.chronicle.victories] == ["counts"] * 3
+        measures = [victory.measures for victory in t.chronicle.victories]
+        assert measures[1] is None  # two programs have won it together
+        assert measures[2] is not None
+
+
+async def test_a_level_changed_by_hand_is_won_for_nothing(tmp_path: Path) -> None:
+    async with table(tmp_path) as t:
+        t.editing.open()
+        t.paint((10, 8), (20, 8))
+        await t.until(lambda: t.session.levels.shown is t.session.levels.edited)
+        await t.win()
+        (victory,) = t.chronicle.victories
+        assert victory.verdict == "edited"
+        assert "not kept" in victory.refusal
+        assert t.recorder.latest is None
+        await t.until(lambda: t.recorder.record.state == "in work")
+
+
+async def test_what_is_looked_at_does_not_change(tmp_path: Path) -> None:
+    async with table(tmp_path) as t:
+        await t.win()
+        t.editing.open()
+        t.editor.select_next(1)
+        before = t.editor.selected, t.editor.edits.can_undo, list(t.chronicle.events)
+        for _ in range(3):
+            assert t.editor.thing is not None
+            assert t.editing.level is t.session.levels.edited
+            assert t.session.levels.is_saved
+        assert before == (t.editor.selected, t.editor.edits.can_undo, t.chronicle.events)
+
+
+async def test_saving_says_so_once_and_the_record_goes_with_the_file(tmp_path: Path) -> None:
+    async with table(tmp_path) as t:
+        t.editing.open()
+        mode = t.editing.mode
+        assert mode is not None
+        t.paint((10, 8), (20, 8))
+        assert not mode.is_saved
+        await t.until(lambda: t.session.levels.shown is t.session.levels.edited)
+        other = replace(t.session.levels.edited, name="other", source=str(tmp_path / "other.toml"))
+        mode.saved(t.session.levels.edited, other)
+        assert mode.is_saved
+        assert t.session.opened is other
+        assert t.chronicle.events.count("saved other") == 1
+        await t.win()
+        (victory,) = t.chronicle.victories
+        assert victory.verdict == "counts"
+        await t.until(lambda: t.recorder.record.state == "won")
+    kept = Progress(t.data_dir / FILE_NAME)
+    assert kept.record(str(tmp_path / "other.toml")).state == "won"
+    assert kept.record(str(tmp_path / "short.toml")).state == "in work"
+    kept.close()
+
+
+async def test_steps_that_are_owed_are_taken_and_a_pause_ends_them(tmp_path: Path) -> None:
+    async with table(tmp_path) as t:
+        for _ in range(20):
+            t.session.step()
+        assert t.session.busy
+        assert not t.session.running
+        await t.until(lambda: not t.session.busy)
+        assert 5 <= t.session.frame.tick <= 6
+        t.session.step(3)
+        t.session.pause()
+        assert not t.session.busy
+        t.session.run()
+        assert t.session.running
+        t.session.pause()
+        assert not t.session.running
+        tick = t.session.frame.tick
+        await asyncio.sleep(0)
+        assert t.session.frame.tick == tick
