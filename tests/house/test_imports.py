@@ -11,6 +11,7 @@ from pathlib import Path
 import pytest
 
 import logical_robots_tui
+from tests.waiting import PATIENCE
 
 SCREEN = {"textual", "rich"}
 WORLD, MIND, PROGRESS, EDITING, GAME, TUI, CLI = (
@@ -49,7 +50,7 @@ def modules_after(statement: str) -> set[str]:
     """Names of all modules that a fresh interpreter has loaded after a statement."""
     script = f"{statement}\nimport json, sys\nprint(json.dumps(sorted(sys.modules)))"
     done = subprocess.run(
-        [sys.executable, "-c", script], check=True, capture_output=True, text=True, timeout=60
+        [sys.executable, "-c", script], check=True, capture_output=True, text=True, timeout=PATIENCE
     )
     return set(json.loads(done.stdout))
 

@@ -167,7 +167,7 @@ def sort(screen: MainScreen) -> None:
 @rows.command("Search rows…", "number_sign")
 async def search_rows(screen: MainScreen) -> None:
     """Show only the rows that contain a text."""
-    from logical_robots_tui.tui.layout.line_dialog import LinePrompt
+    from logical_robots_tui.tui.layout.dialogs import LinePrompt
 
     if (table := _table(screen)) is not None:
         question = "Only rows with this text; nothing shows all"

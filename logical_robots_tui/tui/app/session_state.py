@@ -1,12 +1,51 @@
-"""Movement: what the robots are about to do by themselves, in one place."""
+"""The state of a session: the level at hand, and what the robots do by themselves."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass, field
 from time import perf_counter
-from typing import Literal, TypeAlias
+from typing import TYPE_CHECKING, Literal, TypeAlias
 
-__all__ = ["Movement"]
+from logical_robots_tui.editing.edits import Edits
+from logical_robots_tui.world.level import alike
+
+if TYPE_CHECKING:
+    from logical_robots_tui.world import Level
+
+__all__ = ["Movement", "OpenLevel"]
+
+
+class OpenLevel:
+    """One level in its three versions, from being opened until the player goes to another one.
+
+    Args:
+        level: The level as it was opened.
+
+    Attributes:
+        saved: As it is in its file, or as it was made.
+        edits: As it is edited, and the way back and forth.
+        shown: As it is in the frame on the screen.
+    """
+
+    def __init__(self, level: Level) -> None:
+        self.saved = self.shown = level
+        self.edits = Edits(level)
+
+    @property
+    def edited(self) -> Level:
+        """The level as it is edited."""
+        return self.edits.level
+
+    @property
+    def has_changes(self) -> bool:
+        """Whether what is edited differs from the file, or from how it was made."""
+        return not alike(self.edited, self.saved)
+
+    @property
+    def is_saved(self) -> bool:
+        """Whether a file says the same as what is edited."""
+        return bool(self.saved.source) and not self.has_changes
+
 
 _MOST_OWED = 5  # steps that a key held down may leave behind
 _NOTICEABLE = 0.5  # seconds of thinking from which on the screen says so
