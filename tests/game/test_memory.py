@@ -62,12 +62,14 @@ def played(level: str, text: str, ticks: int, addresses: int = ADDRESSES) -> tup
     return int(most), set(kinds)
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize("what", HUNGRY)
 def test_one_robot_s_memories_stay_within_bounds(what: str) -> None:
     most, _ = played("01-first-steps", ROBOT + HUNGRY[what] + ";", 130)
     assert most < MOST - SCREEN
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize(
     "what",
     [

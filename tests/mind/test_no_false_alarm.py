@@ -58,6 +58,7 @@ def test_a_subtle_program_is_met_with_silence(rules: str) -> None:
     assert found(f"{rules}\n{ROBOT}m = 1;") == []
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize(("topic", "rules", "expression"), CASES)
 def test_a_construct_of_the_language_is_met_with_silence(
     topic: str, rules: str, expression: str

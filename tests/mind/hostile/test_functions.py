@@ -60,6 +60,7 @@ def database() -> Iterator[Database]:
     database.close()
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize("name", sorted(BUILT_IN | functions.NAMES))
 def test_no_call_takes_long(name: str, database: Database) -> None:
     impossible = set()
