@@ -11,9 +11,10 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-__all__ = ["PATIENCE", "a_moment", "until"]
+__all__ = ["PATIENCE", "SOON", "a_moment", "until"]
 
-PATIENCE = 30.0  # seconds; generous, for machines that are busy with other things
+PATIENCE = 90.0  # seconds; generous, for machines that are busy with other things
+SOON = 20.0  # seconds, for what is promised within two on a machine that is not busy
 
 _LOOK_AGAIN_AFTER = 0.02
 _never = threading.Event()

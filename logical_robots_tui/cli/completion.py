@@ -20,14 +20,14 @@ FILES, FOLDERS = "file", "directory"  # shtab's names
 
 EPILOG = """\
 examples:
-  mkdir -p ~/.local/share/bash-completion/completions
   logical-robots completion bash \\
     > ~/.local/share/bash-completion/completions/logical-robots
   logical-robots completion zsh > ~/.zfunc/_logical-robots
   logical-robots completion fish \\
     > ~/.config/fish/completions/logical-robots.fish
 
-zsh needs fpath+=~/.zfunc in ~/.zshrc. For the current shell only:
+Create the folder first if it does not exist; zsh also needs fpath+=~/.zfunc in
+~/.zshrc. For the current shell only:
   eval "$(logical-robots completion bash)"
 
 The scripts call `completion levels` and `completion programs`, which print one

@@ -139,12 +139,12 @@ def _prepare_screen() -> None:
 
 
 def _play_on_screen(options: argparse.Namespace) -> int:
-    from logical_robots_tui.tui.app.permissions import Freedoms
+    from logical_robots_tui.tui.app.permissions import Permissions
     from logical_robots_tui.tui.app.play import play
 
     free = not options.restricted
-    freedoms = Freedoms(programs=free, clipboard=free or options.allow_clipboard)
-    return play(options.level, options.program, options.data_dir, freedoms)
+    permissions = Permissions(programs=free, clipboard=free or options.allow_clipboard)
+    return play(options.level, options.program, options.data_dir, permissions)
 
 
 def _play_in_lines(options: argparse.Namespace) -> int:

@@ -9,7 +9,7 @@ from typing import Any
 
 __all__ = ["UNRELIABLE", "columns", "finite", "harmless", "line_of_json", "written"]
 
-UNRELIABLE = "A time limit cut a thought short: another run may differ."
+UNRELIABLE = "A time limit ended a thought: another run may differ."
 
 _UNPRINTABLE = {"Cc", "Cf", "Cn", "Co", "Cs", "Zl", "Zp"}
 

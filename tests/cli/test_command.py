@@ -14,6 +14,7 @@ import logical_robots_tui
 from logical_robots_tui.cli import failure, listing
 from logical_robots_tui.cli.main import parser as command_parser
 from tests.cli.running import Command, in_terminal
+from tests.waiting import PATIENCE
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -86,6 +87,7 @@ def test_a_dumb_terminal_is_no_terminal(monkeypatch: pytest.MonkeyPatch) -> None
         capture_output=True,
         text=True,
         check=False,
+        timeout=PATIENCE,
     )
     assert (done.returncode, "needs a terminal" in done.stderr) == (2, True)
 
@@ -158,7 +160,9 @@ def test_a_reader_that_has_enough_is_no_error() -> None:
 )
 def test_a_full_disk_is_said_where_output_goes_there(typed: str) -> None:
     command = f"{sys.executable} -m logical_robots_tui {typed} > /dev/full"
-    done = subprocess.run(["sh", "-c", command], stderr=subprocess.PIPE, text=True, check=False)
+    done = subprocess.run(
+        ["sh", "-c", command], stderr=subprocess.PIPE, text=True, check=False, timeout=PATIENCE
+    )
     assert done.stderr == (
         "logical-robots: can't write to standard output: No space left on device.\n"
     )
@@ -168,7 +172,7 @@ def test_a_full_disk_is_said_where_output_goes_there(typed: str) -> None:
 @pytest.mark.parametrize("typed", ["levels > /dev/full 2>&1", "run nowhere nothing 2> /dev/full"])
 def test_where_nothing_can_be_said_the_exit_status_tells(typed: str) -> None:
     command = f"{sys.executable} -m logical_robots_tui {typed}"
-    assert subprocess.run(["sh", "-c", command], check=False).returncode == 2
+    assert subprocess.run(["sh", "-c", command], check=False, timeout=PATIENCE).returncode == 2
 
 
 def test_what_the_parts_log_is_kept_in_a_file_and_not_printed(
@@ -194,6 +198,7 @@ def test_a_stream_that_is_closed_is_an_empty_one(closed: str, tmp_path: Path) ->
         capture_output=True,
         text=True,
         check=False,
+        timeout=PATIENCE,
     )
     assert (done.returncode, done.stderr) == (0, "")
     assert ("Tick 1." in done.stdout) == (closed == "2>&-")

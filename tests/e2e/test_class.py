@@ -22,7 +22,7 @@ from tests.crowd import Crowd
 from tests.installed import CHECKOUT
 from tests.sshd import SSHD, Server
 from tests.terminal import Terminal
-from tests.waiting import until
+from tests.waiting import PATIENCE, until
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -70,7 +70,7 @@ class School:
             capture_output=True,
             text=True,
             check=False,
-            timeout=30,
+            timeout=PATIENCE,
         )
 
 
@@ -190,6 +190,7 @@ def has_walls() -> str:
         capture_output=True,
         text=True,
         check=False,
+        timeout=PATIENCE,
     )
     return f"the kernel forbids namespaces: {done.stderr.strip()}" if done.returncode else ""
 
@@ -333,7 +334,7 @@ def leads_anywhere(school: School, option: str, way: str) -> bool:
     target = b"\x05\x01\x00\x01\x7f\x00\x00\x01" + sshd.to_bytes(2, "big")
     with subprocess.Popen(ssh, stdin=subprocess.DEVNULL, stderr=subprocess.DEVNULL) as client:
         try:
-            until(lambda: is_open(free), patience=10)
+            until(lambda: is_open(free))
             with socket.create_connection(("127.0.0.1", free), 10) as end:
                 if greeting:
                     end.sendall(greeting)

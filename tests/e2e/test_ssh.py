@@ -16,7 +16,7 @@ import pytest
 from tests.e2e.tmux import PROMPT, Tmux, runs
 from tests.sshd import SSHD, Line, Server
 from tests.terminal import Terminal
-from tests.waiting import until
+from tests.waiting import SOON, until
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -153,7 +153,7 @@ def test_who_loses_the_connection_goes_on_there(host: Host, tmp_path: Path) -> N
         tmux.press("F5")
         tmux.wait_for("RUNNING")
         line.cut()
-        until(lambda: not host.is_playing, patience=2)
+        until(lambda: not host.is_playing, patience=SOON)
         tmux.mend()
         tmux.start(*ssh, host.command(tmp_path / "data", *THREE_ROBOTS))
         tmux.wait_for("unsaved")

@@ -10,6 +10,7 @@ import pytest
 from logical_robots_tui.mind import Limits, Mind, Program
 from logical_robots_tui.mind.weight import HEAVIEST_CHARACTER, weight_of, weight_of_text
 from tests.mind.rows import ROBOT, row
+from tests.waiting import PATIENCE
 
 MOST = 600 * 1024  # KiB that the whole process may hold, with room for the screen
 SCREEN = 60 * 1024  # KiB that the screen needs besides
@@ -55,7 +56,7 @@ HUNGRY = {
 def played(level: str, text: str, ticks: int, addresses: int = ADDRESSES) -> tuple[int, set[str]]:
     """The most KiB that a game held, and the kinds of notices that it gave."""
     command = [sys.executable, "-c", PLAYS, level, text, str(ticks), str(addresses)]
-    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    done = subprocess.run(command, capture_output=True, text=True, check=False, timeout=PATIENCE)
     assert done.returncode == 0, (done.returncode, done.stderr[-2000:])
     most, *kinds = done.stdout.split()
     return int(most), set(kinds)

@@ -22,6 +22,7 @@ from logical_robots_tui.cli.main import PROGRAM, main
 from tests.house.examples import PAGES, blocks, commands, in_help, in_page
 from tests.installed import CHECKOUT
 from tests.terminal import Terminal
+from tests.waiting import PATIENCE
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -145,6 +146,7 @@ def _run_in_shell(line: str) -> tuple[int, str]:
         check=False,
         capture_output=True,
         text=True,
+        timeout=PATIENCE,
     )
     return done.returncode, done.stdout + done.stderr
 

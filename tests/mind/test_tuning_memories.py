@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import json
+import re
 from collections import OrderedDict
 from dataclasses import asdict, replace
 from typing import Any
@@ -10,6 +12,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from benchmarks.schemas import EXAMPLE, TYPE
+from benchmarks.subjects import program_text
 from logical_robots_tui.mind import Mind, Program
 from logical_robots_tui.mind.tuning import tune
 from tests.mind.rows import ROBOT, nearly_same, remembered, row, think
@@ -143,3 +147,17 @@ def test_a_total_over_a_query_written_in_place_is_of_what_its_viewer_sees() -> N
     tuned = tune(statement, for_all=True)
     assert tuned is not None
     assert "T.id BETWEEN S.id AND S.id" in tuned.together
+
+
+def test_an_example_costs_what_a_type_costs() -> None:
+    text = program_text("schema")
+    assert EXAMPLE in text
+    example, written = map(_shape, (text, text.replace(EXAMPLE, TYPE)))
+    assert "TRY_CAST(" in example
+    assert example == written
+
+
+def _shape(text: str) -> str:
+    """The query of a program without numbers, and types with their fields in order."""
+    sql = re.sub(r"\d+", "", Program.compile(text).tuned["Robot"].sql)
+    return re.sub(r"'(\{.*?\})'", lambda m: json.dumps(json.loads(m[1]), sort_keys=True), sql)

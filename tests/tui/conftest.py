@@ -18,7 +18,7 @@ from logical_robots_tui.tui.inspector.pane import InspectorPane
 from logical_robots_tui.tui.layout.status_line import StatusLine
 from logical_robots_tui.tui.program.editor import Editor
 from logical_robots_tui.world import load_level
-from tests.waiting import a_moment
+from tests.waiting import PATIENCE, a_moment
 
 if TYPE_CHECKING:
     from collections.abc import AsyncIterator, Callable
@@ -47,7 +47,6 @@ CHARACTERS = {
     "enter": "\r",
     "tab": "\t",
 }
-PATIENCE = 30.0  # seconds; generous, for machines that are busy with other things
 LEVELS = Path(__file__).parents[1] / "conformance" / "levels"
 
 PAPER = """\

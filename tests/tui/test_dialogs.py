@@ -17,8 +17,9 @@ from logical_robots_tui.tui.learning.hints import Hints
 from logical_robots_tui.tui.library.chooser import Chooser
 from logical_robots_tui.tui.library.save_dialog import SaveAs
 from logical_robots_tui.tui.library.shelves import ProgramShelf
-from tests.tui.conftest import PAPER, PATIENCE, opened
+from tests.tui.conftest import PAPER, opened
 from tests.tui.dialogs import dialog, fill
+from tests.waiting import PATIENCE
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -112,7 +113,7 @@ async def test_a_dialog_that_is_closed_does_nothing_any_more(data_dir: Path, sho
         await game.app.run_action("more", hints)
         await hints.run_action("more")
         assert game.app.screen is game.main
-        assert game.main.journal.record.hints == 1
+        assert game.main.recorder.record.hints == 1
 
 
 async def test_a_choice_that_comes_when_the_dialog_is_left_already_is_too_late(

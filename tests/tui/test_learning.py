@@ -35,7 +35,7 @@ async def win(game: Opened) -> None:
     await game.ready()
     await game.press(*["plus"] * 6, "space")
     await game.until(lambda: game.session.won_at is not None)
-    await game.until(lambda: game.main.journal.record.state == "won")
+    await game.until(lambda: game.main.recorder.record.state == "won")
 
 
 async def test_hints_are_revealed_one_at_a_time_and_stay_so(data_dir: Path, short: Path) -> None:
@@ -50,7 +50,7 @@ async def test_hints_are_revealed_one_at_a_time_and_stay_so(data_dir: Path, shor
         await game.press("escape")
         await game.until(lambda: game.app.screen is game.main)
     async with opened(data_dir, level=short) as game:
-        await game.until(lambda: game.main.journal.record.hints == 2)
+        await game.until(lambda: game.main.recorder.record.hints == 2)
         await game.press("h")
         await game.until(lambda: game.shows("It is straight ahead."))
         assert not game.shows("Just go.")
@@ -120,16 +120,16 @@ async def test_a_victory_is_measured_and_compared_and_kept(data_dir: Path, short
     progress.win(str(short), "another", Measures(30, 5, 1.0))
     progress.close()
     async with opened(data_dir, level=short, text=AHEAD) as game:
-        await game.until(lambda: game.main.journal.record.state == "won")
+        await game.until(lambda: game.main.recorder.record.state == "won")
         await win(game)
         await game.until(lambda: game.shows("this run"))
         await game.until(lambda: game.shows("1 ★"))  # one rule beats five
-        latest = game.main.journal.latest
+        latest = game.main.recorder.latest
         assert latest is not None
         assert (latest.ticks, latest.rules) == (game.session.won_at, 1)
         assert 20 < latest.distance < 40
-        await game.until(lambda: game.main.journal.record.bests.wins is not None)
-        bests = game.main.journal.record.bests
+        await game.until(lambda: game.main.recorder.record.bests.wins is not None)
+        bests = game.main.recorder.record.bests
         await game.until(lambda: game.shows(f"{bests.wins} of 20"))
         assert (bests.ticks, bests.rules, bests.distance) == (30, 1, 1.0)
         await game.press("escape", "m")
@@ -137,7 +137,7 @@ async def test_a_victory_is_measured_and_compared_and_kept(data_dir: Path, short
         await game.press("m")
         await game.until(lambda: not game.shows("Results"))
     kept = record_of(data_dir)
-    assert kept.measures(str(short), AHEAD) == game.main.journal.latest
+    assert kept.measures(str(short), AHEAD) == game.main.recorder.latest
 
 
 async def test_a_program_that_was_changed_on_the_way_is_measured_from_the_start(
@@ -152,9 +152,9 @@ async def test_a_program_that_was_changed_on_the_way_is_measured_from_the_start(
         await game.press("1")
         await win(game)
         won_at = game.session.won_at
-        await game.until(lambda: game.main.journal.record.bests.ticks is not None)
+        await game.until(lambda: game.main.recorder.record.bests.ticks is not None)
         assert won_at is not None
-        assert game.main.journal.record.bests.ticks == won_at - 1
+        assert game.main.recorder.record.bests.ticks == won_at - 1
 
 
 async def test_what_is_measured_while_the_banner_is_closed_is_told(
@@ -172,11 +172,11 @@ async def test_the_trials_can_be_stopped(data_dir: Path, short: Path) -> None:
         game.main.action_command("stop_measuring")
         await game.until(lambda: game.shows("No robustness test is running."))
         await win(game)
-        await game.until(lambda: game.main.journal.trial is not None)
+        await game.until(lambda: game.main.recorder.trial is not None)
         game.main.action_command("stop_measuring")
-        await game.until(lambda: game.main.journal.trial is None)
-        assert game.main.journal.record.state == "won"
-        assert game.main.journal.record.bests.wins is None
+        await game.until(lambda: game.main.recorder.trial is None)
+        assert game.main.recorder.record.state == "won"
+        assert game.main.recorder.record.bests.wins is None
 
 
 async def test_the_reference_program_wins_for_itself_alone(data_dir: Path, short: Path) -> None:

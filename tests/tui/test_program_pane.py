@@ -11,7 +11,7 @@ from textual import events
 from textual.widgets.text_area import Selection
 
 from logical_robots_tui.mind import Program
-from logical_robots_tui.tui.app.permissions import Freedoms
+from logical_robots_tui.tui.app.permissions import Permissions
 from logical_robots_tui.tui.program.pane import ProgramPane
 from tests.tui.conftest import PAPER, STILL, WRONG, opened
 
@@ -329,7 +329,7 @@ async def test_what_is_copied_or_cut_is_in_a_file_too(data_dir: Path) -> None:
     copied = data_dir / "copied.txt"
     async with opened(data_dir, text=STILL) as game:
         await game.ready()
-        game.main.freedoms = Freedoms(clipboard=False)
+        game.main.permissions = Permissions(clipboard=False)
         await game.press("2", "f6", "ctrl+c")
         await game.until(copied.exists)
         assert game.shows("Kept in")

@@ -14,10 +14,10 @@ from logical_robots_tui.progress import FILE_NAME, Progress
 from logical_robots_tui.tui.app.session import Session
 from logical_robots_tui.tui.app.session_listener import SessionListener
 from logical_robots_tui.tui.app.ui import Ui
-from logical_robots_tui.tui.level_editor.controller import EditingDoor
+from logical_robots_tui.tui.level_editor.controller import LevelEditing
 from logical_robots_tui.tui.level_editor.mode import EditView
 from logical_robots_tui.tui.level_editor.tools import Tool
-from logical_robots_tui.tui.library.journal import Journal
+from logical_robots_tui.tui.library.progress_recorder import ProgressRecorder
 from logical_robots_tui.world import load_level
 from logical_robots_tui.world.level import alike
 from logical_robots_tui.world.native import read_native
@@ -129,8 +129,8 @@ class Table:
     """A session, who listens to it, and what they said."""
 
     session: Session
-    journal: Journal
-    editing: EditingDoor
+    recorder: ProgressRecorder
+    editing: LevelEditing
     chronicle: Chronicle
     ui: Background
     drafts: Drafts
@@ -172,24 +172,19 @@ async def table(tmp_path: Path, text: str = AHEAD) -> AsyncIterator[Table]:
     file.write_text(LEVEL, "utf-8")
     program.write_text(text, "utf-8")
     data_dir, ui, chronicle = tmp_path / "data", Background(), Chronicle()
-    journal, drafts = Journal(data_dir / FILE_NAME), Drafts(data_dir / "drafts")
+    recorder, drafts = ProgressRecorder(data_dir / FILE_NAME), Drafts(data_dir / "drafts")
     session = Session(load_level(file), load_program(program), spawn=ui.spawn, changed=lambda: None)
 
     async def open_level(level: Level) -> None:
         session.open_level(level, session.source, text)
 
-    editing = EditingDoor(session, ui, data_dir / "levels", drafts, open_level, lambda _: Unseen())
-    journal.attach(
-        spawn=ui.spawn,
-        changed=lambda: None,
-        warn=ui.warn,
-        measured=lambda level, found, is_here: None,
-    )
-    session.listeners += [editing, journal, chronicle]
+    editing = LevelEditing(session, ui, data_dir / "levels", drafts, open_level, lambda _: Unseen())
+    recorder.attach(ui, changed=lambda: None, measured=lambda level, found, is_here: None)
+    session.listeners += [editing, recorder, chronicle]
     session.pace.speed = None
-    journal.level_opened(session.opened)
+    recorder.level_opened(session.opened)
     try:
-        opened = Table(session, journal, editing, chronicle, ui, drafts, data_dir)
+        opened = Table(session, recorder, editing, chronicle, ui, drafts, data_dir)
         await opened.apply(text)
         yield opened
     finally:
@@ -197,17 +192,17 @@ async def table(tmp_path: Path, text: str = AHEAD) -> AsyncIterator[Table]:
         drafts.close()
         await ui.close()
         await session.close()
-        await journal.close()
+        await recorder.close()
 
 
 async def test_a_whole_game_is_played_without_a_screen(tmp_path: Path) -> None:
     async with table(tmp_path) as t:
         session, levels = t.session, t.session.levels
         won_at = await t.win()
-        await t.until(lambda: t.journal.record.state == "won")
+        await t.until(lambda: t.recorder.record.state == "won")
         assert t.chronicle.ticks == list(range(1, won_at + 1))
-        assert t.journal.latest is not None
-        assert t.journal.latest.ticks == won_at
+        assert t.recorder.latest is not None
+        assert t.recorder.latest.ticks == won_at
 
         session.go_to(3)
         t.editing.open()
@@ -237,7 +232,7 @@ async def test_a_whole_game_is_played_without_a_screen(tmp_path: Path) -> None:
         assert session.levels is not levels
         assert mode.levels is levels
         assert session.frame.tick == 0
-        await t.until(lambda: t.journal.record.state == "new")
+        await t.until(lambda: t.recorder.record.state == "new")
         draft = t.drafts.get(("level", str(tmp_path / "short.toml")))
         assert draft is not None
         assert alike(read_native(draft.text, "short", ""), levels.edited)
@@ -275,8 +270,8 @@ async def test_a_level_changed_by_hand_is_won_for_nothing(tmp_path: Path) -> Non
         (victory,) = t.chronicle.victories
         assert victory.verdict == "edited"
         assert "not kept" in victory.refusal
-        assert t.journal.latest is None
-        await t.until(lambda: t.journal.record.state == "in work")
+        assert t.recorder.latest is None
+        await t.until(lambda: t.recorder.record.state == "in work")
 
 
 async def test_what_is_looked_at_does_not_change(tmp_path: Path) -> None:
@@ -308,7 +303,7 @@ async def test_saving_says_so_once_and_the_record_goes_with_the_file(tmp_path: P
         await t.win()
         (victory,) = t.chronicle.victories
         assert victory.verdict == "counts"
-        await t.until(lambda: t.journal.record.state == "won")
+        await t.until(lambda: t.recorder.record.state == "won")
     kept = Progress(t.data_dir / FILE_NAME)
     assert kept.record(str(tmp_path / "other.toml")).state == "won"
     assert kept.record(str(tmp_path / "short.toml")).state == "in work"

@@ -11,8 +11,8 @@ from textual.theme import BUILTIN_THEMES
 
 from logical_robots_tui.progress import FILE_NAME
 from logical_robots_tui.tui.app.facts import THEME
-from logical_robots_tui.tui.inspector.choice import Choice
-from logical_robots_tui.tui.library.journal import Journal
+from logical_robots_tui.tui.inspector.predicate_list import PredicateList
+from logical_robots_tui.tui.library.progress_recorder import ProgressRecorder
 from logical_robots_tui.tui.theme.colours import colours_in, contrast
 from logical_robots_tui.tui.theme.themes import NIGHT, palette_of
 from tests.tui.conftest import opened
@@ -90,9 +90,9 @@ async def test_a_theme_is_chosen_from_the_palette_and_kept(data_dir: Path) -> No
             await game.pilot.pause()
             assert game.shows("FreedomMotion"), theme
         await game.until(lambda: game.app.theme == "gruvbox")
-    journal = Journal(data_dir / FILE_NAME)
-    assert journal.progress.fact(THEME) == "gruvbox"
-    journal.progress.close()
+    recorder = ProgressRecorder(data_dir / FILE_NAME)
+    assert recorder.progress.fact(THEME) == "gruvbox"
+    recorder.progress.close()
 
 
 async def test_the_chosen_entry_of_a_list_is_legible_in_every_theme(data_dir: Path) -> None:
@@ -100,7 +100,7 @@ async def test_the_chosen_entry_of_a_list_is_legible_in_every_theme(data_dir: Pa
         await game.ready()
         await game.press("3", "w")
         await game.until(lambda: game.shows("Why · tick 0"))
-        choice = game.main.inspector.query_one(Choice)
+        choice = game.main.inspector.query_one(PredicateList)
         choice.focus()
         for theme in (NIGHT, *THEMES_OF_TEXTUAL):
             game.app.theme = theme.name

@@ -97,9 +97,9 @@ async def test_it_keeps_its_place_when_the_terminal_changes(data_dir: Path) -> N
 async def test_one_that_is_ended_before_it_stands_is_over(data_dir: Path) -> None:
     async with opened(data_dir) as game:
         await game.ready()
-        game.main.tours.begin()
+        game.main.tour.begin()
         assert game.main.query(Tour)
-        game.main.tours.end()
+        game.main.tour.end()
         await game.until(lambda: not is_shown(game))
         await game.press("n")
         await game.until(lambda: game.tick == 1)

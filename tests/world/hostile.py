@@ -165,11 +165,16 @@ FILES: dict[str, tuple[str, Callable[[], str]]] = {
     ),
     "a robot of many joined characters": (
         ".toml",
-        lambda: WALLS.format("...") + _records("robots", 1).replace('"n"', f'"e{"́" * 90_000}"'),
+        lambda: (
+            WALLS.format("...")
+            + _records("robots", 1).replace('"n"', '"e' + "\u0301" * 90_000 + '"')
+        ),
     ),
     "a robot of characters without width": (
         ".toml",
-        lambda: WALLS.format("...") + _records("robots", 1).replace('"n"', f'"{"​" * 50}"'),
+        lambda: (
+            WALLS.format("...") + _records("robots", 1).replace('"n"', '"' + "\u200b" * 50 + '"')
+        ),
     ),
     "a hint again and again": (
         ".toml",

@@ -13,6 +13,7 @@ import pytest
 from logical_robots_tui.errors import InputError
 from logical_robots_tui.game import load_program
 from logical_robots_tui.world import LevelError, load_level
+from tests.waiting import PATIENCE
 from tests.world.hostile import FILES
 
 if TYPE_CHECKING:
@@ -56,6 +57,7 @@ def read(names: Sequence[str], folder: Path) -> list[tuple[str, float, int]]:
         capture_output=True,
         text=True,
         check=False,
+        timeout=PATIENCE,
     )
     assert done.returncode == 0, done.stderr
     return [json.loads(line) for line in done.stdout.splitlines()]

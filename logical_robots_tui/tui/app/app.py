@@ -17,11 +17,11 @@ from logical_robots_tui.tui.app.main_screen import MainScreen
 from logical_robots_tui.tui.app.settings import Settings
 from logical_robots_tui.tui.commands.keymap import KEY_MAP, KeyMap, with_keys
 from logical_robots_tui.tui.commands.table import COMMANDS
-from logical_robots_tui.tui.library.journal import Journal
+from logical_robots_tui.tui.library.progress_recorder import ProgressRecorder
 from logical_robots_tui.tui.terminal.capabilities import drawing_for
 from logical_robots_tui.tui.terminal.diff_app import SparingApp
 from logical_robots_tui.tui.terminal.driver import LARGEST
-from logical_robots_tui.tui.terminal.key_queue import Turns
+from logical_robots_tui.tui.terminal.key_queue import KeyQueue
 from logical_robots_tui.tui.theme.colours import colours_in
 from logical_robots_tui.tui.theme.themes import NIGHT
 
@@ -33,7 +33,7 @@ if TYPE_CHECKING:
     from textual.theme import Theme
 
     from logical_robots_tui.game import Source
-    from logical_robots_tui.tui.app.permissions import Freedoms
+    from logical_robots_tui.tui.app.permissions import Permissions
     from logical_robots_tui.world import Level
 
 __all__ = ["LogicalRobotsApp"]
@@ -52,12 +52,12 @@ class LogicalRobotsApp(SparingApp, inherit_bindings=False):
         level: Where to begin.
         source: The program to begin with.
         data_dir: Where drafts, the player's programs and progress are.
-        journal: Where progress is kept, if that is open already.
+        recorder: Where progress is kept, if that is open already.
         text: What the player made of the program, or None.
         welcome: Whether to begin with the tour.
         settings: What the player has set once for all.
         theme: The theme to begin with where the settings name none; "" is what suits the terminal.
-        freedoms: What the player may do with the machine; by default everything.
+        permissions: What the player may do with the machine; by default everything.
     """
 
     TITLE = "Logical Robots"
@@ -74,12 +74,12 @@ class LogicalRobotsApp(SparingApp, inherit_bindings=False):
         source: Source,
         *,
         data_dir: Path,
-        journal: Journal | None = None,
+        recorder: ProgressRecorder | None = None,
         text: str | None = None,
         welcome: bool = False,
         settings: Settings | None = None,
         theme: str = "",
-        freedoms: Freedoms | None = None,
+        permissions: Permissions | None = None,
     ) -> None:
         super().__init__()
         if self.no_color:
@@ -88,12 +88,12 @@ class LogicalRobotsApp(SparingApp, inherit_bindings=False):
         self._settings = settings or Settings()
         self._first_theme = self._settings.theme or theme
         KEY_MAP.set(KeyMap(COMMANDS, self._settings.keys))
-        journal = journal or Journal(data_dir / FILE_NAME)
+        recorder = recorder or ProgressRecorder(data_dir / FILE_NAME)
         self.main = MainScreen(
-            level, source, data_dir, journal, text=text, welcome=welcome, freedoms=freedoms
+            level, source, data_dir, recorder, text=text, welcome=welcome, permissions=permissions
         )
         self.animation_level = "none"
-        self._turns = Turns(self)
+        self._key_queue = KeyQueue(self)
         self._interrupted_at = float("-inf")
         self._was_cut = False
         self._event_loop: asyncio.AbstractEventLoop | None = None
@@ -117,13 +117,13 @@ class LogicalRobotsApp(SparingApp, inherit_bindings=False):
 
     def on_mount(self) -> None:
         """Do as the settings say, and tell what in them can't be used."""
-        if not self.main.freedoms.programs:
+        if not self.main.permissions.programs:
             signal.signal(signal.SIGTSTP, signal.SIG_IGN)
         self._follow(self._settings)
         self.theme_changed_signal.subscribe(self, self._keep_theme)
 
     def _follow(self, settings: Settings) -> None:
-        self.main.redrawing.tempo.frames = settings.frames
+        self.main.scheduler.rate.frames = settings.frames
         view = self.main.labyrinth.view
         view.rays, view.trails = settings.cones, settings.trails
         for complaint in settings.complaints[:_COMPLAINTS]:
@@ -131,7 +131,7 @@ class LogicalRobotsApp(SparingApp, inherit_bindings=False):
 
     def _keep_theme(self, theme: Theme) -> None:
         if not self._settings.theme:
-            self.main.journal.choose_theme(theme.name)
+            self.main.recorder.choose_theme(theme.name)
         elif theme.name != self._settings.theme:
             self.main.tell(f"Next time {self._settings.theme} again: the configuration says so.")
 
@@ -146,17 +146,17 @@ class LogicalRobotsApp(SparingApp, inherit_bindings=False):
         if isinstance(event, events.MouseDown | events.MouseMove) and self._is_gone(event):
             return
         if isinstance(event, events.Key | events.Paste) and not event.is_forwarded:
-            if self._turns.must_wait(event) or self.main.offers.overhears(event):
+            if self._key_queue.must_wait(event) or self.main.offers.overhears(event):
                 return
             typed = event
         if isinstance(event, events.Key | events.MouseDown | events.Paste):
             self.main.session.pace.give_way()
-            self.main.redrawing.hasten()
+            self.main.scheduler.hasten()
         key = event.key if isinstance(event, events.Key) and self.screen is self.main else ""
         if not self.main.goes_there(key):
             await super().on_event(event)
             if typed is not None:
-                self._turns.begin(typed)
+                self._key_queue.begin(typed)
 
     def _is_cut(self, size: Size) -> bool:
         """Whether a terminal is larger than what is drawn, and nobody was told yet."""
@@ -171,11 +171,11 @@ class LogicalRobotsApp(SparingApp, inherit_bindings=False):
         """How many keys and other events are not answered yet; may be asked in any thread."""
         focused = self.focused if self.screen_stack else None
         queues = [node.message_queue_size for node in (self, focused) if node is not None]
-        return self._turns.waiting + sum(queues)
+        return self._key_queue.waiting + sum(queues)
 
     def forget_typed(self) -> None:
         """Answer none of the keys that are held back: nobody types so much."""
-        self._turns.forget()
+        self._key_queue.forget()
 
     def _is_gone(self, event: events.MouseEvent) -> bool:
         """Whether the mouse points at what was taken away and not yet painted over.
@@ -214,14 +214,14 @@ class LogicalRobotsApp(SparingApp, inherit_bindings=False):
 
     def action_suspend_process(self) -> None:
         """Go to the background, to the shell that the game was started from."""
-        if self.main.freedoms.programs:
+        if self.main.permissions.programs:
             super().action_suspend_process()
         else:
             self.main.warn(with_keys("There is no shell to go to here; {quit} leaves the game."))
 
     def copy_to_clipboard(self, text: str) -> None:
         """Keep a text to be pasted; the terminal's clipboard gets it where that is allowed."""
-        if self.main.freedoms.clipboard:
+        if self.main.permissions.clipboard:
             super().copy_to_clipboard(text)
         else:
             self._clipboard = text

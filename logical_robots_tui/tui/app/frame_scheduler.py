@@ -1,7 +1,8 @@
-"""Tempo: how often to draw on a machine whose processors others want as well."""
+"""When a changed game is drawn again, on a machine whose processors others want as well."""
 
 from __future__ import annotations
 
+import asyncio
 from contextlib import contextmanager
 from pathlib import Path
 from time import perf_counter, thread_time
@@ -10,7 +11,11 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
 
-__all__ = ["Tempo", "processor_times"]
+    from textual.widget import Widget
+
+    from logical_robots_tui.game import Pace
+
+__all__ = ["FrameRate", "FrameScheduler", "processor_times"]
 
 _SCHEDULE = Path("/proc/thread-self/schedstat")
 _USUAL = 0.3  # seconds waited per second of computing where nobody else wants much
@@ -35,7 +40,7 @@ def processor_times() -> tuple[float, float] | None:
     return int(computed) / 1e9, int(waited) / 1e9
 
 
-class Tempo:
+class FrameRate:
     """Lets pictures give way where others want the processors, so that keys needn't wait.
 
     The longer computing has to wait for a processor, the more time is left to others between two
@@ -105,3 +110,50 @@ class Tempo:
         if computed > 0:
             strain = min(max(waited / computed, 0.0), _MOST)
             self._strain += _SMOOTH * (strain - self._strain)
+
+
+class FrameScheduler:
+    """Draws soon after something has changed, but no more often than `FrameRate` allows.
+
+    Args:
+        widget: For which to draw; it hears of exceptions.
+        draw: Draws everything.
+
+    Attributes:
+        rate: How often to draw.
+        pace: Leaves as much time to others as the drawing does; None leaves it alone.
+    """
+
+    def __init__(self, widget: Widget, draw: Callable[[], None]) -> None:
+        self.rate = FrameRate()
+        self._widget = widget
+        self._draw = draw
+        self.pace: Pace | None = None
+        self._due: asyncio.TimerHandle | None = None
+
+    def soon(self) -> None:
+        """Draw when it is time to."""
+        if self._due is None and self._widget.is_mounted:
+            # Textual's timers are tasks, and take longer to begin than a picture leaves them.
+            loop = asyncio.get_running_loop()
+            self._due = loop.call_later(max(self.rate.wait, 0.0), self._now)
+
+    def hasten(self) -> None:
+        """Let nothing that changes in this moment wait for others: the player pressed a key."""
+        self.rate.hurry()
+        if self._due is not None:
+            self._due.cancel()
+            self._due = None
+            self.soon()
+
+    def _now(self) -> None:
+        self._due = None
+        if not self._widget.is_running:
+            return
+        try:
+            with self.rate.drawing():
+                self._draw()
+            if self.pace is not None:
+                self.pace.spacing = self.rate.spacing
+        except Exception as error:  # as timers of Textual's do
+            self._widget.app._handle_exception(error)

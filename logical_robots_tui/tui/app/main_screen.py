@@ -14,36 +14,36 @@ from textual.widgets import Input, Static, TextArea
 from logical_robots_tui.game.drafts import Drafts
 from logical_robots_tui.garbage import collect_seldom
 from logical_robots_tui.tui.app.background import ScreenUi
-from logical_robots_tui.tui.app.permissions import Freedoms
+from logical_robots_tui.tui.app.frame_scheduler import FrameScheduler
+from logical_robots_tui.tui.app.permissions import Permissions
 from logical_robots_tui.tui.app.quitting import leave
-from logical_robots_tui.tui.app.redrawing import Redrawing
 from logical_robots_tui.tui.app.session import Session
 from logical_robots_tui.tui.app.session_listener import SessionListener
 from logical_robots_tui.tui.commands.keymap import KEY_MAP, command
-from logical_robots_tui.tui.inspector.choice import DECISION, ROBOTS, WATCH, WHY
+from logical_robots_tui.tui.inspector.highlights import Placed, Sighted
 from logical_robots_tui.tui.inspector.pages.robots import RobotsView
 from logical_robots_tui.tui.inspector.pane import InspectorPane
-from logical_robots_tui.tui.inspector.pointing import Placed, Sighted
+from logical_robots_tui.tui.inspector.predicate_list import DECISION, ROBOTS, WATCH, WHY
 from logical_robots_tui.tui.labyrinth.pane import LabyrinthPane
-from logical_robots_tui.tui.labyrinth.victory import Celebration
+from logical_robots_tui.tui.labyrinth.victory import VictoryAnnouncer
 from logical_robots_tui.tui.labyrinth.view import LabyrinthView
 from logical_robots_tui.tui.layout.arrangement import Arrangement
 from logical_robots_tui.tui.layout.command_bar import CommandBar, CommandChosen, PaneTabs
 from logical_robots_tui.tui.layout.layout import LEAST_HEIGHT, LEAST_WIDTH, Layout
 from logical_robots_tui.tui.layout.pane import Pane
 from logical_robots_tui.tui.layout.status_line import StatusLine, status_of
-from logical_robots_tui.tui.learning.controller import Guide
-from logical_robots_tui.tui.learning.tour_controller import TourGuide
-from logical_robots_tui.tui.level_editor.controller import EditingDoor
-from logical_robots_tui.tui.library.controller import Library
-from logical_robots_tui.tui.program.controller import Scribe
+from logical_robots_tui.tui.learning.controller import LearningController
+from logical_robots_tui.tui.learning.tour_controller import TourController
+from logical_robots_tui.tui.level_editor.controller import LevelEditing
+from logical_robots_tui.tui.library.controller import LibraryController
+from logical_robots_tui.tui.program.controller import ProgramController
 from logical_robots_tui.tui.program.editor import Editor
 from logical_robots_tui.tui.program.file_watch import FileWatch
 from logical_robots_tui.tui.program.pane import ProgramPane
 from logical_robots_tui.tui.recovery.autosave import Autosave, program_draft
 from logical_robots_tui.tui.recovery.bookmark import Bookmark
 from logical_robots_tui.tui.recovery.offers import Offers
-from logical_robots_tui.tui.timeline.controller import Travel
+from logical_robots_tui.tui.timeline.controller import TimelineController
 from logical_robots_tui.tui.timeline.search import Search
 from logical_robots_tui.tui.timeline.widget import Timeline
 
@@ -58,7 +58,7 @@ if TYPE_CHECKING:
     from logical_robots_tui.game import Frame, Source
     from logical_robots_tui.tui.level_editor.mode import EditMode
     from logical_robots_tui.tui.level_editor.panel import EditPanel
-    from logical_robots_tui.tui.library.journal import Journal
+    from logical_robots_tui.tui.library.progress_recorder import ProgressRecorder
     from logical_robots_tui.world import Level
 
 __all__ = ["MainScreen"]
@@ -74,15 +74,15 @@ class MainScreen(Screen[None], SessionListener):
         level: Where to begin.
         source: The program to begin with.
         data_dir: Where drafts and the player's programs are.
-        journal: Where progress is kept.
+        recorder: Where progress is kept.
         text: What the player made of the program, or None.
         welcome: Whether to begin with the tour.
-        freedoms: What the player may do with the machine.
+        permissions: What the player may do with the machine.
 
     Attributes:
         data_dir: Where drafts and the player's programs are.
-        freedoms: What the player may do with the machine.
-        redrawing: When the game is drawn again.
+        permissions: What the player may do with the machine.
+        scheduler: When the game is drawn again.
     """
 
     def __init__(
@@ -90,22 +90,22 @@ class MainScreen(Screen[None], SessionListener):
         level: Level,
         source: Source,
         data_dir: Path,
-        journal: Journal,
+        recorder: ProgressRecorder,
         *,
         text: str | None = None,
         welcome: bool = False,
-        freedoms: Freedoms | None = None,
+        permissions: Permissions | None = None,
     ) -> None:
         super().__init__(id="main")
         # As a class variable they would be the same for every player; a keymap can't take one away.
         self._bindings = BindingsMap.merge([self._bindings, BindingsMap(KEY_MAP.get().bindings())])
-        self.freedoms = freedoms or Freedoms()
-        self.data_dir, self.journal = data_dir, journal
+        self.permissions = permissions or Permissions()
+        self.data_dir, self.recorder = data_dir, recorder
         self.ui = ScreenUi(self)
         self.tell, self.warn, self.spawn = self.ui.tell, self.ui.warn, self.ui.spawn
-        self.redrawing = Redrawing(self, self._draw)
-        self.session = Session(level, source, spawn=self.spawn, changed=self.redrawing.soon)
-        self.redrawing.pace = self.session.pace
+        self.scheduler = FrameScheduler(self, self._draw)
+        self.session = Session(level, source, spawn=self.spawn, changed=self.scheduler.soon)
+        self.scheduler.pace = self.session.pace
         self._text_to_begin_with = source.text if text is None else text
         self._is_new_here = welcome
         self._status, self._tabs, self._bar = StatusLine(), PaneTabs(), CommandBar()
@@ -119,50 +119,54 @@ class MainScreen(Screen[None], SessionListener):
         self._lines_drawn_at = float("-inf")
 
     def _make_controllers(self) -> None:
-        session, ui, journal, data_dir = self.session, self.ui, self.journal, self.data_dir
+        session, ui, recorder, data_dir = self.session, self.ui, self.recorder, self.data_dir
+        program, view = self.program, self.labyrinth.view
         self.drafts = Drafts(data_dir / "drafts")
         self.autosave = Autosave(
             self.drafts,
-            state=lambda: (session.source, self.program.text),
+            state=lambda: (session.source, program.text),
             draft=program_draft,
             failed=self.warn,
             what="What you type",
         )
-        self.library = Library(
+        self.library = LibraryController(
             session,
             ui,
-            journal,
+            recorder,
             self.drafts,
             self.autosave,
-            self.program,
+            program,
             data_dir,
-            drawing=lambda: self.labyrinth.view.drawing,
+            drawing=lambda: view.drawing,
             make_level=lambda: self.editing.make_level(),
         )
-        self.editing = EditingDoor(
+        self.editing = LevelEditing(
             session, ui, data_dir / "levels", self.drafts, self.library.open_level, self._panel
         )
         self.bookmark = Bookmark(
             session, self.drafts, ui, self.library, self.labyrinth.close_briefing
         )
         self.offers = Offers(ui, lambda: self.is_active)
-        self.guide = Guide(session, ui, journal, self.program, self.library.open_program)
-        self.scribe = Scribe(
-            self.program,
+        self.learning = LearningController(
+            session, ui, recorder, program, self.library.open_program
+        )
+        self.program_controller = ProgramController(
+            program,
             session,
             ui,
             data_dir / "copied.txt",
-            freedoms=lambda: self.freedoms,
-            enter=lambda: self.go_to(self.program),
+            permissions=lambda: self.permissions,
+            enter=lambda: self.go_to(program),
             suspend=lambda: self.app.suspend(),
         )
         self._watch = FileWatch(lambda: session.source, self.library.take_from_disk)
-        self.tours = TourGuide(self.mount, self.arrangement, self.point_at, journal.tour_seen)
-        self.travel = Travel(session, ui, lambda: self.labyrinth.view.selected)
-        self.search = Search(session, ui, self.travel.go_to)
+        self.tour = TourController(self.mount, self.arrangement, self.point_at, recorder.tour_seen)
+        self.timeline_controller = TimelineController(session, ui, lambda: view.selected)
+        self.search = Search(session, ui, self.timeline_controller.go_to)
         is_covered = partial(self.arrangement.covers, self.labyrinth)
-        self.celebration = Celebration(session, self.labyrinth, journal, self.tell, is_covered)
-        session.listeners += [self.editing, journal, self.celebration, self.travel, self]
+        self.announcer = VictoryAnnouncer(session, self.labyrinth, recorder, self.tell, is_covered)
+        session.listeners += [self.editing, recorder, self.announcer]
+        session.listeners += [self.timeline_controller, self]
 
     def _panel(self, mode: EditMode) -> EditPanel:
         from logical_robots_tui.tui.level_editor.panel import EditPanel
@@ -171,7 +175,7 @@ class MainScreen(Screen[None], SessionListener):
             mode,
             self.labyrinth,
             enter=lambda: self.go_to(self.labyrinth),
-            switched=self.celebration.hold,
+            switched=self.announcer.hold,
             changed=self.redraw_lines,
         )
 
@@ -184,12 +188,7 @@ class MainScreen(Screen[None], SessionListener):
     def on_mount(self) -> None:
         """Paint at once; compile and look for drafts after that."""
         self.program.editor.load_text(self._text_to_begin_with)
-        self.journal.attach(
-            spawn=self.spawn,
-            changed=self.redrawing.soon,
-            warn=self.warn,
-            measured=self.celebration.measured,
-        )
+        self.recorder.attach(self.ui, changed=self.scheduler.soon, measured=self.announcer.measured)
         self.set_focus(self.labyrinth)
         self.set_interval(_HEARTBEAT, self._beat)
         self.level_opened(self.session.level)
@@ -203,13 +202,13 @@ class MainScreen(Screen[None], SessionListener):
 
     def _start(self) -> None:
         collect_seldom()
-        self.journal.level_opened(self.session.opened)
+        self.recorder.level_opened(self.session.opened)
         self.session.apply(self.text)
         offers = partial(self.offers.make, self.library, self.editing, self.bookmark)
         self.spawn(offers, "drafts", exclusive=False)
         self.spawn(self._watch.follow, "watch", exclusive=False)
         if self._is_new_here:
-            self.tours.begin()
+            self.tour.begin()
 
     async def on_unmount(self) -> None:
         """Bring the text to safety and stop all work."""
@@ -217,7 +216,7 @@ class MainScreen(Screen[None], SessionListener):
         self.editing.close()
         self.drafts.close()
         await self.session.close()
-        await self.journal.close()
+        await self.recorder.close()
 
     # -- for the parts -------------------------------------------------------------------------
 
@@ -230,7 +229,7 @@ class MainScreen(Screen[None], SessionListener):
         """Show what the level asks for."""
         self.labyrinth.select(None)
         self.labyrinth.briefing.tell(level)
-        self.redrawing.soon()
+        self.scheduler.soon()
 
     def quit(self) -> None:
         """Leave the game, but not without a word where that would lose something."""
@@ -246,10 +245,10 @@ class MainScreen(Screen[None], SessionListener):
             self.labyrinth.show(self.editing.level, session.frame, hurried=session.running)
         saved = self.text == session.source.text
         self.program.show(session.state, session.source.name, saved=saved)
-        is_read = session.running and not self.redrawing.tempo.is_hurried
+        is_read = session.running and not self.scheduler.rate.is_hurried
         if not is_read or monotonic() - self._lines_drawn_at > _READABLE:
             self.redraw_lines()
-        self.labyrinth.banner.follow(self.journal)
+        self.labyrinth.banner.follow(self.recorder)
         self.inspector.follow()
 
     @property
@@ -268,7 +267,7 @@ class MainScreen(Screen[None], SessionListener):
         self._tabs.show(tabs, self.arrangement.active.command_id)
 
     def _beat(self) -> None:
-        if self.session.busy and self.redrawing.tempo.rested > _HEARTBEAT:
+        if self.session.busy and self.scheduler.rate.rested > _HEARTBEAT:
             self.redraw_lines()
 
     # -- layout --------------------------------------------------------------------------------
@@ -284,9 +283,9 @@ class MainScreen(Screen[None], SessionListener):
         elif before is Layout.TINY and self._focus_before is not None:
             self.set_focus(self._focus_before)
             self._focus_before = None
-        self.call_after_refresh(self.tours.place)
+        self.call_after_refresh(self.tour.place)
         self._drawn = None
-        self.redrawing.soon()
+        self.scheduler.soon()
 
     def _fit(self, size: Size) -> None:
         self.arrangement.fit(size)
@@ -297,7 +296,7 @@ class MainScreen(Screen[None], SessionListener):
         """Bring a pane to sight without going there."""
         self.arrangement.active = pane
         self.arrangement.show()
-        self.redrawing.soon()
+        self.scheduler.soon()
 
     def go_to(self, pane: Pane) -> None:
         """Go to a pane; in a narrow terminal it takes the place of the one there."""
@@ -323,7 +322,7 @@ class MainScreen(Screen[None], SessionListener):
     def on_descendant_focus(self) -> None:
         """Remember which pane is worked in, and offer the commands that fit."""
         if self.arrangement.focused():
-            self.tours.end()
+            self.tour.end()
         self.redraw_lines()
 
     # -- messages ------------------------------------------------------------------------------
@@ -331,7 +330,7 @@ class MainScreen(Screen[None], SessionListener):
     @on(TextArea.Changed)
     def _text_changed(self) -> None:
         self.autosave.edited()
-        self.redrawing.soon()
+        self.scheduler.soon()
 
     @on(Editor.Leave)
     def _editor_left(self) -> None:
@@ -339,11 +338,11 @@ class MainScreen(Screen[None], SessionListener):
 
     @on(Editor.Copied)
     def _text_copied(self, event: Editor.Copied) -> None:
-        self.scribe.keep_copy(event.text)
+        self.program_controller.keep_copy(event.text)
 
     @on(Timeline.Pointed)
     def _tick_pointed(self, event: Timeline.Pointed) -> None:
-        self.travel.go_to(event.tick)
+        self.timeline_controller.go_to(event.tick)
 
     @on(Pane.Pulled)
     def _side_pulled(self, event: Pane.Pulled) -> None:

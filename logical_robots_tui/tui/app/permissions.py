@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-__all__ = ["Freedoms"]
+__all__ = ["Permissions"]
 
 
 @dataclass(frozen=True, slots=True)
-class Freedoms:
+class Permissions:
     """All of it on one's own machine; less on a shared or public one.
 
     Attributes:

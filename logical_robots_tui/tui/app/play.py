@@ -11,9 +11,9 @@ from logical_robots_tui.game.continuing import level_to_begin_with, program_to_b
 from logical_robots_tui.progress import FILE_NAME
 from logical_robots_tui.tui.app.app import LogicalRobotsApp
 from logical_robots_tui.tui.app.facts import THEME, TOUR, settings_path
-from logical_robots_tui.tui.app.permissions import Freedoms
+from logical_robots_tui.tui.app.permissions import Permissions
 from logical_robots_tui.tui.app.settings import read_settings
-from logical_robots_tui.tui.library.journal import Journal
+from logical_robots_tui.tui.library.progress_recorder import ProgressRecorder
 from logical_robots_tui.tui.terminal.capabilities import may_use_mouse
 from logical_robots_tui.tui.terminal.crash_report import end_on_hangup
 from logical_robots_tui.world import load_level
@@ -29,7 +29,7 @@ def play(
     level_name: str | None = None,
     program: str | None = None,
     data_dir: Path | None = None,
-    freedoms: Freedoms | None = None,
+    permissions: Permissions | None = None,
 ) -> int:
     """Open the game and return when the player leaves it.
 
@@ -40,7 +40,7 @@ def play(
             the level starts with.
         data_dir: Where drafts, the player's programs and progress are; by default the system's
             place.
-        freedoms: What the player may do with this machine; by default everything.
+        permissions: What the player may do with this machine; by default everything.
 
     Returns:
         The exit status.
@@ -50,19 +50,19 @@ def play(
         Exception: The game made a mistake of its own; the terminal is in order again.
     """
     data_dir = data_dir or user_data_path("logical-robots", appauthor=False)
-    journal = Journal(data_dir / FILE_NAME)
-    level = load_level(level_name or level_to_begin_with(journal.progress))
-    source, text = program_to_begin_with(journal.progress, level, program, data_dir / "programs")
+    recorder = ProgressRecorder(data_dir / FILE_NAME)
+    level = load_level(level_name or level_to_begin_with(recorder.progress))
+    source, text = program_to_begin_with(recorder.progress, level, program, data_dir / "programs")
     app = LogicalRobotsApp(
         level,
         source,
         data_dir=data_dir,
-        journal=journal,
+        recorder=recorder,
         text=text,
-        freedoms=freedoms or Freedoms(),
+        permissions=permissions or Permissions(),
         settings=read_settings(settings_path()),
-        theme=journal.progress.fact(THEME) or "",
-        welcome=level_name is None and journal.progress.fact(TOUR) is None,
+        theme=recorder.progress.fact(THEME) or "",
+        welcome=level_name is None and recorder.progress.fact(TOUR) is None,
     )
     app.suit_terminal()
     put_back = end_on_hangup(app.last_words, app.leave_soon)

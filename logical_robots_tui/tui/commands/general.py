@@ -75,7 +75,7 @@ def _save_picture(screen: MainScreen) -> None:
 @general.command("Guided tour")
 def tour(screen: MainScreen) -> None:
     """Explain the parts of the screen, one by one."""
-    screen.tours.begin()
+    screen.tour.begin()
 
 
 @general.command("Redraw", "ctrl+l")

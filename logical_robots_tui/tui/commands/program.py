@@ -44,13 +44,13 @@ def definition(screen: MainScreen) -> None:
 @program.command("Find and replace", "ctrl+f", "ctrl+o")
 async def find(screen: MainScreen) -> None:
     """Find a text in the program, or replace it everywhere."""
-    await screen.scribe.find()
+    await screen.program_controller.find()
 
 
 @program.command("Find next", "f3")
 def find_next(screen: MainScreen) -> None:
     """Go to the next match."""
-    screen.scribe.find_next()
+    screen.program_controller.find_next()
 
 
 @program.command("Select all", "f7")
@@ -62,13 +62,13 @@ def select_all(screen: MainScreen) -> None:
 @program.command("External editor", "E")
 def external_editor(screen: MainScreen) -> None:
     """Edit the text in the editor that $VISUAL or $EDITOR names."""
-    screen.scribe.edit_elsewhere()
+    screen.program_controller.edit_elsewhere()
 
 
 @program.command("Rename the predicate")
 async def rename(screen: MainScreen) -> None:
     """Rename the predicate under the cursor wherever it is used."""
-    await screen.scribe.rename()
+    await screen.program_controller.rename()
 
 
 @program.command("Choose a level", "l", bar="Level")
@@ -104,13 +104,13 @@ def revert(screen: MainScreen) -> None:
 @program.command("Earlier versions", "v", bar="Versions", spare=8)
 async def versions(screen: MainScreen) -> None:
     """List your earlier programs for this level, and restore one."""
-    await screen.guide.choose_version()
+    await screen.learning.choose_version()
 
 
 @program.command("Reset to the starter", "x")
 async def reset(screen: MainScreen) -> None:
     """Restore the level's starter program; yours is kept as an earlier version."""
-    await screen.guide.reset()
+    await screen.learning.reset()
 
 
 learning = Group("Learning")
@@ -126,32 +126,32 @@ def briefing(screen: MainScreen) -> None:
 @learning.command("Hints", "h", bar="Hint", spare=5)
 def hint(screen: MainScreen) -> None:
     """Reveal the hints of the level, one at a time."""
-    screen.guide.hints()
+    screen.learning.hints()
 
 
 @learning.command("Lesson", "t", bar="Lesson", spare=6)
 def lesson(screen: MainScreen) -> None:
     """Read what the level teaches and, when you have won, what to try next."""
-    screen.guide.lesson()
+    screen.learning.lesson()
 
 
 @learning.command("Results", "m", bar="Results", spare=7)
 def results(screen: MainScreen) -> None:
     """Compare your best results with those of the reference program."""
-    screen.labyrinth.banner.toggle(screen.journal)
+    screen.labyrinth.banner.toggle(screen.recorder)
     screen.go_to(screen.labyrinth)
 
 
 @learning.command("Reference program", "W")
 async def solution(screen: MainScreen) -> None:
     """Read the program that the lesson explains; asks first if you have not won."""
-    await screen.guide.solution()
+    await screen.learning.solution()
 
 
 @learning.command("Stop the robustness test")
 def stop_measuring(screen: MainScreen) -> None:
     """Stop trying the program from shifted starts."""
-    if not screen.journal.stop_measuring():
+    if not screen.recorder.stop_measuring():
         screen.tell("No robustness test is running.")
 
 

@@ -32,7 +32,7 @@ rows = Group("Rows and values")
 def pin(screen: MainScreen) -> None:
     """Watch the value under the cursor, a predicate, a question, or a robot's memory."""
     from logical_robots_tui.game import Pin
-    from logical_robots_tui.tui.inspector.pinning import pin_here
+    from logical_robots_tui.tui.inspector.under_cursor import pin_here
     from logical_robots_tui.tui.theme.safe_text import one_line
 
     inspector = screen.inspector
@@ -54,16 +54,15 @@ def pin(screen: MainScreen) -> None:
 @rows.command("Open the value", "X")
 def open_value(screen: MainScreen) -> None:
     """Show the value under the cursor, or the inputs of a decision, as a tree."""
-    from logical_robots_tui.tui.inspector.pinning import branches_here, branches_of
-    from logical_robots_tui.tui.inspector.remembered import remembered
-    from logical_robots_tui.tui.inspector.widgets.tree import ValueTree
+    from logical_robots_tui.tui.inspector.under_cursor import branches_here, branches_of, memory_of
+    from logical_robots_tui.tui.inspector.widgets.value_tree import ValueTree
 
     inspector, frame = screen.inspector, screen.session.frame
     view = inspector.pages.reasons.view
 
     def follow_back(pin: Pin) -> bool:
         """Follow a value of the tree; whether it is part of a memory."""
-        asked = remembered(pin, screen.session.frame.tick)
+        asked = memory_of(pin, screen.session.frame.tick)
         if asked is not None:
             screen.point_at(inspector)
             inspector.follow_back(asked)
@@ -87,14 +86,14 @@ def open_value(screen: MainScreen) -> None:
 @rows.command("Origin", "less_than_sign")
 def origin(screen: MainScreen) -> None:
     """Trace the memory under the cursor, or a part of it, to the tick and rule that made it."""
-    from logical_robots_tui.tui.inspector.answers import NO_PROGRAM
-    from logical_robots_tui.tui.inspector.remembered import remembered_here
+    from logical_robots_tui.tui.inspector.page import NO_PROGRAM
+    from logical_robots_tui.tui.inspector.under_cursor import memory_here
 
     inspector, frame = screen.inspector, screen.session.frame
     if screen.session.game is None:
         screen.tell(NO_PROGRAM)
         return
-    asked = remembered_here(inspector, frame)
+    asked = memory_here(inspector, frame)
     if asked is None and inspector.pages.origin.asked is None:
         screen.tell(with_keys(_NO_MEMORY))
         return
@@ -105,8 +104,8 @@ def origin(screen: MainScreen) -> None:
 @rows.command("Dependency graph", "R")
 async def graph(screen: MainScreen) -> None:
     """Show which predicate uses which, and open one of them."""
-    from logical_robots_tui.tui.inspector.answers import NO_PROGRAM
-    from logical_robots_tui.tui.inspector.pages.graph import Graph
+    from logical_robots_tui.tui.inspector.page import NO_PROGRAM
+    from logical_robots_tui.tui.inspector.predicate_graph import Graph
 
     program = screen.session.program
     if program is None:
@@ -126,8 +125,8 @@ async def graph(screen: MainScreen) -> None:
 async def sql(screen: MainScreen) -> None:
     """Show what each predicate costs, and SQL and query plan of the one inspected."""
     from logical_robots_tui.game import Superseded
-    from logical_robots_tui.tui.inspector.answers import NO_PROGRAM
-    from logical_robots_tui.tui.inspector.pages.sql import machinery_text
+    from logical_robots_tui.tui.inspector.page import NO_PROGRAM
+    from logical_robots_tui.tui.inspector.query_plan import machinery_text
     from logical_robots_tui.tui.learning.reader import Reader
 
     inspector, frame = screen.inspector, screen.session.frame
@@ -188,19 +187,19 @@ def transpose(screen: MainScreen) -> None:
 @rows.command("Copy rows", "c")
 def copy_rows(screen: MainScreen) -> None:
     """Copy the rows as CSV, to the terminal's clipboard and into a file."""
-    from logical_robots_tui.tui.inspector.widgets.arranging import as_csv
+    from logical_robots_tui.tui.inspector.widgets.row_order import as_csv
 
     if (table := _table(screen)) is not None:
         text, count = as_csv(table.shown), len(table.shown.rows)
         screen.app.copy_to_clipboard(text)
         screen.tell(f"{count:,} row{'s' * (count != 1)} copied{_but(table)}.")
-        screen.scribe.keep_copy(text)
+        screen.program_controller.keep_copy(text)
 
 
 @rows.command("Save rows", "S")
 def save_rows(screen: MainScreen) -> None:
     """Save the rows as CSV and as JSON."""
-    from logical_robots_tui.tui.inspector.widgets.arranging import as_csv, as_json
+    from logical_robots_tui.tui.inspector.widgets.row_order import as_csv, as_json
     from logical_robots_tui.writing import write_atomically
 
     if (table := _table(screen)) is None:
@@ -225,19 +224,21 @@ def break_here(screen: MainScreen) -> None:
 
     inspector = screen.inspector
     if query := _question_asked(screen):
-        screen.travel.add_breakpoint(Breakpoint("rows", query))
+        screen.timeline_controller.add_breakpoint(Breakpoint("rows", query))
         return
     if inspector.inspected not in {p.name for p in screen.session.predicates if p.has_rows}:
         screen.tell("Choose a predicate or ask a question first.")
         return
     table = inspector.pages.table
     column = table.column if table.has_focus else ""
-    screen.travel.add_breakpoint(Breakpoint("change", inspector.inspected, table.how.robot, column))
+    screen.timeline_controller.add_breakpoint(
+        Breakpoint("change", inspector.inspected, table.how.robot, column)
+    )
 
 
 def _question_asked(screen: MainScreen) -> str:
     """The question whose answer the inspector shows, or ""."""
-    from logical_robots_tui.tui.inspector.choice import ASK
+    from logical_robots_tui.tui.inspector.predicate_list import ASK
 
     inspector = screen.inspector
     return inspector.pages.asking.asked if inspector.inspected == ASK else ""

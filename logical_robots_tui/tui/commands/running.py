@@ -76,38 +76,38 @@ def back_ten(screen: MainScreen) -> None:
 @time.command("First tick", "left_parenthesis")
 def first(screen: MainScreen) -> None:
     """Go to the first tick, or the earliest that the history still holds."""
-    screen.travel.first()
+    screen.timeline_controller.first()
 
 
 @time.command("Last tick", "right_parenthesis")
 def last(screen: MainScreen) -> None:
     """Go to the last tick of the history."""
-    screen.travel.last()
+    screen.timeline_controller.last()
 
 
 @time.command("Go to tick…", "g")
 async def go_to(screen: MainScreen) -> None:
     """Go to any tick of the history."""
-    await screen.travel.ask_for_tick()
+    await screen.timeline_controller.ask_for_tick()
 
 
 @time.command("Run until tick…", "U")
 async def run_until(screen: MainScreen) -> None:
     """Run at full speed to a tick, or to victory or a breakpoint if that comes first."""
     screen.labyrinth.briefing.display = False
-    await screen.travel.ask_how_far()
+    await screen.timeline_controller.ask_how_far()
 
 
 @time.command("Previous mark", "left_curly_bracket")
 def previous_mark(screen: MainScreen) -> None:
     """Go back to the last event, which may be a change of the selected robot's memory."""
-    screen.travel.to_mark(-1)
+    screen.timeline_controller.to_mark(-1)
 
 
 @time.command("Next mark", "right_curly_bracket")
 def next_mark(screen: MainScreen) -> None:
     """Go forward to the next event in the history."""
-    screen.travel.to_mark(1)
+    screen.timeline_controller.to_mark(1)
 
 
 @time.command("Search ticks…", "Q", worker="seek")
@@ -131,19 +131,19 @@ async def previous_match(screen: MainScreen) -> None:
 @time.command("Breakpoints", "B")
 def breakpoints(screen: MainScreen) -> None:
     """List, add, switch off or delete breakpoints: events and questions that end a run."""
-    screen.travel.breakpoints()
+    screen.timeline_controller.breakpoints()
 
 
 @time.command("Other future", "F")
 def other_future(screen: MainScreen) -> None:
     """Switch to the future that was left when the program changed, and to its program."""
-    screen.travel.change_course()
+    screen.timeline_controller.change_course()
 
 
 @time.command("Compare futures", "C")
 def compare(screen: MainScreen) -> None:
     """Go to the first tick in which the two futures differ, and show how and why."""
-    screen.travel.compare()
+    screen.timeline_controller.compare()
 
 
 @time.command("Timeline", "T")

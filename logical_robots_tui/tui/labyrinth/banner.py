@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
     from textual import events
 
-    from logical_robots_tui.tui.library.journal import Journal
+    from logical_robots_tui.tui.library.progress_recorder import ProgressRecorder
 
 __all__ = ["Overlay", "VictoryBanner"]
 
@@ -62,41 +62,41 @@ class VictoryBanner(Overlay):
         self._rows: Sequence[Content] = ()
         self._offers: Sequence[tuple[str, str]] = _OFFERS
 
-    def celebrate(self, ticks: int, who: str, journal: Journal) -> None:
+    def celebrate(self, ticks: int, who: str, recorder: ProgressRecorder) -> None:
         """Tell that it is won.
 
         Args:
             ticks: How many ticks it took.
             who: Who is where, a few words.
-            journal: Knows the measures.
+            recorder: Knows the measures.
         """
         self._seed, self._offers = ticks, _OFFERS
         self._said = f"★ {clip(who, 50)} — {ticks} tick{'s' * (ticks != 1)} ★"
-        self._show(journal)
+        self._show(recorder)
 
-    def toggle(self, journal: Journal) -> None:
+    def toggle(self, recorder: ProgressRecorder) -> None:
         """Show the results so far, or hide what is shown."""
         if self.display:
             self.display = False
             return
         self._seed, self._offers, self._said = None, _LOOKED_UP, "Results"
-        self._show(journal)
+        self._show(recorder)
 
-    def follow(self, journal: Journal) -> None:
+    def follow(self, recorder: ProgressRecorder) -> None:
         """Show what has become known meanwhile."""
-        if self.display and (rows := self._table(journal)) != self._rows:
+        if self.display and (rows := self._table(recorder)) != self._rows:
             same = len(rows) == len(self._rows)
             self._rows = rows
             self.refresh(layout=not same)
 
-    def _show(self, journal: Journal) -> None:
-        self._rows = self._table(journal)
+    def _show(self, recorder: ProgressRecorder) -> None:
+        self._rows = self._table(recorder)
         self.display = True
         self.refresh(layout=True)
 
-    def _table(self, journal: Journal) -> list[Content]:
-        rows = results_lines(journal)
-        if self._seed is not None and journal.is_reference:
+    def _table(self, recorder: ProgressRecorder) -> list[Content]:
+        rows = results_lines(recorder)
+        if self._seed is not None and recorder.is_reference:
             note = "That was the reference program: it counts for itself."
             return [Content.styled(note, INK.dim), *rows]
         return rows

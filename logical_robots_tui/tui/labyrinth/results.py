@@ -11,7 +11,7 @@ from logical_robots_tui.tui.theme.themes import INK
 if TYPE_CHECKING:
     from logical_robots_tui.game.measuring import Trial
     from logical_robots_tui.progress import Bests, Measures
-    from logical_robots_tui.tui.library.journal import Journal
+    from logical_robots_tui.tui.library.progress_recorder import ProgressRecorder
 
 __all__ = ["brief", "results_lines"]
 
@@ -20,19 +20,19 @@ _WIDTHS = (9, 7, 10, 11)
 _LABEL = 11
 
 
-def results_lines(journal: Journal) -> list[Content]:
+def results_lines(recorder: ProgressRecorder) -> list[Content]:
     """Lines of equal width: titles, then the victory, the bests and the reference.
 
     What beats the former best is marked with a star; what is unknown is a dot.
     """
     rows = [_row("", _TITLES, INK.dim)]
-    if journal.latest is not None and not journal.is_reference:
-        rows.append(_latest(journal.latest, journal.former, journal.trial))
-    elif journal.trial is not None:
-        rows.append(_row("this run", ("·", "·", "·", _trial(journal.trial)), INK.text))
-    rows.append(_row("your bests", _numbers(journal.record.bests), INK.text))
-    if journal.reference is not None:
-        rows.append(_row("reference", _numbers(journal.reference), INK.dim))
+    if recorder.latest is not None and not recorder.is_reference:
+        rows.append(_latest(recorder.latest, recorder.former, recorder.trial))
+    elif recorder.trial is not None:
+        rows.append(_row("this run", ("·", "·", "·", _trial(recorder.trial)), INK.text))
+    rows.append(_row("your bests", _numbers(recorder.record.bests), INK.text))
+    if recorder.reference is not None:
+        rows.append(_row("reference", _numbers(recorder.reference), INK.dim))
     return rows
 
 

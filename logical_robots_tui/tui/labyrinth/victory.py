@@ -14,19 +14,19 @@ if TYPE_CHECKING:
     from logical_robots_tui.progress import Measures
     from logical_robots_tui.tui.app.session import Session
     from logical_robots_tui.tui.labyrinth.pane import LabyrinthPane
-    from logical_robots_tui.tui.library.journal import Journal
+    from logical_robots_tui.tui.library.progress_recorder import ProgressRecorder
     from logical_robots_tui.world import Level
 
-__all__ = ["Celebration"]
+__all__ = ["VictoryAnnouncer"]
 
 
-class Celebration(SessionListener):
+class VictoryAnnouncer(SessionListener):
     """Tells of each victory once; after the recorder has kept it.
 
     Args:
         session: Where it happened.
         pane: Where the banner is.
-        journal: Knows the measures.
+        recorder: Knows the measures.
         tell: Says something in passing.
         is_hidden: Tells whether something else has the place of the labyrinth.
     """
@@ -35,11 +35,11 @@ class Celebration(SessionListener):
         self,
         session: Session,
         pane: LabyrinthPane,
-        journal: Journal,
+        recorder: ProgressRecorder,
         tell: Callable[[str], None],
         is_hidden: Callable[[], bool],
     ) -> None:
-        self._session, self._pane, self._journal = session, pane, journal
+        self._session, self._pane, self._recorder = session, pane, recorder
         self._tell, self._is_hidden = tell, is_hidden
         self._waiting: Victory | None = None
         self._is_held = False
@@ -88,6 +88,6 @@ class Celebration(SessionListener):
         self._pane.briefing.display = False
         if victory.refusal:
             self._tell(victory.refusal)
-        self._pane.banner.celebrate(victory.tick, who, self._journal)
+        self._pane.banner.celebrate(victory.tick, who, self._recorder)
         if self._is_hidden():
             self._tell(f"★ {who}: {victory.tick} ticks ★")

@@ -19,19 +19,19 @@ if TYPE_CHECKING:
     from logical_robots_tui.game import Source
     from logical_robots_tui.tui.app.session import Session
     from logical_robots_tui.tui.app.ui import Ui
-    from logical_robots_tui.tui.library.journal import Journal
+    from logical_robots_tui.tui.library.progress_recorder import ProgressRecorder
     from logical_robots_tui.tui.program.state import ProgramText
 
-__all__ = ["Guide"]
+__all__ = ["LearningController"]
 
 
-class Guide:
+class LearningController:
     """Answers to "what now?" at the level at hand.
 
     Args:
         session: Whose level.
         ui: Where to say and ask.
-        journal: What the player has achieved.
+        recorder: What the player has achieved.
         program: The text in the editor.
         open_program: Goes to a program with a text of it.
     """
@@ -40,20 +40,20 @@ class Guide:
         self,
         session: Session,
         ui: Ui,
-        journal: Journal,
+        recorder: ProgressRecorder,
         program: ProgramText,
         open_program: Callable[[Source, str], None],
     ) -> None:
-        self._session, self._ui, self._journal = session, ui, journal
+        self._session, self._ui, self._recorder = session, ui, recorder
         self._program, self._open_program = program, open_program
 
     def hints(self) -> None:
         """Show the hints revealed so far, and reveal more when asked."""
         from logical_robots_tui.tui.learning.hints import Hints
 
-        level, journal = self._session.level, self._journal
+        level, recorder = self._session.level, self._recorder
         if level.hints:
-            hints = Hints(level.title, level.hints, journal.record.hints, journal.reveal)
+            hints = Hints(level.title, level.hints, recorder.record.hints, recorder.reveal)
             self._ui.show(hints)
         else:
             self._ui.tell("This level has no hints.")
@@ -64,7 +64,7 @@ class Guide:
 
         level = self._session.level
         parts = [level.lesson]
-        if level.further and self._journal.record.state == "won":
+        if level.further and self._recorder.record.state == "won":
             parts.append(f"## Further\n\n{level.further}")
         text = "\n\n".join(filter(None, parts))
         if text:
@@ -81,7 +81,7 @@ class Guide:
         if not level.solution:
             self._ui.tell("This level has no reference program.")
             return
-        if self._journal.record.state != "won":
+        if self._recorder.record.state != "won":
             answers = [("no", "No, I go on trying"), ("yes", "Yes, show it")]
             question = with_keys(
                 "See the program that wins before you have won? "
@@ -102,7 +102,7 @@ class Guide:
         from logical_robots_tui.tui.library.chooser import Chooser
         from logical_robots_tui.tui.library.shelves import VersionShelf
 
-        versions = await self._journal.versions()
+        versions = await self._recorder.versions()
         if not versions:
             self._ui.tell("No earlier versions yet: each program that you apply will be kept.")
             return
@@ -111,7 +111,7 @@ class Guide:
         name = shelf.names()[versions.index(here[0])] if here else ""
         version = await self._ui.ask(Chooser[Version](shelf, name))
         if version is not None and version.text != self._program.text:
-            self._journal.keep(self._program.text, version.text)
+            self._recorder.keep(self._program.text, version.text)
             self._program.put(version.text)
             self._session.apply(version.text)
             self._ui.tell("The earlier version is back.")
@@ -138,6 +138,6 @@ class Guide:
         )
         asked = Question("Reset to the starter", question, answers)
         if await self._ui.ask(asked) == "yes":
-            self._journal.keep(self._program.text, starter.text)
+            self._recorder.keep(self._program.text, starter.text)
             self._open_program(starter, starter.text)
             self._ui.tell("The starter program is back.")

@@ -11,10 +11,10 @@ if TYPE_CHECKING:
     from logical_robots_tui.tui.layout.pane import Pane
     from logical_robots_tui.tui.learning.tour import Tour
 
-__all__ = ["TourGuide"]
+__all__ = ["TourController"]
 
 
-class TourGuide:
+class TourController:
     """Shows what the tour speaks of.
 
     Args:

@@ -22,10 +22,10 @@ if TYPE_CHECKING:
     from logical_robots_tui.tui.recovery.offers import Offers
     from logical_robots_tui.world import Level
 
-__all__ = ["EditingDoor"]
+__all__ = ["LevelEditing"]
 
 
-class EditingDoor(SessionListener):
+class LevelEditing(SessionListener):
     """Goes into editing and out of it.
 
     Args:

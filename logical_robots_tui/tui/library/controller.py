@@ -21,22 +21,22 @@ if TYPE_CHECKING:
     from logical_robots_tui.tui.app.session import Session
     from logical_robots_tui.tui.app.ui import Ui
     from logical_robots_tui.tui.labyrinth.drawing.glyphs import Drawing
-    from logical_robots_tui.tui.library.journal import Journal
+    from logical_robots_tui.tui.library.progress_recorder import ProgressRecorder
     from logical_robots_tui.tui.program.state import ProgramText
     from logical_robots_tui.tui.recovery.autosave import Autosave
     from logical_robots_tui.tui.recovery.offers import Offers
     from logical_robots_tui.world import Level
 
-__all__ = ["Library"]
+__all__ = ["LibraryController"]
 
 
-class Library:
+class LibraryController:
     """Changes the level and the program of a session without losing what was typed.
 
     Args:
         session: Whose level and program.
         ui: Where to say and ask.
-        journal: What the player has achieved.
+        recorder: What the player has achieved.
         drafts: Where text is kept while it is not saved.
         autosave: Keeps it there.
         program: The text in the editor.
@@ -49,7 +49,7 @@ class Library:
         self,
         session: Session,
         ui: Ui,
-        journal: Journal,
+        recorder: ProgressRecorder,
         drafts: Drafts,
         autosave: Autosave[tuple[Source, str]],
         program: ProgramText,
@@ -58,7 +58,7 @@ class Library:
         drawing: Callable[[], Drawing],
         make_level: Callable[[], Awaitable[None]],
     ) -> None:
-        self._session, self._ui, self._journal = session, ui, journal
+        self._session, self._ui, self._recorder = session, ui, recorder
         self._drafts, self._autosave, self._program = drafts, autosave, program
         self._own, self._own_levels = data_dir / "programs", data_dir / "levels"
         self._drawing, self._make_level = drawing, make_level
@@ -69,7 +69,9 @@ class Library:
         """Ask for a level and go there."""
         from logical_robots_tui.tui.library.level_screen import LevelScreen, NewLevel
 
-        choice = LevelScreen(self._session.opened, self._journal, self._drawing(), self._own_levels)
+        choice = LevelScreen(
+            self._session.opened, self._recorder, self._drawing(), self._own_levels
+        )
         level = await self._ui.ask(choice)
         if isinstance(level, NewLevel):
             await self._make_level()
@@ -101,7 +103,7 @@ class Library:
                 self._ui.warn(str(error))
         kept = None
         if source.name == level.starter:
-            kept = await self._journal.newest(level)
+            kept = await self._recorder.newest(level)
         text = self._leave_text_for(source, kept)
         self._session.open_level(level, source, text)
 
@@ -233,7 +235,7 @@ class Library:
     async def _is_unsaved(self, draft: Draft) -> bool:
         """Whether a draft holds what is neither in its file nor among the earlier versions."""
         source = await asyncio.to_thread(self._source_of, draft)
-        kept = await self._journal.ask(lambda progress: progress.holds(draft.text))
+        kept = await self._recorder.ask(lambda progress: progress.holds(draft.text))
         if source.text != draft.text and not kept:
             return True
         await asyncio.to_thread(self._drafts.put_away, draft.key)

@@ -34,7 +34,7 @@ if TYPE_CHECKING:
 
     from logical_robots_tui.progress import LevelRecord, Progress
     from logical_robots_tui.tui.labyrinth.drawing.glyphs import Drawing
-    from logical_robots_tui.tui.library.journal import Journal
+    from logical_robots_tui.tui.library.progress_recorder import ProgressRecorder
 
 __all__ = ["LevelScreen", "NewLevel"]
 
@@ -51,7 +51,7 @@ class LevelScreen(Dialog["Level | NewLevel"]):
 
     Args:
         here: The level at hand.
-        journal: What the player has achieved.
+        recorder: What the player has achieved.
         drawing: Which characters draw the miniatures.
         own: Folder of the player's levels.
     """
@@ -76,11 +76,13 @@ class LevelScreen(Dialog["Level | NewLevel"]):
         Binding("ctrl+n", "new", show=False, priority=True),
     ]
 
-    def __init__(self, here: Level, journal: Journal, drawing: Drawing, own: Path) -> None:
+    def __init__(
+        self, here: Level, recorder: ProgressRecorder, drawing: Drawing, own: Path
+    ) -> None:
         super().__init__()
         self._own = own
         self._here = here
-        self._journal = journal
+        self._recorder = recorder
         self._drawing = drawing
         self._all: list[LevelCard] = []
         self._shown: list[LevelCard] = []
@@ -143,7 +145,7 @@ class LevelScreen(Dialog["Level | NewLevel"]):
         self.call_after_refresh(painted.set)
         await painted.wait()  # reading would only hold up the first picture
         keys = [str(card.file.absolute()) if card.file else card.name for card in self._all]
-        records = await self._journal.ask(partial(_records, keys))
+        records = await self._recorder.ask(partial(_records, keys))
         for index, name in enumerate(card.name for card in self._all):
             card = replace(self._all[index], record=records[keys[index]])
             try:

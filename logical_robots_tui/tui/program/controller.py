@@ -22,17 +22,17 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
     from contextlib import AbstractContextManager
 
-    from logical_robots_tui.tui.app.permissions import Freedoms
+    from logical_robots_tui.tui.app.permissions import Permissions
     from logical_robots_tui.tui.app.session import Session
     from logical_robots_tui.tui.app.ui import Ui
     from logical_robots_tui.tui.program.pane import ProgramPane
 
-__all__ = ["Scribe", "edited"]
+__all__ = ["ProgramController", "edited"]
 
 _LONGEST = 30
 
 
-class Scribe:
+class ProgramController:
     """Finds, replaces and renames.
 
     Args:
@@ -40,7 +40,7 @@ class Scribe:
         session: Thinks with what another editor leaves.
         ui: Where to say and ask.
         copies: The file that holds what was copied last.
-        freedoms: Tells what the player may do with the machine.
+        permissions: Tells what the player may do with the machine.
         enter: Goes to the editor.
         suspend: Hands the terminal to another program.
     """
@@ -52,12 +52,12 @@ class Scribe:
         ui: Ui,
         copies: Path,
         *,
-        freedoms: Callable[[], Freedoms],
+        permissions: Callable[[], Permissions],
         enter: Callable[[], None],
         suspend: Callable[[], AbstractContextManager[None]],
     ) -> None:
         self._pane, self._session, self._ui, self._copies = pane, session, ui, copies
-        self._freedoms, self._enter, self._suspend = freedoms, enter, suspend
+        self._permissions, self._enter, self._suspend = permissions, enter, suspend
         self._wanted = ""
         self._is_copy_told = False
 
@@ -71,7 +71,7 @@ class Scribe:
             return
         if not self._is_copy_told:
             sent = "Sent to your terminal's clipboard, and into"
-            head = sent if self._freedoms().clipboard else "Kept in"
+            head = sent if self._permissions().clipboard else "Kept in"
             self._ui.tell(f"{head} {self._copies}.")
         self._is_copy_told = True
 
@@ -139,7 +139,7 @@ class Scribe:
 
     def edit_elsewhere(self) -> None:
         """Hand the terminal to the player's own editor until that ends, and take its text."""
-        if not self._freedoms().programs:
+        if not self._permissions().programs:
             self._ui.warn("External editors are disabled here.")
             return
         self._session.pause()

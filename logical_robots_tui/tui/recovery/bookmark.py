@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from logical_robots_tui.game.drafts import Drafts
     from logical_robots_tui.tui.app.session import Session
     from logical_robots_tui.tui.app.ui import Ui
-    from logical_robots_tui.tui.library.controller import Library
+    from logical_robots_tui.tui.library.controller import LibraryController
     from logical_robots_tui.tui.recovery.offers import Offers
 
 __all__ = ["Bookmark"]
@@ -41,7 +41,7 @@ class Bookmark:
         session: Session,
         drafts: Drafts,
         ui: Ui,
-        library: Library,
+        library: LibraryController,
         moved: Callable[[], None],
     ) -> None:
         self._session, self._ui, self._library, self._moved = session, ui, library, moved

@@ -13,13 +13,13 @@ if TYPE_CHECKING:
     from textual.message_pump import MessagePump
     from textual.screen import Screen
 
-__all__ = ["Turns"]
+__all__ = ["KeyQueue"]
 
 _LONGEST = 0.5  # seconds that a key may keep the next ones waiting
 _ROUNDS = 3  # of the event loop, in which a worker that was started has opened its dialog
 
 
-class Turns:
+class KeyQueue:
     """Holds keys back while an earlier one is being answered.
 
     Several keys come at once over a slow line, or from quick fingers. Textual sends each to what

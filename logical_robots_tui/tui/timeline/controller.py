@@ -19,13 +19,13 @@ if TYPE_CHECKING:
     from logical_robots_tui.tui.app.session import Session
     from logical_robots_tui.tui.app.ui import Ui
 
-__all__ = ["TEN", "Travel"]
+__all__ = ["TEN", "TimelineController"]
 
 TEN = 10
 _SOUGHT: tuple[MarkKind, ...] = (*("victory", "breakpoint", "program", "edit", "area", "notice"),)
 
 
-class Travel(SessionListener):
+class TimelineController(SessionListener):
     """Goes to other ticks, and sets what a run is to stop at.
 
     Args:

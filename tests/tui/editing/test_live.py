@@ -17,8 +17,9 @@ from logical_robots_tui.tui.level_editor.forms import ThingForm
 from logical_robots_tui.tui.level_editor.level_form import LevelForm
 from logical_robots_tui.tui.library.level_screen import LevelScreen
 from logical_robots_tui.world import Visibility, load_level
-from tests.tui.conftest import PATIENCE, STILL, opened
+from tests.tui.conftest import STILL, opened
 from tests.tui.editing.conftest import ROOM, studio
+from tests.waiting import PATIENCE
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -116,11 +117,26 @@ async def test_playing_what_is_edited_loses_no_stroke_and_counts_for_nothing(
         await s.press("t")
         await game.until(lambda: game.session.won_at is not None)
         assert not game.main.editing.is_on
-        assert game.main.journal.record.state != "won"
+        assert game.main.recorder.record.state != "won"
         await s.press("t")
         await game.until(lambda: game.main.editing.is_on and game.tick == 0)
         assert s.editor.edits.can_undo == "move"
         assert game.session.frame.after.robots[0].x == 40
+
+
+async def test_a_victory_while_the_level_is_edited_is_kept_at_once_and_told_afterwards(
+    data_dir: Path, room_file: Path
+) -> None:
+    async with studio(data_dir, room_file) as s:
+        game = s.game
+        game.session.pace.speed = None
+        await s.press("space")
+        await game.until(lambda: game.main.recorder.record.state == "won")
+        assert game.main.editing.is_on
+        assert not game.main.labyrinth.banner.display
+        await s.press("escape")
+        await game.until(lambda: game.main.labyrinth.banner.display)
+        assert not game.main.editing.is_on
 
 
 async def test_properties_are_set_in_forms_with_the_choices_there_are(
@@ -330,7 +346,7 @@ async def test_what_was_edited_is_offered_after_a_hangup(data_dir: Path, room_fi
         await game.until(lambda: not game.session.level.walls[40, 100])
     async with opened(data_dir) as game:
         await game.ready()
-        await game.until(lambda: game.main.journal.record)
+        await game.until(lambda: game.main.recorder.record)
         assert not game.shows("Go on editing")
 
 

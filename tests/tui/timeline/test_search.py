@@ -181,7 +181,7 @@ async def run_to_hits(game: Opened) -> None:
 
 async def test_the_list_says_why_a_question_can_t_be_asked(data_dir: Path, short: Path) -> None:
     async with playing(data_dir, short) as game:
-        game.main.travel.add_breakpoint(Breakpoint("rows", "Sensor(sensr:), 1 < 2"))
+        game.main.timeline_controller.add_breakpoint(Breakpoint("rows", "Sensor(sensr:), 1 < 2"))
         await game.press("n")
         await game.until(lambda: game.tick == 1)
         await game.press("B")

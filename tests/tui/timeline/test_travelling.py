@@ -230,7 +230,7 @@ async def test_a_restart_under_the_same_program_goes_through_what_is_known(
 
 async def test_a_run_stops_at_a_breakpoint_and_says_at_which(data_dir: Path, short: Path) -> None:
     async with playing(data_dir, short) as game:
-        game.main.travel.add_breakpoint(Breakpoint("rows", "Near"))
+        game.main.timeline_controller.add_breakpoint(Breakpoint("rows", "Near"))
         await game.until(lambda: game.shows("The robots stop when Near has rows."))
         await game.press("space")
         await game.until(lambda: game.tick == 13 and not game.session.running)
@@ -244,8 +244,8 @@ async def test_a_run_stops_at_a_breakpoint_and_says_at_which(data_dir: Path, sho
 
 async def test_breakpoints_are_listed_switched_off_and_deleted(data_dir: Path, short: Path) -> None:
     async with playing(data_dir, short) as game:
-        game.main.travel.add_breakpoint(Breakpoint("enters", "Door"))
-        game.main.travel.add_breakpoint(Breakpoint("rows", "Gone"))
+        game.main.timeline_controller.add_breakpoint(Breakpoint("enters", "Door"))
+        game.main.timeline_controller.add_breakpoint(Breakpoint("rows", "Gone"))
         await game.press("B")
         await game.until(lambda: isinstance(game.app.screen, BreakpointList))
         await game.until(lambda: game.shows("◉ a robot enters Door"))
@@ -297,7 +297,7 @@ async def test_nothing_of_this_hurts_before_there_is_a_program(data_dir: Path, s
         await game.press("left_curly_bracket", "right_curly_bracket")
         await game.until(lambda: game.shows("There is no program yet."))
         assert game.tick == 0
-        game.main.travel.add_breakpoint(Breakpoint("rows", "Near"))
+        game.main.timeline_controller.add_breakpoint(Breakpoint("rows", "Near"))
         assert list(game.session.breakpoints) == [Breakpoint("rows", "Near")]
 
 

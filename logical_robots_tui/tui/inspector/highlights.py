@@ -1,8 +1,9 @@
-"""What the cursor of the inspector is on, told to the rest of the screen."""
+"""Highlights what the inspector's cursor is on, in the program and in the labyrinth."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import dataclass
 from math import isclose
 from typing import TYPE_CHECKING, Any
 
@@ -13,64 +14,63 @@ from logical_robots_tui.tui.labyrinth.drawing.glyphs import Highlight
 if TYPE_CHECKING:
     from logical_robots_tui.game import Frame
     from logical_robots_tui.mind import Node, Program
-    from logical_robots_tui.values import Value
 
 __all__ = ["Placed", "Sighted", "definition", "sight"]
 
 
+@dataclass
 class Placed(Message):
-    """What the cursor is on stands at a place in the program.
+    """Highlight a place in the program.
 
     Attributes:
         program: The program's text.
-        place: Offset of its first character, and offset behind its last one.
+        place: Offsets of its first character and behind its last one.
     """
 
-    def __init__(self, program: str, place: tuple[int, int]) -> None:
-        super().__init__()
-        self.program, self.place = program, place
+    program: str
+    place: tuple[int, int]
 
 
+@dataclass
 class Sighted(Message):
-    """What the cursor is on can be seen in the labyrinth, or no longer.
+    """Highlight a robot or a ray in the labyrinth, or nothing.
 
     Attributes:
         highlight: The robot or the ray, or None.
-        frame: The tick that this is about.
+        frame: The tick that it belongs to.
     """
 
-    def __init__(self, highlight: Highlight | None, frame: Frame) -> None:
-        super().__init__()
-        self.highlight, self.frame = highlight, frame
+    highlight: Highlight | None
+    frame: Frame
 
 
 def sight(node: Node, robot: str, frame: Frame) -> Highlight | None:
-    """What can be seen in the labyrinth of a node of a proof.
+    """The robot or the ray that a node of a proof is about, or None.
 
     Args:
         node: The node.
-        robot: In whose reasoning it is; of rays that are alike it is this robot's.
+        robot: The robot whose reasoning it belongs to; equal rays are taken to be this robot's.
         frame: The tick.
     """
     if node.robot:
         return Highlight(node.robot)
-    value = node.values[0] if len(node.values) == 1 else None
-    if isinstance(value, Mapping) and "angle" in value:
+    if node.ray is not None and len(node.values) == 1:
         rows = sorted(frame.sensors, key=lambda row: row["robot_name"] != robot)
         for row in rows:
             for ray in row["sensor"]["radar"]:
-                if _is_same(value, ray):
+                if _is_same(node, ray):
                     return Highlight(row["robot_name"], ray["angle"])
     return None
 
 
-def _is_same(value: Mapping[str, Value], ray: Mapping[str, Any]) -> bool:
-    """Whether a value is a ray; SQLite may have changed the last digits of its angle."""
-    angle = value["angle"]
+def _is_same(node: Node, ray: Mapping[str, Any]) -> bool:
+    """Whether a node's value is a ray; SQLite may change the last digits of its angle."""
+    value = node.values[0]
     return (
-        value.keys() == ray.keys()
-        and isinstance(angle, int | float)
-        and isclose(angle, ray["angle"], abs_tol=1e-9)
+        isinstance(value, Mapping)
+        and node.ray is not None
+        and value.keys() == ray.keys()
+        and isclose(node.ray, ray["angle"], abs_tol=1e-9)
         and all(value[name] == ray[name] for name in ray if name != "angle")
     )
 

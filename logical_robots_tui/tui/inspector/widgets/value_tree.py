@@ -1,4 +1,4 @@
-"""A value as a tree to fold: records and lists, and what a radar saw as a picture."""
+"""A value as an expandable tree: records and lists, and a plot of a radar."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from textual.content import Content
 from textual.widgets import Static, Tree
 
 from logical_robots_tui.tui.inspector.widgets.cells import cell
-from logical_robots_tui.tui.inspector.widgets.polar import polar
+from logical_robots_tui.tui.inspector.widgets.plots import radar_plot
 from logical_robots_tui.tui.layout.dialog import Dialog
 from logical_robots_tui.tui.theme.safe_text import one_line
 from logical_robots_tui.tui.theme.themes import INK, rich_style
@@ -30,9 +30,9 @@ if TYPE_CHECKING:
 
 __all__ = ["Branch", "ValueTree"]
 
-_TOGETHER = 100  # parts that stand under one node at most
-_GLIMPSE = 60  # characters of a record or list that is folded
-_OPEN = 12  # parts up to which a branch is open at first
+_GROUP = 100  # most parts under one node
+_PREVIEW = 60  # characters of a collapsed record or list
+_OPEN = 12  # branches with at most so many parts are expanded at first
 _PICTURE_ROWS = 8
 _KEYS = "↑↓ move   enter or space fold   @ pin   < where from   esc close"
 
@@ -44,7 +44,7 @@ class Branch:
     Attributes:
         title: The name.
         value: The value.
-        pin: What keeps an eye on it, or None if nothing can.
+        pin: A pin for it, or None if it cannot be pinned.
     """
 
     title: str
@@ -54,13 +54,13 @@ class Branch:
 
 @dataclass(frozen=True, slots=True)
 class _Part:
-    """A node: a value, or several neighbours in a long list or record.
+    """A node: a value, or a group of parts of a long list or record.
 
     Attributes:
-        value: The value; of neighbours all of the list or record.
+        value: The value; of a group, the whole list or record.
         branch: The branch that it is in.
-        path: The way to it from there.
-        within: Which of the parts of the value; None for all.
+        path: The path from there.
+        within: The parts in a group; None for a value.
         radar: The rays that it belongs to, or None.
     """
 
@@ -72,13 +72,13 @@ class _Part:
 
 
 class ValueTree(Dialog[None]):
-    """Values to look into.
+    """A dialog with values.
 
     Args:
-        title: What they are.
-        branches: The values; a single one is open.
-        pin: Pins something, or unpins it; tells whether it is pinned then.
-        follow: Follows something back to where it was made; tells whether it can.
+        title: Its title.
+        branches: The values; a single one is expanded.
+        pin: Pins or unpins; returns whether it is pinned now.
+        follow: Traces a value to its origin; returns whether it can.
     """
 
     DEFAULT_CSS = """
@@ -112,7 +112,7 @@ class ValueTree(Dialog[None]):
         self._picture = Static(id="radar")
 
     def compose(self) -> ComposeResult:
-        """The tree, beside it the picture of a radar."""
+        """The tree, and beside it the plot of a radar."""
         with Vertical(id="box") as box:
             box.border_title = Content(one_line(self._title_text))
             with Horizontal():
@@ -121,7 +121,7 @@ class ValueTree(Dialog[None]):
             yield Static(_KEYS, id="keys", markup=False)
 
     def on_mount(self) -> None:
-        """Begin with what is short open."""
+        """Expand what is short."""
         for branch in self._branches:
             part = _Part(branch.value, branch, (), radar=_radar(branch.value))
             node = self._add(self._tree.root, branch.title, part)
@@ -140,7 +140,7 @@ class ValueTree(Dialog[None]):
         self.notify(f"{words}: {one_line(pin.words)}.", markup=False, timeout=4)
 
     def action_origin(self) -> None:
-        """Close, and go to where the value under the cursor comes from."""
+        """Close, and trace the value under the cursor to its origin."""
         pin = self._pointed
         if pin is not None and self._follow(pin):
             self.dismiss(None)
@@ -149,7 +149,7 @@ class ValueTree(Dialog[None]):
 
     @property
     def _pointed(self) -> Pin | None:
-        """What reads the value under the cursor."""
+        """A pin for the value under the cursor."""
         node = self._tree.cursor_node
         part = node.data if node is not None else None
         if part is None or part.within is not None or part.branch.pin is None:
@@ -158,7 +158,7 @@ class ValueTree(Dialog[None]):
 
     @on(Tree.NodeExpanded)
     def _grow(self, event: Tree.NodeExpanded[_Part]) -> None:
-        """Put what is in a value under its node, the first time that it is unfolded."""
+        """Add the children of a node when it is first expanded."""
         event.stop()
         node = event.node
         if node.data is not None and not node.children:
@@ -167,18 +167,18 @@ class ValueTree(Dialog[None]):
 
     @on(Tree.NodeHighlighted)
     def _moved(self, event: Tree.NodeHighlighted[_Part]) -> None:
-        """Draw the radar that the cursor is in, if there is room beside the tree."""
+        """Plot the radar under the cursor, if there is room beside the tree."""
         event.stop()
         radar = event.node.data.radar if event.node.data is not None else None
         self._picture.display = radar is not None and self.size.width >= 10 * _PICTURE_ROWS
         if radar is not None:
-            self._picture.update(Content("\n").join(polar(radar, _PICTURE_ROWS)))
+            self._picture.update(Content("\n").join(radar_plot(radar, _PICTURE_ROWS)))
 
     def _add(self, node: TreeNode[_Part], name: str, part: _Part) -> TreeNode[_Part]:
         colour = INK.text if _size(part.value) else INK.dim
         label = Text.assemble((one_line(name), rich_style(colour)), "  ")
         if part.within is None:
-            text, colour = cell(part.value, _GLIMPSE)
+            text, colour = cell(part.value, _PREVIEW)
             label.append(text, rich_style(INK.dim if _size(part.value) else colour))
         if _size(part.value):
             return node.add(label, part)
@@ -186,17 +186,17 @@ class ValueTree(Dialog[None]):
 
 
 def _size(value: Value) -> int:
-    """How many parts a value has."""
+    """Number of parts of a value."""
     return len(value) if isinstance(value, Mapping | list | tuple) else 0
 
 
 def _inside(part: _Part) -> Iterator[tuple[str, _Part]]:
-    """The parts of a value with their names, in groups if there are many."""
+    """The named parts of a value, in groups if there are many."""
     items = list(_items(part.value))
     among = part.within or range(len(items))
-    if part.within is None and len(items) > _TOGETHER:
-        for start in range(0, len(items), _TOGETHER):
-            group = range(start, min(start + _TOGETHER, len(items)))
+    if part.within is None and len(items) > _GROUP:
+        for start in range(0, len(items), _GROUP):
+            group = range(start, min(start + _GROUP, len(items)))
             name = f"{group[0]} to {group[-1]}"
             yield name, _Part(part.value, part.branch, part.path, group, part.radar)
         return
@@ -213,7 +213,7 @@ def _items(value: Value) -> Iterator[tuple[str | int, Value]]:
 
 
 def _radar(value: Value) -> Sequence[Mapping[str, Any]] | None:
-    """The value, if it is what a radar saw."""
+    """The value if it is a radar."""
     if not isinstance(value, list | tuple) or not value:
         return None
     is_radar = all(_is_ray(each) for each in value)

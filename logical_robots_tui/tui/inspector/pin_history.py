@@ -1,11 +1,11 @@
-"""What could be read off the pins in the ticks around the one on the screen."""
+"""Values of the pinned expressions around the current tick."""
 
 from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
 from logical_robots_tui.tui.inspector.questions import MOST_ROBOTS
-from logical_robots_tui.tui.inspector.widgets.sparkline import Sample
+from logical_robots_tui.tui.inspector.widgets.plots import Sample
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
@@ -14,17 +14,33 @@ if TYPE_CHECKING:
     from logical_robots_tui.tui.app.session import Session
     from logical_robots_tui.tui.inspector.questions import Questions
 
-__all__ = ["Samples"]
+__all__ = ["PinHistory", "window"]
 
 _MOST_TICKS = 2000
 
 
-class Samples:
-    """Reads pins at ticks and keeps what lines need, as long as it is about the same program.
+def window(before: range, width: int, tick: int, last: int) -> range:
+    """The ticks to plot; they stay the same while the current tick is among them.
 
     Args:
-        session: Whose ticks.
-        questions: Whom to ask.
+        before: The ticks plotted before.
+        width: How many there may be.
+        tick: The current tick.
+        last: The last tick of the history.
+    """
+    stop = max(before.stop, tick + 1)
+    if tick < stop - width:
+        stop = tick + width // 2
+    stop = max(min(stop, last + 1), tick + 1)
+    return range(max(0, stop - width), stop)
+
+
+class PinHistory:
+    """Reads pins at ticks and keeps their values until the program or the run is another one.
+
+    Args:
+        session: The level, program and game at hand.
+        questions: Runs queries against the program.
     """
 
     def __init__(self, session: Session, questions: Questions) -> None:
@@ -32,29 +48,13 @@ class Samples:
         self._questions = questions
         self._about: object = None
         self._ticks: dict[int, dict[Pin, Sample]] = {}
-        self._window = range(0)
-
-    def window(self, width: int) -> range:
-        """The ticks that lines show: they stay the same as long as the present one is in them.
-
-        Args:
-            width: How many there may be.
-        """
-        game, tick = self._session.game, self._session.frame.tick
-        last = tick if game is None else game.history.last
-        stop = max(self._window.stop, tick + 1)
-        if tick < stop - width:
-            stop = tick + width // 2
-        stop = max(min(stop, last + 1), tick + 1)
-        self._window = range(max(0, stop - width), stop)
-        return self._window
 
     def of(self, pin: Pin, ticks: range) -> list[Sample | None]:
-        """What is known of a pin at each tick."""
+        """The known values of a pin at each tick."""
         return [self._ticks.get(tick, {}).get(pin) for tick in ticks]
 
-    def lacking(self, pins: Sequence[Pin], ticks: range) -> tuple[int, list[Pin]] | None:
-        """The tick nearest to the present one at which something is not known yet, and what."""
+    def missing(self, pins: Sequence[Pin], ticks: range) -> tuple[int, list[Pin]] | None:
+        """The nearest tick at which pins are still to be read, and which ones."""
         game, here = self._session.game, self._session.frame.tick
         if game is None or len(self._session.level.robots) > MOST_ROBOTS:
             return None
@@ -71,33 +71,27 @@ class Samples:
         Raises:
             Superseded: There is no program yet, or other pins were asked for meanwhile.
         """
-        self._forget_if_other()
-        about = self._about
+        game = self._session.game
+        about = None if game is None else (game, game.program, game.history.turns)
+        if about != self._about:
+            self._about, self._ticks = about, {}
         readings = await self._questions.readings(frame, list(pins))
         if about == self._about:
-            self._ticks.setdefault(frame.tick, {}).update(
-                {pin: _sample(reading) for pin, reading in readings.items()}
-            )
+            known = self._ticks.setdefault(frame.tick, {})
+            known.update({pin: _sample(reading) for pin, reading in readings.items()})
             if len(self._ticks) > _MOST_TICKS:
                 del self._ticks[next(iter(self._ticks))]
         return readings
 
     async def read_past(self, pins: Iterable[Pin], tick: int) -> None:
-        """Read pins at a tick of history.
+        """Read pins at a tick of the history.
 
         Raises:
-            NoSuchTickError: History does not hold it.
+            NoSuchTickError: The history does not hold it.
             Superseded: As `read` does.
         """
         if self._session.game is not None:
             await self.read(pins, self._session.game.frame_at(tick))
-
-    def _forget_if_other(self) -> None:
-        """Forget what was read of another program, or of ticks that went otherwise."""
-        game = self._session.game
-        about = None if game is None else (game, game.program, game.history.turns)
-        if about != self._about:
-            self._about, self._ticks = about, {}
 
 
 def _sample(reading: Reading) -> Sample:

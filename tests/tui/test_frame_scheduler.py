@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from logical_robots_tui.tui.app.frame_scheduler import Tempo, processor_times
+from logical_robots_tui.tui.app.frame_scheduler import FrameRate, processor_times
 
 PICTURE = 0.006  # seconds of computing
 GENTLY, MOST = 2.5, 12.0  # seconds waited per second of computing: some others, very many
@@ -23,7 +23,7 @@ class Machine:
 
     def __init__(self, *, tells: bool = True) -> None:
         self.now = self.computed = self.waited = 0.0
-        self.tempo = Tempo(
+        self.rate = FrameRate(
             lambda: (self.computed, self.waited) if tells else None,
             lambda: self.now,
             lambda: self.computed,
@@ -31,8 +31,8 @@ class Machine:
 
     def draw(self, strain: float) -> None:
         """Draw a picture as soon as it may be, where that waits so long per second of computing."""
-        self.now += max(self.tempo.wait, 0.0)
-        with self.tempo.drawing():
+        self.now += max(self.rate.wait, 0.0)
+        with self.rate.drawing():
             self.computed += PICTURE
             self.waited += strain * PICTURE
             self.now += (1 + strain) * PICTURE
@@ -41,7 +41,7 @@ class Machine:
         """What becomes usual under such a strain."""
         for _ in range(60):
             self.draw(strain)
-        return 1 / (self.tempo.wait + self.tempo.rested)
+        return 1 / (self.rate.wait + self.rate.rested)
 
 
 @pytest.fixture(params=[True, False], ids=["tells", "tells not"])
@@ -64,21 +64,21 @@ def test_what_little_everybody_waits_costs_no_frame(machine: Machine) -> None:
 def test_one_picture_that_was_held_up_changes_little(machine: Machine) -> None:
     machine.frames_per_second(0.0)
     machine.draw(MOST)
-    assert machine.tempo.spacing < 0.05
+    assert machine.rate.spacing < 0.05
 
 
 def test_after_a_key_press_nothing_is_left_to_others_for_a_moment(machine: Machine) -> None:
     machine.frames_per_second(MOST)
-    assert machine.tempo.wait > 0.1
-    machine.tempo.hurry()
-    assert machine.tempo.wait + machine.tempo.rested == pytest.approx(1 / 30)
+    assert machine.rate.wait > 0.1
+    machine.rate.hurry()
+    assert machine.rate.wait + machine.rate.rested == pytest.approx(1 / 30)
     machine.now += 0.2
-    assert machine.tempo.wait + machine.tempo.rested > 0.2
+    assert machine.rate.wait + machine.rate.rested > 0.2
 
 
 def test_the_rate_that_is_set_is_never_exceeded() -> None:
     machine = Machine()
-    machine.tempo.frames = 5
+    machine.rate.frames = 5
     assert machine.frames_per_second(0.0) == pytest.approx(5)
 
 
@@ -87,7 +87,7 @@ def test_whatever_was_measured_a_picture_comes_within_half_a_second(strains: lis
     machine = Machine()
     for strain in strains:
         machine.draw(strain)
-        assert 0 <= machine.tempo.spacing < 0.5
+        assert 0 <= machine.rate.spacing < 0.5
 
 
 def test_this_system_tells_both_times_or_none() -> None:

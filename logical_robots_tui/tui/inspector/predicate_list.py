@@ -1,4 +1,4 @@
-"""What can be inspected: a few pages, then the predicates with the number of their rows."""
+"""The list at the left of the inspector: its pages, then the predicates with their row counts."""
 
 from __future__ import annotations
 
@@ -17,11 +17,21 @@ if TYPE_CHECKING:
     from logical_robots_tui.mind import Predicate
     from logical_robots_tui.tui.inspector.questions import Survey
 
-__all__ = ["ASK", "DECISION", "DIAGNOSIS", "MARKS", "ORIGIN", "ROBOTS", "WATCH", "WHY", "Choice"]
+__all__ = [
+    "ASK",
+    "DECISION",
+    "DIAGNOSIS",
+    "MARKS",
+    "ORIGIN",
+    "ROBOTS",
+    "WATCH",
+    "WHY",
+    "PredicateList",
+]
 
 ROBOTS, DECISION, WHY, ASK, WATCH = "(robots)", "(decision)", "(why)", "(ask)", "(watch)"
 DIAGNOSIS, ORIGIN = "(diagnosis)", "(origin)"
-"""The pages; no predicate can have these names. That of an origin is not listed."""
+"""The pages; no predicate can have these names. ORIGIN is not in the list."""
 
 _PAGES = {
     ROBOTS: "Robots",
@@ -32,17 +42,22 @@ _PAGES = {
     DIAGNOSIS: "Diagnosis",
 }
 MARKS = {"input": ("◂", INK.robot), "program": ("•", INK.key), "prelude": ("◦", INK.dim)}
-"""The sign of each kind of predicate, with its colour."""
+"""The sign and colour of each kind of predicate."""
 
 _CHANGED = "•"
 _NARROWEST = 12  # columns of an entry
 
 
-class Choice(Listing):
-    """The list at the left of the inspector."""
+class PredicateList(Listing):
+    """Lists what can be inspected.
+
+    Attributes:
+        predicates: The predicates of the listed program, or None before the first one.
+        names: The listed pages and predicates.
+    """
 
     DEFAULT_CSS = """
-    Choice {
+    PredicateList {
         width: 24; height: 1fr; border: none; padding: 0; background: $surface;
         border-right: solid $ink-faint;
         text-wrap: nowrap; text-overflow: ellipsis;
@@ -51,33 +66,23 @@ class Choice(Listing):
 
     def __init__(self) -> None:
         super().__init__(id="choice", markup=False, compact=True)
-        self._predicates: tuple[Predicate, ...] | None = None
-        self._names: list[str] = []
+        self.predicates: tuple[Predicate, ...] | None = None
+        self.names: Sequence[str] = ()
         self._survey: Survey | None = None
         self._counted: dict[str, tuple[str, bool, int]] = {}
-
-    @property
-    def predicates(self) -> tuple[Predicate, ...] | None:
-        """The predicates of the program that is listed, or None before the first one."""
-        return self._predicates
-
-    @property
-    def names(self) -> Sequence[str]:
-        """The pages and predicates that are listed."""
-        return self._names
 
     def list(self, predicates: tuple[Predicate, ...], inspected: str) -> None:
         """List the predicates of a program.
 
         Args:
             predicates: All of them.
-            inspected: What is being inspected.
+            inspected: The page or predicate to highlight.
         """
-        self._predicates, self._survey = predicates, None
+        self.predicates, self._survey = predicates, None
         self._counted.clear()
-        # The prelude's functions have nothing to show in any tick; the program's own may surprise.
+        # Functions of the prelude never have rows to show; those of the program have calls.
         listed = [each for each in predicates if each.has_rows or each.kind != "prelude"]
-        names = self._names = [*_PAGES, *(predicate.name for predicate in listed)]
+        names = self.names = [*_PAGES, *(predicate.name for predicate in listed)]
         self.clear_options()
         self.add_options(
             [
@@ -89,13 +94,13 @@ class Choice(Listing):
         self.highlighted = names.index(inspected) if inspected in names else None
 
     def count(self, survey: Survey) -> None:
-        """Show how many rows each predicate has, if these are the predicates that are listed."""
-        if survey.program.predicates == self._predicates:
+        """Show how many rows each predicate has, if the survey is about the listed program."""
+        if survey.program.predicates == self.predicates:
             self._survey = survey
             self._count()
 
     def on_resize(self) -> None:
-        """Use the width there is now."""
+        """Fit the entries to the new width."""
         self._count()
 
     def go_to(self, name: str) -> None:
@@ -106,21 +111,12 @@ class Choice(Listing):
         if self._survey is None:
             return
         width = max(self.scrollable_content_region.width, _NARROWEST)
-        for predicate in self._predicates or ():
+        for predicate in self.predicates or ():
             name = predicate.name
             told = (self._survey.count(name), self._survey.differs(name), width)
             if predicate.has_rows and self._counted.get(name) != told:
                 self._counted[name] = told
-                self._renew(self.get_option_index(name), _with_count(_entry(predicate), *told))
-
-    def _renew(self, line: int, entry: Content) -> None:
-        """Show another entry on a line; to replace it would paint all others anew as well."""
-        option = self.get_option_at_index(line)
-        option._set_prompt(entry)
-        for key in list(self._option_render_cache.keys()):
-            if key[0] is option:
-                self._option_render_cache.discard(key)
-        self.refresh_line(line)
+                self.replace_option_prompt(name, _with_count(_entry(predicate), *told))
 
 
 def _entry(predicate: Predicate) -> Content:
@@ -135,7 +131,7 @@ def _entry(predicate: Predicate) -> Content:
 
 
 def _with_count(entry: Content, rows: str, differs: bool, width: int) -> Content:
-    """An entry with the number of rows at its right end, marked if the rows have changed."""
+    """An entry with its row count at the right end, marked if the rows have changed."""
     count = f"{rows}{_CHANGED if differs else ' '}"
     room = width - len(count) - 1
     gap = " " * max(1, width - entry.cell_length - len(count))

@@ -1,4 +1,4 @@
-"""Waiting for an answer: how long it takes is told meanwhile, and it can be stopped."""
+"""One query at a time in the background, with its progress on the screen and a way to cancel."""
 
 from __future__ import annotations
 
@@ -14,23 +14,23 @@ from logical_robots_tui.tui.theme.themes import INK
 if TYPE_CHECKING:
     from collections.abc import Callable, Coroutine
 
-__all__ = ["GivenUp", "Waiting", "under_way"]
+__all__ = ["BackgroundQuery", "Cancelled", "progress"]
 
 T = TypeVar("T")
 
-_BEAT = 0.1  # seconds between two pictures of the spinner; what is quicker needs none
+_INTERVAL = 0.1  # seconds between two steps of the spinner; quicker queries show none
 _SPINNER = "▖▘▝▗"
 
 
-class GivenUp(Exception):  # noqa: N818 - the player's wish, and no error
-    """The player no longer wants the answer."""
+class Cancelled(Exception):  # noqa: N818 - the player's wish, and no error
+    """The player has cancelled the query."""
 
 
-class Waiting:
+class BackgroundQuery:
     """Waits for one answer at a time.
 
     Attributes:
-        seconds: How long the present answer, or the last one, has been waited for.
+        seconds: How long the present query, or the last one, has been running.
     """
 
     def __init__(self) -> None:
@@ -39,43 +39,43 @@ class Waiting:
 
     @property
     def is_long(self) -> bool:
-        """Whether an answer is being waited for so long that this is told."""
+        """Whether a query has been running long enough to show its progress."""
         return self._task is not None and self.seconds > 0
 
-    async def answer(self, work: Coroutine[Any, Any, T], tell: Callable[[], None]) -> T:
-        """Wait for an answer.
+    async def run(self, work: Coroutine[Any, Any, T], report: Callable[[], None]) -> T:
+        """Run a query.
 
         Args:
-            work: What gives it; it is cancelled when nobody waits for it any more.
-            tell: Called several times a second as long as the answer is not there.
+            work: The query; it is cancelled if this call is.
+            report: Called ten times a second while it runs.
 
         Raises:
-            GivenUp: `stop` was called meanwhile.
+            Cancelled: `cancel` was called meanwhile.
         """
         task = asyncio.ensure_future(work)
         self._task, self.seconds = task, 0.0
         began = perf_counter()
         try:
-            while not (await asyncio.wait({task}, timeout=_BEAT))[0]:
+            while not (await asyncio.wait({task}, timeout=_INTERVAL))[0]:
                 self.seconds = perf_counter() - began
-                tell()
+                report()
             if task.cancelled():
-                raise GivenUp
+                raise Cancelled
             return task.result()
         finally:
             task.cancel()
             if self._task is task:
                 self._task = None
 
-    def stop(self) -> None:
-        """Give up what is being waited for."""
+    def cancel(self) -> None:
+        """Cancel the running query."""
         if self._task is not None:
             self._task.cancel()
 
 
-def under_way(what: str, seconds: float) -> Content:
-    """What is shown while an answer is not there: a spinner, the time, and how to stop it."""
-    spin = _SPINNER[int(seconds / _BEAT) % len(_SPINNER)]
+def progress(what: str, seconds: float) -> Content:
+    """A spinner, what is running, for how long, and how to cancel it."""
+    spin = _SPINNER[int(seconds / _INTERVAL) % len(_SPINNER)]
     return Content.assemble(
         (f"{spin} ", INK.key),
         (one_line(what), INK.text),

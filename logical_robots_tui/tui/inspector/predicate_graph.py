@@ -1,7 +1,8 @@
-"""Which predicate uses which: one in the middle, users at its left, what it uses at its right."""
+"""The call graph around a predicate: its users at the left, what it uses at the right."""
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, ClassVar
 
 from textual import on
@@ -12,8 +13,8 @@ from textual.geometry import Region
 from textual.message import Message
 from textual.widgets import Static
 
-from logical_robots_tui.tui.inspector.choice import MARKS
-from logical_robots_tui.tui.inspector.widgets.lines import LinesView
+from logical_robots_tui.tui.inspector.predicate_list import MARKS
+from logical_robots_tui.tui.inspector.widgets.line_views import LinesView
 from logical_robots_tui.tui.layout.dialog import Dialog
 from logical_robots_tui.tui.theme.safe_text import clip, one_line
 from logical_robots_tui.tui.theme.themes import INK
@@ -45,7 +46,7 @@ class GraphView(LinesView):
 
     Args:
         program: Whose predicates.
-        name: The one to begin with.
+        name: The predicate in the middle at first.
     """
 
     BINDINGS: ClassVar[list[Binding | tuple[str, str] | tuple[str, str, str]]] = [
@@ -56,16 +57,15 @@ class GraphView(LinesView):
         Binding("enter", "open", show=False),
     ]
 
+    @dataclass
     class Opened(Message):
-        """The player wants to see a predicate in the inspector.
+        """The player opens a predicate in the inspector.
 
         Attributes:
             predicate: Its name.
         """
 
-        def __init__(self, predicate: str) -> None:
-            super().__init__()
-            self.predicate = predicate
+        predicate: str
 
     def __init__(self, program: Program, name: str) -> None:
         super().__init__(id="graph")
@@ -89,22 +89,16 @@ class GraphView(LinesView):
         return self._columns[column][row]
 
     def centre(self, name: str) -> None:
-        """Put a predicate into the middle, with the cursor on it."""
+        """Move a predicate to the middle, with the cursor on it."""
         uses = self._program.uses
         users = [user for user, used in uses.items() if name in used]
         self._middle = name
         self._columns = (users, (name,), uses.get(name, ()))
         self._at = (_MIDDLE, 0)
-        self._draw()
-        self._show_chosen()
-
-    def on_resize(self) -> None:
-        """Use the width there is now."""
-        self._draw()
-        self._show_chosen()
+        self.redraw()
 
     def on_click(self, event: events.Click) -> None:
-        """Put a predicate into the middle, or open the one that is there."""
+        """Move a predicate to the middle, or open the one that is there."""
         row, column, x = event.y + self.scroll_offset.y, _USERS, event.x
         while column < _USED and x >= self._widths[column]:
             x -= self._widths[column] + _ARROWS // 2
@@ -120,32 +114,24 @@ class GraphView(LinesView):
         """Move the cursor up and down among the users, or among what is used."""
         column, row = self._at
         self._at = (column, max(0, min(row + down, len(self._columns[column]) - 1)))
-        self._draw()
-        self._show_chosen()
+        self.redraw()
 
     def action_along(self, right: int) -> None:
-        """Move the cursor to the next column; from an outer one, go along."""
+        """Move the cursor to the next column; beyond the last, move its predicate to the middle."""
         column = self._at[0] + right
         if not _USERS <= column <= _USED:
             self.centre(self.chosen)
         elif self._columns[column]:
             row = self._tops[self._at[0]] + self._at[1] - self._tops[column]
             self._at = (column, max(0, min(row, len(self._columns[column]) - 1)))
-            self._draw()
-            self._show_chosen()
+            self.redraw()
 
     def action_open(self) -> None:
-        """Show the predicate under the cursor in the inspector."""
+        """Open the predicate under the cursor in the inspector."""
         self.post_message(self.Opened(self.chosen))
 
-    def _show_chosen(self) -> None:
-        column, row = self._at
-        area = Region(0, self._tops[column] + row, 1, 1)
-        self.scroll_to_region(area, animate=False, force=True)
-
-    def _draw(self) -> None:
-        if self.columns <= 0:
-            return
+    def draw(self) -> None:
+        """Paint the graph, and bring the cursor into view."""
         labels = [[self._label(name) for name in names] for names in self._columns]
         labels[_USERS] = labels[_USERS] or [Content.styled(_NOBODY, INK.dim)]
         labels[_USED] = labels[_USED] or [Content.styled(_NOTHING, INK.dim)]
@@ -156,9 +142,12 @@ class GraphView(LinesView):
             min(most, max(label.cell_length for label in each)) for each in labels
         )
         self.paint([self._line(row, labels) for row in range(height)])
+        column, row = self._at
+        area = Region(0, self._tops[column] + row, 1, 1)
+        self.scroll_to_region(area, animate=False, force=True)
 
     def _line(self, row: int, labels: Sequence[Sequence[Content]]) -> Content:
-        """One line: a user, how it is joined, the one in the middle, the same to the right."""
+        """One line: a user, a connector, the middle, a connector, a used predicate."""
         parts = []
         for column, (top, width) in enumerate(zip(self._tops, self._widths, strict=True)):
             place = row - top
@@ -179,7 +168,7 @@ class GraphView(LinesView):
         )
 
     def _span(self, column: int) -> range:
-        """The lines on which a column has predicates."""
+        """The lines that a column fills."""
         top = self._tops[column]
         return range(top, top + len(self._columns[column]))
 
@@ -192,12 +181,12 @@ class GraphView(LinesView):
 
 
 def joint(row: int, ends: range, middle: int, *, to_right: bool) -> str:
-    """Where the lines at a row lead: some of ``e``, ``n``, ``s``, ``w``, in this order.
+    """The directions of the connector on a row: some of ``e``, ``n``, ``s``, ``w``, in this order.
 
     Args:
         row: The row.
-        ends: The rows of what is joined.
-        middle: The row that they are joined to.
+        ends: The rows to connect.
+        middle: The row to connect them to.
         to_right: Whether that is to the right of them.
     """
     if not ends:
@@ -214,11 +203,11 @@ def joint(row: int, ends: range, middle: int, *, to_right: bool) -> str:
 
 
 class Graph(Dialog[str]):
-    """The graph in a box; gives the name of the predicate that is to be opened.
+    """A dialog with the graph; returns the name of the predicate to open.
 
     Args:
         program: Whose predicates.
-        name: The one to begin with.
+        name: The predicate in the middle at first.
     """
 
     DEFAULT_CSS = """
@@ -242,7 +231,7 @@ class Graph(Dialog[str]):
             yield Static(_KEYS, id="keys", markup=False)
 
     def on_mount(self) -> None:
-        """Begin in the middle."""
+        """Focus the graph."""
         self.view.focus()
 
     @on(GraphView.Opened)

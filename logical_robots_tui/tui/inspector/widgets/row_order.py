@@ -1,4 +1,4 @@
-"""Rows as a player wants to see them: of one robot, searched, sorted, turned on their side."""
+"""Rows filtered, sorted and transposed, and as CSV and JSON."""
 
 from __future__ import annotations
 
@@ -21,19 +21,19 @@ __all__ = ["Arrangement", "Row", "Rows", "arranged", "as_csv", "as_json", "chang
 
 Row: TypeAlias = "tuple[Value, ...]"
 
-_SIDEWAYS = 50  # rows that stand side by side at most
+_SIDEWAYS = 50  # most rows of a transposed table
 
 
 @dataclass(frozen=True, slots=True)
 class Arrangement:
-    """How rows are to be shown.
+    """How to filter, sort and transpose rows.
 
     Attributes:
-        robot: Only rows of this robot, where there is a column for robots; "" for all.
+        robot: Only rows of this robot, if there is a column for robots; "" for all.
         search: Only rows with this text in some value; "" for all.
         sort: Name of the column to sort by, or "".
         descending: Whether the largest come first.
-        sideways: Whether each column is a line.
+        sideways: Whether the table is transposed.
     """
 
     robot: str = ""
@@ -44,7 +44,7 @@ class Arrangement:
 
     @property
     def words(self) -> str:
-        """What it leaves out or changes, in words."""
+        """The filters and the order in words."""
         way = "descending" if self.descending else "ascending"
         parts = [
             f"only {self.robot}" if self.robot else "",
@@ -56,13 +56,13 @@ class Arrangement:
 
 @dataclass(frozen=True, slots=True)
 class Rows:
-    """Columns and rows, and which values are to be brought out.
+    """Columns and rows, and which values to mark.
 
     Attributes:
         columns: Names of the columns.
         rows: The rows.
         changed: Row and column of each value that differs from the tick before.
-        left_out: How many more rows there are than stand side by side.
+        left_out: Number of rows that a transposed table leaves out.
     """
 
     columns: tuple[str, ...]
@@ -72,7 +72,7 @@ class Rows:
 
 
 def arranged(rows: Rows, how: Arrangement) -> Rows:
-    """The rows as they are to be shown."""
+    """The rows in an arrangement."""
     columns = rows.columns
     kept = list(range(len(rows.rows)))
     place = next((columns.index(name) for name in ROBOT_COLUMNS if name in columns), None)
@@ -91,13 +91,13 @@ def arranged(rows: Rows, how: Arrangement) -> Rows:
     places = {number: at for at, number in enumerate(kept)}
     changed = frozenset((places[row], column) for row, column in rows.changed if row in places)
     found = Rows(columns, tuple(rows.rows[number] for number in kept), changed)
-    return _turned(found) if how.sideways else found
+    return _transposed(found) if how.sideways else found
 
 
 def changed_cells(rows: Sequence[Row], before: Sequence[Row]) -> frozenset[tuple[int, int]]:
-    """Row and column of each value that is not that of the tick before.
+    """Row and column of each value that differs from the tick before.
 
-    Rows that are in both are the same; what is left is compared in its order.
+    Rows that are in both are unchanged; the others are compared in their order.
     """
     now, then = [repr(row) for row in rows], [repr(row) for row in before]
     known, kept = set(then), set(now)
@@ -115,7 +115,7 @@ def changed_cells(rows: Sequence[Row], before: Sequence[Row]) -> frozenset[tuple
 
 
 def as_csv(rows: Rows) -> str:
-    """The rows as CSV with a head; records and lists are JSON."""
+    """The rows as CSV with a header; records and lists are JSON."""
     file = io.StringIO()
     writer = csv.writer(file, lineterminator="\n")
     writer.writerow(rows.columns)
@@ -129,8 +129,8 @@ def as_json(rows: Rows) -> str:
     return json.dumps(records, ensure_ascii=False, indent=1) + "\n"
 
 
-def _turned(rows: Rows) -> Rows:
-    """Each column as a line, as many rows side by side as make sense."""
+def _transposed(rows: Rows) -> Rows:
+    """Each column as a line, with the first rows side by side."""
     shown = rows.rows[:_SIDEWAYS]
     lines = tuple((name, *(row[at] for row in shown)) for at, name in enumerate(rows.columns))
     names = ("", *(str(number + 1) for number in range(len(shown))))
@@ -139,7 +139,7 @@ def _turned(rows: Rows) -> Rows:
 
 
 def _rank(value: Value) -> tuple[int, Any]:
-    """Something to sort any value by: null, truths and numbers, texts, the rest."""
+    """A sort key for any value: null, Booleans and numbers, texts, the rest."""
     if value is None:
         return 0, 0
     if isinstance(value, bool | int | float):

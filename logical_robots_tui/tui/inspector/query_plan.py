@@ -1,4 +1,4 @@
-"""The generated SQL of a predicate, SQLite's plan for it, and what every predicate costs."""
+"""A predicate's generated SQL and query plan, and the time that each predicate takes."""
 
 from __future__ import annotations
 
@@ -21,18 +21,18 @@ _BAR = 24  # columns of the longest bar
 
 
 def machinery_text(found: Sequence[Machinery], predicate: str) -> Static:
-    """A widget that tells how long each predicate takes, and how one of them is computed.
+    """How long each predicate takes, and the SQL and plan of one of them.
 
     Args:
         found: All predicates, the slowest first.
-        predicate: The one that is told in full; the slowest one if it is not there.
+        predicate: The one to show in full; the slowest if it is not among them.
     """
     chosen = next((each for each in found if each.predicate == predicate), found[0])
-    return Static(Content("\n").join([*_times(found, chosen), *_told(chosen)]))
+    return Static(Content("\n").join([*_times(found, chosen), *_in_full(chosen)]))
 
 
 def _times(found: Sequence[Machinery], chosen: Machinery) -> Iterator[Content]:
-    yield Content.styled("Milliseconds, with all that it leans on", f"bold {INK.title}")
+    yield Content.styled("Milliseconds, including dependencies", f"bold {INK.title}")
     longest = max(each.milliseconds for each in found) or 1.0
     for each in found:
         bar = "▇" * max(1, round(each.milliseconds / longest * _BAR))
@@ -43,16 +43,14 @@ def _times(found: Sequence[Machinery], chosen: Machinery) -> Iterator[Content]:
         )
 
 
-def _told(chosen: Machinery) -> Iterator[Content]:
+def _in_full(chosen: Machinery) -> Iterator[Content]:
     name = one_line(chosen.predicate)
     yield from _titled(f"SQLite's plan for {name}", chosen.plan, INK.record)
     if chosen.tuned:
-        yield from _titled("What is run", chosen.tuned.splitlines(), INK.text)
-        yield from _titled("What was generated", chosen.generated.splitlines(), INK.dim)
+        yield from _titled("Optimised SQL, which is run", chosen.tuned.splitlines(), INK.text)
+        yield from _titled("Generated SQL", chosen.generated.splitlines(), INK.dim)
     else:
-        yield from _titled(
-            "What was generated, and is run", chosen.generated.splitlines(), INK.text
-        )
+        yield from _titled("Generated SQL, which is run", chosen.generated.splitlines(), INK.text)
 
 
 def _titled(title: str, lines: Sequence[str], colour: str) -> Iterator[Content]:
