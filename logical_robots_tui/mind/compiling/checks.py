@@ -235,4 +235,4 @@ def _instead(name: str, known: set[str]) -> str:
         close = next((n for n in sorted(working) if distance(name, n) == 1), "")
     if close and (close in known or builtins.runs(close)):
         return f"Did you mean {close}?"
-    return "`logical-robots help` lists what there is." if builtins.is_built_in(name) else ""
+    return "`logical-robots help` lists all functions." if builtins.is_built_in(name) else ""
