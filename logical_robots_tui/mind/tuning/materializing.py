@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 from sqlglot import exp
 
 from logical_robots_tui.mind.sqlite.filling import KINDS
-from logical_robots_tui.mind.tuning import columns, sharing, sql
+from logical_robots_tui.mind.tuning import columns, common_subexpressions, sql
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -42,7 +42,7 @@ def asked_often(tree: exp.Query) -> frozenset[str]:
     return frozenset(
         name
         for name, query in _named(tree).items()
-        if query.args.get("materialized") and not sharing.is_shared(name)
+        if query.args.get("materialized") and not common_subexpressions.is_shared(name)
     )
 
 
@@ -103,7 +103,7 @@ def _has_few_rows(select: exp.Select, named: Mapping[str, exp.CTE]) -> bool:
     kinds = 0
     for source in sql.sources(select).values():
         query = named.get(source.name) if isinstance(source, exp.Table) else None
-        if query is not None and sharing.is_shared(query.alias):
+        if query is not None and common_subexpressions.is_shared(query.alias):
             if not _has_few_rows(query.this, named):
                 return False
         elif sql.table_name(source) in _KINDS:

@@ -21,7 +21,7 @@ from typing import TYPE_CHECKING, Any
 
 from sqlglot import exp
 
-from logical_robots_tui.mind.tuning import notes, sql
+from logical_robots_tui.mind.tuning import json, sql
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
@@ -247,14 +247,16 @@ def _moved(
     is_result = select is tree
     for node in chosen:
         seen = reference(examination.seen[id(node)].key, node.copy)
-        node.replace(seen if notes.is_plain(node) else notes.noted(seen, node, is_result=is_result))
+        node.replace(
+            seen if json.is_plain(node) else json.remarked(seen, node, is_result=is_result)
+        )
     for expression in select.expressions:
         for column in list(expression.find_all(exp.Column)):
             found = sql.source(column)
             if found is not None and found[0] is select:
                 seen = reference((column.table, column.name.lower()), column.copy)
-                stored = notes.is_stored(found[1])
-                column.replace(seen if stored else notes.noted(seen, column, is_result=is_result))
+                stored = json.is_stored(found[1])
+                column.replace(seen if stored else json.remarked(seen, column, is_result=is_result))
     first = exp.Select(
         # Not `exp.alias_`: a subquery that is given the alias itself would be another one.
         expressions=[

@@ -16,12 +16,12 @@ from typing import TYPE_CHECKING
 from sqlglot import exp
 
 from logical_robots_tui.mind.tuning import sql
-from logical_robots_tui.mind.tuning.often import asked_often
+from logical_robots_tui.mind.tuning.materializing import asked_often
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-__all__ = ["together"]
+__all__ = ["for_all_viewers"]
 
 _VIEWER = "t_0_viewer"
 _EVERYBODY = "t_0_everybody"
@@ -29,7 +29,7 @@ _EVERYBODY = "t_0_everybody"
 _UNUSUAL = ("having", "order", "limit", "offset", "windows")
 
 
-def together(tree: exp.Query, *, alike: bool = False) -> exp.Query | None:
+def for_all_viewers(tree: exp.Query, *, alike: bool = False) -> exp.Query | None:
     """The same query for all viewers, or None if it can't be made.
 
     Args:
