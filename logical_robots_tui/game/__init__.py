@@ -14,7 +14,7 @@ from logical_robots_tui.game.frame import Frame
 from logical_robots_tui.game.game import Answer, Game, Superseded
 from logical_robots_tui.game.goal import Goal, goals
 from logical_robots_tui.game.history import History, NoSuchTickError
-from logical_robots_tui.game.holding import Holding, rows_that_count, when_it_holds
+from logical_robots_tui.game.holding import Holding, when_it_holds
 from logical_robots_tui.game.inquiry import Inquiry
 from logical_robots_tui.game.marks import MARK_KINDS, Mark, MarkKind
 from logical_robots_tui.game.origin import Link, Origin, origin_in_game, origin_in_run, read_path
@@ -28,6 +28,7 @@ from logical_robots_tui.game.run import Run, run_key
 from logical_robots_tui.game.seeking import Sought, seek
 from logical_robots_tui.game.source import Source, list_programs, load_program, save_program
 from logical_robots_tui.game.start import start_frame
+from logical_robots_tui.game.watching import rows_that_count
 
 __all__ = [
     "EVENTS",

@@ -1,4 +1,4 @@
-"""When a question holds: what its answer at a tick counts for, and the ticks of a run.
+"""In which ticks of a run a question holds.
 
 What was asked of a whole run is kept in the cache folder, beside what the run left behind.
 """
@@ -7,10 +7,11 @@ from __future__ import annotations
 
 import hashlib
 import json
-from dataclasses import asdict, dataclass, replace
+from dataclasses import asdict, dataclass
 from typing import TYPE_CHECKING
 
 from logical_robots_tui.caching import CacheFolder, cache_place
+from logical_robots_tui.game.watching import rows_that_count
 from logical_robots_tui.mind import QueryError
 from logical_robots_tui.mind.records import record
 
@@ -20,45 +21,15 @@ if TYPE_CHECKING:
 
     from logical_robots_tui.game.frame import Frame
     from logical_robots_tui.game.run import Run
-    from logical_robots_tui.mind import Mind, Question, Table
+    from logical_robots_tui.mind import Mind, Question
 
-__all__ = ["Holding", "rows_that_count", "when_it_holds"]
+__all__ = ["Holding", "when_it_holds"]
 
 MAX_ENTRIES = 500
 MAX_BYTES = 10_000_000
 SUFFIX = ".when"
 
 _LARGEST = 1_000_000  # bytes of one answer
-
-
-def rows_that_count(question: Question, table: Table, robot: str = "") -> Table:
-    """The rows of an answer for which a question holds.
-
-    Of an expression these are the values that are neither null, false nor 0; of conditions without
-    variables the minds in which they are true; of all else every row.
-
-    Args:
-        question: What was asked.
-        table: What it gave at a tick.
-        robot: In whose mind; "" is any. Where all reason alike, it is any, too.
-    """
-    viewers = table.viewers or ("",) * len(table.rows)
-    kept = [
-        (row, viewer)
-        for row, viewer in zip(table.rows, viewers, strict=True)
-        if (not robot or viewer in ("", robot)) and _counts(question, row[0] if row else None)
-    ]
-    return replace(
-        table,
-        rows=tuple(row for row, _ in kept),
-        viewers=tuple(viewer for _, viewer in kept) if table.viewers else (),
-    )
-
-
-def _counts(question: Question, value: object) -> bool:
-    if question.gives == "truth":
-        return value == "true"
-    return question.gives == "rows" or value not in (None, False)  # 0 is equal to False
 
 
 @dataclass(frozen=True, slots=True)

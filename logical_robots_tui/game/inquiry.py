@@ -8,11 +8,11 @@ from functools import partial
 from typing import TYPE_CHECKING, TypeVar
 
 from logical_robots_tui.game.game import Superseded
-from logical_robots_tui.game.holding import rows_that_count
 from logical_robots_tui.game.pins import read
 from logical_robots_tui.game.thinker import Thinker
+from logical_robots_tui.game.watching import rows_that_count
 from logical_robots_tui.mind import Limits, ProgramError, QueryError, Stopped, Table
-from logical_robots_tui.mind.compilation import check_up
+from logical_robots_tui.mind.diagnosis.sites import check_up
 
 if TYPE_CHECKING:
     import threading

@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Literal, TypeAlias
 
 from logical_robots_tui.game.advancing import Known, known_frame
 from logical_robots_tui.game.history import NoSuchTickError
-from logical_robots_tui.game.holding import rows_that_count
 from logical_robots_tui.game.thinker import Thinker
+from logical_robots_tui.game.watching import rows_that_count
 from logical_robots_tui.game.worlds import Worlds
 from logical_robots_tui.mind import QueryError, Stopped
 

@@ -10,12 +10,13 @@ from typing import TYPE_CHECKING
 from logical_robots_tui.later import names_from
 
 if TYPE_CHECKING:
+    from logical_robots_tui.mind.compilation import Report
     from logical_robots_tui.mind.decision import Decision, Notice, NoticeKind
     from logical_robots_tui.mind.diagnostics import Diagnostic, ProgramError, QueryError, Stopped
     from logical_robots_tui.mind.limits import Limits
     from logical_robots_tui.mind.machinery import Machinery
     from logical_robots_tui.mind.mind import Mind
-    from logical_robots_tui.mind.program import Predicate, Program, Question, Report
+    from logical_robots_tui.mind.program import Predicate, Program, Question
     from logical_robots_tui.mind.table import Table
     from logical_robots_tui.mind.why.explanation import Ask, Explanation, Node
     from logical_robots_tui.mind.why.unfolding import Proof
@@ -61,7 +62,7 @@ __getattr__ = names_from(
         "Proof": "why.unfolding",
         "QueryError": "diagnostics",
         "Question": "program",
-        "Report": "program",
+        "Report": "compilation",
         "Stopped": "diagnostics",
         "Table": "table",
     },

@@ -20,9 +20,9 @@ from logical_robots_tui.world.singly import take_singly
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from logical_robots_tui.world.rays import Rays
+    from logical_robots_tui.world.rays import Circles, Rays
 
-__all__ = ["FEW", "FEWEST", "Circles", "Pairs", "take_nearer_circles"]
+__all__ = ["FEW", "FEWEST", "Pairs", "take_nearer_circles"]
 
 FEWEST = 80
 """Pairs of robot and circle that are quicker looked at one by one."""
@@ -35,29 +35,6 @@ FEW = 200
 
 _PAIRS_AT_ONCE = 4096  # bounds the memory for robots that crowd around each other
 _THREE = np.arange(3.0)[:, None]
-
-
-class Circles(NamedTuple):
-    """What rays can meet; all of shape (circles,).
-
-    Attributes:
-        number: To tell them apart, ascending. The robots, in file order, have the first ones.
-        x: Centres in map units; infinite for what is not there.
-        y: The same, but finite.
-        radius: Map units.
-    """
-
-    number: NDArray[np.intp]
-    x: NDArray[np.float64]
-    y: NDArray[np.float64]
-    radius: NDArray[np.float64]
-
-    def around(self, rays: Rays) -> Circles:
-        """Return those of the circles that could be in reach of any of the rays."""
-        far = self.radius + SENSOR_RANGE
-        near = (self.x + far >= rays.x.min()) & (self.x - far <= rays.x.max())
-        near &= (self.y + far >= rays.y.min()) & (self.y - far <= rays.y.max())
-        return Circles(self.number[near], self.x[near], self.y[near], self.radius[near])
 
 
 class Pairs(NamedTuple):

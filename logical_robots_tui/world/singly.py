@@ -13,8 +13,7 @@ if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
-    from logical_robots_tui.world.circles import Circles
-    from logical_robots_tui.world.rays import Rays
+    from logical_robots_tui.world.rays import Circles, Rays
 
 __all__ = ["take_singly"]
 

@@ -37,7 +37,7 @@ from logical_robots_tui.mind.typed import as_on_duckdb
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-    from logical_robots_tui.mind.program import Report
+    from logical_robots_tui.mind.compilation import Report
 
 __all__ = ["RobotProgram", "compile_text", "compiled_rules", "plain_rules", "read_rules"]
 

@@ -38,8 +38,9 @@ from logical_robots_tui.mind.tuning import Known, tune, tune_all
 from logical_robots_tui.mind.why.taking_apart import take_apart
 
 if TYPE_CHECKING:
+    from logical_robots_tui.mind.compilation import Report
     from logical_robots_tui.mind.diagnosis.sites import Checkup
-    from logical_robots_tui.mind.program import Program, Question, Report, Tuned
+    from logical_robots_tui.mind.program import Program, Question, Tuned
     from logical_robots_tui.mind.why.probing import Probing
 
 __all__ = ["main"]
