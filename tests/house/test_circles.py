@@ -19,39 +19,16 @@ PACKAGE = ROOT / "logical_robots_tui"
 
 KNOWN = frozenset(
     f"logical_robots_tui.tui.{name}"
-    for name in [
-        "actions",
-        "bookmark",
-        "capture",
-        "celebration",
-        "editing.actions",
-        "editing.door",
-        "editing.live",
-        "editing.mode",
-        "editing.new_level",
-        "editing.pointer",
-        "editing.recovering",
-        "editing.saving",
-        "guide",
-        "inspector.origin",
-        "inspector.pages",
-        "inspector.pane",
-        "inspector.remembered",
-        "inspector.rows",
-        "leaving",
-        "library",
-        "looking_actions",
-        "offers",
-        "palette",
-        "playing_actions",
-        "screen",
-        "screen_actions",
-        "scribe",
-        "timeline.search",
-        "timeline.travel",
-        "tour_guide",
-        "writing_actions",
-    ]
+    for name in (
+        *("actions", "bookmark", "capture", "celebration"),
+        *("editing.actions", "editing.door", "editing.live", "editing.mode"),
+        *("editing.new_level", "editing.pointer", "editing.recovering", "editing.saving"),
+        *("guide", "inspector.origin", "inspector.pages", "inspector.pane"),
+        *("inspector.remembered", "inspector.rows", "leaving", "library"),
+        *("looking_actions", "offers", "palette", "playing_actions"),
+        *("screen", "screen_actions", "scribe", "timeline.search"),
+        *("timeline.travel", "tour_guide", "writing_actions"),
+    )
 )
 """Files of circles that are still to be opened."""
 
