@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 from logical_robots_tui.caching import CacheFolder, cache_place
 from logical_robots_tui.game.watching import rows_that_count
 from logical_robots_tui.mind import QueryError
-from logical_robots_tui.mind.records import record
+from logical_robots_tui.records import record
 
 if TYPE_CHECKING:
     import threading

@@ -21,7 +21,7 @@ from typing import TYPE_CHECKING, Any, get_args
 from logical_robots_tui.caching import CacheFolder, cache_place
 from logical_robots_tui.game.packing import Moment, laid_out, moment_in
 from logical_robots_tui.mind import NoticeKind
-from logical_robots_tui.mind.weight import weight_of_text
+from logical_robots_tui.mind.limits import weight_of_text
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Sequence

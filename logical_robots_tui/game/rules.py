@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from logical_robots_tui.mind.text import prepare, statements
+from logical_robots_tui.mind.source_text import prepare, statements
 
 __all__ = ["count_rules"]
 

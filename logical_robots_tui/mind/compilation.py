@@ -19,7 +19,7 @@ from typing import TYPE_CHECKING, Any, TypeAlias, TypeVar
 from logical_robots_tui.mind import cache
 from logical_robots_tui.mind.diagnostics import Diagnostic, ProgramError, Stopped
 from logical_robots_tui.mind.limits import Limits
-from logical_robots_tui.mind.records import record
+from logical_robots_tui.records import record
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Mapping

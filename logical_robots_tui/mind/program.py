@@ -5,14 +5,13 @@ from __future__ import annotations
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Literal
 
-from logical_robots_tui.mind.diagnostics import ProgramError, QueryError
+from logical_robots_tui.mind.diagnostics import Diagnostic, ProgramError, QueryError
 
 if TYPE_CHECKING:
     import threading
     from collections.abc import Mapping
 
     from logical_robots_tui.mind.compilation import Report
-    from logical_robots_tui.mind.diagnostics import Diagnostic
     from logical_robots_tui.mind.limits import Limits
     from logical_robots_tui.mind.why.probing import Probing
 

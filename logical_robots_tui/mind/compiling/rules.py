@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 
 from logica.parser_py import parse
 
-from logical_robots_tui.mind.compiling.prelude import PRELUDE
 from logical_robots_tui.mind.program import VALUE
 
 if TYPE_CHECKING:
@@ -31,6 +30,37 @@ __all__ = [
     "subject",
     "value_of",
 ]
+
+_PRELUDE = """
+->(left:, right:) = {arg: left, value: right};
+`=`(left:, right:) = right :- left == right;
+Arrow(left, right) = arrow :- left == arrow.arg, right == arrow.value;
+
+WeightedAverage(pair) = Sum(pair.arg * pair.value) / Sum(pair.arg);
+
+ArgMin(pair) = SqlExpr("arg_min({a}, {v})", {a: pair.arg, v: pair.value});
+ArgMax(pair) = SqlExpr("arg_max({a}, {v})", {a: pair.arg, v: pair.value});
+ArgMinK(pair, k) = SqlExpr("arg_min_k({a}, {v}, {k})", {a: pair.arg, v: pair.value, k:});
+ArgMaxK(pair, k) = SqlExpr("arg_max_k({a}, {v}, {k})", {a: pair.arg, v: pair.value, k:});
+Array(pair) = SqlExpr("array_by({a}, {v})", {a: pair.arg, v: pair.value});
+
+NaturalHash(x) = SqlExpr("natural_hash({x})", {x:});
+Fingerprint(x) = SqlExpr("natural_hash({x})", {x:});
+TryCast(value, example) = SqlExpr("try_cast_like({v}, {e})", {v: value, e: example});
+TruthToString(truth) = SqlExpr("truth_to_text({t})", {t: truth});
+RecordAsJson(record) = SqlExpr("record_as_json({r})", {r: record});
+AssembleRecord(pairs) = SqlExpr("assemble_record({p})", {p: pairs});
+DisassembleRecord(record) = SqlExpr("disassemble_record({r})", {r: record});
+Chr(code) = SqlExpr("char({c})", {c: code});
+Ord(text) = SqlExpr("unicode_of({t})", {t: text});
+Num(x) = x;
+Str(x) = x;
+"""
+"""Everyday predicates that every program may use.
+
+A program that defines one of them itself uses its own; so none of them may lean on another.
+Aggregates take ``argument -> value`` pairs, which the compiler knows as ``{arg:, value:}``.
+"""
 
 Rule: TypeAlias = dict[str, Any]
 """A node of a syntax tree."""
@@ -57,7 +87,7 @@ def head_name(rule: Rule) -> str:
 @functools.cache
 def prelude_rules() -> tuple[Rule, ...]:
     """The rules of the prelude. Don't change them."""
-    return tuple(parse.ParseFile(PRELUDE)["rule"])
+    return tuple(parse.ParseFile(_PRELUDE)["rule"])
 
 
 def defined(rules: list[Rule]) -> Iterator[str]:

@@ -5,9 +5,11 @@ from __future__ import annotations
 from contextlib import suppress
 from typing import TYPE_CHECKING
 
-from logical_robots_tui.mind.compiling import complaints
+from logical_robots_tui.mind.checking import error_messages
+from logical_robots_tui.mind.checking.robot_rule import MAIN
+from logical_robots_tui.mind.clauses import trees
+from logical_robots_tui.mind.clauses.spans import span_of
 from logical_robots_tui.mind.compiling.compiler import compiled_rules, read_rules
-from logical_robots_tui.mind.compiling.robot_rule import MAIN
 from logical_robots_tui.mind.compiling.rules import VALUE, called, head_name, heads, value_of
 from logical_robots_tui.mind.diagnosis.expressions import text_of
 from logical_robots_tui.mind.diagnosis.memory import texts_of, written_fields
@@ -15,15 +17,13 @@ from logical_robots_tui.mind.diagnosis.sites import Checkup, RuleSite
 from logical_robots_tui.mind.diagnosis.tracing import Tracer
 from logical_robots_tui.mind.program import Program
 from logical_robots_tui.mind.tuning import tune_all
-from logical_robots_tui.mind.why import trees
-from logical_robots_tui.mind.why.spans import span_of
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
 
     from logical_robots_tui.mind.compiling.rules import Rule
     from logical_robots_tui.mind.diagnosis.sites import Probe, Span
-    from logical_robots_tui.mind.text import Prepared
+    from logical_robots_tui.mind.source_text import Prepared
 
 __all__ = ["check_up"]
 
@@ -63,7 +63,7 @@ def check_up(
     probes: list[Probe] = []
     statements: dict[str, str] = {}
     for name, (_, probe) in asked.items():
-        with suppress(*complaints.COMPLAINTS):
+        with suppress(*error_messages.COMPLAINTS):
             sql = compiled.FormattedPredicateSql(names[name]).rstrip().removesuffix(";")
             if is_quick(sql, 0):
                 probes.append(probe)

@@ -17,7 +17,7 @@ from logica.parser_py import parse
 from logica.type_inference.research import reference_algebra, types_of_builtins
 
 from logical_robots_tui.mind.compiling.rules import nodes
-from logical_robots_tui.mind.text import INNER_QUOTE, prepare
+from logical_robots_tui.mind.source_text import INNER_QUOTE, prepare
 
 if TYPE_CHECKING:
     from pathlib import Path

@@ -11,34 +11,41 @@ from dataclasses import replace
 from operator import itemgetter
 from typing import TYPE_CHECKING, Any, Literal
 
-from logical_robots_tui.mind.compiling.quicker import deep_copy
-from logical_robots_tui.mind.compiling.rules import VALUE
-from logical_robots_tui.mind.program import INPUTS
-from logical_robots_tui.mind.why import trees
-from logical_robots_tui.mind.why.bodies import (
+from logical_robots_tui.mind.clauses import trees
+from logical_robots_tui.mind.clauses.bodies import (
     TooManyError,
     alternatives,
     is_denial,
     plain_text,
     values_in,
 )
-from logical_robots_tui.mind.why.probing import GIVEN, Body, Call, Clause, Collected, Step, Term
-from logical_robots_tui.mind.why.scopes import Scope, column_name, combines, flat, in_order, names
-from logical_robots_tui.mind.why.spans import span_of
-from logical_robots_tui.mind.why.terms import (
+from logical_robots_tui.mind.clauses.scopes import (
+    Scope,
+    column_name,
+    combines,
+    flat,
+    in_order,
+    names,
+)
+from logical_robots_tui.mind.clauses.spans import span_of
+from logical_robots_tui.mind.clauses.terms import (
     chain_root,
     chains,
     kind_of,
     names_of,
     parts_of,
 )
+from logical_robots_tui.mind.compiling.package_patches import deep_copy
+from logical_robots_tui.mind.compiling.rules import VALUE
+from logical_robots_tui.mind.program import INPUTS
+from logical_robots_tui.mind.why.probing import GIVEN, Body, Call, Clause, Collected, Step, Term
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence
 
+    from logical_robots_tui.mind.clauses.bodies import Names
     from logical_robots_tui.mind.compiling.rules import Rule
-    from logical_robots_tui.mind.text import Prepared
-    from logical_robots_tui.mind.why.bodies import Names
+    from logical_robots_tui.mind.source_text import Prepared
     from logical_robots_tui.mind.why.probing import Span
 
 __all__ = ["PROBE", "Builder"]

@@ -40,7 +40,7 @@ def test_gaps_are_found_as_the_plain_way_finds_them(visible: Any, robots: int) -
 def test_a_query_that_is_asked_for_each_pair_is_computed_once(robots: int) -> None:
     program = Program.compile(GAPS)
     mind = Mind(program)
-    plan = mind.machinery("Robot", looking(robots), {}).plan
+    plan = mind.query_plan("Robot", looking(robots), {}).plan
     mind.close()
     assert [line for line in plan if "MATERIALIZE" in line and "Blocked" in line]
     (asked,) = [line for line in plan if "SEARCH" in line and "Blocked" in line]

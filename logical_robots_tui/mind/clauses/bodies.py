@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
+from logical_robots_tui.mind.clauses.scopes import column_name, flat
 from logical_robots_tui.mind.compiling.rules import value_of
 from logical_robots_tui.mind.why.probing import Call
-from logical_robots_tui.mind.why.scopes import column_name, flat
 
 if TYPE_CHECKING:
     from collections.abc import Collection, Iterable, Iterator, Mapping

@@ -6,9 +6,8 @@ import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from logical_robots_tui.mind.close import closest
-from logical_robots_tui.mind.compiling import builtins
-from logical_robots_tui.mind.compiling.robot_rule import MAIN
+from logical_robots_tui.mind.checking import builtins
+from logical_robots_tui.mind.checking.robot_rule import MAIN
 from logical_robots_tui.mind.compiling.rules import (
     VALUE,
     called,
@@ -22,7 +21,8 @@ from logical_robots_tui.mind.compiling.rules import (
     value_of,
 )
 from logical_robots_tui.mind.program import INPUTS
-from logical_robots_tui.mind.text import diagnostic_for
+from logical_robots_tui.mind.similar_names import closest
+from logical_robots_tui.mind.source_text import diagnostic_for
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping

@@ -9,7 +9,7 @@ from logical_robots_tui.mind.why.probing import Span
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from logical_robots_tui.mind.text import Prepared
+    from logical_robots_tui.mind.source_text import Prepared
 
 __all__ = ["span_of", "span_of_text"]
 

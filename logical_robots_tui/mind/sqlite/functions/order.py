@@ -5,7 +5,7 @@ from __future__ import annotations
 from functools import cmp_to_key
 from typing import TYPE_CHECKING, Any
 
-from logical_robots_tui.mind.sqlite.values import Scalar, element
+from logical_robots_tui.mind.sqlite.functions.values import Scalar, element
 
 if TYPE_CHECKING:
     from collections.abc import Iterable

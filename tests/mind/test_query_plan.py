@@ -7,14 +7,14 @@ from contextlib import closing
 import pytest
 
 from logical_robots_tui.mind import Mind, Program, QueryError
-from logical_robots_tui.mind.machinery import plan_lines
+from logical_robots_tui.mind.table import plan_lines
 from tests.mind.rows import PAPER, row
 
 
 @pytest.mark.parametrize("plain", [False, True])
 def test_the_sql_and_the_plan_are_those_of_what_is_run(plain: bool) -> None:
     with closing(Mind(Program.compile(PAPER), plain=plain)) as mind:
-        found = mind.machinery("Robot", [row("Ada")], {})
+        found = mind.query_plan("Robot", [row("Ada")], {})
     assert bool(found.tuned) is not plain
     assert "SELECT" in found.generated
     assert any("Sensor" in line for line in found.plan)
@@ -29,6 +29,6 @@ def test_steps_of_a_plan_are_indented() -> None:
 def test_a_function_and_an_input_have_no_plan() -> None:
     with closing(Mind(Program.compile(PAPER))) as mind:
         with pytest.raises(QueryError, match="function of its arguments"):
-            mind.machinery("FreedomMotion", [row("Ada")], {})
+            mind.query_plan("FreedomMotion", [row("Ada")], {})
         with pytest.raises(QueryError):
-            mind.machinery("Sensor", [row("Ada")], {})
+            mind.query_plan("Sensor", [row("Ada")], {})

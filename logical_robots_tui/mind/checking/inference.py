@@ -10,7 +10,7 @@ from __future__ import annotations
 import re
 from typing import TYPE_CHECKING, Any, TypeAlias
 
-from logical_robots_tui.mind.close import closest
+from logical_robots_tui.mind.checking.shapes import SENSOR, ListOf, Record, Scalar, Shape
 from logical_robots_tui.mind.compiling.rules import (
     VALUE,
     called,
@@ -19,8 +19,8 @@ from logical_robots_tui.mind.compiling.rules import (
     heads,
     value_of,
 )
-from logical_robots_tui.mind.compiling.shapes import SENSOR, ListOf, Record, Scalar, Shape
-from logical_robots_tui.mind.text import diagnostic_for
+from logical_robots_tui.mind.similar_names import closest
+from logical_robots_tui.mind.source_text import diagnostic_for
 
 if TYPE_CHECKING:
     from collections.abc import Iterator

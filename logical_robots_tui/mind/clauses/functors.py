@@ -5,9 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
-from logical_robots_tui.mind.compiling.quicker import deep_copy
+from logical_robots_tui.mind.clauses import trees
+from logical_robots_tui.mind.compiling.package_patches import deep_copy
 from logical_robots_tui.mind.compiling.rules import called, head_name, heads, value_of
-from logical_robots_tui.mind.why import trees
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping

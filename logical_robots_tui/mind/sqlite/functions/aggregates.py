@@ -5,13 +5,13 @@ from __future__ import annotations
 from typing import Any
 
 from logical_robots_tui.mind.sqlite.bounds import Room
-from logical_robots_tui.mind.sqlite.order import in_order, order, order_of_scalar
-from logical_robots_tui.mind.sqlite.stored import to_json
-from logical_robots_tui.mind.sqlite.values import (
+from logical_robots_tui.mind.sqlite.functions.order import in_order, order, order_of_scalar
+from logical_robots_tui.mind.sqlite.functions.values import (
     Scalar,
     element,
     list_in,
 )
+from logical_robots_tui.mind.sqlite.stored import to_json
 
 __all__ = ["AGGREGATES"]
 

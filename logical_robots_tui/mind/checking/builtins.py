@@ -9,8 +9,8 @@ import sqlite3
 from logica.compiler import expr_translate
 
 from logical_robots_tui.mind.compiling.dialect import RobotDialect
-from logical_robots_tui.mind.sqlite import functions
 from logical_robots_tui.mind.sqlite.allowed import BUILT_IN
+from logical_robots_tui.mind.sqlite.functions import registry
 
 __all__ = ["arity", "is_built_in", "names", "runs"]
 
@@ -102,7 +102,7 @@ def _compiles(expression: str) -> bool:
 @functools.cache
 def _connection() -> sqlite3.Connection:
     connection = sqlite3.connect(":memory:", check_same_thread=False)
-    functions.install(connection)
+    registry.install(connection)
     # SQLite sets up its JSON tables at their first use, which the authorizer would refuse.
     connection.execute("SELECT 1 FROM json_each('[]')").fetchall()
     connection.set_authorizer(_authorize)
@@ -112,5 +112,5 @@ def _connection() -> sqlite3.Connection:
 def _authorize(action: int, _first: str | None, second: str | None, *_: str | None) -> int:
     if action == sqlite3.SQLITE_FUNCTION and second is not None:
         name = second.lower()
-        return sqlite3.SQLITE_OK if name in BUILT_IN or name in functions.NAMES else _REFUSED
+        return sqlite3.SQLITE_OK if name in BUILT_IN or name in registry.NAMES else _REFUSED
     return sqlite3.SQLITE_OK

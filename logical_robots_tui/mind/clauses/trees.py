@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 from logica.parser_py import parse
 
-from logical_robots_tui.mind.compiling.quicker import deep_copy
+from logical_robots_tui.mind.compiling.package_patches import deep_copy
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping

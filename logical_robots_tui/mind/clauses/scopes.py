@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 from logica.compiler import rule_translate
 
-from logical_robots_tui.mind.compiling import builtins
+from logical_robots_tui.mind.checking import builtins
 
 if TYPE_CHECKING:
     from collections.abc import Container, Iterable, Iterator, Mapping

@@ -9,15 +9,16 @@ from __future__ import annotations
 import re
 from typing import TYPE_CHECKING
 
-from logical_robots_tui.mind.compiling import complaints
+from logical_robots_tui.mind.checking import error_messages
+from logical_robots_tui.mind.clauses import trees
+from logical_robots_tui.mind.clauses.bodies import Names, head_of
+from logical_robots_tui.mind.clauses.functors import expand, rename
+from logical_robots_tui.mind.clauses.normal_form import Builder
+from logical_robots_tui.mind.clauses.scopes import Scope, combines, flat, in_order, names
 from logical_robots_tui.mind.compiling.compiler import compiled_rules, read_rules
-from logical_robots_tui.mind.compiling.quicker import deep_copy
+from logical_robots_tui.mind.compiling.package_patches import deep_copy
 from logical_robots_tui.mind.compiling.rules import VALUE, called, head_name
 from logical_robots_tui.mind.program import INPUTS
-from logical_robots_tui.mind.why import trees
-from logical_robots_tui.mind.why.bodies import Names, head_of
-from logical_robots_tui.mind.why.clauses import Builder
-from logical_robots_tui.mind.why.functors import expand, rename
 from logical_robots_tui.mind.why.probing import (
     DECIDED_BY_ONE,
     GIVEN,
@@ -27,14 +28,13 @@ from logical_robots_tui.mind.why.probing import (
     RuleParts,
     with_given,
 )
-from logical_robots_tui.mind.why.scopes import Scope, combines, flat, in_order, names
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Collection, Mapping
 
+    from logical_robots_tui.mind.clauses.functors import Expanded
     from logical_robots_tui.mind.compiling.rules import Rule
-    from logical_robots_tui.mind.text import Prepared
-    from logical_robots_tui.mind.why.functors import Expanded
+    from logical_robots_tui.mind.source_text import Prepared
 
 __all__ = ["take_apart"]
 
@@ -283,6 +283,6 @@ def _statements(
     for name in wanted:
         try:
             found[name] = compiled.FormattedPredicateSql(name).rstrip().removesuffix(";")
-        except complaints.COMPLAINTS:
+        except error_messages.COMPLAINTS:
             continue  # what can't be asked alone is told to be so
     return found

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from logica.compiler import rule_translate
 from logica.parser_py import parse
 
-from logical_robots_tui.mind.compiling import quicker
+from logical_robots_tui.mind.compiling import package_patches
 
 if TYPE_CHECKING:
     from types import ModuleType
@@ -59,7 +59,7 @@ def test_a_variable_is_replaced_everywhere(tree: list[Any], new: Any) -> None:
         new = 7  # would be replaced without end
     theirs = copy.deepcopy(tree)
     RULES.ReplaceVariable("x", new, theirs)
-    quicker.replace_variable("x", new, tree)
+    package_patches.replace_variable("x", new, tree)
     assert tree == theirs
 
 
@@ -68,7 +68,7 @@ def test_a_variable_is_replaced_everywhere(tree: list[Any], new: Any) -> None:
 def test_the_same_variables_are_found(tree: list[Any], dive: bool, is_select: bool) -> None:
     select = {"variable": tree} if is_select else tree
     arguments = {"dive_in_combines": dive, "this_is_select": is_select}
-    assert quicker.mentioned_variables(select, **arguments) == RULES.AllMentionedVariables(
+    assert package_patches.mentioned_variables(select, **arguments) == RULES.AllMentionedVariables(
         select, **arguments
     )
 
@@ -76,7 +76,7 @@ def test_the_same_variables_are_found(tree: list[Any], dive: bool, is_select: bo
 @settings(deadline=None)
 @given(st.text(max_size=20), st.lists(st.tuples(st.integers(0, 25), st.integers(-5, 25))))
 def test_a_part_of_a_text_knows_where_it_stands(text: str, cuts: list[tuple[int, int]]) -> None:
-    quicker.install()
+    package_patches.install()
     ours, theirs = parse.HeritageAwareString(text), PARSE.HeritageAwareString(text)
     for start, stop in cuts:
         ours, theirs = ours[start:stop], theirs[start:stop]
@@ -94,7 +94,7 @@ def test_a_part_of_a_text_knows_where_it_stands(text: str, cuts: list[tuple[int,
 def test_a_copy_is_equal_and_tangled_alike_and_has_no_node_of_what_it_is_of(
     tree: list[Any],
 ) -> None:
-    copied = quicker.deep_copy(tree)
+    copied = package_patches.deep_copy(tree)
     assert copied == tree
     ours, theirs = nodes(copied), nodes(tree)
     assert not set(ours) & set(theirs)
@@ -117,7 +117,7 @@ pieces = st.sampled_from([*'abc|,;:-#()[]{}`"\n', "||", ":-", "->", '"""', "/*",
     st.sampled_from([",", ";", "|", "||", ":-", "->", ":", "-"]),
 )
 def test_a_text_is_split_at_the_same_places(text: str, separator: str) -> None:
-    quicker.install()
+    package_patches.install()
     found: list[object] = []
     for parser, split in ((parse, parse.SplitRaw), (PARSE, PARSE.SplitRaw)):
         try:

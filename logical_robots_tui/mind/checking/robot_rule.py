@@ -4,15 +4,15 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from logical_robots_tui.mind.close import closest
+from logical_robots_tui.mind.checking.shapes import Record
 from logical_robots_tui.mind.compiling.rules import fields, heads, nodes
-from logical_robots_tui.mind.compiling.shapes import Record
-from logical_robots_tui.mind.text import diagnostic_at, diagnostic_for
+from logical_robots_tui.mind.similar_names import closest
+from logical_robots_tui.mind.source_text import diagnostic_at, diagnostic_for
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
 
-    from logical_robots_tui.mind.compiling.inference import Inference
+    from logical_robots_tui.mind.checking.inference import Inference
     from logical_robots_tui.mind.compiling.rules import Rule
     from logical_robots_tui.mind.diagnostics import Diagnostic
 

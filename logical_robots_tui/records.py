@@ -16,6 +16,8 @@ T = TypeVar("T")
 def record(kind: type[T], data: Any) -> T:
     """A dataclass from what `dataclasses.asdict` made of it, after a journey through JSON.
 
+    Its module has to import the types of its fields, but Mapping and Sequence, when it is run.
+
     Raises:
         ValueError: A field is missing, unknown or of another type.
     """
@@ -25,10 +27,7 @@ def record(kind: type[T], data: Any) -> T:
 
 @cache
 def _hints(kind: type) -> dict[str, Any]:
-    from logical_robots_tui.mind.diagnostics import Diagnostic
-
-    known = {"Mapping": Mapping, "Sequence": Sequence, "Diagnostic": Diagnostic}
-    return get_type_hints(kind, localns=known)
+    return get_type_hints(kind, localns={"Mapping": Mapping, "Sequence": Sequence})
 
 
 def _checked(wanted: Any, data: Any, where: str) -> Any:

@@ -11,25 +11,30 @@ import math
 import sqlite3
 from typing import TYPE_CHECKING, Any
 
-from logical_robots_tui.mind.sqlite import texts
-from logical_robots_tui.mind.sqlite.aggregates import AGGREGATES
 from logical_robots_tui.mind.sqlite.bounds import MAX_RANGE, check_items, check_text, guarded
-from logical_robots_tui.mind.sqlite.casting import to_text, try_cast, try_cast_like
-from logical_robots_tui.mind.sqlite.order import compared, in_json, in_order, order_of_scalar
-from logical_robots_tui.mind.sqlite.replaced import REPLACED
-from logical_robots_tui.mind.sqlite.stored import to_json
-from logical_robots_tui.mind.sqlite.values import (
+from logical_robots_tui.mind.sqlite.functions import texts
+from logical_robots_tui.mind.sqlite.functions.aggregates import AGGREGATES
+from logical_robots_tui.mind.sqlite.functions.casting import to_text, try_cast, try_cast_like
+from logical_robots_tui.mind.sqlite.functions.order import (
+    compared,
+    in_json,
+    in_order,
+    order_of_scalar,
+)
+from logical_robots_tui.mind.sqlite.functions.replaced import REPLACED
+from logical_robots_tui.mind.sqlite.functions.values import (
     Scalar,
     element,
     list_in,
     real_as_json,
     value_as_json,
 )
+from logical_robots_tui.mind.sqlite.stored import to_json
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from logical_robots_tui.mind.sqlite.watch import Work
+    from logical_robots_tui.mind.sqlite.budget import Work
 
 __all__ = ["NAMES", "install"]
 

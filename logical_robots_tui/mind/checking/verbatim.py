@@ -6,13 +6,13 @@ import re
 from typing import TYPE_CHECKING
 
 from logical_robots_tui.mind.compiling.rules import calls, head_name, nodes, value_of
-from logical_robots_tui.mind.text import diagnostic_for
+from logical_robots_tui.mind.source_text import diagnostic_for
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping
 
+    from logical_robots_tui.mind.checking.signatures import Signature
     from logical_robots_tui.mind.compiling.rules import Rule
-    from logical_robots_tui.mind.compiling.signatures import Signature
     from logical_robots_tui.mind.diagnostics import Diagnostic
 
 __all__ = ["verbatim"]
