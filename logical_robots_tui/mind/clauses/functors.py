@@ -7,14 +7,14 @@ from typing import TYPE_CHECKING, Any
 
 from logical_robots_tui.mind.clauses import trees
 from logical_robots_tui.mind.compiling.package_patches import deep_copy
-from logical_robots_tui.mind.compiling.rules import called, head_name, heads, value_of
+from logical_robots_tui.mind.compiling.rules import head_name, heads, reached, value_of
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping
 
     from logical_robots_tui.mind.compiling.rules import Rule
 
-__all__ = ["Expanded", "expand"]
+__all__ = ["Expanded", "expand", "made_from", "rename"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -42,14 +42,7 @@ class Expanded:
 
     def reach(self, name: str) -> set[str]:
         """Names of the predicates that one leans on, directly or not."""
-        found: set[str] = set()
-        waiting = [name]
-        while waiting:
-            for other in map(str, called(self.rules.get(waiting.pop(), []))):
-                if other not in found:
-                    found.add(other)
-                    waiting.append(other)
-        return found
+        return reached(self.rules.get(name, []), self.rules)
 
 
 def expand(raw: Iterable[Rule]) -> Expanded:
@@ -74,7 +67,7 @@ def expand(raw: Iterable[Rule]) -> Expanded:
 
 
 def _is_ready(make: Rule, waiting: Mapping[str, Rule], expanded: Expanded) -> bool:
-    base, given = _parts(make)
+    base, given = made_from(make)
     needed = {base, *expanded.reach(base)}
     for value in given.values():
         name = _named(value)
@@ -83,7 +76,7 @@ def _is_ready(make: Rule, waiting: Mapping[str, Rule], expanded: Expanded) -> bo
 
 
 def _make(name: str, make: Rule, expanded: Expanded) -> None:
-    base, given = _parts(make)
+    base, given = made_from(make)
     filled = {}
     for number, (argument, value) in enumerate(given.items()):
         filled[argument] = _named(value) or f"{name}_given{number}"
@@ -127,8 +120,8 @@ def rename(tree: Any, names: Mapping[str, str]) -> None:
             waiting.extend(node)
 
 
-def _parts(make: Rule) -> tuple[str, dict[str, Rule]]:
-    """What a predicate is made from, and what is filled in."""
+def made_from(make: Rule) -> tuple[str, dict[str, Rule]]:
+    """What a rule of ``@Make`` makes a predicate from, and what is filled in, by name."""
     first, second, third = map(value_of, make["head"]["record"]["field_value"][:3])
     assert first is not None
     assert second is not None

@@ -10,7 +10,7 @@ from logica.parser_py import parse
 from logical_robots_tui.mind.program import VALUE
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Iterator, Mapping
 
 __all__ = [
     "COMPARISONS",
@@ -27,6 +27,7 @@ __all__ = [
     "heads",
     "nodes",
     "prelude_rules",
+    "reached",
     "subject",
     "value_of",
 ]
@@ -157,3 +158,20 @@ def called(tree: Any) -> Iterator[str]:
                 yield node[key]["predicate_name"]
         if "operator" in node and "argument" in node:
             yield parse.AggergationsAsExpressions.AggregationOperator(node["operator"])
+
+
+def reached(tree: Any, rules: Mapping[str, Any]) -> set[str]:
+    """Names of the predicates that a syntax tree leans on, directly or not.
+
+    Args:
+        tree: The tree.
+        rules: The rules of predicates by name.
+    """
+    found: set[str] = set()
+    waiting = [tree]
+    while waiting:
+        for name in map(str, called(waiting.pop())):
+            if name not in found:
+                found.add(name)
+                waiting.append(rules.get(name, []))
+    return found
