@@ -17,8 +17,9 @@ from logical_robots_tui.tui.learning.hints import Hints
 from logical_robots_tui.tui.library.chooser import Chooser
 from logical_robots_tui.tui.library.save_dialog import SaveAs
 from logical_robots_tui.tui.library.shelves import ProgramShelf
-from tests.tui.conftest import PAPER, PATIENCE, opened
+from tests.tui.conftest import PAPER, opened
 from tests.tui.dialogs import dialog, fill
+from tests.waiting import PATIENCE
 
 if TYPE_CHECKING:
     from pathlib import Path

@@ -21,7 +21,8 @@ from logical_robots_tui.tui.library.cards import LevelCards
 from logical_robots_tui.tui.library.level_screen import LevelScreen
 from logical_robots_tui.tui.library.miniature import draw_miniature
 from logical_robots_tui.world import list_levels, load_level
-from tests.tui.conftest import PATIENCE, opened
+from tests.tui.conftest import opened
+from tests.waiting import PATIENCE
 
 if TYPE_CHECKING:
     from pathlib import Path

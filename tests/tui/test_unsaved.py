@@ -23,8 +23,8 @@ from logical_robots_tui.tui.level_editor.controller import LevelEditing
 from logical_robots_tui.tui.library.save_dialog import SaveAs
 from logical_robots_tui.tui.terminal.crash_report import OwnMistake
 from tests.terminal import Terminal
-from tests.tui.conftest import CHARACTERS, LEVELS, PAPER, PATIENCE, opened
-from tests.waiting import SOON, until
+from tests.tui.conftest import CHARACTERS, LEVELS, PAPER, opened
+from tests.waiting import PATIENCE, SOON, until
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

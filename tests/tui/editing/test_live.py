@@ -17,8 +17,9 @@ from logical_robots_tui.tui.level_editor.forms import ThingForm
 from logical_robots_tui.tui.level_editor.level_form import LevelForm
 from logical_robots_tui.tui.library.level_screen import LevelScreen
 from logical_robots_tui.world import Visibility, load_level
-from tests.tui.conftest import PATIENCE, STILL, opened
+from tests.tui.conftest import STILL, opened
 from tests.tui.editing.conftest import ROOM, studio
+from tests.waiting import PATIENCE
 
 if TYPE_CHECKING:
     from pathlib import Path
