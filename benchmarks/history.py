@@ -31,12 +31,12 @@ if TYPE_CHECKING:
 __all__ = ["history"]
 
 LARGEST = "10-distributed-mapping"
-TICKS = 3  # to run for each that is to be measured
+TICKS = 3  # to run for each unit of effort
 JUMPS = 60
 
 
 def history(effort: Effort) -> Iterator[Measurement]:
-    """Memory and time of levels under their reference programs, and of ten robots."""
+    """Measure memory and time for levels under their reference programs, and for ten robots."""
     found: list[list[Measurement]] = [[], [], []]
     for level, text, required in _subjects():
         measured = asyncio.run(_measure(level, Program.compile(text), effort, required))
@@ -86,7 +86,7 @@ async def _measure(
 
 
 def _megabytes(level: Level, frames: list[Frame], program: Program) -> float:
-    """What a full history holds: the ticks that were run, over and over, under new numbers."""
+    """Return the size of a full history, made of the same ticks repeated under new numbers."""
     tracemalloc.start()
     try:
         kept = History(frames[0], level)
@@ -110,7 +110,7 @@ def _milliseconds(game: Game, ticks: list[int]) -> list[float]:
 
 
 def _key_to_screen(presses: int) -> Measurement:
-    """Milliseconds from the key to the tick before on the screen."""
+    """Measure the milliseconds from the key to the previous tick on the screen."""
     with tempfile.TemporaryDirectory() as data_dir:
         game = [sys.executable, "-m", "logical_robots_tui", "play", LARGEST]
         program = load_level(LARGEST).solution

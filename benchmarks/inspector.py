@@ -22,11 +22,11 @@ __all__ = ["inspector"]
 LARGEST = "10-distributed-mapping"
 SIZE = (120, 40)
 DOWN = "\x1b[B"
-STEPS = 20  # for how many ticks of effort one step is measured, for each predicate
+STEPS = 20  # ticks of effort per measured step, for each predicate
 
 
 def inspector(effort: Effort) -> Iterator[Measurement]:
-    """A step with the inspector open on each predicate of the largest program, and on why."""
+    """Measure a step with the inspector on each predicate of the largest program, and on Why."""
     program = load_level(LARGEST).solution
     predicates = Program.compile(load_program(program).text).predicates
     names = [p.name for p in predicates if p.has_rows]
