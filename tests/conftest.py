@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import fcntl
 import logging
 from collections import Counter
+from contextlib import contextmanager
 from datetime import date
 from typing import TYPE_CHECKING
 
@@ -84,27 +86,46 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
         items[:] = [item for item in items if item not in gone]
 
 
+def _shared(factory: pytest.TempPathFactory, worker_id: str) -> Path:
+    """A folder for all workers of a run."""
+    folder = factory.getbasetemp()
+    return folder if worker_id == "master" else folder.parent
+
+
+@contextmanager
+def _one_at_a_time(factory: pytest.TempPathFactory, worker_id: str) -> Iterator[Path]:
+    """The folder of all workers, for one of them at a time."""
+    folder = _shared(factory, worker_id)
+    with (folder / "lock").open("w") as lock:
+        fcntl.flock(lock, fcntl.LOCK_EX)
+        yield folder
+
+
 @pytest.fixture(scope="session", autouse=True)
 def compiled_programs(tmp_path_factory: pytest.TempPathFactory, worker_id: str) -> Iterator[None]:
     """What tests compile is kept for all of them, apart from what players have compiled."""
-    folder = tmp_path_factory.getbasetemp()
-    if worker_id != "master":
-        folder = folder.parent
+    folder = _shared(tmp_path_factory, worker_id)
     with pytest.MonkeyPatch.context() as patch:
         patch.setenv("LOGICAL_ROBOTS_CACHE_DIR", str(folder / "compiled"))
         yield
 
 
 @pytest.fixture(scope="session")
-def wheel(tmp_path_factory: pytest.TempPathFactory) -> Path:
+def wheel(tmp_path_factory: pytest.TempPathFactory, worker_id: str) -> Path:
     """The wheel, freshly built."""
-    return build_wheel(tmp_path_factory.mktemp("dist"))
+    with _one_at_a_time(tmp_path_factory, worker_id) as folder:
+        dist = folder / "dist"
+        return next(dist.glob("*.whl"), None) or build_wheel(dist)
 
 
 @pytest.fixture(scope="session")
-def installed(wheel: Path, tmp_path_factory: pytest.TempPathFactory) -> Installed:
+def installed(wheel: Path, tmp_path_factory: pytest.TempPathFactory, worker_id: str) -> Installed:
     """The wheel in an environment outside of the checkout."""
-    return install(wheel, tmp_path_factory.mktemp("installed"))
+    with _one_at_a_time(tmp_path_factory, worker_id) as folder:
+        done = folder / "installed" / "elsewhere"
+        if done.exists():
+            return Installed(done.parent / "venv", done)
+        return install(wheel, done.parent)
 
 
 @pytest.fixture(autouse=True)

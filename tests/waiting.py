@@ -39,8 +39,8 @@ def until(
         _never.wait(_LOOK_AGAIN_AFTER)
 
 
-async def a_moment() -> None:
-    """Leave the event loop to others before a condition is looked at again."""
+async def a_moment(longer: float = 0.0) -> None:
+    """Leave the event loop to others, for some seconds longer than usual, and look again."""
     with suppress(TimeoutError):
-        async with asyncio.timeout(_LOOK_AGAIN_AFTER / 2):
+        async with asyncio.timeout(_LOOK_AGAIN_AFTER / 2 + longer):
             await asyncio.Event().wait()

@@ -9,7 +9,7 @@ import re
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Literal
 
-from logical_robots_tui.mind.close import closest
+from logical_robots_tui.mind.similar_names import closest
 
 if TYPE_CHECKING:
     from collections.abc import Iterator

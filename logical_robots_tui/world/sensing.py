@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias
 
 import numpy as np
 
-from logical_robots_tui.world.circles import Circles, take_nearer_circles
-from logical_robots_tui.world.rays import FORWARD, SENSOR_RANGE, rays_of
+from logical_robots_tui.world.circles import take_nearer_circles
+from logical_robots_tui.world.rays import FORWARD, SENSOR_RANGE, Circles, rays_of
 from logical_robots_tui.world.stationary import may_have_changed
 from logical_robots_tui.world.walls import Walls
 

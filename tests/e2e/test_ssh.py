@@ -85,6 +85,7 @@ def traffic(line: Line, terminal: Terminal, seconds: float) -> float:
     return (line.traffic - before) / 1000 / (monotonic() - began)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("level", "size", "options", "allowed"),
     [
@@ -117,6 +118,7 @@ def test_a_running_game_sends_little_and_a_paused_one_nothing(
         assert traffic(line, terminal, 1) == 0
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("rate", "milliseconds"),
     [(20_000, 300), pytest.param(64_000, 100, marks=pytest.mark.proof)],
@@ -162,6 +164,7 @@ def test_who_loses_the_connection_goes_on_there(host: Host, tmp_path: Path) -> N
         tmux.wait_for(TYPED)
 
 
+@pytest.mark.slow
 def test_a_game_is_suspended_and_resized_and_goes_on(host: Host, tmp_path: Path) -> None:
     with Tmux(tmp_path, 120, 40) as tmux:
         tmux.start(*host.server.client("-t"), f"PS1='{PROMPT}' sh -i")

@@ -8,7 +8,7 @@ import sys
 import pytest
 
 from logical_robots_tui.mind import Limits, Mind, Program
-from logical_robots_tui.mind.weight import HEAVIEST_CHARACTER, weight_of, weight_of_text
+from logical_robots_tui.mind.limits import HEAVIEST_CHARACTER, weight_of, weight_of_text
 from tests.mind.rows import ROBOT, row
 from tests.waiting import PATIENCE
 
@@ -62,12 +62,14 @@ def played(level: str, text: str, ticks: int, addresses: int = ADDRESSES) -> tup
     return int(most), set(kinds)
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize("what", HUNGRY)
 def test_one_robot_s_memories_stay_within_bounds(what: str) -> None:
     most, _ = played("01-first-steps", ROBOT + HUNGRY[what] + ";", 130)
     assert most < MOST - SCREEN
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize(
     "what",
     [

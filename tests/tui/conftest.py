@@ -165,9 +165,13 @@ class Opened:
     async def until(self, condition: Callable[[], object]) -> None:
         """Return as soon as a condition holds and the screen has caught up."""
         deadline = monotonic() + PATIENCE
-        while not condition():
-            assert monotonic() < deadline, f"never came true; the screen shows\n{self.screen()}"
-            await a_moment()  # the pilot's own pause has every widget do something
+        while True:
+            looked = monotonic()
+            if condition():
+                break
+            assert looked < deadline, f"never came true; the screen shows\n{self.screen()}"
+            # To look at the screen is dear. The pilot's own pause has every widget do something.
+            await a_moment(2 * (monotonic() - looked))
             if self.app._exception is not None:
                 break
         await self.pilot.pause(0.05)

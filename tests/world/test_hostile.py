@@ -63,6 +63,7 @@ def read(names: Sequence[str], folder: Path) -> list[tuple[str, float, int]]:
     return [json.loads(line) for line in done.stdout.splitlines()]
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize("part", range(4))
 def test_a_hostile_level_file_is_refused_in_time_and_in_little_memory(
     part: int, tmp_path: Path

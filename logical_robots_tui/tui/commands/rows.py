@@ -87,13 +87,12 @@ def open_value(screen: MainScreen) -> None:
 def origin(screen: MainScreen) -> None:
     """Trace the memory under the cursor, or a part of it, to the tick and rule that made it."""
     from logical_robots_tui.tui.inspector.page import NO_PROGRAM
-    from logical_robots_tui.tui.inspector.under_cursor import memory_here
 
-    inspector, frame = screen.inspector, screen.session.frame
+    inspector = screen.inspector
     if screen.session.game is None:
         screen.tell(NO_PROGRAM)
         return
-    asked = memory_here(inspector, frame)
+    asked = inspector.memory_here(screen.session.frame.tick)
     if asked is None and inspector.pages.origin.asked is None:
         screen.tell(with_keys(_NO_MEMORY))
         return
@@ -168,7 +167,7 @@ def sort(screen: MainScreen) -> None:
 @rows.command("Search rows…", "number_sign")
 async def search_rows(screen: MainScreen) -> None:
     """Show only the rows that contain a text."""
-    from logical_robots_tui.tui.layout.line_dialog import LinePrompt
+    from logical_robots_tui.tui.layout.dialogs import LinePrompt
 
     if (table := _table(screen)) is not None:
         question = "Only rows with this text; nothing shows all"

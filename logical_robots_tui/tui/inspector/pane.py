@@ -12,12 +12,13 @@ from textual.containers import Horizontal
 from textual.widgets import ContentSwitcher, OptionList
 
 from logical_robots_tui.game import Superseded
-from logical_robots_tui.tui.app.background import in_background
+from logical_robots_tui.tui.app.ui import in_background
 from logical_robots_tui.tui.inspector.highlights import Sighted, definition
 from logical_robots_tui.tui.inspector.page import Page
 from logical_robots_tui.tui.inspector.pages.robots import RobotsPage
 from logical_robots_tui.tui.inspector.predicate_list import (
     ASK,
+    DECISION,
     DIAGNOSIS,
     ORIGIN,
     ROBOTS,
@@ -190,6 +191,23 @@ class InspectorPane(Pane):
     def diagnose(self) -> None:
         """Go to the diagnosis of the whole run."""
         self._enter_page(DIAGNOSIS)
+
+    def memory_here(self, tick: int) -> MemoryPart | None:
+        """The memory under the cursor; all of a robot's memory where only robots are shown."""
+        from logical_robots_tui.tui.inspector.under_cursor import (
+            MemoryPart,
+            memory_in_proof,
+            memory_of,
+            pin_here,
+        )
+
+        if self.inspected == WHY:
+            return memory_in_proof(self.pages.reasons.view, tick)
+        if self.inspected == WATCH:
+            return memory_of(self.pages.pins.pointed, tick)
+        if self.inspected in (ROBOTS, DECISION):
+            return MemoryPart(self.robot, (), tick)
+        return memory_of(pin_here(self.inspected, self.shown_table, self.robot), tick)
 
     def follow_back(self, asked: MemoryPart | None) -> None:
         """Trace where a value comes from, or return to the last trace."""

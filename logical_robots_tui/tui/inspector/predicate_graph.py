@@ -15,7 +15,7 @@ from textual.widgets import Static
 
 from logical_robots_tui.tui.inspector.predicate_list import MARKS
 from logical_robots_tui.tui.inspector.widgets.line_views import LinesView
-from logical_robots_tui.tui.layout.dialog import Dialog
+from logical_robots_tui.tui.layout.dialogs import Dialog
 from logical_robots_tui.tui.theme.safe_text import clip, one_line
 from logical_robots_tui.tui.theme.themes import INK
 

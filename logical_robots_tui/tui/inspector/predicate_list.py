@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 from textual.content import Content
 from textual.widgets.option_list import Option
 
-from logical_robots_tui.tui.layout.listing import Listing
+from logical_robots_tui.tui.layout.dialogs import Listing
 from logical_robots_tui.tui.theme.safe_text import one_line
 from logical_robots_tui.tui.theme.themes import INK
 

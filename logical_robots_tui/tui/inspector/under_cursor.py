@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from logical_robots_tui.game import ROBOT_COLUMNS, Pin, pin_of_cell, read_path
-from logical_robots_tui.tui.inspector.predicate_list import ASK, DECISION, ROBOTS, WATCH, WHY
+from logical_robots_tui.tui.inspector.predicate_list import ASK, DECISION, ROBOTS, WHY
 from logical_robots_tui.tui.inspector.widgets.value_tree import Branch
 
 if TYPE_CHECKING:
@@ -14,7 +14,6 @@ if TYPE_CHECKING:
 
     from logical_robots_tui.game import Frame, Path
     from logical_robots_tui.mind import Node
-    from logical_robots_tui.tui.inspector.pane import InspectorPane
     from logical_robots_tui.tui.inspector.widgets.proof_view import WhyView
     from logical_robots_tui.tui.inspector.widgets.table import ValueTable
 
@@ -22,7 +21,7 @@ __all__ = [
     "MemoryPart",
     "branches_here",
     "branches_of",
-    "memory_here",
+    "memory_in_proof",
     "memory_of",
     "pin_here",
 ]
@@ -97,18 +96,6 @@ def branches_here(
     return "Answer" if inspected == ASK else inspected, (Branch(*table.pointed, pin),)
 
 
-def memory_here(inspector: InspectorPane, frame: Frame) -> MemoryPart | None:
-    """The memory under the cursor; all of a robot's memory where only robots are shown."""
-    name, pages = inspector.inspected, inspector.pages
-    if name == WHY:
-        return _memory_in_proof(pages.reasons.view, frame.tick)
-    if name == WATCH:
-        return memory_of(pages.pins.pointed, frame.tick)
-    if name in (ROBOTS, DECISION):
-        return MemoryPart(inspector.robot, (), frame.tick)
-    return memory_of(pin_here(name, inspector.shown_table, inspector.robot), frame.tick)
-
-
 def memory_of(pin: Pin | None, tick: int) -> MemoryPart | None:
     """The part of a memory that a pin reads, or None if it reads something else.
 
@@ -122,7 +109,7 @@ def memory_of(pin: Pin | None, tick: int) -> MemoryPart | None:
     return MemoryPart(robot, pin.path, tick) if pin.predicate == "Robot" else None
 
 
-def _memory_in_proof(view: WhyView, tick: int) -> MemoryPart | None:
+def memory_in_proof(view: WhyView, tick: int) -> MemoryPart | None:
     """The part of a memory that the node under the cursor has read."""
     line = view.line
     if line is None or line.node.kind != "read":
