@@ -300,7 +300,9 @@ class Asking:
 
     def _read(self, row: Sequence[Any], within: Within) -> list[Value]:
         read, deepest = self._read_value, self._deepest
-        return [v if v.__class__ in _READY else read(v, deepest) for v in within.each(row)]
+        if within.is_much:
+            row = within.each(row)
+        return [v if v.__class__ in _READY else read(v, deepest) for v in row]
 
 
 class Explored:

@@ -196,7 +196,9 @@ class Database:
         work = self._work
         work.begin(budget, stop)
         try:
-            return self._fetch(sql, parameters, most)
+            answer = self._fetch(sql, parameters, most)
+            within.note_size(self._bytes, len(answer[1]))
+            return answer
         except (sqlite3.Error, MemoryError) as error:
             if work.halted and work.stopped:
                 raise Stopped("The program was stopped while it was thinking.") from None
