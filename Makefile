@@ -57,16 +57,16 @@ screenshot: $(VENV)/.dev ## Draw docs/screenshot.svg and docs/levels.svg anew
 	$(BIN)/python -m docs.screenshot 04-everybody-home everybody-home 330
 	$(BIN)/python -m docs.screenshot levels
 
-reference: $(VENV)/.dev ## Write docs/reference.md anew
+reference: $(VENV)/.dev ## Regenerate docs/reference.md
 	$(BIN)/python -m docs.reference
 
-learn: $(VENV)/.dev ## Write docs/learn.md and its pictures anew
+learn: $(VENV)/.dev ## Regenerate docs/learn.md and its pictures
 	$(BIN)/python -m docs.learn
 
-debugging: $(VENV)/.dev ## Write docs/debugging.md and its pictures anew
+debugging: $(VENV)/.dev ## Regenerate docs/debugging.md and its pictures
 	$(BIN)/python -m docs.debugging
 
-measures: $(VENV)/.dev ## Measure the reference programs anew; ARGS="LEVEL" only that one's
+measures: $(VENV)/.dev ## Measure the reference programs again; ARGS="LEVEL" for one level
 	$(BIN)/python -m benchmarks.reference $(ARGS)
 
 wheel: $(VENV)/.dev ## Build the wheel into dist/

@@ -1,4 +1,4 @@
-"""How long the command line takes to answer about a run, as whole processes."""
+"""How long the command line takes to answer questions about a run, as whole processes."""
 
 from __future__ import annotations
 
@@ -20,11 +20,11 @@ if TYPE_CHECKING:
 __all__ = ["answers"]
 
 LEVELS = {"06-breadcrumbs": 6, "10-distributed-mapping": 6, "12-swarm": 1}
-"""Which levels, and how many of their ticks for each that is to be measured."""
+"""Levels, and the number of ticks to run for each unit of effort."""
 
 
 def answers(effort: Effort) -> Iterator[Measurement]:
-    """Milliseconds of a question about a late tick: the first one about a run, and later ones."""
+    """Measure the milliseconds of the first and of later questions about a late tick."""
     computing = []
     for name, ticks in list(LEVELS.items())[: 1 if effort.is_quick else None]:
         level = load_level(name)
@@ -53,7 +53,7 @@ def answers(effort: Effort) -> Iterator[Measurement]:
 
 
 def _milliseconds(folder: str, *command: str) -> float:
-    """One process from start to end."""
+    """Return the milliseconds that one process takes."""
     arguments = [sys.executable, "-m", "logical_robots_tui", *command]
     environment = {**os.environ, FOLDER_VARIABLE: folder}
     run = partial(
@@ -63,7 +63,7 @@ def _milliseconds(folder: str, *command: str) -> float:
 
 
 def _both_milliseconds(folder: str, *command: str) -> tuple[float, float]:
-    """One process from start to end, and how long it computed, whatever else the machine did."""
+    """Return the processor time that one process takes."""
     before = _children()
     return _milliseconds(folder, *command), 1000 * (_children() - before)
 

@@ -36,7 +36,7 @@ STROKES = 20  # in one measurement
 
 
 def editing(effort: Effort) -> Iterator[Measurement]:
-    """Milliseconds of processor time from a stroke to its picture."""
+    """Measure the processor time in milliseconds from a stroke to its picture."""
     counts = (10, 1000) if effort.is_quick else (10, 100, 1000)
     for count in counts:
         level = halls(SIDE, SIDE, robots=count, beacons=count, areas=count)
@@ -56,7 +56,7 @@ def editing(effort: Effort) -> Iterator[Measurement]:
 
 
 async def _in_the_app(level: Level) -> float:
-    """The median of milliseconds of processor time from a mouse that moves to lines to send."""
+    """Return the median processor time in ms from a mouse move to the lines to send."""
     with tempfile.TemporaryDirectory() as folder:
         app = LogicalRobotsApp(level, load_program("first-steps-starter"), data_dir=Path(folder))
         async with app.run_test(size=(COLUMNS, ROWS)) as pilot:
@@ -91,7 +91,7 @@ def _stroke_milliseconds(level: Level, view: Viewport) -> float:
 
 
 def _start(level: Level) -> Frame:
-    """The frame before the first tick; a world would look around first, which isn't measured."""
+    """Return the frame before the first tick; a world would sense first, which isn't measured."""
     robots = tuple(RobotState(r.name, r.x, r.y, r.angle, r.battery_capacity) for r in level.robots)
     state = WorldState(0, robots, tuple(AreaState(area.name, True) for area in level.areas))
     return Frame(0, state, state, (), {}, (), {}, 0.0)

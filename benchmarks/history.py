@@ -37,7 +37,7 @@ QUIET = 0.15  # seconds without output, after which a paused game has nothing mo
 
 
 def history(effort: Effort) -> Iterator[Measurement]:
-    """Memory and time of levels under their reference programs, and of ten robots."""
+    """Measure memory and time for levels under their reference programs, and for ten robots."""
     found: list[list[Measurement]] = [[], [], []]
     for level, text, required in _subjects():
         measured = asyncio.run(_measure(level, Program.compile(text), effort, required))
@@ -117,7 +117,7 @@ def _milliseconds(game: Game, ticks: list[int]) -> list[float]:
 
 
 def _key_to_screen(presses: int) -> Measurement:
-    """Milliseconds from the key to the tick before on the screen."""
+    """Measure the milliseconds from the key to the previous tick on the screen."""
     with tempfile.TemporaryDirectory() as data_dir:
         game = [sys.executable, "-m", "logical_robots_tui", "play", LARGEST]
         program = load_level(LARGEST).solution

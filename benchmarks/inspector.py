@@ -27,7 +27,7 @@ QUIET = 0.15  # seconds without output, after which a paused game has nothing mo
 
 
 def inspector(effort: Effort) -> Iterator[Measurement]:
-    """A step with the inspector open on each predicate of the largest program, and on why."""
+    """Measure a step with the inspector on each predicate of the largest program, and on Why."""
     program = load_level(LARGEST).solution
     predicates = Program.compile(load_program(program).text).predicates
     names = [p.name for p in predicates if p.has_rows]

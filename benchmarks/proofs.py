@@ -1,4 +1,4 @@
-"""Proofs of decisions: milliseconds for the whole tree, and how many thoughts that is."""
+"""Proofs of decisions: milliseconds for the whole tree, and the ratio to a think."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ THINKS = 5
 
 
 def proofs(effort: Effort) -> Iterator[Measurement]:
-    """The proof of the decisions of every shipped program on its level, 95 of 100 within."""
+    """Measure the 95th percentile for the decisions of every shipped program on its level."""
     all_times, all_ratios = [], []
     for name in list_levels():
         times, ratios = _measured(name, min(effort.ticks, MOST_TICKS))
@@ -42,7 +42,7 @@ def proofs(effort: Effort) -> Iterator[Measurement]:
 
 
 def _measured(name: str, ticks: int) -> tuple[list[float], list[float]]:
-    """Milliseconds of proofs, and how many thoughts of all robots each is."""
+    """Return milliseconds of proofs, and the ratio of each to a think of all robots."""
     level = load_level(name)
     program = Program.compile(load_program(level.solution).text)
     visibility = level.visibility

@@ -209,7 +209,7 @@ def test_a_players_name_is_no_path(name: str) -> None:
         timeout=PATIENCE,
     )
     assert done.returncode == 2
-    assert "is no name" in done.stderr
+    assert "is not a name" in done.stderr
 
 
 def test_nobody_gets_the_folders_of_all(tmp_path: Path) -> None:
@@ -229,7 +229,7 @@ def test_nobody_gets_the_folders_of_all(tmp_path: Path) -> None:
     assert played("--restricted", "--player", "ada").returncode == 0
     done = played("--restricted")
     assert done.returncode == 2
-    assert "nobody is named as the player" in done.stderr
+    assert "no player is named" in done.stderr
     assert "LOGICAL_ROBOTS_PLAYER=NAME" in done.stderr
     assert played("--restricted", "--player", "ben").returncode == 0
     assert played().returncode == 0

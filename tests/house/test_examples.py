@@ -36,7 +36,7 @@ ALSO_FINE = {"run": 1, "trace": 1, "why": 1, "diagnose": 1}
 """Statuses other than 0 that are an answer: not won yet, there is no row, there are warnings."""
 
 OF_A_TERMINAL = {"play", "doctor"}
-FALSE = ("mistake in the game itself", "uses something that robots may not use", "Traceback")
+FALSE = ("a bug in the game", "uses something that robots may not use", "Traceback")
 
 DOCS = CHECKOUT / "docs"
 HELPS = {f"{PROGRAM} {name}".strip(): in_help(parser) for name, parser in commands().items()}

@@ -85,7 +85,8 @@ def test_only_the_app_and_the_commands_know_the_main_screen_even_for_types() -> 
         path.relative_to(package).as_posix()
         for path in package.rglob("*.py")
         for node in ast.walk(ast.parse(path.read_text("utf-8")))
-        if isinstance(node, ast.ImportFrom) and "MainScreen" in {name.name for name in node.names}
+        if isinstance(node, ast.ImportFrom)
+        and {"MainScreen", "main_screen"} & {name.name for name in node.names}
     }
     assert "tui/app/app.py" in knowing
     assert {path for path in knowing if not path.startswith("tui/commands/")} == {"tui/app/app.py"}

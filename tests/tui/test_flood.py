@@ -95,7 +95,7 @@ def test_of_a_huge_terminal_so_much_is_drawn_and_the_player_is_told(tmp_path: Pa
 FAILS = """if True:
     import sys
     from logical_robots_tui.cli.main import main
-    from logical_robots_tui.tui import driver
+    from logical_robots_tui.tui.terminal import driver
 
     def take(*_):
         raise LookupError("made by a test")

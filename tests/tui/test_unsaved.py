@@ -18,7 +18,7 @@ from logical_robots_tui.game import load_program
 from logical_robots_tui.game.drafts import Drafts
 from logical_robots_tui.tui.commands.help import Help
 from logical_robots_tui.tui.labyrinth.view import LabyrinthView
-from logical_robots_tui.tui.layout.question import Question
+from logical_robots_tui.tui.layout.dialogs import Question
 from logical_robots_tui.tui.level_editor.controller import LevelEditing
 from logical_robots_tui.tui.library.save_dialog import SaveAs
 from logical_robots_tui.tui.terminal.crash_report import OwnMistake

@@ -6,8 +6,8 @@ from operator import itemgetter
 from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 
 from logical_robots_tui.mind.diagnostics import Stopped
-from logical_robots_tui.mind.sqlite.watch import Budget
-from logical_robots_tui.mind.weight import weight_of_text
+from logical_robots_tui.mind.limits import weight_of_text
+from logical_robots_tui.mind.sqlite.budget import Budget
 
 if TYPE_CHECKING:
     import threading
@@ -132,6 +132,7 @@ class TooHeavyError(Exception):
 
 
 _LONG = 10_000  # characters; shorter ones are bounded by the number of rows
+_MANY = 100  # rows from which on it may take a while to read them
 _CLOSE = 0.1  # of all steps; far more than what is counted inexactly
 
 
@@ -150,7 +151,21 @@ class Within:
 
     Attributes:
         budget: What is left.
+        is_much: Whether the last answer is so large that each of its rows is to be looked at.
     """
+
+    __slots__ = (
+        "_left",
+        "anew",
+        "budget",
+        "cut",
+        "is_much",
+        "rows",
+        "seconds",
+        "steps",
+        "stop",
+        "weight",
+    )
 
     def __init__(
         self,
@@ -170,19 +185,14 @@ class Within:
         self.stop = stop
         self.cut = cut
         self.anew = anew
+        self.is_much = True
         self.renew()
 
     @classmethod
-    def of_thought(cls, limits: Limits, stop: threading.Event | None, *, anew: bool) -> Within:
+    def of_thought(cls, limits: Limits) -> Within:
         """What a thought may use up."""
-        return cls(
-            limits.think_steps,
-            limits.think_seconds,
-            limits.think_rows,
-            stop,
-            anew=anew,
-            weight=limits.think_weight,
-        )
+        steps, seconds, rows = limits.think_steps, limits.think_seconds, limits.think_rows
+        return cls(steps, seconds, rows, None, weight=limits.think_weight)
 
     @classmethod
     def of_query(
@@ -214,6 +224,10 @@ class Within:
             anew=True,
             weight=self.weight,
         )
+
+    def note_size(self, texts: int, rows: int) -> None:
+        """Say how large the answer is: the bytes of its texts, and how many rows it has."""
+        self.is_much = texts > _LONG or rows > _MANY
 
     def each(self, row: Sequence[Any]) -> Sequence[Any]:
         """The row, unless the work is to end.
