@@ -23,6 +23,7 @@ from logical_robots_tui.mind.tuning.indexes import (
 from logical_robots_tui.mind.tuning.items import items_as_rows
 from logical_robots_tui.mind.tuning.memories import memory_fields_as_columns
 from logical_robots_tui.mind.tuning.often import computed_once, looked_up
+from logical_robots_tui.mind.tuning.pairs import pairs_as_columns
 from logical_robots_tui.mind.tuning.together import together
 from logical_robots_tui.mind.tuning.whole_rays import still_read, whole_rays_when_wanted
 
@@ -122,6 +123,7 @@ def tune(
         columns.rays_as_rows(tree)
         columns.sensor_fields_as_columns(tree)
         columns.bound_to_viewer(tree)
+        pairs_as_columns(tree)
         memory_fields_as_columns(tree, known.fields)
         items = items_as_rows(tree, known.fields, known.items)
         aggregates.grouped_arg_min(tree)
