@@ -6,7 +6,9 @@ VENV ?= .venv
 # One more than there are processors: many tests wait for a terminal or a process.
 WORKERS ?= $(shell expr $$(getconf _NPROCESSORS_ONLN) + 1)
 BIN := $(VENV)/bin
-PYTEST = $(BIN)/python -m pytest -n $(WORKERS) --dist worksteal
+# A quick run leaves out slow tests and nine tenths of what there are many of; ALL=1 runs everything.
+ALL ?=
+PYTEST = $(BIN)/python -m pytest -n $(WORKERS) --dist worksteal $(if $(ALL),--all)
 PIP := $(BIN)/python -m pip --disable-pip-version-check --require-virtualenv
 
 .DEFAULT_GOAL := help
@@ -21,7 +23,7 @@ help: ## Show this list
 play: $(VENV)/.play ## Play; ARGS="play LEVEL" passes arguments on
 	@$(BIN)/python -m logical_robots_tui $(ARGS)
 
-test: $(VENV)/.dev ## Run the tests on all cores; ARGS="-k wall" passes arguments on
+test: $(VENV)/.dev ## Run the tests on all cores, a quick choice of them or ALL=1; ARGS="-k wall" passes arguments on
 	$(PYTEST) $(ARGS)
 
 lint: $(VENV)/.dev ## Check layout, style, types and which part may use which
@@ -37,10 +39,11 @@ format: $(VENV)/.dev ## Lay out the code and mend what can be mended
 	$(BIN)/python -m ruff check --fix .
 
 proof: $(VENV)/.dev ## The long proofs: many starts, load, fuzzing
-	$(PYTEST) -m "proof or hypothesis" --hypothesis-profile=proof $(ARGS)
+	$(PYTEST) --all -m "proof or hypothesis" --hypothesis-profile=proof \
+		-o faulthandler_timeout=7200 $(ARGS)
 
 prove: $(VENV)/.dev ## Prove the levels from 20 starts each; ARGS="-k 05-lighthouse" only that one
-	$(PYTEST) -m "proof or not proof" tests/levels/test_proof.py $(ARGS)
+	$(PYTEST) --all -m "proof or not proof" -o faulthandler_timeout=7200 tests/levels/test_proof.py $(ARGS)
 
 bench: $(VENV)/.dev ## Measure; ARGS="--json numbers.json" keeps the numbers
 	$(BIN)/python -m benchmarks $(ARGS)
@@ -49,16 +52,16 @@ screenshot: $(VENV)/.dev ## Draw docs/screenshot.svg and docs/levels.svg anew
 	$(BIN)/python -m docs.screenshot 04-everybody-home everybody-home 330
 	$(BIN)/python -m docs.screenshot levels
 
-reference: $(VENV)/.dev ## Write docs/reference.md anew
+reference: $(VENV)/.dev ## Regenerate docs/reference.md
 	$(BIN)/python -m docs.reference
 
-learn: $(VENV)/.dev ## Write docs/learn.md and its pictures anew
+learn: $(VENV)/.dev ## Regenerate docs/learn.md and its pictures
 	$(BIN)/python -m docs.learn
 
-debugging: $(VENV)/.dev ## Write docs/debugging.md and its pictures anew
+debugging: $(VENV)/.dev ## Regenerate docs/debugging.md and its pictures
 	$(BIN)/python -m docs.debugging
 
-measures: $(VENV)/.dev ## Measure the reference programs anew; ARGS="LEVEL" only that one's
+measures: $(VENV)/.dev ## Measure the reference programs again; ARGS="LEVEL" for one level
 	$(BIN)/python -m benchmarks.reference $(ARGS)
 
 wheel: $(VENV)/.dev ## Build the wheel into dist/

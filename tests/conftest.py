@@ -2,7 +2,11 @@
 
 from __future__ import annotations
 
+import fcntl
 import logging
+from collections import Counter
+from contextlib import contextmanager
+from datetime import date
 from typing import TYPE_CHECKING
 
 import pytest
@@ -16,17 +20,19 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
     from pathlib import Path
 
+SHARE = 10
+"""One of how many sampled cases a quick run takes."""
+
 collect_seldom()
 
 # Each run tries other examples; `make proof` tries many at once. A machine may be slow.
-for _profile, _examples in (("ordinary", 40), ("proof", 500)):
+for _profile, _examples in (("some", 10), ("all", 40), ("proof", 500)):
     settings.register_profile(
         _profile,
         max_examples=_examples,
         deadline=None,
         suppress_health_check=[HealthCheck.too_slow],
     )
-settings.load_profile("ordinary")
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:
@@ -35,29 +41,91 @@ def pytest_addoption(parser: pytest.Parser) -> None:
         action="store_true",
         help="accept what is on the screen now as what is meant to be there",
     )
+    parser.addoption(
+        "--all",
+        action="store_true",
+        help="run also the tests marked slow, every sampled case, and more random examples",
+    )
+    parser.addoption(
+        "--tenth",
+        type=int,
+        default=date.today().toordinal() % SHARE,
+        choices=range(SHARE),
+        help="which tenth of the sampled cases to run (default: another one each day)",
+    )
+
+
+@pytest.hookimpl(tryfirst=True)
+def pytest_configure(config: pytest.Config) -> None:
+    settings.load_profile("all" if config.option.all else "some")
+
+
+def pytest_report_header(config: pytest.Config) -> str | None:
+    if config.option.all:
+        return None
+    return (
+        f"quick run: tenth {config.option.tenth} of the sampled cases, nothing slow; --all runs all"
+    )
+
+
+def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
+    named = config.option.keyword or any(".py" in argument for argument in config.args)
+    if config.option.all or named:
+        return
+    seen: Counter[str] = Counter()
+    left_out = []
+    for item in items:
+        sampled = item.get_closest_marker("sampled") is not None
+        place = seen[item.nodeid.split("[")[0]]
+        seen[item.nodeid.split("[")[0]] += sampled
+        if (sampled and place % SHARE != config.option.tenth) or item.get_closest_marker("slow"):
+            left_out.append(item)
+    if left_out:
+        config.hook.pytest_deselected(items=left_out)
+        gone = set(left_out)
+        items[:] = [item for item in items if item not in gone]
+
+
+def _shared(factory: pytest.TempPathFactory, worker_id: str) -> Path:
+    """A folder for all workers of a run."""
+    folder = factory.getbasetemp()
+    return folder if worker_id == "master" else folder.parent
+
+
+@contextmanager
+def _one_at_a_time(factory: pytest.TempPathFactory, worker_id: str) -> Iterator[Path]:
+    """The folder of all workers, for one of them at a time."""
+    folder = _shared(factory, worker_id)
+    with (folder / "lock").open("w") as lock:
+        fcntl.flock(lock, fcntl.LOCK_EX)
+        yield folder
 
 
 @pytest.fixture(scope="session", autouse=True)
 def compiled_programs(tmp_path_factory: pytest.TempPathFactory, worker_id: str) -> Iterator[None]:
     """What tests compile is kept for all of them, apart from what players have compiled."""
-    folder = tmp_path_factory.getbasetemp()
-    if worker_id != "master":
-        folder = folder.parent
+    folder = _shared(tmp_path_factory, worker_id)
     with pytest.MonkeyPatch.context() as patch:
         patch.setenv("LOGICAL_ROBOTS_CACHE_DIR", str(folder / "compiled"))
         yield
 
 
 @pytest.fixture(scope="session")
-def wheel(tmp_path_factory: pytest.TempPathFactory) -> Path:
+def wheel(tmp_path_factory: pytest.TempPathFactory, worker_id: str) -> Path:
     """The wheel, freshly built."""
-    return build_wheel(tmp_path_factory.mktemp("dist"))
+    with _one_at_a_time(tmp_path_factory, worker_id) as folder:
+        dist = folder / "dist"
+        return next(dist.glob("*.whl"), None) or build_wheel(dist)
 
 
 @pytest.fixture(scope="session")
-def installed(wheel: Path, tmp_path_factory: pytest.TempPathFactory) -> Installed:
+def installed(wheel: Path, tmp_path_factory: pytest.TempPathFactory, worker_id: str) -> Installed:
     """The wheel in an environment outside of the checkout."""
-    return install(wheel, tmp_path_factory.mktemp("installed"))
+    with _one_at_a_time(tmp_path_factory, worker_id) as folder:
+        done = folder / "installed" / "elsewhere"
+        if done.exists():
+            return Installed(done.parent / "venv", done)
+        return install(wheel, done.parent)
 
 
 @pytest.fixture(autouse=True)

@@ -13,7 +13,7 @@ from time import monotonic
 from typing import TYPE_CHECKING, Self
 
 from tests.installed import clean_environment
-from tests.waiting import until
+from tests.waiting import PATIENCE, until
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -62,6 +62,7 @@ class Server:
             subprocess.run(
                 ["ssh-keygen", "-q", "-t", "ed25519", "-N", "", "-C", name, "-f", folder / name],
                 check=True,
+                timeout=PATIENCE,
             )
         lines = [
             keys.format(name=name, key=(folder / f"{name}.pub").read_text().strip())
@@ -81,12 +82,12 @@ class Server:
                 stderr=log,
                 env=clean_environment(),
             )
-        until(self._is_listening, self.log.read_text, patience=10)
+        until(self._is_listening, self.log.read_text)
         return self
 
     def __exit__(self, *_: object) -> None:
         self.process.terminate()
-        self.process.wait(10)
+        self.process.wait(PATIENCE)
 
     def client(self, *options: str, player: str = "player", port: int | None = None) -> list[str]:
         """What to type to log in.

@@ -10,7 +10,6 @@ import subprocess
 import termios
 from collections import deque
 from fcntl import ioctl
-from functools import partial
 from time import monotonic, perf_counter
 from typing import TYPE_CHECKING, Self
 
@@ -72,15 +71,14 @@ class Terminal:
             stderr=theirs,
             env=self._env,
             start_new_session=True,
-            # A shell that runs the tests in the background has made them deaf to ^C.
-            preexec_fn=partial(signal.signal, signal.SIGINT, signal.SIG_DFL),
+            preexec_fn=_hear_signals,
         )
         os.close(theirs)
         return self
 
     def __exit__(self, *_: object) -> None:
         self.process.kill()
-        self.process.wait()
+        self.process.wait(PATIENCE)
         os.close(self._ours)
 
     @property
@@ -192,6 +190,12 @@ class Terminal:
     def _tell_size(self, terminal: int) -> None:
         size = struct.pack("HHHH", self._screen.lines, self._screen.columns, 0, 0)
         ioctl(terminal, termios.TIOCSWINSZ, size)
+
+
+def _hear_signals() -> None:
+    """Undo what a shell does to a command in the background, and nohup to any: make it deaf."""
+    for number in (signal.SIGINT, signal.SIGHUP):
+        signal.signal(number, signal.SIG_DFL)
 
 
 def looks(screen: pyte.Screen) -> list[list[tuple[object, ...]]]:

@@ -11,9 +11,10 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-__all__ = ["PATIENCE", "a_moment", "until"]
+__all__ = ["PATIENCE", "SOON", "a_moment", "until"]
 
-PATIENCE = 30.0  # seconds; generous, for machines that are busy with other things
+PATIENCE = 90.0  # seconds; generous, for machines that are busy with other things
+SOON = 20.0  # seconds, for what is promised within two on a machine that is not busy
 
 _LOOK_AGAIN_AFTER = 0.02
 _never = threading.Event()
@@ -38,8 +39,8 @@ def until(
         _never.wait(_LOOK_AGAIN_AFTER)
 
 
-async def a_moment() -> None:
-    """Leave the event loop to others before a condition is looked at again."""
+async def a_moment(longer: float = 0.0) -> None:
+    """Leave the event loop to others, for some seconds longer than usual, and look again."""
     with suppress(TimeoutError):
-        async with asyncio.timeout(_LOOK_AGAIN_AFTER / 2):
+        async with asyncio.timeout(_LOOK_AGAIN_AFTER / 2 + longer):
             await asyncio.Event().wait()

@@ -1,1 +1,1 @@
-"""The commands: play in a terminal, run without one, list what there is."""
+"""The command line."""

@@ -1,4 +1,4 @@
-"""``logical-robots check``: what is wrong with programs, told like a compiler does."""
+"""``logical-robots check``: errors and warnings in programs, printed like a compiler's."""
 
 from __future__ import annotations
 
@@ -23,11 +23,11 @@ WIDEST = 100  # columns of an excerpt
 
 EPILOG = """\
 examples:
-  logical-robots check my-program.l          say what is wrong and where
-  logical-robots check *.l                   look at several
-  logical-robots check my-program.l --json   the same for scripts and editors
+  logical-robots check my-program.l          print errors and warnings
+  logical-robots check *.l                   check several programs
+  logical-robots check my-program.l --json   output for scripts and editors
 
-exit status: 0 all can run (there may be warnings), 2 something is wrong
+exit status: 0 all programs can run (there may be warnings), 2 one can't
 """
 
 
@@ -38,8 +38,8 @@ def declare(commands: Commands) -> None:
         "check",
         start=start,
         wants_json=lambda options: bool(options.json),
-        summary="say what is wrong with a program, without running it",
-        description="Say what is wrong with programs, without running them.",
+        summary="check a program for errors without running it",
+        description="Check programs for errors without running them.",
         epilog=EPILOG,
     )
     command.add_argument("programs", metavar="PROGRAM", nargs="+", help="a program's name or file")
@@ -52,24 +52,24 @@ def start(options: argparse.Namespace) -> int:
     from logical_robots_tui.cli.command import own_programs
     from logical_robots_tui.game import load_program
 
-    told = []
+    results = []
     status = FINE
     for name in options.programs:
         text = load_program(name, own_programs(options.data_dir), pipes=True).text
         found = diagnostics(text)
         if any(diagnostic.severity == "error" for diagnostic in found):
             status = WRONG
-        told.append({"file": name, "diagnostics": [asdict(diagnostic) for diagnostic in found]})
+        results.append({"file": name, "diagnostics": [asdict(diagnostic) for diagnostic in found]})
         if not options.json:
             for diagnostic in found:
                 print(*map(harmless, _lines(name, text, diagnostic)), sep="\n")
     if options.json:
-        print(json.dumps({"ok": status == FINE, "programs": told}, indent=2))
+        print(json.dumps({"ok": status == FINE, "programs": results}, indent=2))
     return status
 
 
 def diagnostics(text: str) -> tuple[Diagnostic, ...]:
-    """Errors of a program that can't run, or the warnings of one that can."""
+    """Return a program's errors, or its warnings if it can run."""
     from logical_robots_tui.mind import Program, ProgramError
 
     try:

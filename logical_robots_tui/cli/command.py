@@ -1,4 +1,4 @@
-"""What all commands have in common."""
+"""What all commands share."""
 
 from __future__ import annotations
 
@@ -38,12 +38,12 @@ def new_command(
 
     Args:
         commands: Where to add it.
-        name: What is typed.
+        name: The command's name.
         start: Does the work and returns the exit status.
         summary: One line for the list of commands.
-        description: The head of the command's own help.
-        epilog: Examples and exit status, laid out by hand.
-        wants_json: Whether a failure is to be told as JSON.
+        description: The first lines of the command's own help.
+        epilog: Examples and exit status, already formatted.
+        wants_json: Whether to report errors as JSON.
     """
     command = commands.add_parser(
         name,
@@ -57,7 +57,7 @@ def new_command(
 
 
 def number_from(least: int) -> Callable[[str], int]:
-    """A reader of whole numbers from `least` up, for an option."""
+    """Return an option type that accepts integers of at least `least`."""
 
     def read(text: str) -> int:
         try:
@@ -65,28 +65,28 @@ def number_from(least: int) -> Callable[[str], int]:
         except ValueError:
             number = least - 1
         if number < least:
-            raise argparse.ArgumentTypeError(f"{text!r} is not a whole number from {least} up")
+            raise argparse.ArgumentTypeError(f"{text!r} is not an integer of at least {least}")
         return number
 
     return read
 
 
 def add_data_dir(command: argparse.ArgumentParser) -> None:
-    """Add the option that says where the player's own things are kept."""
+    """Add the option that names the folder for the player's files."""
     command.add_argument(
         "--data-dir",
         type=Path,
         metavar="FOLDER",
-        help="where your own programs, progress and unsaved texts are kept",
+        help="the folder for your programs, progress and unsaved work",
     )
 
 
 def folder_of(data_dir: Path | None, player: str | None = None) -> Path:
-    """The folder for everything of a player's.
+    """Return the folder for a player's files.
 
     Args:
-        data_dir: The folder that was named, or None for the system's place for it.
-        player: A name, where many players share an account.
+        data_dir: The folder given on the command line, or None for the system's default.
+        player: The player's name, where many players share an account.
     """
     if data_dir is None:
         from platformdirs import user_data_path
@@ -96,21 +96,19 @@ def folder_of(data_dir: Path | None, player: str | None = None) -> Path:
 
 
 def own_programs(data_dir: Path | None) -> Path:
-    """The folder with the player's own programs.
+    """Return the folder with the player's own programs.
 
     Args:
-        data_dir: The folder for everything of the player's, or None for the system's place for it.
+        data_dir: The folder for all of the player's files, or None for the system's default.
     """
     return folder_of(data_dir) / "programs"
 
 
 def add_json(command: argparse.ArgumentParser) -> None:
     """Add the option that `prefers_json` reads."""
-    command.add_argument(
-        "--json", action="store_true", help="print JSON even when a terminal is looking"
-    )
+    command.add_argument("--json", action="store_true", help="print JSON even to a terminal")
 
 
 def prefers_json(options: argparse.Namespace) -> bool:
-    """Whether to print JSON: asked for, or nobody is looking."""
+    """Return whether to print JSON: on request, or if standard output is not a terminal."""
     return bool(options.json) or not sys.stdout.isatty()

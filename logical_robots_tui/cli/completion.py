@@ -1,4 +1,4 @@
-"""``logical-robots completion``: what lets a shell complete our commands, options and names."""
+"""``logical-robots completion``: shell completion of commands, options and names."""
 
 from __future__ import annotations
 
@@ -16,18 +16,22 @@ __all__ = ["declare"]
 
 SHELLS = ("bash", "zsh", "fish")
 NAMES = ("levels", "programs")
-FILES, FOLDERS = "file", "directory"  # words of shtab
+FILES, FOLDERS = "file", "directory"  # shtab's names
 
 EPILOG = """\
 examples:
-  logical-robots completion bash > ~/.local/share/bash-completion/completions/logical-robots
-  logical-robots completion zsh > ~/.zfunc/_logical-robots      with fpath+=~/.zfunc in ~/.zshrc
-  logical-robots completion fish > ~/.config/fish/completions/logical-robots.fish
+  logical-robots completion bash \\
+    > ~/.local/share/bash-completion/completions/logical-robots
+  logical-robots completion zsh > ~/.zfunc/_logical-robots
+  logical-robots completion fish \\
+    > ~/.config/fish/completions/logical-robots.fish
 
-Make the folder first if it is not there. In a shell that is open already:
+Create the folder first if it does not exist; zsh also needs fpath+=~/.zfunc in
+~/.zshrc. For the current shell only:
   eval "$(logical-robots completion bash)"
 
-levels and programs print their names, one a line; the scripts ask for them.
+The scripts call `completion levels` and `completion programs`, which print one
+name per line.
 """
 
 
@@ -37,9 +41,8 @@ def declare(commands: Commands) -> None:
         commands,
         "completion",
         start=start,
-        summary="print a script that lets your shell complete commands and names",
-        description="Print a script that lets a shell complete commands, options, levels and "
-        "programs.",
+        summary="print a completion script for your shell",
+        description="Print a script that completes commands, options, levels and programs.",
         epilog=EPILOG,
     )
     command.add_argument("what", choices=(*SHELLS, *NAMES), help="the shell, or names to print")
@@ -65,13 +68,13 @@ def start(options: argparse.Namespace) -> int:
         for action in _arguments(top):
             completion = _completion(str(action.metavar))
             if completion:
-                action.complete = completion  # type: ignore[attr-defined] # shtab looks for it
+                action.complete = completion  # type: ignore[attr-defined] # read by shtab
         print(complete(top, options.what))
     return 0
 
 
 def _arguments(parser: argparse.ArgumentParser) -> Iterator[argparse.Action]:
-    """Every argument and option, those of the commands too."""
+    """Yield every argument and option, including those of the subcommands."""
     for action in parser._actions:
         yield action
         if isinstance(action, argparse._SubParsersAction):
@@ -80,7 +83,7 @@ def _arguments(parser: argparse.ArgumentParser) -> Iterator[argparse.Action]:
 
 
 def _completion(metavar: str) -> dict[str, object] | str | None:
-    """How to complete what a metavariable stands for, as shtab wants to be told."""
+    """Return how to complete a metavariable, in the form that shtab expects."""
     if metavar == "LEVEL":
         return _names_or_files("levels", ("toml", "json"))
     if metavar == "PROGRAM":
@@ -89,7 +92,7 @@ def _completion(metavar: str) -> dict[str, object] | str | None:
 
 
 def _names_or_files(kind: str, endings: tuple[str, ...]) -> dict[str, object]:
-    """Names that come with the game or are the player's own, and files."""
+    """Complete the names of shipped and own levels or programs, and files."""
     name = f"_logical_robots_{kind}"
     ask = f"logical-robots completion {kind} 2>/dev/null"
     globs = " ".join(f"'!*.{ending}'" for ending in endings)

@@ -1,4 +1,4 @@
-"""``logical-robots config``: what the configuration file sets, and where it is."""
+"""``logical-robots config``: the settings, and where the configuration file is."""
 
 from __future__ import annotations
 
@@ -20,11 +20,11 @@ FINE, WRONG = 0, 2
 
 EPILOG = """\
 examples:
-  logical-robots config             what is set, with the keys of all commands
-  logical-robots config --path      where the file is to be
-  logical-robots config --default   how the game comes; a beginning for a file of your own
+  logical-robots config             the settings and the keys of all commands
+  logical-robots config --path      the path of the configuration file
+  logical-robots config --default   the defaults, to start your own file
 
-exit status: 0 all of the file can be used, 2 something in it can't; stderr says what
+exit status: 0 the file is valid, 2 it has errors, which are printed to stderr
 """
 
 
@@ -34,12 +34,12 @@ def declare(commands: Commands) -> None:
         commands,
         "config",
         start=start,
-        summary="show the settings and the keys, and where to change them",
-        description="Show the settings and the keys as a configuration file that sets the same.",
+        summary="show the settings and keys, and where to change them",
+        description="Print the settings and keys in the format of the configuration file.",
         epilog=EPILOG,
     )
-    command.add_argument("--path", action="store_true", help="print only where the file is to be")
-    command.add_argument("--default", action="store_true", help="leave the file out of account")
+    command.add_argument("--path", action="store_true", help="print only the path of the file")
+    command.add_argument("--default", action="store_true", help="print the defaults instead")
 
 
 def start(options: argparse.Namespace) -> int:
@@ -52,7 +52,7 @@ def start(options: argparse.Namespace) -> int:
         print(path)
         return FINE
     settings = Settings() if options.default else read_settings(path)
-    what = "what is set in" if is_there(path) and not options.default else "to be put into"
+    what = "settings from" if is_there(path) and not options.default else "defaults, to be put into"
     print(f"# Logical Robots: {what} {harmless(str(path))}", as_toml(settings), sep="\n")
     for complaint in settings.complaints:
         print(harmless(complaint), file=sys.stderr)

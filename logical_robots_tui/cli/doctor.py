@@ -1,4 +1,4 @@
-"""``logical-robots doctor``: what the game finds on this machine and in this terminal."""
+"""``logical-robots doctor``: what the game detects on this machine and in this terminal."""
 
 from __future__ import annotations
 
@@ -24,33 +24,33 @@ if TYPE_CHECKING:
 
 __all__ = ["declare"]
 
-FINE, TROUBLE = 0, 1
+FINE, PROBLEM = 0, 1
 PACKAGES = ("logica", "textual", "rich", "numpy", "orjson", "sqlglot")
 
 EPILOG = """\
 examples:
-  logical-robots doctor           what was found, in words; add it to a report of a fault
+  logical-robots doctor           what the game detects (for bug reports)
   logical-robots doctor --json    the same as JSON
 
-exit status: 0 the game can be played here, 1 something stands in its way, marked with !
+exit status: 0 the game can be played here, 1 there are problems, marked with !
 """
 
 
 @dataclass(frozen=True)
 class Finding:
-    """Something that was looked at.
+    """One result of the check.
 
     Attributes:
-        part: What it belongs to, such as ``terminal``.
-        name: What it is.
+        part: The section, such as ``terminal``.
+        name: What was checked.
         value: What was found.
-        trouble: What that stands in the way of, or "".
+        problem: What is wrong with it, or "".
     """
 
     part: str
     name: str
     value: str
-    trouble: str = ""
+    problem: str = ""
 
 
 def declare(commands: Commands) -> None:
@@ -60,8 +60,8 @@ def declare(commands: Commands) -> None:
         "doctor",
         start=start,
         wants_json=lambda options: bool(options.json),
-        summary="say what the game finds on this machine and in this terminal",
-        description="Say what the game finds on this machine and in this terminal.",
+        summary="check this machine and this terminal",
+        description="Print what the game detects on this machine and in this terminal.",
         epilog=EPILOG,
     )
     command.add_argument("--json", action="store_true", help="print JSON")
@@ -69,7 +69,7 @@ def declare(commands: Commands) -> None:
 
 
 def start(options: argparse.Namespace) -> int:
-    """Print what is found."""
+    """Print the findings."""
     found = [*_terminal(), *_versions(), *_places(options.data_dir)]
     if options.json:
         print(json.dumps([asdict(finding) for finding in found], indent=2))
@@ -78,14 +78,14 @@ def start(options: argparse.Namespace) -> int:
             print(part)
             for finding in found:
                 if finding.part == part:
-                    sign = "!" if finding.trouble else " "
-                    said = f"  ({finding.trouble})" if finding.trouble else ""
+                    sign = "!" if finding.problem else " "
+                    said = f"  ({finding.problem})" if finding.problem else ""
                     print(f"{sign} {finding.name:<14} {harmless(finding.value)}{said}")
-    return TROUBLE if any(finding.trouble for finding in found) else FINE
+    return PROBLEM if any(finding.problem for finding in found) else FINE
 
 
 def _terminal() -> Iterator[Finding]:
-    """What is known of the terminal without asking it."""
+    """Yield what is known about the terminal without querying it."""
     from rich.console import Console
 
     from logical_robots_tui.tui.layout.layout import LEAST_HEIGHT, LEAST_WIDTH
@@ -100,29 +100,29 @@ def _terminal() -> Iterator[Finding]:
     console = Console(_environ=environ, file=sys.__stdout__, force_terminal=True)
     is_there = sys.stdin.isatty() and sys.stdout.isatty()
     yield _finding("name", environ.get("TERM", "") or "none")
-    yield _finding("reached", "directly" if is_there else "through a pipe or a file")
+    yield _finding("output", "to the terminal" if is_there else "to a pipe or file")
     if is_there:
         columns, lines = os.get_terminal_size(sys.stdout.fileno())
         is_small = columns < LEAST_WIDTH or lines < LEAST_HEIGHT
-        wish = f"{LEAST_WIDTH}x{LEAST_HEIGHT} needed" if is_small else ""
-        yield _finding("size", f"{columns}x{lines}", wish)
+        problem = f"at least {LEAST_WIDTH}x{LEAST_HEIGHT} needed" if is_small else ""
+        yield _finding("size", f"{columns}x{lines}", problem)
     colourless = "NO_COLOR" in environ
     colours = "none (NO_COLOR)" if colourless else _colours(console.color_system)
     yield _finding("colours", colours)
     encoding = console.encoding
-    poor = "" if "utf" in encoding.lower() else "plain characters only; set LANG to a UTF-8 locale"
+    poor = "" if "utf" in encoding.lower() else "ASCII only; set LANG to a UTF-8 locale"
     yield _finding("encoding", encoding, poor)
     drawing = drawing_for(environ, console.color_system, encoding, colourless=colourless)
-    yield _finding("drawn in", drawing.value)
+    yield _finding("drawing", drawing.value)
     around = [name for name in ("TMUX", "STY", "SSH_CONNECTION") if environ.get(name)]
     words = {"TMUX": "tmux", "STY": "GNU screen", "SSH_CONNECTION": "ssh"}
     yield _finding("inside", ", ".join(words[name] for name in around) or "neither tmux nor ssh")
-    yield _finding("mouse", "used" if may_use_mouse(environ) else "not used in GNU screen")
+    yield _finding("mouse", "used" if may_use_mouse(environ) else "off in GNU screen")
     yield _finding("editor", environ.get("VISUAL") or environ.get("EDITOR") or "vi")
 
 
-def _finding(name: str, value: str, trouble: str = "") -> Finding:
-    return Finding("terminal", name, value, trouble)
+def _finding(name: str, value: str, problem: str = "") -> Finding:
+    return Finding("terminal", name, value, problem)
 
 
 def _colours(system: str | None) -> str:
@@ -137,17 +137,17 @@ def _versions() -> Iterator[Finding]:
     yield Finding("versions", "logical-robots", __version__)
     yield Finding("versions", "python", f"{platform.python_version()} on {platform.platform()}")
     yield Finding("versions", "sqlite", sqlite3.sqlite_version)
-    wall = shutil.which("bwrap")
-    yield Finding("versions", "bubblewrap", wall or "not installed, a second wall for classes")
+    sandbox = shutil.which("bwrap")
+    yield Finding("versions", "bubblewrap", sandbox or "not installed, a sandbox for classes")
     for package in PACKAGES:
         try:
             yield Finding("versions", package, version(package))
         except PackageNotFoundError:
-            yield Finding("versions", package, "not installed", "the game can't do without it")
+            yield Finding("versions", package, "not installed", "required by the game")
 
 
 def _places(data_dir: Path | None) -> Iterator[Finding]:
-    """The folders, and whether they can be written to."""
+    """Yield the folders, and whether they can be written to."""
     from platformdirs import user_data_path
 
     from logical_robots_tui.mind import cache
@@ -155,23 +155,23 @@ def _places(data_dir: Path | None) -> Iterator[Finding]:
     from logical_robots_tui.tui.app.settings import read_settings
 
     data = data_dir or user_data_path("logical-robots", appauthor=False)
-    yield _place("data", data, "what you write can't be kept")
+    yield _place("data", data, "your work can't be saved")
     settings = settings_path()
     complaints = read_settings(settings).complaints
-    wrong = "logical-robots config says what is wrong" if complaints else ""
+    wrong = "it has errors; run logical-robots config" if complaints else ""
     value = f"{settings}{'' if is_there(settings) else ' (none)'}"
     yield Finding("places", "configuration", value, wrong)
     compiled = cache.folder()
     if compiled is None:
         yield Finding("places", "cache", "none")
     else:
-        yield _place("cache", compiled, "programs are compiled anew each time")
+        yield _place("cache", compiled, "programs are compiled again each time")
 
 
 def _place(name: str, folder: Path, lost: str) -> Finding:
-    """A folder that is there or can be made."""
+    """Check a folder that exists or can be created."""
     there = folder
     while not is_there(there) and there != there.parent:
         there = there.parent
     can = is_folder(there) and os.access(there, os.W_OK | os.X_OK)
-    return Finding("places", name, str(folder), "" if can else f"can't be written to: {lost}")
+    return Finding("places", name, str(folder), "" if can else f"not writable: {lost}")

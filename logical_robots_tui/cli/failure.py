@@ -1,4 +1,4 @@
-"""Telling what went wrong: the player's mistakes in place, our own in a log file."""
+"""Error reports: the player's mistakes on standard error, bugs of ours in a log file."""
 
 from __future__ import annotations
 
@@ -22,16 +22,16 @@ if TYPE_CHECKING:
 
 __all__ = [
     "BAD_INPUT",
-    "OWN_MISTAKE",
+    "BUG",
     "CrashLog",
     "ProgramFileError",
     "report",
+    "report_bug",
     "report_output",
-    "report_own_mistake",
 ]
 
 BAD_INPUT = 2
-OWN_MISTAKE = 70  # EX_SOFTWARE of sysexits.h
+BUG = 70  # EX_SOFTWARE in sysexits.h
 
 
 class ProgramFileError(LogicalRobotsError):
@@ -39,7 +39,7 @@ class ProgramFileError(LogicalRobotsError):
 
     Attributes:
         place: The file.
-        diagnostics: What is wrong with it, in the order of the text.
+        diagnostics: The errors, in text order.
     """
 
     title = "This program can't run yet"
@@ -51,7 +51,7 @@ class ProgramFileError(LogicalRobotsError):
 
 
 def report(error: LogicalRobotsError, *, as_json: bool) -> int:
-    """Tell a mistake of the player on standard error and return the exit status.
+    """Report a player's mistake on standard error and return the exit status.
 
     Args:
         error: The mistake.
@@ -64,24 +64,24 @@ def report(error: LogicalRobotsError, *, as_json: bool) -> int:
 
 
 def report_output(error: OSError) -> int:
-    """Tell that standard output can't be written and return the exit status."""
-    _say(f"what it prints can't be written: {error.strerror}.")
+    """Report that standard output can't be written and return the exit status."""
+    _say(f"can't write to standard output: {error.strerror}.")
     return BAD_INPUT
 
 
-def report_own_mistake(error: Exception, *, as_json: bool) -> int:
-    """Keep the traceback of a mistake of ours in a log file, name it, return the exit status."""
+def report_bug(error: Exception, *, as_json: bool) -> int:
+    """Write the traceback of a bug to a log file, print its path and return the exit status."""
     kept = _write_log("".join(traceback.format_exception(error)))
     name = type(error).__name__
-    where = f"The details are in {kept}" if kept else "The details could not be kept in a file"
+    where = f"See {kept} for details" if kept else "The details could not be written to a log file"
     if as_json:
-        told = {"kind": "own mistake", "message": name, "log": str(kept or "")}
-        print(json.dumps({"error": told}, indent=2))
+        data = {"kind": "bug", "message": name, "log": str(kept or "")}
+        print(json.dumps({"error": data}, indent=2))
     if is_out_of_memory(error):
-        _say(f"the game has ended because it may have no more memory. {where}.")
+        _say(f"the game has run out of memory. {where}.")
     else:
-        _say(f"this is a mistake in the game itself, not yours ({name}). {where}.")
-    return OWN_MISTAKE
+        _say(f"this is a bug in the game, not your mistake ({name}). {where}.")
+    return BUG
 
 
 def _as_data(error: LogicalRobotsError) -> dict[str, Any]:
@@ -122,20 +122,20 @@ def _lines(error: LogicalRobotsError) -> list[str]:
 
 def _say(head: str, *more: str) -> None:
     lines = f"logical-robots: {harmless(head)}", *map(harmless, more)
-    with suppress(OSError):  # the exit status still tells
+    with suppress(OSError):  # the exit status still says it
         print(*lines, sep="\n", file=sys.stderr)
 
 
 class CrashLog(logging.Handler):
-    """Keeps what the parts log about mistakes of our own, each in a file, and prints nothing."""
+    """Writes each logged bug to its own file, and prints nothing."""
 
     def emit(self, record: logging.LogRecord) -> None:
-        """Write one record to a new file in the system's place for logs."""
+        """Write one record to a new file in the system's log folder."""
         _write_log(self.format(record))
 
 
 def _write_log(what: str) -> Path | None:
-    """Write a new file in the system's place for logs; None if it can't be written."""
+    """Write a new file in the system's log folder; return None if it can't be written."""
     moment = datetime.now(UTC)
     text = "\n".join(
         [

@@ -1,4 +1,4 @@
-"""``logical-robots help``: what a program can use."""
+"""``logical-robots help``: the functions, aggregates and operators of the language."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ EPILOG = """\
 examples:
   logical-robots help               list everything
   logical-robots help ArgMin        explain one of them
-  logical-robots help '%'           operators want quotes
+  logical-robots help '%'           operators need quotes
 
 exit status: 0, or 2 if there is no such function
 """
@@ -49,12 +49,12 @@ def start(options: argparse.Namespace) -> int:
                 (entry.name, entry.summary) for entry in REFERENCE if entry.kind == kind
             ]
             print(f"{kind.capitalize()}s", *(f"  {row}" for row in columns(rows)), "", sep="\n")
-        print("logical-robots help NAME shows how one is used, with an example.")
+        print("logical-robots help NAME explains one, with an example.")
         return 0
     entry = find_help(options.name)
     if entry is None:
         close = similar(options.name)
-        hint = f"Did you mean {close}?" if close else "`logical-robots help` lists what there is."
+        hint = f"Did you mean {close}?" if close else "`logical-robots help` lists all functions."
         raise InputError(f"there is no function {options.name}.", hint=hint)
     print(_explained(entry))
     return 0

@@ -1,4 +1,4 @@
-"""``logical-robots levels`` and ``logical-robots programs``: what there is to play with."""
+"""``logical-robots levels`` and ``logical-robots programs``: lists of both."""
 
 from __future__ import annotations
 

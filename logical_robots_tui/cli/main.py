@@ -1,4 +1,4 @@
-"""The command ``logical-robots``: reads the arguments, starts a command, reports what fails."""
+"""The command ``logical-robots``: parse the arguments, run a command, report errors."""
 
 from __future__ import annotations
 
@@ -53,27 +53,27 @@ examples:
   logical-robots levels                list the levels
   logical-robots play 02-open-space    play one of them
   logical-robots programs              list the programs
-  logical-robots check first-steps     say what is wrong with a program
+  logical-robots check first-steps     check a program for errors
   logical-robots run 01-first-steps first-steps
                                        run without a screen
   logical-robots trace 01-first-steps first-steps
-                                       tell every tick as JSON
+                                       print every tick as JSON
   logical-robots query 01-first-steps first-steps --tick 90 Robot
-                                       ask anything about a tick
+                                       query one tick of a run
   logical-robots when 01-first-steps first-steps Robot
-                                       say in which ticks something holds
+                                       find the ticks in which something holds
   logical-robots why 01-first-steps first-steps --tick 90 --robot Ada --tree
-                                       say why a robot did what it did
+                                       explain what a robot did
   logical-robots origin 06-breadcrumbs breadcrumbs --tick 300 --robot Crow
-                                       say where a value comes from
+                                       find out where a value comes from
   logical-robots diagnose 01-first-steps first-steps
-                                       look through a run for mistakes
+                                       scan a run for likely mistakes
   logical-robots help ArgMin           explain a function of the language
-  logical-robots level new maze.toml   make a level
+  logical-robots level new maze.toml   create a level
   logical-robots config                show settings and keys
-  logical-robots doctor                say what was found on this machine
+  logical-robots doctor                check this machine and this terminal
 
-Levels and programs are names from these lists or paths of files.
+Levels and programs are names from these lists, or file paths.
 """
 
 
@@ -81,15 +81,15 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """Run a command and return its exit status.
 
     Args:
-        arguments: What was typed after the command's name; by default ``sys.argv``.
+        arguments: The command-line arguments; by default those in ``sys.argv``.
 
     Raises:
         SystemExit: By argparse, for ``--help``, ``--version`` and mistyped arguments.
     """
     collect_seldom()
-    # Our arrays are small: more threads of numpy's would take longer to begin than they save.
+    # Our arrays are small: starting more numpy threads would take longer than they save.
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
-    _open_what_is_closed()
+    _open_missing_streams()
     for stream in (sys.stdout, sys.stderr):
         stream.reconfigure(errors="backslashreplace")  # type: ignore[union-attr] # typed as TextIO
     logging.getLogger("logical_robots_tui").handlers = [failure.CrashLog(logging.ERROR)]
@@ -100,7 +100,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         sys.stdout.flush()
     except KeyboardInterrupt:
         return INTERRUPTED
-    except OSError as error:  # others are told of, with the name of a file, where they arise
+    except OSError as error:  # errors about files are reported where they arise
         # What is still buffered would fail again when Python flushes it at exit.
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return PIPE_CLOSED if isinstance(error, BrokenPipeError) else failure.report_output(error)
@@ -108,7 +108,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 
 def _start(options: argparse.Namespace) -> int:
-    """Start a command, report what is wrong, and return the exit status.
+    """Run a command, report errors, and return the exit status.
 
     Raises:
         OSError: Standard output can't be written.
@@ -120,19 +120,19 @@ def _start(options: argparse.Namespace) -> int:
     except Exception as error:
         if isinstance(error, OSError) and error.errno in OUTPUT_FAILS and error.filename is None:
             raise
-        return failure.report_own_mistake(error, as_json=options.wants_json(options))
+        return failure.report_bug(error, as_json=options.wants_json(options))
     return status
 
 
 def parser(command: str = "") -> argparse.ArgumentParser:
-    """The parser of all commands; each command's options carry its ``start`` function.
+    """Return the argument parser; parsed options hold the command's ``start`` function.
 
     Args:
-        command: If this is one of them, no other is loaded, so that it starts sooner.
+        command: If this is a command, only its module is loaded, which is faster.
     """
     top = argparse.ArgumentParser(
         prog=PROGRAM,
-        description="Robots in a labyrinth, programmed in logic. Without a command: play.",
+        description="Program robots in a labyrinth in Logica. The default command is play.",
         epilog=EXAMPLES,
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
@@ -144,21 +144,21 @@ def parser(command: str = "") -> argparse.ArgumentParser:
     return top
 
 
-def _open_what_is_closed() -> None:
-    """Put nothing in the place of a standard stream that the process was started without.
+def _open_missing_streams() -> None:
+    """Open the null device for each standard stream that was closed when the process started.
 
-    Else it would be None, and its number that of the next file to be opened.
+    Otherwise the stream would be None, and the next opened file would get its descriptor.
     """
     for name, mode in (("stdin", "r"), ("stdout", "w"), ("stderr", "w")):
         if getattr(sys, name) is None:
-            nothing = Path(os.devnull).open(mode, encoding="utf-8")  # noqa: SIM115 - for good
-            setattr(sys, name, nothing)
+            null = Path(os.devnull).open(mode, encoding="utf-8")  # noqa: SIM115 - stays open
+            setattr(sys, name, null)
 
 
 def _with_command(arguments: Sequence[str]) -> list[str]:
-    """Put in the command ``play`` where none was typed."""
+    """Insert ``play`` if there is no command."""
     first = arguments[0] if arguments else ""
-    asks_about_all = first in {"-h", "--help", "--version"}
-    if not first or (first.startswith("-") and not asks_about_all):
+    is_global = first in {"-h", "--help", "--version"}
+    if not first or (first.startswith("-") and not is_global):
         return ["play", *arguments]
     return list(arguments)

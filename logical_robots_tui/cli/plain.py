@@ -1,4 +1,4 @@
-"""The game in lines of text, for screen readers and for pipes: typed commands, told events."""
+"""The game as lines of text, for screen readers and pipes: typed commands, printed events."""
 
 from __future__ import annotations
 
@@ -46,32 +46,32 @@ if TYPE_CHECKING:
 __all__ = ["play_in_lines"]
 
 MOST = 5000
-"""Ticks that ``run`` goes on when nothing happens that ends it."""
+"""The default tick limit of ``run``."""
 
 HELP = f"""\
-run [N]         go on until victory or a stop, for {MOST} ticks at most, or for N
-step [N]        one tick, or N
-back [N]        one tick back, or N
-restart         begin again at tick 0
-where           where the robots are and who is in a goal
-stop PREDICATE  stop a run when a predicate has rows; again: no longer
-save NAME       save the program as a file of your own, to change it there
-apply           read the program's file again and go on with it
+run [N]         run until victory or a stop, for at most N ticks ({MOST} by default)
+step [N]        one tick forward, or N ticks
+back [N]        one tick back, or N ticks
+restart         start again at tick 0
+where           positions of the robots, and who is in a goal
+stop PREDICATE  stop a run when a predicate has rows; repeat to remove the stop
+save NAME       save the program as a file of your own, which you can edit
+apply           read the program's file again and continue with it
 help            this list
 quit            leave; so does the end of the input"""
 
 
 def play_in_lines(level_name: str | None, program: str | None, data_dir: Path) -> int:
-    """Play by lines of text until the player leaves; return the exit status.
+    """Play in lines of text until the player leaves; return the exit status.
 
     Args:
-        level_name: A level's name or path; by default the shipped level that was played last.
-        program: A program's name or path; by default what the player last used in that level.
-        data_dir: Where the player's programs and progress are.
+        level_name: A level's name or path; by default the shipped level played last.
+        program: A program's name or path; by default the player's last program for that level.
+        data_dir: The folder with the player's programs and progress.
 
     Raises:
         InputError: The level or the program can't be read.
-        ProgramFileError: The program is wrong.
+        ProgramFileError: The program has errors.
     """
     progress = Progress(data_dir / FILE_NAME, _say)
     own = data_dir / "programs"
@@ -80,19 +80,19 @@ def play_in_lines(level_name: str | None, program: str | None, data_dir: Path) -
         source, kept = program_to_begin_with(progress, level, program, own)
         if kept is not None and kept != source.text:
             source = replace(source, text=kept)
-            _say("Your last program for this level is taken up.")
+            _say("Loaded your last program for this level.")
         try:
             compiled = Program.compile(source.text)
         except ProgramError as error:
             raise ProgramFileError(program or source.name, error) from error
-        table = _Table(level, source, compiled, progress, own)
-        return asyncio.run(table.play())
+        game = _TextGame(level, source, compiled, progress, own)
+        return asyncio.run(game.play())
     finally:
         progress.close()
 
 
-class _Table:
-    """A game, and the words for it."""
+class _TextGame:
+    """A game, its commands and its messages."""
 
     def __init__(
         self,
@@ -118,19 +118,19 @@ class _Table:
         }
 
     async def play(self) -> int:
-        """Obey one line after the other."""
+        """Read and execute commands until the player leaves."""
         _say(self._level.title, *self._level.briefing.strip().splitlines(), *self._places())
         _say("Type help for the commands.")
         try:
             while line := await asyncio.to_thread(sys.stdin.readline):
                 if line.strip() in ("quit", "q"):
                     break
-                await self._obey(line)
+                await self._execute(line)
         finally:
             await self._game.close()
         return 0
 
-    async def _obey(self, line: str) -> None:
+    async def _execute(self, line: str) -> None:
         word, _, rest = line.strip().partition(" ")
         if not word:
             return
@@ -147,7 +147,7 @@ class _Table:
         elif word in self._commands:
             self._commands[word](int(rest or 1))
         else:
-            _say(f"There is no command {word}. Type help for a list.")
+            _say(f"Unknown command {word}. Type help for a list.")
 
     async def _run(self, ticks: int) -> None:
         frame = await self._game.run_until(tick=self._game.frame.tick + ticks)
@@ -159,7 +159,7 @@ class _Table:
         self._go(lambda: self._game.back(ticks))
 
     def _go(self, move: Callable[[], Frame]) -> None:
-        """Go to another tick without telling what happened on the way."""
+        """Go to another tick without printing the events on the way."""
         try:
             self._past = move()
         except NoSuchTickError as error:
@@ -170,28 +170,28 @@ class _Table:
         wanted = Breakpoint("rows", predicate)
         if wanted in self._game.breakpoints:
             self._game.breakpoints.remove(wanted)
-            _say(f"No stop any more when {wanted.words}.")
+            _say(f"Runs no longer stop when {wanted.words}.")
             return
         mistake = mistake_in(wanted, self._level, self._game.program)
         if not mistake:
             self._game.breakpoints.add(wanted)
-        _say(mistake or f"A run stops when {wanted.words}.")
+        _say(mistake or f"Runs will stop when {wanted.words}.")
 
     def _save(self, name: str) -> None:
         try:
             path = target(name, self._own)
             if is_there(path):
-                raise InputError("is there already.", place=str(path), hint="Choose another name.")
+                raise InputError("already exists.", place=str(path), hint="Choose another name.")
             save_program(path, self._source.text)
             self._source = load_program(path)
         except InputError as error:
             _say(str(error))
         else:
-            _say(f"Saved as {path}. Change it there, then type apply.")
+            _say(f"Saved as {path}. Edit that file, then type apply.")
 
     def _apply(self) -> None:
         if self._source.shipped:
-            _say("This program is in no file of yours. Type save and a name for it first.")
+            _say("This program is not in a file of yours. Type save and a name first.")
             return
         try:
             self._source = load_program(self._source.path)
@@ -204,7 +204,7 @@ class _Table:
         else:
             self._game.use(program)
             keep_if_own(self._progress, self._key, program.text)
-            _say("The robots think with it from the next tick on.")
+            _say("The robots will use it from the next tick.")
 
     def _tell_events(self, frame: Frame) -> None:
         if frame.tick == self._past.tick + 1:
@@ -219,13 +219,13 @@ class _Table:
     def _keep(self, victory: Victory) -> None:
         keep_victory(self._progress, self._key, victory)
         if victory.verdict == "reference":
-            _say("That was the reference program: it counts for itself.")
+            _say("That was the reference program, so it does not count as your victory.")
         elif victory.refusal:
             _say(victory.refusal)
         elif self._progress.is_kept:
-            _say("The victory is kept in your progress.")
+            _say("The victory is saved in your progress.")
         else:
-            _say("The victory counts until you leave: nothing can be kept on this disk.")
+            _say("The victory only counts until you leave: nothing can be saved on this disk.")
 
     def _places(self) -> Iterator[str]:
         frame = self._game.frame
@@ -238,7 +238,7 @@ class _Table:
 
 
 def _say(*sentences: str) -> None:
-    """Print, at once: a screen reader, or a program at the other end, waits for it."""
+    """Print and flush, because a screen reader or another program waits for the line."""
     for sentence in sentences:
         for line in sentence.splitlines():
             print(harmless(line), flush=True)

@@ -23,10 +23,10 @@ __all__ = ["declare"]
 
 EPILOG = """\
 examples:
-  logical-robots play                  where you stopped, or the first level
-  logical-robots play 02-open-space    another level of the list
+  logical-robots play                  continue, or start the first level
+  logical-robots play 02-open-space    play another level
   logical-robots play my-level.toml my-program.l
-  logical-robots play --plain          the same in lines; with a pipe too:
+  logical-robots play --plain          play in lines of text, also in a pipe:
   echo run | logical-robots play 01-first-steps first-steps --plain
 
 exit status: 0 after quitting, 2 if the game can't be opened
@@ -48,7 +48,7 @@ def declare(commands: Commands) -> None:
     command.add_argument(
         "--plain",
         action="store_true",
-        help="no screen: type commands, and read a line for each event",
+        help="play in lines of text: type commands, read one line per event",
     )
     add_data_dir(command)
     command.add_argument(
@@ -56,18 +56,18 @@ def declare(commands: Commands) -> None:
         metavar="NAME",
         type=_player,
         default=os.environ.get("LOGICAL_ROBOTS_PLAYER"),
-        help="who plays, where many share an account: each has a folder of their own",
+        help="the player's name, where many share an account; each gets a folder",
     )
     command.add_argument(
         "--restricted",
         action="store_true",
         default=os.environ.get("LOGICAL_ROBOTS_RESTRICTED", "") not in ("", "0"),
-        help="for shared machines: your own files only, no other program, bounded resources",
+        help="for shared machines: only your own files, no other programs, limited resources",
     )
     command.add_argument(
         "--allow-clipboard",
         action="store_true",
-        help="let a restricted game write to your terminal's clipboard",
+        help="let the restricted game write to your terminal's clipboard",
     )
 
 
@@ -75,13 +75,13 @@ def start(options: argparse.Namespace) -> int:
     """Open the game.
 
     Raises:
-        InputError: There is no terminal, nobody is named where all have folders, or the level or
-            program can't be used.
+        InputError: There is no terminal, the player's name is missing, or the level or program
+            can't be used.
     """
     if not options.plain:
         _prepare_screen()
     if options.restricted and not options.player:
-        _refuse_everybodys(folder_of(options.data_dir))
+        _refuse_shared_folder(folder_of(options.data_dir))
     options.data_dir = folder_of(options.data_dir, options.player)
     if options.plain:
         if options.restricted:
@@ -92,22 +92,22 @@ def start(options: argparse.Namespace) -> int:
     return _play_on_screen(options)
 
 
-def _refuse_everybodys(folder: Path) -> None:
-    """Refuse to give one player the folders of all.
+def _refuse_shared_folder(folder: Path) -> None:
+    """Refuse to give one player access to the folders of all.
 
     Raises:
-        InputError: Others play in folders within that one.
+        InputError: The folder contains folders of named players.
     """
     if is_folder(folder_of(folder, ".")):
         raise InputError(
-            "nobody is named as the player, and in this folder are those of others",
+            "no player is named, and this folder contains the folders of players",
             place=str(folder),
-            hint="Add --player NAME, or LOGICAL_ROBOTS_PLAYER=NAME to the environment.",
+            hint="Add --player NAME, or set LOGICAL_ROBOTS_PLAYER=NAME in the environment.",
         )
 
 
 def _restrict(options: argparse.Namespace, game: str) -> None:
-    """Load what the game consists of, then restrict this process: after that no library can be."""
+    """Load the game, then restrict this process: afterwards no library can be loaded."""
     from logical_robots_tui.cli.restricted import restrict
 
     import_module(game)
@@ -133,9 +133,9 @@ def _prepare_screen() -> None:
     # The terminal knows its size better than a shell that once exported it.
     for name in ("COLUMNS", "LINES"):
         os.environ.pop(name, None)
-    # What is told of a tick follows its picture within so much; Textual waits twice as long.
+    # Text about a tick appears at most this long after its picture; Textual's default is 60.
     os.environ.setdefault("TEXTUAL_FPS", "120")
-    collect_later()  # until the first picture stands
+    collect_later()  # after the first picture
 
 
 def _play_on_screen(options: argparse.Namespace) -> int:
@@ -154,9 +154,9 @@ def _play_in_lines(options: argparse.Namespace) -> int:
 
 
 def _player(text: str) -> str:
-    """Read a name that can be a folder's; the names are a teacher's, not a player's."""
+    """Accept a name that is valid as a folder name; a teacher chooses it, not the player."""
     if not re.fullmatch(r"[A-Za-z0-9][A-Za-z0-9_.-]{0,31}", text):
         raise argparse.ArgumentTypeError(
-            f"{text!r} is no name of at most 32 letters, digits and the signs _ . -"
+            f"{text!r} is not a name of at most 32 letters, digits and _ . -"
         )
     return text

@@ -1,10 +1,9 @@
-"""Restricted mode: what this process may still do on a shared or public machine.
+"""Restricted mode: what this process may do on a shared or public machine.
 
-It is enforced by an audit hook of Python: once set, nothing in this process can remove it. It
-refuses files outside of the player's folder (whatever way they are named and through whatever
-symbolic link), other programs than the game's own helpers, and connections. Only the installed
-Python and the game itself can be read besides, because they are loaded bit by bit while the game
-runs.
+A Python audit hook enforces it; once set, nothing in this process can remove it. The hook refuses
+files outside the player's folder (under any name and through any symbolic link), programs other
+than the game's own helpers, and connections. The installed Python and the game itself can be read,
+because their modules are loaded while the game runs.
 """
 
 from __future__ import annotations
@@ -26,21 +25,21 @@ from logical_robots_tui.shipped import shipped_folder
 __all__ = ["LIMITS", "MOST_GAMES", "restrict"]
 
 MOST_GAMES = 4
-"""Games that one player may have open at the same time, each of at most three processes."""
+"""Games that one player may have open at the same time, of at most three processes each."""
 
-_places: list[int] = []
+_slots: list[int] = []  # file descriptors; closing one would free the slot
 
 LIMITS = {
-    "RLIMIT_AS": 2 * 1024**3,  # bytes of address space; the game itself needs half of that
+    "RLIMIT_AS": 2 * 1024**3,  # bytes of address space; the game needs half of that
     "RLIMIT_CPU": 3 * 3600,  # seconds
     "RLIMIT_FSIZE": 64 * 1024**2,  # bytes of one file
     "RLIMIT_NOFILE": 256,
-    "RLIMIT_NPROC": 1024,  # processes and threads of the whole account
+    "RLIMIT_NPROC": 1024,  # processes and threads of the account
     "RLIMIT_CORE": 0,
 }
-"""Bounds on each process of the game, by their names in Python's module ``resource``."""
+"""Limits for each process of the game, by their names in Python's module ``resource``."""
 
-_GRACE = 5  # seconds of thinking in which a game that has used up its time ends in good order
+_GRACE = 5  # processor seconds that a game over its limit has for a clean exit
 _WRITING = os.O_WRONLY | os.O_RDWR | os.O_CREAT | os.O_TRUNC | os.O_APPEND
 _DEVICES = frozenset(("/dev/null", "/dev/tty", "/dev/urandom"))
 _PACKAGES = ("site-packages", "dist-packages", "lib-dynload")
@@ -66,23 +65,23 @@ _HELPERS = ("logical_robots_tui.game.measuring", "logical_robots_tui.mind.compil
 
 
 def restrict(own: Path) -> None:
-    """Keep this process and its children within a folder and within `LIMITS`, for good.
+    """Confine this process and its children to a folder and to `LIMITS`, permanently.
 
-    Everything that is looked for at home is looked for in the folder from now on.
+    The folder becomes the home directory.
 
     Args:
-        own: The player's folder; made if it is missing.
+        own: The player's folder; created if it is missing.
 
     Raises:
-        InputError: It can't be made or used, or the player has too many games open.
+        InputError: It can't be created or used, or the player has too many games open.
     """
     try:
         own.mkdir(mode=0o700, parents=True, exist_ok=True)
         own = own.resolve()
-        _hold_place(own)
+        _take_slot(own)
     except OSError as error:
         reason = error.strerror or str(error)
-        hint = "Tell those who look after this machine."
+        hint = "Tell the administrator of this machine."
         said = f"the player's folder can't be used: {reason}"
         raise InputError(said, place=str(own), hint=hint) from None
     for name in ("VISUAL", "EDITOR", "SHELL", "TMPDIR", "LOGICAL_ROBOTS_CACHE_DIR"):
@@ -97,11 +96,11 @@ def restrict(own: Path) -> None:
     sys.addaudithook(_AuditHook(own))
 
 
-def _hold_place(own: Path) -> None:
-    """Take one of the places that a player has, until this process ends.
+def _take_slot(own: Path) -> None:
+    """Take one of the player's slots for open games, until this process ends.
 
     Raises:
-        InputError: There is none left.
+        InputError: All slots are taken.
         OSError: The folder can't be written to.
     """
     for number in range(MOST_GAMES):
@@ -111,25 +110,25 @@ def _hold_place(own: Path) -> None:
         except OSError:
             os.close(handle)
         else:
-            _places.append(handle)
+            _slots.append(handle)
             return
-    hint = "Leave one of them first; one whose connection broke ends by itself within a minute."
-    raise InputError(f"you have {MOST_GAMES} games open, and that is the most", hint=hint)
+    hint = "Leave one of them first; a game whose connection broke ends within a minute."
+    raise InputError(f"you have {MOST_GAMES} games open, the most allowed", hint=hint)
 
 
 def _limit(which: int, bound: int, grace: int) -> None:
-    """Lower a limit, and the one that can't be raised again; one that is lower already stays."""
+    """Lower the soft and hard limit, unless they are lower already."""
     _, hard = resource.getrlimit(which)
     last = bound + grace if hard == resource.RLIM_INFINITY else min(bound + grace, hard)
     resource.setrlimit(which, (min(bound, last), last))
 
 
 class _AuditHook:
-    """Refuses, by raising PermissionError, what Python announces before it does it."""
+    """Refuses operations that Python announces, by raising PermissionError."""
 
     def __init__(self, own: Path) -> None:
         self._own = str(own)
-        # Not sys.prefix: that may be /usr, with much that is nobody's business.
+        # Not sys.prefix: that may be /usr, which holds much else.
         code: set[str | Path] = {Path(__file__).parents[1]}
         code |= {
             sysconfig.get_path(name) for name in ("stdlib", "platstdlib", "purelib", "platlib")
@@ -137,7 +136,7 @@ class _AuditHook:
         code |= {path for path in sys.path if Path(path).name in _PACKAGES or path.endswith(".zip")}
         code |= {shipped_folder("levels"), shipped_folder("programs")}
         real = {os.path.realpath(os.fspath(folder)) for folder in code if folder}
-        # A folder that holds the player's would give everybody's away.
+        # A folder that contains the player's would also contain those of others.
         self._code = tuple(
             folder for folder in (*real, *_SYSTEM) if not _is_within(self._own, folder)
         )
@@ -160,7 +159,7 @@ class _AuditHook:
 
     def _check(self, path: object, *, writing: bool) -> None:
         if not isinstance(path, str | bytes | os.PathLike):
-            return  # a file that is open already
+            return  # an open file
         real = os.path.realpath(os.fsdecode(path))
         if _is_within(real, self._own) or real in _DEVICES:
             return
@@ -178,7 +177,7 @@ def _is_within(path: str, folder: str) -> bool:
 
 
 def _check_program(executable: object, words: object) -> None:
-    """Refuse every program but this Python with one of the game's own modules."""
+    """Refuse every program except this Python with one of the game's helper modules."""
     if executable == sys.executable and isinstance(words, list | tuple):
         module = words[words.index("-m") + 1] if "-m" in words[:-1] else ""
         if module in _HELPERS:

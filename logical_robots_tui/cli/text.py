@@ -1,4 +1,4 @@
-"""Text for a terminal that may hold anything."""
+"""Formatting arbitrary text and values for a terminal."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ def harmless(text: str) -> str:
 
 
 def columns(rows: list[tuple[str, ...]]) -> list[str]:
-    """Lay out rows as aligned columns, two spaces apart; the cells are made harmless."""
+    """Format rows as aligned columns, two spaces apart, with `harmless` cells."""
     clean = [tuple(harmless(cell) for cell in row) for row in rows]
     widths = [max(map(len, column)) for column in zip(*clean, strict=True)]
     return [
@@ -30,7 +30,7 @@ def columns(rows: list[tuple[str, ...]]) -> list[str]:
 
 
 def finite(value: Any) -> Any:
-    """Replace what JSON has no word for (infinities, not-a-number) by null."""
+    """Replace infinities and NaN, which JSON does not have, by null."""
     if isinstance(value, float):
         return value if math.isfinite(value) else None
     if isinstance(value, dict):
@@ -41,7 +41,7 @@ def finite(value: Any) -> Any:
 
 
 def line_of_json(value: Any) -> str:
-    r"""A value as JSON in one line that any terminal may get: what controls one is ``\u009b``."""
+    r"""Format a value as one line of JSON, with control characters escaped as in ``\u009b``."""
     text = json.dumps(finite(value), ensure_ascii=False, allow_nan=False)
     if text.isprintable():
         return text
@@ -49,6 +49,6 @@ def line_of_json(value: Any) -> str:
 
 
 def written(value: Any, width: int | None = None) -> str:
-    """A value as JSON in one line, cut to a width in characters if one is given."""
+    """Format a value as one line of JSON, cut to a width in characters if one is given."""
     text = harmless(json.dumps(finite(value), ensure_ascii=False, allow_nan=False))
     return text if width is None or len(text) <= width else f"{text[: width - 3]}..."

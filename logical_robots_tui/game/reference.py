@@ -7,7 +7,7 @@ from functools import lru_cache
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from logical_robots_tui.mind.text import prepare, statements
+from logical_robots_tui.mind.source_text import prepare, statements
 from logical_robots_tui.progress import Measures
 from logical_robots_tui.shipped import shipped_folder
 

@@ -7,16 +7,16 @@ from functools import cache
 from itertools import accumulate
 from typing import TYPE_CHECKING, Any, TypeAlias
 
-from logical_robots_tui.mind.exploring import Explored
+from logical_robots_tui.mind.diagnostics import Stopped
 from logical_robots_tui.mind.failures import SQLITE_ERRORS, FailureError, failures_in_words
-from logical_robots_tui.mind.machinery import plan_lines
 from logical_robots_tui.mind.program import TRUTH_MARK
 from logical_robots_tui.mind.sqlite.database import TooMuchError, TooSlowError
-from logical_robots_tui.mind.sqlite.lasting import Lasting
+from logical_robots_tui.mind.sqlite.interning import Lasting
 from logical_robots_tui.mind.sqlite.layouts import COLUMNS_LAYOUT, LISTS_LAYOUT
 from logical_robots_tui.mind.sqlite.moment import TooHeavyError
 from logical_robots_tui.mind.sqlite.stored import TooDeepError, from_sql
 from logical_robots_tui.mind.sqlite.tables import PlainTables, TunedTables, UnfitError
+from logical_robots_tui.mind.table import plan_lines
 from logical_robots_tui.mind.why.relations import ALIKE, SAME, alike_in_sql, same_in_sql
 
 if TYPE_CHECKING:
@@ -29,7 +29,7 @@ if TYPE_CHECKING:
     from logical_robots_tui.mind.sqlite.moment import Moment, View, Within
     from logical_robots_tui.values import Value
 
-__all__ = ["Answer", "Asking"]
+__all__ = ["Answer", "Asking", "Explored"]
 
 _PLAN = "EXPLAIN QUERY PLAN "
 _MOST_TOGETHER = 20_000  # rows for all views from one query
@@ -303,6 +303,73 @@ class Asking:
         if within.is_much:
             row = within.each(row)
         return [v if v.__class__ in _READY else read(v, deepest) for v in row]
+
+
+class Explored:
+    """What one view of a moment shows, for explanations.
+
+    Args:
+        asking: The databases of the mind.
+        plain: Its plain tables.
+        moment: The moment.
+        view: The view.
+        within: What all of it may use up, and most rows of a predicate.
+    """
+
+    def __init__(
+        self, asking: Asking, plain: PlainTables, moment: Moment, view: View, within: Within
+    ) -> None:
+        self._asking, self._plain = asking, plain
+        self._moment, self._view, self._within = moment, view, within
+
+    def spend(self, steps: int) -> None:
+        """Count work outside of queries, in steps.
+
+        Raises:
+            FailureError: Too many were taken.
+            Stopped: It was stopped.
+        """
+        within = self._within
+        within.budget.steps -= steps
+        if within.stop is not None and within.stop.is_set():
+            raise Stopped("The explanation was stopped.")
+        with failures_in_words(within):
+            if within.budget.steps < 0:
+                raise TooSlowError
+
+    def rows(self, predicate: str, sql: str) -> Answer:
+        """Columns and rows of a predicate.
+
+        Args:
+            predicate: Its name.
+            sql: A query for them, or "" for that of the program.
+
+        Raises:
+            FailureError: It failed, or has too many.
+        """
+        if not sql and not self._asking.sql_of(predicate):
+            raise FailureError(f"{predicate} can't be computed")
+        if not sql:
+            return self._asking.rows(predicate, self._moment, self._view, self._within)
+        return self._asking.plainly(sql, self._moment, self._view, self._within)
+
+    def load(self, table: str, columns: Sequence[str], rows: Sequence[Sequence[Scalar]]) -> None:
+        """Fill a table that queries may read.
+
+        Raises:
+            FailureError: It takes too much memory.
+        """
+        with failures_in_words(self._within):
+            self._plain.define(table, columns, rows, self._moment, self._view)
+
+    def ask(self, sql: str, parameters: Sequence[Scalar]) -> RawAnswer:
+        """Columns and rows of a query, as SQLite has them.
+
+        Raises:
+            FailureError: It failed.
+        """
+        with failures_in_words(self._within):
+            return self._plain.ask(sql, self._moment, self._view, self._within, parameters)
 
 
 def _tables(program: Program, limits: Limits, *, frozen: bool) -> TunedTables | None:

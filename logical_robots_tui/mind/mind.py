@@ -7,18 +7,15 @@ from time import perf_counter
 from typing import TYPE_CHECKING, Literal
 
 from logical_robots_tui.mind.asking import Asking
-from logical_robots_tui.mind.blaming import blame, cut_offs
-from logical_robots_tui.mind.deciding import decide, note_stranger
+from logical_robots_tui.mind.deciding import blame, cut_offs, decide, note_stranger
 from logical_robots_tui.mind.decision import Decision, Notice
 from logical_robots_tui.mind.diagnostics import QueryError
 from logical_robots_tui.mind.failures import FailureError
-from logical_robots_tui.mind.limits import Limits
-from logical_robots_tui.mind.machinery import Machinery
-from logical_robots_tui.mind.sqlite.lasting import Sizes
+from logical_robots_tui.mind.limits import Limits, check_room, is_bounded
+from logical_robots_tui.mind.sqlite.interning import Sizes
 from logical_robots_tui.mind.sqlite.moment import Moment, View, Within
 from logical_robots_tui.mind.sqlite.stored import size_of
-from logical_robots_tui.mind.table import Table, table_of
-from logical_robots_tui.mind.weight import check_room, is_bounded
+from logical_robots_tui.mind.table import QueryPlan, Table, table_of
 from logical_robots_tui.values import SensorRow, Value
 
 if TYPE_CHECKING:
@@ -147,7 +144,13 @@ class Mind:
         heaviest = limits.weight_of_each(len(names))
         return [
             decide(
-                name, answers[name], memories.get(name), notices.get(name, ()), limits, size, heaviest
+                name,
+                answers[name],
+                memories.get(name),
+                notices.get(name, ()),
+                limits,
+                size,
+                heaviest,
             )
             for name in names
         ]
@@ -283,14 +286,14 @@ class Mind:
         relations = Relations(self._asking.explore(moment, view, within))
         return Explainer(self.program, relations, robot, self.limits, within)
 
-    def machinery(
+    def query_plan(
         self,
         predicate: str,
         rows: Sequence[SensorRow],
         memories: Memories,
         *,
         stop: threading.Event | None = None,
-    ) -> Machinery:
+    ) -> QueryPlan:
         """How a predicate is computed at one moment, and how long it takes.
 
         Args:
@@ -316,7 +319,7 @@ class Mind:
         self.query(predicate, rows, memories, stop=stop)
         milliseconds = (perf_counter() - began) * 1000
         generated = self.program.statements[predicate]
-        return Machinery(predicate, generated, tuned, plan, milliseconds)
+        return QueryPlan(predicate, generated, tuned, plan, milliseconds)
 
     def close(self) -> None:
         """Free the databases."""

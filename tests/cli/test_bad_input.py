@@ -116,4 +116,4 @@ def test_ticks_must_be_a_whole_number_from_1_up(
 ) -> None:
     told = command("run", level, ahead, f"--ticks={ticks}")
     assert told.status == 2
-    assert "not a whole number" in told.err
+    assert "not an integer" in told.err

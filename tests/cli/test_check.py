@@ -1,4 +1,4 @@
-"""``logical-robots check``: what is wrong with programs, told like a compiler does."""
+"""``logical-robots check``: errors and warnings in programs, printed like a compiler's."""
 
 from __future__ import annotations
 

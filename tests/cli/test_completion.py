@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 import pytest
 
 from tests.terminal import Terminal
+from tests.waiting import PATIENCE
 
 if TYPE_CHECKING:
     from tests.cli.running import Command
@@ -62,6 +63,7 @@ def test_fish_completes_the_same(script: Path, path: str) -> None:
         capture_output=True,
         text=True,
         check=True,
+        timeout=PATIENCE,
     ).stdout
     assert "01-first-steps" in told
     assert "first-steps-starter" in told

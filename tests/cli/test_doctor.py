@@ -37,7 +37,7 @@ def test_it_tells_terminal_versions_and_places(
     assert found["configuration"].endswith("config.toml (none)")
     assert {"python", "textual", "logica", "sqlite", "numpy", "cache"} <= found.keys()
     monkeypatch.setenv("NO_COLOR", "1")
-    assert values(command("doctor", "--json").data)["drawn in"] == "ascii"
+    assert values(command("doctor", "--json").data)["drawing"] == "ascii"
 
 
 def test_what_stands_in_the_way_is_marked(command: Command, tmp_path: Path, home: Path) -> None:
@@ -47,8 +47,8 @@ def test_what_stands_in_the_way_is_marked(command: Command, tmp_path: Path, home
     (tmp_path / "file").write_text("", encoding="utf-8")
     told = command("doctor", "--data-dir", tmp_path / "file" / "data")
     assert told.status == 1
-    assert "(can't be written to: what you write can't be kept)" in told.out
-    assert "(logical-robots config says what is wrong)" in told.out
+    assert "(not writable: your work can't be saved)" in told.out
+    assert "(it has errors; run logical-robots config)" in told.out
 
 
 def test_it_knows_the_size_of_its_terminal() -> None:
@@ -79,7 +79,7 @@ def test_a_home_that_is_out_of_reach_stops_nothing(
     monkeypatch.delenv(FOLDER_VARIABLE, raising=False)
     told = command("doctor")
     assert told.status == 1
-    assert "(logical-robots config says what is wrong)" in told.out
+    assert "(it has errors; run logical-robots config)" in told.out
     assert "Nothing of it is used" in command("config").err
     assert command("check", ahead).status == 0
     assert command("run", level, ahead).status == 0

@@ -1,4 +1,4 @@
-"""``logical-robots help``: what a program can use."""
+"""``logical-robots help``: the functions of the language."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""``logical-robots level``: making, checking, converting and showing levels."""
+"""``logical-robots level``: create, check, convert and show levels."""
 
 from __future__ import annotations
 
@@ -76,7 +76,7 @@ def test_a_file_that_is_there_is_kept_unless_forced(command: Command, level: Pat
     before = level.read_text()
     told = command("level", "new", level)
     assert told.status == 2
-    assert "is there already" in told.err
+    assert "already exists" in told.err
     told = command("level", "new", level, "--labyrinth", "99x99", "--force")
     assert told.status == 2
     assert level.read_text() == before
@@ -89,7 +89,7 @@ def test_a_file_that_is_there_is_kept_unless_forced(command: Command, level: Pat
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        (("--room", "9"), "is no size such as 8x6"),
+        (("--room", "9"), "is not a size such as 8x6"),
         (("--room", "50x5000"), "The map would be 50 x 5000 units; at most 4000 x 4000 "),
         (("--room", "30x30"), "has no room for a robot"),
         (("--room", "90x90", "--wall", "0"), "A wall must be 1 to 4000 units thick, not 0."),
@@ -163,7 +163,7 @@ def test_a_level_goes_to_the_platform_and_comes_back(
     told = command("level", "convert", level, web)
     assert told.status == 0
     assert told.out.splitlines() == [
-        "Left out, for the web platform has no place for it: title, visibility.",
+        "Left out because the web platform does not support it: title, visibility.",
         f"Wrote {web}.",
     ]
     assert command("level", "convert", web, back).out == f"Wrote {back}.\n"

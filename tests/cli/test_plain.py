@@ -66,7 +66,7 @@ def test_events_are_told_in_lines(typed: TypedCommand, ahead: Path) -> None:
 def test_what_can_not_be_done_is_said(typed: TypedCommand, ahead: Path) -> None:
     typed.program = ahead
     told = typed("jump", "step many", "back 3", "stop Nobody", "", "quit", "step").out
-    assert "There is no command jump. Type help for a list." in told
+    assert "Unknown command jump. Type help for a list." in told
     assert "many is not a number of ticks." in told
     assert "Tick 0." in told
     assert "Nobody" in told
@@ -81,14 +81,14 @@ def test_a_run_stops_where_it_is_asked_to(typed: TypedCommand) -> None:
         encoding="utf-8",
     )
     told = typed("stop Late", "run 9", "stop Late", "run 9").out
-    assert "A run stops when Late has rows." in told
+    assert "Runs will stop when Late has rows." in told
     assert "Stopped: Late has rows." in told
-    assert "\nTick 3.\nNo stop any more when Late has rows.\nTick 12.\n" in told
+    assert "\nTick 3.\nRuns no longer stop when Late has rows.\nTick 12.\n" in told
 
 
 def test_the_program_is_read_again(typed: TypedCommand, ahead: Path) -> None:
     typed.program = ahead
-    assert "The robots think with it from the next tick on." in typed("apply").out
+    assert "The robots will use it from the next tick." in typed("apply").out
     ahead.write_text("Robot(", encoding="utf-8")
     assert typed("apply").status == 2
 
@@ -102,13 +102,13 @@ def test_a_player_goes_on_with_the_last_program_in_the_last_level(
     )
     typed.play("step", options=("03-the-long-hall", program, *data))
     told = typed.play("apply", "save wall-crawler", "save kept", "apply", options=data).out
-    assert "Your last program for this level is taken up.\nThe long hall\n" in told
-    assert "Type save and a name for it first." in told
+    assert "Loaded your last program for this level.\nThe long hall\n" in told
+    assert "Type save and a name first." in told
     assert "wall-crawler is part of the game" in told
     kept = tmp_path / "data" / "programs" / "kept.l"
     assert f"Saved as {kept}." in told
     assert kept.read_text(encoding="utf-8") == program.read_text(encoding="utf-8")
-    assert told.endswith("The robots think with it from the next tick on.\n")
+    assert told.endswith("The robots will use it from the next tick.\n")
 
 
 def test_a_victory_is_kept_but_for_that_of_the_reference_program(
@@ -116,9 +116,9 @@ def test_a_victory_is_kept_but_for_that_of_the_reference_program(
 ) -> None:
     data = ("--data-dir", tmp_path / "data")
     told = typed.play("run", options=(level, ahead, *data)).out
-    assert "The victory is kept in your progress." in told
+    assert "The victory is saved in your progress." in told
     by_the_book = typed.play("run", options=("01-first-steps", "first-steps", *data)).out
-    assert "That was the reference program: it counts for itself." in by_the_book
+    assert "That was the reference program, so it does not count as your victory." in by_the_book
     progress = Progress(tmp_path / "data" / FILE_NAME)
     mine, reference = progress.record(str(level)), progress.record("01-first-steps")
     progress.close()
@@ -162,5 +162,5 @@ def test_where_nothing_can_be_kept_no_victory_is_said_to_be_kept(
     in_the_way.write_text("")
     data = ("--data-dir", in_the_way / "data")
     told = typed.play("run", options=(typed._level, ahead, *data)).out
-    assert "The victory counts until you leave" in told
+    assert "The victory only counts until you leave" in told
     assert "is kept in your progress" not in told

@@ -109,7 +109,7 @@ def test_on_a_terminal_the_outcome_is_told_in_words(level: Path, ahead: Path) ->
 def test_in_words_a_level_not_won_says_who_is_missing(level: Path, still: Path) -> None:
     with in_terminal("run", level, still, "--ticks", 5) as terminal:
         assert terminal.finish() == 1
-    assert "not won within 5 ticks. Door still waits for Pip." in terminal.text
+    assert "not won within 5 ticks. Door is still missing Pip." in terminal.text
 
 
 def test_on_a_terminal_a_bar_shows_the_progress_and_goes_away(level: Path, still: Path) -> None:

@@ -126,7 +126,7 @@ def test_the_ticks_in_which_it_fails_are_told(command: Command, level: Path, cou
 def test_what_fails_in_every_tick_is_status_2(command: Command, level: Path, ahead: Path) -> None:
     told = command("when", level, ahead, 'x in ["a"], x.field == 2')
     assert told.status == 2
-    assert "In every tick: This failed" in told.err
+    assert "It failed in every tick: This failed" in told.err
 
 
 def test_the_second_time_nothing_is_thought_again(

@@ -78,7 +78,7 @@ def _asked(nodes: list[dict[str, Any]]) -> list[dict[str, Any]]:
         (["--robot", "Pip", "--predicate", "Robbot"], "there is no predicate Robbot."),
         (["--robot", "Pip", "--predicate", "Speed"], "Speed is a function of col0"),
         (["--robot", "Pip", "--given", "nonsense"], "'nonsense' is not COLUMN=VALUE"),
-        (["--robot", "Pip", "--tick", "0"], "'0' is not a whole number from 1 up"),
+        (["--robot", "Pip", "--tick", "0"], "'0' is not an integer of at least 1"),
     ],
 )
 def test_what_is_not_there_is_named(
@@ -127,7 +127,7 @@ def test_what_would_have_to_differ_is_told_of_a_rule_without_a_row(
     assert only["said"] == "`sensor.clock > 5` is missed: sensor.clock is 2 too little."
     with in_terminal(*asked) as terminal:
         assert terminal.finish() == 1
-        assert "For the rule in line 1 to give a row, one of:" in terminal.text
+        assert "Each of these would give the rule in line 1 a row:" in terminal.text
         assert "line 2, 5: write 2.997" in terminal.text
     told = command("why", level, program, "--tick", 3, "--robot", "Pip")
     assert told.data["nearest"] == []

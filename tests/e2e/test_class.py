@@ -22,7 +22,7 @@ from tests.crowd import Crowd
 from tests.installed import CHECKOUT
 from tests.sshd import SSHD, Server
 from tests.terminal import Terminal
-from tests.waiting import until
+from tests.waiting import PATIENCE, until
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -70,7 +70,7 @@ class School:
             capture_output=True,
             text=True,
             check=False,
-            timeout=30,
+            timeout=PATIENCE,
         )
 
 
@@ -105,6 +105,7 @@ def test_each_player_has_the_game_and_a_folder_by_the_name_of_their_key(school: 
     assert {NAMES[0], NAMES[1]} <= {folder.name for folder in school.players.iterdir()}
 
 
+@pytest.mark.slow
 def test_a_hostile_client_gets_no_shell_no_file_and_no_forwarding(
     school: School, tmp_path: Path
 ) -> None:
@@ -136,6 +137,7 @@ def test_a_hostile_client_gets_no_shell_no_file_and_no_forwarding(
         assert not leads_anywhere(school, *way)
 
 
+@pytest.mark.slow
 @pytest.mark.proof
 @pytest.mark.parametrize(
     ("names", "frames", "milliseconds"), [(TWELVE, 10, 150), (THIRTY, 1, 300)], ids=["12", "30"]
@@ -190,6 +192,7 @@ def has_walls() -> str:
         capture_output=True,
         text=True,
         check=False,
+        timeout=PATIENCE,
     )
     return f"the kernel forbids namespaces: {done.stderr.strip()}" if done.returncode else ""
 
@@ -213,6 +216,7 @@ def walled(folder: Path, command: str) -> Server:
     return Server(folder, config, NAMES[:2], keys)
 
 
+@pytest.mark.slow
 def test_behind_the_second_wall_the_game_plays_and_keeps_what_is_typed(
     wall: Path, installed: Installed, tmp_path: Path
 ) -> None:
@@ -230,6 +234,7 @@ def test_behind_the_second_wall_the_game_plays_and_keeps_what_is_typed(
     assert (tmp_path / "srv" / "players" / NAMES[0] / "progress.sqlite").exists()
 
 
+@pytest.mark.slow
 def test_from_behind_the_second_wall_there_is_no_way_out(wall: Path, tmp_path: Path) -> None:
     folder = tmp_path / "sshd"
     folder.mkdir()
@@ -309,6 +314,7 @@ def test_a_session_runs_in_a_scope_of_systemd_where_there_is_one(
     assert not has_systemd or "-- bwrap --unshare-all" in calls[1]
 
 
+@pytest.mark.slow
 def test_systemd_bounds_the_processes_of_a_scope() -> None:
     scope = words_of("scope")
     if shutil.which(scope[0]) is None:
@@ -333,7 +339,7 @@ def leads_anywhere(school: School, option: str, way: str) -> bool:
     target = b"\x05\x01\x00\x01\x7f\x00\x00\x01" + sshd.to_bytes(2, "big")
     with subprocess.Popen(ssh, stdin=subprocess.DEVNULL, stderr=subprocess.DEVNULL) as client:
         try:
-            until(lambda: is_open(free), patience=10)
+            until(lambda: is_open(free))
             with socket.create_connection(("127.0.0.1", free), 10) as end:
                 if greeting:
                     end.sendall(greeting)

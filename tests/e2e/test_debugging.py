@@ -5,6 +5,8 @@ from __future__ import annotations
 import shutil
 from typing import TYPE_CHECKING
 
+import pytest
+
 from docs.debugging import LEVEL, PAGE, PICTURES, PROGRAM, page, play
 
 if TYPE_CHECKING:
@@ -14,11 +16,13 @@ if TYPE_CHECKING:
     from tests.e2e.conftest import Player
 
 
+@pytest.mark.slow
 def test_the_page_is_up_to_date() -> None:
     assert PAGE.read_text("utf-8") == page(), "`make debugging` writes it anew"
     assert {path.stem for path in LEVEL.parent.glob("*.svg")} == set(PICTURES)
 
 
+@pytest.mark.slow
 def test_the_mistake_is_found_and_mended_as_the_page_says(
     seat: Callable[..., AbstractContextManager[Player]],
 ) -> None:

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+import pytest
+
 from logical_robots_tui.world import load_level
 
 if TYPE_CHECKING:
@@ -18,6 +20,7 @@ def place_of(player: Player, text: str) -> tuple[int, int]:
     raise AssertionError(f"{text!r} is not on the screen:\n{player.tmux.screen}")
 
 
+@pytest.mark.slow
 def test_a_level_is_edited_with_the_mouse_saved_and_survives_a_hangup(player: Player) -> None:
     tmux = player.tmux
     player.play_short_way()

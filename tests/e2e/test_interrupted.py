@@ -7,7 +7,9 @@ import signal
 from functools import partial
 from typing import TYPE_CHECKING
 
-from tests.waiting import until
+import pytest
+
+from tests.waiting import SOON, until
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -56,22 +58,24 @@ def test_after_a_hangup_the_process_ends_at_once_and_the_game_goes_on_exactly_th
     player.wait_for_tick(3)
     type_an_idea(player)
     player.tmux.hang_up()
-    until(lambda: not player.tmux.is_running, lambda: "the process ends", patience=2)
+    until(lambda: not player.tmux.is_running, lambda: "the process ends", patience=SOON)
     player.tmux.mend()
     assert_the_idea_is_offered(player, "cut off at tick 3")
     player.wait_for_tick(3)
 
 
+@pytest.mark.slow
 def test_when_the_terminal_is_gone_the_process_ends_and_the_text_is_offered(seat: Seat) -> None:
     with seat() as player:
         player.play_short_way()
         type_an_idea(player)
         player.tmux.close()
-        until(lambda: not player.tmux.is_running, lambda: "the process ends", patience=2)
+        until(lambda: not player.tmux.is_running, lambda: "the process ends", patience=SOON)
     with seat() as player:
         assert_the_idea_is_offered(player)
 
 
+@pytest.mark.slow
 def test_when_the_process_is_killed_what_was_on_disk_a_moment_ago_is_offered(
     player: Player,
 ) -> None:
@@ -84,10 +88,11 @@ def test_when_the_process_is_killed_what_was_on_disk_a_moment_ago_is_offered(
     assert_the_idea_is_offered(player)
 
 
+@pytest.mark.slow
 def test_a_hangup_ends_even_a_robot_that_is_deep_in_thought(player: Player) -> None:
     (player.folder / "ahead.l").write_text(SLOW)
     player.play_short_way()
     player.tmux.press("Space")
     player.tmux.wait_for("thinking")
     player.tmux.hang_up()
-    until(lambda: not player.tmux.is_running, lambda: "the process ends", patience=2)
+    until(lambda: not player.tmux.is_running, lambda: "the process ends", patience=SOON)

@@ -66,6 +66,7 @@ def killed(
     return said
 
 
+@pytest.mark.slow
 def test_drafts_programs_and_versions_outlive_forty_kills(tmp_path: Path) -> None:
     chance = random.Random(19)
     for _ in range(20):
@@ -92,6 +93,7 @@ def test_drafts_programs_and_versions_outlive_forty_kills(tmp_path: Path) -> Non
     assert len(left) <= 2  # of the last kill; the next save sweeps them
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("rounds", [2, pytest.param(20, marks=pytest.mark.proof)])
 def test_what_two_games_said_to_have_kept_is_kept(rounds: int, tmp_path: Path) -> None:
     chance = random.Random(rounds)

@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     Seat = Callable[..., AbstractContextManager[Player]]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("size", [(80, 24), (120, 40)], ids=["80x24", "120x40"])
 def test_the_first_level_opens_with_a_program_that_is_ready(
     size: tuple[int, int], seat: Seat
@@ -42,6 +43,7 @@ def test_a_level_is_played_from_start_to_victory(player: Player) -> None:
     player.tmux.wait_for(f"{won} ticks")
 
 
+@pytest.mark.slow
 def test_running_moves_on_and_pausing_stands_still(player: Player) -> None:
     player.play_short_way()
     for _ in range(3):
@@ -54,6 +56,7 @@ def test_running_moves_on_and_pausing_stands_still(player: Player) -> None:
     assert player.tick < 49
 
 
+@pytest.mark.slow
 def test_stepping_goes_forward_and_back_one_tick_at_a_time(player: Player) -> None:
     player.play_short_way()
     for number in (1, 2, 3):
@@ -63,6 +66,7 @@ def test_stepping_goes_forward_and_back_one_tick_at_a_time(player: Player) -> No
     player.wait_for_tick(2)
 
 
+@pytest.mark.slow
 def test_restarting_begins_at_tick_0(player: Player) -> None:
     player.play_short_way()
     player.tmux.press("n")
@@ -71,6 +75,7 @@ def test_restarting_begins_at_tick_0(player: Player) -> None:
     player.wait_for_tick(0)
 
 
+@pytest.mark.slow
 def test_another_level_can_be_chosen(player: Player) -> None:
     player.play_short_way()
     title = load_level(list_levels()[1]).title
@@ -83,6 +88,7 @@ def test_another_level_can_be_chosen(player: Player) -> None:
     )
 
 
+@pytest.mark.slow
 def test_nonsense_gets_a_message_in_place_and_the_last_good_program_goes_on(
     player: Player,
 ) -> None:
@@ -96,6 +102,7 @@ def test_nonsense_gets_a_message_in_place_and_the_last_good_program_goes_on(
     player.tmux.wait_for("WON")
 
 
+@pytest.mark.slow
 def test_a_program_pasted_and_applied_is_what_the_robots_think(player: Player) -> None:
     player.play_short_way()
     player.tmux.press("2")
@@ -109,12 +116,14 @@ def test_a_program_pasted_and_applied_is_what_the_robots_think(player: Player) -
     player.tmux.wait_for("Thought")
 
 
+@pytest.mark.slow
 def test_the_mouse_presses_what_it_points_at(player: Player) -> None:
     player.play_short_way()
     player.tmux.click("Step")
     player.wait_for_tick(1)
 
 
+@pytest.mark.slow
 def test_a_tiny_terminal_is_told_and_a_larger_one_has_the_game_again(player: Player) -> None:
     player.play_short_way()
     player.tmux.press("n")
@@ -126,6 +135,7 @@ def test_a_tiny_terminal_is_told_and_a_larger_one_has_the_game_again(player: Pla
     player.tmux.wait_for("Inspector")
 
 
+@pytest.mark.slow
 def test_quitting_gives_the_shell_back(player: Player) -> None:
     player.play_short_way()
     player.tmux.press("q")

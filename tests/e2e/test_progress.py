@@ -60,6 +60,7 @@ def skip_the_tour(player: Player) -> None:
     player.tmux.wait_until(lambda screen: "skips the tour" not in screen, "no tour")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("size", [(80, 24), (120, 40)], ids=["80x24", "120x40"])
 def test_the_tour_is_shown_at_the_first_start_and_never_again(
     seat: Seat, size: tuple[int, int]
@@ -78,6 +79,7 @@ def test_the_tour_is_shown_at_the_first_start_and_never_again(
         assert "skips the tour" not in player.tmux.screen
 
 
+@pytest.mark.slow
 def test_who_names_a_level_is_not_shown_round(player: Player) -> None:
     player.play_short_way()
     player.tmux.press("n")
@@ -85,6 +87,7 @@ def test_who_names_a_level_is_not_shown_round(player: Player) -> None:
     assert "skips the tour" not in player.tmux.screen
 
 
+@pytest.mark.slow
 def test_in_the_first_minute_somebody_new_wins_by_doing_what_the_briefing_says(
     player: Player,
 ) -> None:
@@ -118,6 +121,7 @@ def test_in_the_first_minute_somebody_new_wins_by_doing_what_the_briefing_says(
     player.tmux.wait_for(f"{record_of(player).record(FIRST.name).bests.ticks} ticks")
 
 
+@pytest.mark.slow
 def test_levels_are_chosen_on_their_screen_and_the_last_one_is_where_one_goes_on(
     player: Player,
 ) -> None:
@@ -138,6 +142,7 @@ def test_levels_are_chosen_on_their_screen_and_the_last_one_is_where_one_goes_on
     player.tmux.wait_for(f"LOGICAL ROBOTS   {FIRST.title}")
 
 
+@pytest.mark.slow
 def test_hints_that_were_revealed_stay_so_after_a_kill(player: Player) -> None:
     player.play()
     skip_the_tour(player)
@@ -152,6 +157,7 @@ def test_hints_that_were_revealed_stay_so_after_a_kill(player: Player) -> None:
     player.tmux.wait_for("2. ")
 
 
+@pytest.mark.slow
 def test_what_was_applied_is_there_after_a_kill_and_so_is_what_was_before(player: Player) -> None:
     player.play()
     skip_the_tour(player)
@@ -183,6 +189,7 @@ def test_what_was_applied_is_there_after_a_kill_and_so_is_what_was_before(player
     player.tmux.wait_until(lambda screen: "# idea" not in screen, "the starter")
 
 
+@pytest.mark.slow
 def test_nothing_that_measures_survives_the_game(player: Player) -> None:
     player.play_short_way()
     player.tmux.press("Space")

@@ -16,7 +16,7 @@ import pytest
 from tests.e2e.tmux import PROMPT, Tmux, runs
 from tests.sshd import SSHD, Line, Server
 from tests.terminal import Terminal
-from tests.waiting import until
+from tests.waiting import SOON, until
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -85,6 +85,7 @@ def traffic(line: Line, terminal: Terminal, seconds: float) -> float:
     return (line.traffic - before) / 1000 / (monotonic() - began)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("level", "size", "options", "allowed"),
     [
@@ -117,6 +118,7 @@ def test_a_running_game_sends_little_and_a_paused_one_nothing(
         assert traffic(line, terminal, 1) == 0
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("rate", "milliseconds"),
     [(20_000, 300), pytest.param(64_000, 100, marks=pytest.mark.proof)],
@@ -153,7 +155,7 @@ def test_who_loses_the_connection_goes_on_there(host: Host, tmp_path: Path) -> N
         tmux.press("F5")
         tmux.wait_for("RUNNING")
         line.cut()
-        until(lambda: not host.is_playing, patience=2)
+        until(lambda: not host.is_playing, patience=SOON)
         tmux.mend()
         tmux.start(*ssh, host.command(tmp_path / "data", *THREE_ROBOTS))
         tmux.wait_for("unsaved")
@@ -162,6 +164,7 @@ def test_who_loses_the_connection_goes_on_there(host: Host, tmp_path: Path) -> N
         tmux.wait_for(TYPED)
 
 
+@pytest.mark.slow
 def test_a_game_is_suspended_and_resized_and_goes_on(host: Host, tmp_path: Path) -> None:
     with Tmux(tmp_path, 120, 40) as tmux:
         tmux.start(*host.server.client("-t"), f"PS1='{PROMPT}' sh -i")

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+import pytest
+
 if TYPE_CHECKING:
     from tests.e2e.conftest import Player
 
@@ -13,6 +15,7 @@ def timeline(player: Player) -> str:
     return player.tmux.screen.splitlines()[22]
 
 
+@pytest.mark.slow
 def test_the_timeline_is_clicked_dragged_and_driven_with_keys(player: Player) -> None:
     player.play_short_way()
     player.tmux.press("U")
@@ -41,6 +44,7 @@ def test_the_timeline_is_clicked_dragged_and_driven_with_keys(player: Player) ->
     player.tmux.wait_for("History holds ticks 0 to 30, not 99.")
 
 
+@pytest.mark.slow
 def test_a_changed_program_leaves_the_old_future_in_sight(player: Player) -> None:
     player.play_short_way()
     player.tmux.press("N")
@@ -64,6 +68,7 @@ def test_a_changed_program_leaves_the_old_future_in_sight(player: Player) -> Non
     player.wait_for_tick(10)
 
 
+@pytest.mark.slow
 def test_a_run_stops_at_a_breakpoint(player: Player) -> None:
     player.play_short_way()
     player.tmux.press("B")

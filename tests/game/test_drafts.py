@@ -16,7 +16,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from logical_robots_tui.game.drafts import OLD_DRAFTS_KEPT, Draft, Drafts, Kind
-from tests.waiting import until
+from tests.waiting import PATIENCE, until
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -53,7 +53,7 @@ def held_by_another_process(folder: Path, text: str, *more: str) -> subprocess.P
 
 def end(process: subprocess.Popen[str]) -> None:
     process.kill()
-    process.wait()
+    process.wait(PATIENCE)
     assert process.stdout is not None
     process.stdout.close()
 
@@ -311,7 +311,7 @@ def test_many_threads_leave_the_last_text_on_disk(tmp_path: Path) -> None:
     for thread in threads:
         thread.start()
     for thread in threads:
-        thread.join()
+        thread.join(PATIENCE)
     session.close()
     assert [found.text for found in Drafts(tmp_path).adopt("program")] == ["text 39"]
 
@@ -321,6 +321,8 @@ def test_a_session_killed_while_it_writes_leaves_a_whole_draft(
     tmp_path: Path, number: signal.Signals
 ) -> None:
     script = HOLD.split("if ")[0] + (
+        "import signal\n"
+        "signal.signal(signal.SIGHUP, signal.SIG_DFL)\n"  # nohup has its children ignore it
         'print("kept", flush=True)\n'
         "for n in range(10**9):\n"
         '    drafts.keep(Draft("program", "mine", "/p/mine.l", str(n) * 5000))\n'
@@ -332,7 +334,7 @@ def test_a_session_killed_while_it_writes_leaves_a_whole_draft(
     process.stdout.readline()
     until(lambda: any(p.stat().st_size > 5000 for p in tmp_path.glob("*.json")))
     os.kill(process.pid, number)
-    process.wait()
+    process.wait(PATIENCE)
     process.stdout.close()
     session = Drafts(tmp_path)
     [found] = session.adopt("program")

@@ -8,8 +8,9 @@ import sys
 import pytest
 
 from logical_robots_tui.mind import Limits, Mind, Program
-from logical_robots_tui.mind.weight import HEAVIEST_CHARACTER, weight_of, weight_of_text
+from logical_robots_tui.mind.limits import HEAVIEST_CHARACTER, weight_of, weight_of_text
 from tests.mind.rows import ROBOT, row
+from tests.waiting import PATIENCE
 
 MOST = 600 * 1024  # KiB that the whole process may hold, with room for the screen
 SCREEN = 60 * 1024  # KiB that the screen needs besides
@@ -55,18 +56,20 @@ HUNGRY = {
 def played(level: str, text: str, ticks: int, addresses: int = ADDRESSES) -> tuple[int, set[str]]:
     """The most KiB that a game held, and the kinds of notices that it gave."""
     command = [sys.executable, "-c", PLAYS, level, text, str(ticks), str(addresses)]
-    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    done = subprocess.run(command, capture_output=True, text=True, check=False, timeout=PATIENCE)
     assert done.returncode == 0, (done.returncode, done.stderr[-2000:])
     most, *kinds = done.stdout.split()
     return int(most), set(kinds)
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize("what", HUNGRY)
 def test_one_robot_s_memories_stay_within_bounds(what: str) -> None:
     most, _ = played("01-first-steps", ROBOT + HUNGRY[what] + ";", 130)
     assert most < MOST - SCREEN
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize(
     "what",
     [

@@ -21,6 +21,7 @@ from logical_robots_tui.mind import Limits, Mind, Program
 from logical_robots_tui.paths import is_there
 from logical_robots_tui.world import World, load_level
 from tests.game.playing import BACKWARDS, COUNTER, hall
+from tests.waiting import PATIENCE
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -427,7 +428,7 @@ def test_many_processes_share_a_run(tmp_path: Path, folder: Path, level: Level) 
     processes = [
         subprocess.Popen(command, stdout=subprocess.PIPE, env=environment) for _ in range(4)
     ]
-    told = {process.communicate()[0] for process in processes}
+    told = {process.communicate(timeout=PATIENCE)[0] for process in processes}
     assert [process.returncode for process in processes] == [0] * 4
     assert len(told) == 1
     assert entry(folder)

@@ -11,6 +11,7 @@ import pytest
 from logical_robots_tui.errors import InputError
 from logical_robots_tui.game import list_programs, load_program, save_program
 from logical_robots_tui.game.source import target
+from tests.waiting import PATIENCE
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -67,7 +68,7 @@ def test_a_pipe_is_waited_for_only_by_who_says_so(tmp_path: Path) -> None:
     writer = threading.Thread(target=pipe.write_text, args=("A(1);",))
     writer.start()
     assert load_program(pipe, pipes=True).text == "A(1);"
-    writer.join()
+    writer.join(PATIENCE)
 
 
 def test_a_path_that_is_out_of_reach_is_refused(tmp_path: Path) -> None:

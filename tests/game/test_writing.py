@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 import pytest
 
 from logical_robots_tui.writing import write_atomically
+from tests.waiting import PATIENCE
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -51,7 +52,7 @@ def test_what_is_no_file_is_written_to(tmp_path: Path) -> None:
     reader = threading.Thread(target=lambda: read.append(pipe.read_text()))
     reader.start()
     write_atomically(pipe, "one")
-    reader.join()
+    reader.join(PATIENCE)
     assert read == ["one"]
     assert pipe.is_fifo()
 

@@ -22,6 +22,7 @@ from logical_robots_tui.cli.main import PROGRAM, main
 from tests.house.examples import PAGES, blocks, commands, in_help, in_page
 from tests.installed import CHECKOUT
 from tests.terminal import Terminal
+from tests.waiting import PATIENCE
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -35,7 +36,7 @@ ALSO_FINE = {"run": 1, "trace": 1, "why": 1, "diagnose": 1}
 """Statuses other than 0 that are an answer: not won yet, there is no row, there are warnings."""
 
 OF_A_TERMINAL = {"play", "doctor"}
-FALSE = ("mistake in the game itself", "uses something that robots may not use", "Traceback")
+FALSE = ("a bug in the game", "uses something that robots may not use", "Traceback")
 
 DOCS = CHECKOUT / "docs"
 HELPS = {f"{PROGRAM} {name}".strip(): in_help(parser) for name, parser in commands().items()}
@@ -145,6 +146,7 @@ def _run_in_shell(line: str) -> tuple[int, str]:
         check=False,
         capture_output=True,
         text=True,
+        timeout=PATIENCE,
     )
     return done.returncode, done.stdout + done.stderr
 

@@ -18,6 +18,7 @@ SOURCES = sorted(
     for path in (CHECKOUT / folder).rglob("*.py")
 )
 MODULES = [path for path in SOURCES if path.is_relative_to(CHECKOUT / "logical_robots_tui")]
+BENCHMARKS = [path for path in SOURCES if path.is_relative_to(CHECKOUT / "benchmarks")]
 TESTS = [path for path in SOURCES if path.is_relative_to(CHECKOUT / "tests")]
 
 SILENCED_WITHOUT_REASON = re.compile(r"# (?:noqa|type: ignore)(?!.*(?: # | - )\S+)[^()]*$")
@@ -32,6 +33,30 @@ def sleeps(path: Path) -> Iterator[str]:
 
 def test_no_test_waits_for_a_time_to_pass() -> None:
     assert [place for path in TESTS for place in sleeps(path)] == []
+
+
+def waits(path: Path) -> Iterator[str]:
+    """Where a test waits for a process or a thread without a bound; who awaits is bounded above."""
+    tree = ast.parse(path.read_text(encoding="utf-8"))
+    awaited = {id(node.value) for node in ast.walk(tree) if isinstance(node, ast.Await)}
+    awaited |= {
+        id(argument)
+        for node in ast.walk(tree)
+        if isinstance(node, ast.Call) and ast.unparse(node.func) == "asyncio.wait_for"
+        for argument in node.args
+    }
+    for node in ast.walk(tree):
+        if not isinstance(node, ast.Call) or id(node) in awaited:
+            continue
+        name = ast.unparse(node.func)
+        runs = name == "subprocess.run" and not any(k.arg == "timeout" for k in node.keywords)
+        ends = re.search(r"\.(wait|join|communicate)$", name) and not (node.args or node.keywords)
+        if runs or ends:
+            yield f"{path.relative_to(CHECKOUT)}:{node.lineno}: {ast.unparse(node)}"
+
+
+def test_no_test_waits_for_ever() -> None:
+    assert [place for path in (*TESTS, *BENCHMARKS) for place in waits(path)] == []
 
 
 def test_a_checker_is_silenced_only_with_a_reason_beside_it() -> None:

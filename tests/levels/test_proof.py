@@ -70,6 +70,7 @@ def test_the_solution_was_measured_to_win_from_19_of_20_shifted_starts(name: str
     assert measured.wins >= 19
 
 
+@pytest.mark.sampled
 @each_level
 @pytest.mark.parametrize("seed", range(3))
 def test_the_solution_wins_from_a_shifted_start(name: str, seed: int) -> None:
@@ -88,6 +89,7 @@ def test_the_starter_does_not_win_soon(name: str) -> None:
     assert ticks_to_win(level, shipped_program(level.starter), ticks) is None
 
 
+@pytest.mark.sampled
 @each_pair
 def test_the_solution_of_a_lower_level_does_not_win_soon(name: str, lower: str) -> None:
     ticks = ticks_for(name, THOUGHTS_FOR_A_LOWER_SOLUTION)

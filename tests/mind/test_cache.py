@@ -23,6 +23,7 @@ from logical_robots_tui.mind import (
     compilation,
 )
 from tests.mind.rows import ROBOT, row
+from tests.waiting import PATIENCE
 
 PROGRAM = Program(
     text="what was written",
@@ -84,7 +85,11 @@ def test_a_fresh_process_finds_it_without_compiling(folder: Path) -> None:
         "assert 'logica' not in sys.modules; print(p.statements['Robot'])"
     )
     done = subprocess.run(
-        [sys.executable, "-c", script, text], capture_output=True, text=True, check=True
+        [sys.executable, "-c", script, text],
+        capture_output=True,
+        text=True,
+        check=True,
+        timeout=PATIENCE,
     )
     assert done.stdout.strip() == program.statements["Robot"].strip()
 
@@ -102,6 +107,7 @@ def test_a_fresh_process_needs_no_compiler_for_what_was_asked_before() -> None:
             capture_output=True,
             text=True,
             check=True,
+            timeout=PATIENCE,
         )
         for _ in range(2)
     )
@@ -244,7 +250,9 @@ def test_many_processes_share_it(folder: Path) -> None:
     with ThreadPoolExecutor(6) as pool:
         done = list(
             pool.map(
-                lambda _: subprocess.run([sys.executable, "-c", script], capture_output=True),
+                lambda _: subprocess.run(
+                    [sys.executable, "-c", script], capture_output=True, timeout=PATIENCE
+                ),
                 range(6),
             )
         )

@@ -17,7 +17,7 @@ import pytest
 from logical_robots_tui.mind import Limits, Program, ProgramError, Stopped, compilation
 from logical_robots_tui.mind.compiling import compiler, worker
 from tests.mind.rows import ROBOT
-from tests.waiting import until
+from tests.waiting import PATIENCE, SOON, until
 
 HEAVY = (
     "A0(x) = x + 1;"
@@ -58,8 +58,8 @@ def test_compiling_can_be_stopped_and_the_next_program_compiles() -> None:
     timer.start()
     with pytest.raises(Stopped):
         Program.compile(HEAVY, stop=stop)
-    assert monotonic() - stopped_at[0] < 1
-    timer.join()
+    assert monotonic() - stopped_at[0] < SOON
+    timer.join(PATIENCE)
     assert Program.compile(ROBOT + "m = 12345;").statements
 
 
@@ -77,7 +77,7 @@ def test_waiting_for_another_compilation_can_be_stopped() -> None:
     with pytest.raises(Stopped):
         Program.compile(HEAVY + " # second", stop=second)
     first.set()
-    thread.join()
+    thread.join(PATIENCE)
 
 
 def test_a_program_that_compiles_too_long_is_refused() -> None:
@@ -98,7 +98,7 @@ def test_a_program_that_needs_too_much_memory_to_compile_is_refused() -> None:
 def test_a_compile_process_that_dies_is_replaced() -> None:
     running = process()
     running.kill()
-    running.wait()
+    running.wait(PATIENCE)
     assert Program.compile(ROBOT + "m = 778;").statements
 
 
@@ -110,13 +110,16 @@ def test_there_is_one_compile_process_however_many_compile() -> None:
     for thread in threads:
         thread.start()
     for thread in threads:
-        thread.join()
+        thread.join(PATIENCE)
     assert len(children(os.getpid())) <= 1
 
 
 def children(parent: int) -> list[int]:
     listed = subprocess.run(
-        ["ps", "-ww", "-o", "pid=,args=", "--ppid", str(parent)], capture_output=True, text=True
+        ["ps", "-ww", "-o", "pid=,args=", "--ppid", str(parent)],
+        capture_output=True,
+        text=True,
+        timeout=PATIENCE,
     )
     return [
         int(line.split()[0])
@@ -172,7 +175,7 @@ def test_the_compile_process_ends_with_a_parent_that_is_killed_while_it_compiles
     until(lambda: any(busy(pid) for pid in children(parent.pid)))
     (child,) = children(parent.pid)
     os.kill(parent.pid, signal.SIGKILL)
-    parent.wait()
+    parent.wait(PATIENCE)
     until(lambda: not Path(f"/proc/{child}").exists() or "Z (" in state(child))
 
 

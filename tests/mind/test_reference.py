@@ -11,10 +11,11 @@ from typing import Any
 
 import pytest
 
-from logical_robots_tui.mind.compiling import builtins
+from logical_robots_tui.mind.checking import builtins
 from logical_robots_tui.mind.compiling.rules import defined, prelude_rules
 from logical_robots_tui.mind.reference import REFERENCE, FunctionHelp, find_help, similar
 from tests.mind.rows import remembered
+from tests.waiting import PATIENCE
 
 SPELT = {"Agg+": "+=", "Agg++": "++=", "1": "1="}
 SYNTAX = {"->", "~", "if"}
@@ -65,6 +66,10 @@ def test_reading_the_help_needs_no_compiler() -> None:
         "print(len(r.REFERENCE), 'logica' in sys.modules)"
     )
     done = subprocess.run(
-        [sys.executable, "-c", script], capture_output=True, text=True, check=True
+        [sys.executable, "-c", script],
+        capture_output=True,
+        text=True,
+        check=True,
+        timeout=PATIENCE,
     )
     assert done.stdout.split() == [str(len(REFERENCE)), "False"]

@@ -13,6 +13,7 @@ import pytest
 
 from logical_robots_tui.mind import Limits, Mind, Program, QueryError, Stopped
 from tests.mind.rows import ROBOT, row, think
+from tests.waiting import PATIENCE
 
 
 @pytest.fixture(scope="module")
@@ -72,7 +73,7 @@ def test_a_stop_takes_effect_at_once_in_the_middle_of(what: str, program: Progra
     with pytest.raises(Stopped):
         mind.think([row("Ada")], {}, stop=stop)
     assert monotonic() - stopped_at[0] < 2  # a tenth of it on a machine that is not busy
-    timer.join()
+    timer.join(PATIENCE)
     assert mind.query("Sensor", [row("Ada")], {}).rows
     mind.close()
 
@@ -166,7 +167,9 @@ def test_the_memory_of_a_mind_is_bounded_and_the_next_program_thinks() -> None:
         after = Mind(replace(program, statements=good, tuned={}))
         assert after.think([row("Ada")], {})[0].memory == 1
     """
-    done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True)
+    done = subprocess.run(
+        [sys.executable, "-c", script], capture_output=True, text=True, timeout=PATIENCE
+    )
     assert (done.returncode, done.stderr) == (0, "")
 
 

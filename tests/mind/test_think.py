@@ -10,6 +10,7 @@ import pytest
 from logical_robots_tui.mind import Limits, Mind, NoticeKind, Program, Stopped
 from logical_robots_tui.values import Desire
 from tests.mind.rows import PAPER, ROBOT, remembered, row, think
+from tests.waiting import PATIENCE
 
 EVERYBODY = "Robot(robot_name:, desire: {}, memory: 1) :- Sensor(robot_name:);"
 
@@ -169,7 +170,7 @@ def test_a_thought_can_be_stopped_from_another_thread() -> None:
     timer.start()
     with pytest.raises(Stopped):
         mind.think([row("Ada")], {}, stop=stop)
-    timer.join()
+    timer.join(PATIENCE)
     assert mind.query("Sensor", [row("Ada")], {}).rows
     mind.close()
 

@@ -35,6 +35,7 @@ def repr_of(values: list[Any]) -> str:
     return repr([round(v, 6) if isinstance(v, float) else v for v in values])
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize(
     ("name", "tick"), [("06-breadcrumbs", 200), ("10-distributed-mapping", 120), ("12-swarm", 20)]
 )

@@ -17,7 +17,7 @@ import pytest
 from logical_robots_tui.progress import Progress
 from logical_robots_tui.progress import store as store_module
 from logical_robots_tui.progress.schema import APPLICATION_ID, MIGRATIONS, prepare
-from tests.waiting import until
+from tests.waiting import PATIENCE, until
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -97,7 +97,7 @@ def output(script: str, *arguments: object) -> str:
         capture_output=True,
         text=True,
         check=True,
-        timeout=60,
+        timeout=PATIENCE,
     )
     return done.stdout
 

@@ -18,7 +18,7 @@ from logical_robots_tui.tui.inspector.pane import InspectorPane
 from logical_robots_tui.tui.layout.status_line import StatusLine
 from logical_robots_tui.tui.program.editor import Editor
 from logical_robots_tui.world import load_level
-from tests.waiting import a_moment
+from tests.waiting import PATIENCE, a_moment
 
 if TYPE_CHECKING:
     from collections.abc import AsyncIterator, Callable
@@ -47,7 +47,6 @@ CHARACTERS = {
     "enter": "\r",
     "tab": "\t",
 }
-PATIENCE = 30.0  # seconds; generous, for machines that are busy with other things
 LEVELS = Path(__file__).parents[1] / "conformance" / "levels"
 
 PAPER = """\
@@ -166,9 +165,13 @@ class Opened:
     async def until(self, condition: Callable[[], object]) -> None:
         """Return as soon as a condition holds and the screen has caught up."""
         deadline = monotonic() + PATIENCE
-        while not condition():
-            assert monotonic() < deadline, f"never came true; the screen shows\n{self.screen()}"
-            await a_moment()  # the pilot's own pause has every widget do something
+        while True:
+            looked = monotonic()
+            if condition():
+                break
+            assert looked < deadline, f"never came true; the screen shows\n{self.screen()}"
+            # To look at the screen is dear. The pilot's own pause has every widget do something.
+            await a_moment(2 * (monotonic() - looked))
             if self.app._exception is not None:
                 break
         await self.pilot.pause(0.05)

@@ -10,7 +10,8 @@ from textual.screen import ModalScreen
 from textual.widgets import Static
 from textual.worker import WorkerFailed
 
-from logical_robots_tui.tui.app.background import in_background
+from logical_robots_tui.tui.app.ui import in_background
+from tests.waiting import PATIENCE
 
 
 class Dialog(ModalScreen[None]):
@@ -40,7 +41,7 @@ class Dialog(ModalScreen[None]):
 
 async def show(dialog: Dialog) -> None:
     """Show a dialog until its widget is gone."""
-    async with App[None]().run_test() as pilot, asyncio.timeout(10):
+    async with App[None]().run_test() as pilot, asyncio.timeout(PATIENCE):
         await pilot.app.push_screen(dialog)
         await dialog.lost.wait()
 

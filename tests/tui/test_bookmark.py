@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 from logical_robots_tui.game import place_of
 from logical_robots_tui.game.drafts import Drafts
-from logical_robots_tui.tui.layout.question import Question
+from logical_robots_tui.tui.layout.dialogs import Question
 from tests.short import AHEAD
 from tests.tui.conftest import STILL, opened
 

@@ -14,8 +14,9 @@ from logical_robots_tui.tui.library.chooser import Chooser
 from logical_robots_tui.tui.library.level_screen import LevelScreen
 from logical_robots_tui.tui.library.save_dialog import SaveAs
 from logical_robots_tui.world import list_levels, load_level
-from tests.tui.conftest import LEVELS, PAPER, PATIENCE, STILL, opened, source_of
+from tests.tui.conftest import LEVELS, PAPER, STILL, opened, source_of
 from tests.tui.dialogs import complaint, dialog, fill
+from tests.waiting import PATIENCE
 
 if TYPE_CHECKING:
     from pathlib import Path

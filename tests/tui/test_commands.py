@@ -20,6 +20,7 @@ from logical_robots_tui.tui.labyrinth.view import LabyrinthView
 from logical_robots_tui.tui.layout.command_bar import CommandBar
 from logical_robots_tui.tui.program.editor import Editor
 from tests.tui.conftest import PAPER, opened
+from tests.waiting import PATIENCE
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -75,7 +76,7 @@ def test_each_id_and_each_title_belongs_to_one_command() -> None:
 def test_the_table_is_read_without_loading_the_screen_or_the_game() -> None:
     script = "import sys, logical_robots_tui.tui.commands.table; print(*sys.modules)"
     done = subprocess.run(
-        [sys.executable, "-c", script], check=True, capture_output=True, text=True, timeout=60
+        [sys.executable, "-c", script], check=True, capture_output=True, text=True, timeout=PATIENCE
     )
     loaded = set(done.stdout.split())
     assert "logical_robots_tui.tui.commands.levels" in loaded

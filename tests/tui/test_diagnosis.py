@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from logical_robots_tui.tui.inspector.choice import DIAGNOSIS
+from logical_robots_tui.tui.inspector.predicate_list import DIAGNOSIS
 from tests.tui.conftest import opened
 
 if TYPE_CHECKING:

@@ -11,14 +11,13 @@ from textual.widgets import Input, OptionList
 
 from logical_robots_tui.game import load_program
 from logical_robots_tui.tui.commands.palette import Palette
-from logical_robots_tui.tui.layout.listing import Listing
-from logical_robots_tui.tui.layout.question import Question
+from logical_robots_tui.tui.layout.dialogs import Listing, Question
 from logical_robots_tui.tui.learning.hints import Hints
-from logical_robots_tui.tui.library.chooser import Chooser
+from logical_robots_tui.tui.library.chooser import Chooser, ProgramShelf
 from logical_robots_tui.tui.library.save_dialog import SaveAs
-from logical_robots_tui.tui.library.shelves import ProgramShelf
-from tests.tui.conftest import PAPER, PATIENCE, opened
+from tests.tui.conftest import PAPER, opened
 from tests.tui.dialogs import dialog, fill
+from tests.waiting import PATIENCE
 
 if TYPE_CHECKING:
     from pathlib import Path

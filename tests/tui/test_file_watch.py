@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 from logical_robots_tui.game import Source, load_program
 from logical_robots_tui.tui.program.file_watch import FileWatch
 from tests.tui.conftest import PAPER, STILL, opened, source_of
+from tests.waiting import PATIENCE
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -34,7 +35,7 @@ async def test_the_disk_is_not_waited_for(data_dir: Path, monkeypatch: pytest.Mo
     def slowly(path: Path) -> Source:
         if path.read_text() == STILL:
             begun.set()
-            go_on.wait()
+            go_on.wait(PATIENCE)
         return load_program(path)
 
     monkeypatch.setattr("logical_robots_tui.tui.program.file_watch.load_program", slowly)
@@ -63,7 +64,7 @@ async def test_a_program_that_was_left_meanwhile_does_not_come_back(
             looked.set()
         elif found.text != PAPER:
             begun.set()
-            go_on.wait()
+            go_on.wait(PATIENCE)
         return found
 
     monkeypatch.setattr("logical_robots_tui.tui.program.file_watch.load_program", slowly)

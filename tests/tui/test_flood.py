@@ -16,8 +16,8 @@ from time import monotonic
 import pytest
 
 from tests.terminal import Terminal
+from tests.waiting import PATIENCE
 
-PATIENT = 60.0  # seconds for the game to take in all of it
 FLOODS = {
     "keys beyond Unicode": b"\x1b[1114112u\x1b[99999999999u\x1b[97;1:9;1114112u",
     "a number without end": b"\x1b[" + b"1" * 5_000_000,
@@ -40,7 +40,7 @@ def flood(terminal: Terminal, data: bytes) -> None:
     """Send without reading what comes back, but for making room."""
     fileno = terminal.fileno()
     os.set_blocking(fileno, False)
-    deadline = monotonic() + PATIENT
+    deadline = monotonic() + PATIENCE
     while data:
         assert monotonic() < deadline, f"{len(data):,} bytes are left"
         assert terminal.process.poll() is None
@@ -81,7 +81,7 @@ def test_of_a_huge_terminal_so_much_is_drawn_and_the_player_is_told(tmp_path: Pa
         terminal.wait_for("· applied")
         begun = terminal.traffic
         resize(terminal, 10_000, 10_000)
-        deadline = monotonic() + PATIENT
+        deadline = monotonic() + PATIENCE
         while not terminal.has_received("Only 1000 columns", begun):
             terminal.read_for(0.2)
             assert memory_of(terminal) < 600 * 1024
@@ -94,7 +94,7 @@ def test_of_a_huge_terminal_so_much_is_drawn_and_the_player_is_told(tmp_path: Pa
 FAILS = """if True:
     import sys
     from logical_robots_tui.cli.main import main
-    from logical_robots_tui.tui import driver
+    from logical_robots_tui.tui.terminal import driver
 
     def take(*_):
         raise LookupError("made by a test")

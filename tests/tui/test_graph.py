@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 from hypothesis import given
 from hypothesis import strategies as st
 
-from logical_robots_tui.tui.inspector.pages.graph import GraphView, joint
+from logical_robots_tui.tui.inspector.predicate_graph import GraphView, joint
 from tests.tui.conftest import opened
 
 if TYPE_CHECKING:

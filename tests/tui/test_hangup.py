@@ -59,4 +59,4 @@ def test_a_main_thread_that_hears_no_signal_does_not_outlive_its_terminal(
         assert kept.read_text() == "kept"
     finally:
         process.kill()
-        process.wait()
+        process.wait(PATIENCE)

@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING
 import pytest
 from textual.widgets import OptionList
 
-from logical_robots_tui.tui.inspector.choice import DECISION, ROBOTS
-from logical_robots_tui.tui.inspector.widgets.lines import LinesView
+from logical_robots_tui.tui.inspector.predicate_list import DECISION, ROBOTS
+from logical_robots_tui.tui.inspector.widgets.line_views import LinesView
 from logical_robots_tui.tui.inspector.widgets.table import ValueTable
 from tests.tui.conftest import PAPER, SLOW, opened
 

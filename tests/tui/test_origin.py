@@ -12,10 +12,10 @@ from logical_robots_tui.game import Pin
 from logical_robots_tui.game.debugging.origin import Link, Origin
 from logical_robots_tui.mind.why.probing import Span
 from logical_robots_tui.mind.why.sourcing import Read
-from logical_robots_tui.tui.inspector.choice import DECISION, ORIGIN, ROBOTS, WHY
-from logical_robots_tui.tui.inspector.remembered import Remembered, remembered
-from logical_robots_tui.tui.inspector.widgets.links import LinksView, link_lines
-from logical_robots_tui.tui.inspector.widgets.tree import ValueTree
+from logical_robots_tui.tui.inspector.predicate_list import DECISION, ORIGIN, ROBOTS, WHY
+from logical_robots_tui.tui.inspector.under_cursor import MemoryPart, memory_of
+from logical_robots_tui.tui.inspector.widgets.origin_chain import LinksView, link_lines
+from logical_robots_tui.tui.inspector.widgets.value_tree import ValueTree
 from tests.tui.conftest import opened
 
 if TYPE_CHECKING:
@@ -180,17 +180,17 @@ async def test_it_has_room_in_a_small_terminal(data_dir: Path) -> None:
 @pytest.mark.parametrize(
     ("pin", "found"),
     [
-        (Pin("Memory", "memory", (("robot_name", "Ada"),), ("n",)), Remembered("Ada", ("n",), 6)),
-        (Pin("Robot", "memory", (("robot_name", "Ada"),)), Remembered("Ada", (), 7)),
+        (Pin("Memory", "memory", (("robot_name", "Ada"),), ("n",)), MemoryPart("Ada", ("n",), 6)),
+        (Pin("Robot", "memory", (("robot_name", "Ada"),)), MemoryPart("Ada", (), 7)),
         (Pin("Robot", "desire", (("robot_name", "Ada"),)), None),
         (Pin("Memory"), None),
         (None, None),
     ],
 )
 def test_memory_is_from_the_tick_before_and_robot_from_this_one(
-    pin: Pin | None, found: Remembered | None
+    pin: Pin | None, found: MemoryPart | None
 ) -> None:
-    assert remembered(pin, 7) == found
+    assert memory_of(pin, 7) == found
 
 
 def test_a_link_tells_the_ray_and_how_much_more_was_read() -> None:
@@ -221,11 +221,11 @@ async def test_it_says_how_far_back_it_is_and_can_be_stopped(data_dir: Path) -> 
         await game.session.game.run_until(tick=1_500)
         await game.until(lambda: game.tick == 1_500)
         robot = game.inspector.robot
-        game.inspector.follow_back(Remembered(robot, ("first",), 1_500))
+        game.inspector.follow_back(MemoryPart(robot, ("first",), 1_500))
         await game.until(lambda: re.search(r"at tick [\d,]+, [\d,]+ ticks? back", game.screen()))
         await game.press("escape")
         await game.until(lambda: game.shows("Stopped at tick"))
         assert links(game).pointed is None
-        game.inspector.follow_back(Remembered(robot, ("first",), 20))
+        game.inspector.follow_back(MemoryPart(robot, ("first",), 20))
         await game.until(lambda: links(game).pointed)
         assert (pointed(game).tick, pointed(game).until) == (1, 20)

@@ -11,7 +11,8 @@ from textual.widgets._toast import Toast
 from logical_robots_tui.mind.limits import Limits
 from logical_robots_tui.tui.labyrinth.banner import VictoryBanner
 from tests.game.playing import SLOW as ENDLESS
-from tests.tui.conftest import PAPER, PATIENCE, SLOW, STILL, WRONG, opened
+from tests.tui.conftest import PAPER, SLOW, STILL, WRONG, opened
+from tests.waiting import PATIENCE
 
 if TYPE_CHECKING:
     from pathlib import Path

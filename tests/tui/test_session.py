@@ -179,12 +179,7 @@ async def table(tmp_path: Path, text: str = AHEAD) -> AsyncIterator[Table]:
         session.open_level(level, session.source, text)
 
     editing = LevelEditing(session, ui, data_dir / "levels", drafts, open_level, lambda _: Unseen())
-    recorder.attach(
-        spawn=ui.spawn,
-        changed=lambda: None,
-        warn=ui.warn,
-        measured=lambda level, found, is_here: None,
-    )
+    recorder.attach(ui, changed=lambda: None, measured=lambda level, found, is_here: None)
     session.listeners += [editing, recorder, chronicle]
     session.pace.speed = None
     recorder.level_opened(session.opened)

@@ -9,8 +9,7 @@ import pytest
 from textual.widgets import Static
 
 from logical_robots_tui.tui.app.settings import Settings, as_toml, read_settings
-from logical_robots_tui.tui.commands.keymap import KEY_MAP, KeyMap, with_keys
-from logical_robots_tui.tui.commands.keys import key_from
+from logical_robots_tui.tui.commands.keymap import KEY_MAP, KeyMap, key_from, with_keys
 from logical_robots_tui.tui.commands.table import COMMANDS
 from logical_robots_tui.tui.labyrinth.drawing.glyphs import Drawing
 from logical_robots_tui.tui.layout.command_bar import CommandBar

@@ -14,6 +14,7 @@ import pytest
 from logical_robots_tui.tui.labyrinth.drawing import Drawing
 from logical_robots_tui.tui.terminal.capabilities import assume_colours, drawing_for, may_use_mouse
 from tests.terminal import Terminal
+from tests.waiting import PATIENCE
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -95,7 +96,9 @@ def test_all_keys_work_in_gnu_screen(tmp_path: Path) -> None:
             terminal.send("q")
             assert terminal.finish() == 0
     finally:
-        subprocess.run(["screen", "-S", "game", "-X", "quit"], env=env, check=False, timeout=10)
+        subprocess.run(
+            ["screen", "-S", "game", "-X", "quit"], env=env, check=False, timeout=PATIENCE
+        )
 
 
 @pytest.mark.parametrize(

@@ -11,7 +11,7 @@ from textual.theme import BUILTIN_THEMES
 
 from logical_robots_tui.progress import FILE_NAME
 from logical_robots_tui.tui.app.facts import THEME
-from logical_robots_tui.tui.inspector.choice import Choice
+from logical_robots_tui.tui.inspector.predicate_list import PredicateList
 from logical_robots_tui.tui.library.progress_recorder import ProgressRecorder
 from logical_robots_tui.tui.theme.colours import colours_in, contrast
 from logical_robots_tui.tui.theme.themes import NIGHT, palette_of
@@ -100,7 +100,7 @@ async def test_the_chosen_entry_of_a_list_is_legible_in_every_theme(data_dir: Pa
         await game.ready()
         await game.press("3", "w")
         await game.until(lambda: game.shows("Why · tick 0"))
-        choice = game.main.inspector.query_one(Choice)
+        choice = game.main.inspector.query_one(PredicateList)
         choice.focus()
         for theme in (NIGHT, *THEMES_OF_TEXTUAL):
             game.app.theme = theme.name

@@ -18,13 +18,13 @@ from logical_robots_tui.game import load_program
 from logical_robots_tui.game.drafts import Drafts
 from logical_robots_tui.tui.commands.help import Help
 from logical_robots_tui.tui.labyrinth.view import LabyrinthView
-from logical_robots_tui.tui.layout.question import Question
+from logical_robots_tui.tui.layout.dialogs import Question
 from logical_robots_tui.tui.level_editor.controller import LevelEditing
 from logical_robots_tui.tui.library.save_dialog import SaveAs
 from logical_robots_tui.tui.terminal.crash_report import OwnMistake
 from tests.terminal import Terminal
-from tests.tui.conftest import CHARACTERS, LEVELS, PAPER, PATIENCE, opened
-from tests.waiting import until
+from tests.tui.conftest import CHARACTERS, LEVELS, PAPER, opened
+from tests.waiting import PATIENCE, SOON, until
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -33,7 +33,6 @@ if TYPE_CHECKING:
     from logical_robots_tui.game.drafts import Draft, Kind
     from tests.tui.conftest import Opened
 
-SOON = 10.0  # seconds; two are promised, the rest is for a machine that is busy
 
 PLAY = """
 import sys
@@ -340,7 +339,7 @@ def test_a_terminal_that_is_closed_ends_the_game_and_all_it_started(
         if told:  # as the kernel does for a session leader with a terminal of its own
             terminal.process.send_signal(signal.SIGHUP)
         began = monotonic()
-        terminal.process.wait(10)
+        terminal.process.wait(PATIENCE)
         until(lambda: not alive(group))
         assert monotonic() - began < SOON
     assert texts(data_dir) == ["hello" + PAPER]
@@ -351,7 +350,7 @@ def test_a_killed_game_leaves_its_text_for_the_next(data_dir: Path) -> None:
         type_hello(terminal)
         until(lambda: list((data_dir / "drafts").glob("*.json")))
         terminal.process.kill()
-        terminal.process.wait()
+        terminal.process.wait(PATIENCE)
     assert texts(data_dir) == ["hello" + PAPER]
 
 

@@ -10,9 +10,9 @@ from hypothesis import strategies as st
 from textual.widgets import Tree
 
 from logical_robots_tui.game import Pin
-from logical_robots_tui.tui.inspector.choice import WATCH
 from logical_robots_tui.tui.inspector.pages.watch import WatchView
-from logical_robots_tui.tui.inspector.widgets.sparkline import BARS, Sample, sparkline
+from logical_robots_tui.tui.inspector.predicate_list import WATCH
+from logical_robots_tui.tui.inspector.widgets.plots import BARS, Sample, sparkline
 from logical_robots_tui.tui.inspector.widgets.table import ValueTable
 from tests.tui.conftest import PAPER, opened
 
@@ -142,10 +142,10 @@ async def test_pins_are_watched_gone_along_opened_and_removed(data_dir: Path) ->
         # A program without the predicate says so in place; the pin is still there afterwards.
         await game.write(PAPER)
         await game.until(lambda: "no predicate Late" in view(game).plain)
-        assert game.shows("by the present program")
+        assert game.shows("by the current program")
         await game.write(TEXT)
         await game.until(lambda: line in view(game).plain)
-        assert not game.shows("by the present program")
+        assert not game.shows("by the current program")
 
         # Another drawing has nothing to do with it, but plain characters have.
         labyrinth = game.main.labyrinth.view

@@ -9,12 +9,11 @@ from typing import TYPE_CHECKING
 import pytest
 
 from logical_robots_tui.mind import Ask, Node
-from logical_robots_tui.tui.inspector.choice import ASK, WHY
-from logical_robots_tui.tui.inspector.pages.why import WhyView
+from logical_robots_tui.tui.inspector.predicate_list import ASK, WHY
 from logical_robots_tui.tui.inspector.questions import Questions
-from logical_robots_tui.tui.inspector.widgets.folds import Folds, Line
-from logical_robots_tui.tui.inspector.widgets.proof_lines import line_content
-from logical_robots_tui.tui.inspector.widgets.tree import ValueTree
+from logical_robots_tui.tui.inspector.widgets.proof_tree import ProofLine, ProofTree, line_content
+from logical_robots_tui.tui.inspector.widgets.proof_view import WhyView
+from logical_robots_tui.tui.inspector.widgets.value_tree import ValueTree
 from logical_robots_tui.tui.labyrinth.drawing.glyphs import Highlight
 from tests.short import AHEAD
 from tests.tui.conftest import SLOW, opened
@@ -425,7 +424,7 @@ def many(count: int) -> Node:
 
 
 def test_what_is_open_is_what_there_is_room_for() -> None:
-    folds = Folds()
+    folds = ProofTree()
     folds.show([many(1000)], [many(10)], 30)
     assert 20 < len(folds.lines) <= 30
     assert folds.is_open(folds.lines[0])
@@ -433,7 +432,7 @@ def test_what_is_open_is_what_there_is_room_for() -> None:
 
 
 def test_folds_are_exact_wherever_one_opens_and_closes() -> None:
-    folds = Folds()
+    folds = ProofTree()
     folds.show([many(100)], [], 10_000)
     everything = [line.node for line in folds.lines]
     assert everything == [node for _, node in many(100).walk()]
@@ -446,7 +445,7 @@ def test_folds_are_exact_wherever_one_opens_and_closes() -> None:
 
 
 def test_a_player_s_folds_stay_when_another_tick_has_other_values() -> None:
-    folds = Folds()
+    folds = ProofTree()
     folds.show([many(100)], [], 10_000)
     folds.close(1)
     folds.show([replace(many(100), said="gives this row")], [], 10_000)
@@ -457,7 +456,7 @@ def test_a_player_s_folds_stay_when_another_tick_has_other_values() -> None:
 
 def test_a_proof_that_came_later_stays_when_what_is_above_it_is_folded() -> None:
     asks = Node("call", "Near(x)", asked=Ask("Near", {"x": 1}))
-    folds = Folds()
+    folds = ProofTree()
     folds.show([Node("rule", "Robot()", children=(asks,))], [], 10)
     assert folds.lines[1].lacks
     folds.open(1)
@@ -486,14 +485,14 @@ def test_truths_are_not_numbers() -> None:
 
 
 def content(node: Node, width: int, depth: int = 0) -> str:
-    return line_content(Line(node, depth, 1, (), lacks=False), width, is_open=False).plain
+    return line_content(ProofLine(node, depth, 1, (), lacks=False), width, is_open=False).plain
 
 
 async def test_without_a_program_it_says_so(data_dir: Path) -> None:
     async with opened(data_dir, text="Robot(") as game:
         await game.ready()
         await game.press("w")
-        await game.until(lambda: game.shows("There is no program yet that could be asked."))
+        await game.until(lambda: game.shows("There is no program to query yet."))
 
 
 async def test_the_change_that_would_have_given_a_row_is_told(data_dir: Path) -> None:

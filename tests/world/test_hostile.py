@@ -13,6 +13,7 @@ import pytest
 from logical_robots_tui.errors import InputError
 from logical_robots_tui.game import load_program
 from logical_robots_tui.world import LevelError, load_level
+from tests.waiting import PATIENCE
 from tests.world.hostile import FILES
 
 if TYPE_CHECKING:
@@ -56,11 +57,13 @@ def read(names: Sequence[str], folder: Path) -> list[tuple[str, float, int]]:
         capture_output=True,
         text=True,
         check=False,
+        timeout=PATIENCE,
     )
     assert done.returncode == 0, done.stderr
     return [json.loads(line) for line in done.stdout.splitlines()]
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize("part", range(4))
 def test_a_hostile_level_file_is_refused_in_time_and_in_little_memory(
     part: int, tmp_path: Path

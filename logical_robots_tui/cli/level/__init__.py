@@ -1,1 +1,1 @@
-"""``logical-robots level``: making, checking, converting and showing levels."""
+"""``logical-robots level``: create, check, convert and show levels."""

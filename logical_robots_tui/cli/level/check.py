@@ -1,4 +1,4 @@
-"""``logical-robots level check``: what looks wrong with levels, told like a compiler does."""
+"""``logical-robots level check``: errors and warnings in levels, printed like a compiler's."""
 
 from __future__ import annotations
 
@@ -21,13 +21,13 @@ FINE, WRONG = 0, 2
 
 EPILOG = """\
 examples:
-  logical-robots level check maze.toml          say what looks wrong and where
-  logical-robots level check *.toml *.json      look at several
-  logical-robots level check maze.toml --json   the same for scripts
+  logical-robots level check maze.toml          print errors and warnings
+  logical-robots level check *.toml *.json      check several levels
+  logical-robots level check maze.toml --json   output for scripts
 
-A place is told in map units, x:y from the upper left corner.
+Positions are x:y in map units from the upper left corner.
 
-exit status: 0 all can be played (there may be warnings), 2 one can't be loaded
+exit status: 0 no errors (there may be warnings), 2 a level can't be loaded
 """
 
 
@@ -38,9 +38,9 @@ def declare(commands: Commands) -> None:
         "check",
         start=start,
         wants_json=lambda options: bool(options.json),
-        summary="say what looks wrong with a level",
-        description="Say what looks wrong with levels: goals that robots can't get to, gaps in\n"
-        "the rim, what is inside walls, names that name nothing, names used twice.",
+        summary="check a level for likely mistakes",
+        description="Check levels for likely mistakes: unreachable goals, gaps in the rim, things\n"
+        "inside walls, unknown names, and names used twice.",
         epilog=EPILOG,
     )
     command.add_argument("levels", metavar="LEVEL", nargs="+", help="a level's name or file")
@@ -48,24 +48,24 @@ def declare(commands: Commands) -> None:
 
 
 def start(options: argparse.Namespace) -> int:
-    """Check each level and print what was found."""
-    told = []
+    """Check each level and print the findings."""
+    results = []
     status = FINE
     for name in options.levels:
         found = findings(name)
         if any(finding.forbids for finding in found):
             status = WRONG
-        told.append({"file": name, "findings": [asdict(finding) for finding in found]})
+        results.append({"file": name, "findings": [asdict(finding) for finding in found]})
         if not options.json:
             for finding in found:
                 print(harmless(_line(name, finding)))
     if options.json:
-        print(json.dumps({"ok": status == FINE, "levels": told}, indent=2))
+        print(json.dumps({"ok": status == FINE, "levels": results}, indent=2))
     return status
 
 
 def findings(name: str) -> list[Finding]:
-    """What looks wrong with a level, or why it can't be loaded."""
+    """Return likely mistakes in a level, or why it can't be loaded."""
     from logical_robots_tui.editing.checks import Finding, check
     from logical_robots_tui.world import LevelError, load_level
 

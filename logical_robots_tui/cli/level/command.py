@@ -1,4 +1,4 @@
-"""Declares the commands of ``logical-robots level``."""
+"""The subcommands of ``logical-robots level``."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ examples:
   logical-robots level show maze.toml
   logical-robots level convert maze.toml maze.json
 
-`logical-robots level COMMAND --help` explains each.
+`logical-robots level COMMAND --help` explains a command.
 """
 
 
@@ -27,8 +27,8 @@ def declare(commands: Commands) -> None:
     """Add the command to the list."""
     command = commands.add_parser(
         "level",
-        help="make, check, convert and show levels",
-        description="Make, check, convert and show levels.",
+        help="create, check, convert and show levels",
+        description="Create, check, convert and show levels.",
         epilog=EPILOG,
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )

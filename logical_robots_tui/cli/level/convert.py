@@ -1,4 +1,4 @@
-"""``logical-robots level convert``: from the format of this game to the web platform's and back."""
+"""``logical-robots level convert``: convert between this game's format and the web platform's."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ examples:
   logical-robots level convert theirs.json theirs.toml    from the web platform
   logical-robots level convert mine.toml mine.json        to the web platform
 
-exit status: 0 it is written, 2 it can't be read or written
+exit status: 0 written, 2 the level can't be read or written
 """
 
 
@@ -31,9 +31,9 @@ def declare(commands: Commands) -> None:
         commands,
         "convert",
         start=start,
-        summary="turn a level into the other format",
-        description="Write a level in the format that the ending of the new file says: .toml is\n"
-        "this game's, .json the web platform's. Nothing is lost that the new one can say.",
+        summary="convert a level to another format",
+        description="Convert a level to the format that the new file's ending names: .toml for\n"
+        "this game, .json for the web platform. Prints what the new format can't express.",
         epilog=EPILOG,
     )
     command.add_argument("level", metavar="LEVEL", help="a level's name or file")

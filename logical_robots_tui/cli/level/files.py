@@ -1,4 +1,4 @@
-"""Files that the commands on levels write."""
+"""Writing files for the level commands."""
 
 from __future__ import annotations
 
@@ -18,32 +18,32 @@ __all__ = ["add_force", "refuse_existing", "tell_lost", "write"]
 
 
 def add_force(command: argparse.ArgumentParser) -> None:
-    """Add the option that allows to replace a file."""
-    command.add_argument("--force", action="store_true", help="replace a file that is there")
+    """Add the option ``--force``."""
+    command.add_argument("--force", action="store_true", help="replace an existing file")
 
 
 def refuse_existing(path: Path, *, force: bool) -> None:
-    """Refuse to write over a file.
+    """Refuse to overwrite a file.
 
     Raises:
-        InputError: The file is there and may not be replaced.
+        InputError: The file exists and may not be replaced.
     """
     if is_there(path) and not force:
         raise InputError(
-            "This file is there already.",
+            "This file already exists.",
             place=str(path),
             hint="Choose another name, or add --force to replace it.",
         )
 
 
 def tell_lost(level: Level, path: Path) -> None:
-    """Say what of a level a file of the web platform could not take."""
+    """Print what the web platform's format could not hold."""
     from logical_robots_tui.editing.level_text import lost_in_web
     from logical_robots_tui.world.load import WEB
 
     lost = lost_in_web(replace(level, name=path.stem))
     if path.suffix.lower() == WEB and lost:
-        print(f"Left out, for the web platform has no place for it: {', '.join(lost)}.")
+        print(f"Left out because the web platform does not support it: {', '.join(lost)}.")
 
 
 def write(path: Path, content: str | bytes) -> None:

@@ -1,4 +1,4 @@
-"""``logical-robots level new``: a new level from a room, a labyrinth or another level."""
+"""``logical-robots level new``: create an empty room, a random labyrinth or a copy of a level."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ examples:
   logical-robots level new maze.toml --labyrinth 8x6 --seed 3 --loops 0.2
   logical-robots level new mine.toml --copy 04-everybody-home
 
-exit status: 0 it is written, 2 it can't be made or written
+exit status: 0 written, 2 the level can't be created or written
 """
 
 
@@ -33,9 +33,9 @@ def declare(commands: Commands) -> None:
         commands,
         "new",
         start=start,
-        summary="make a new level",
-        description="Make a new level: an empty room, a labyrinth drawn by lot, or a copy.\n"
-        "A file that ends with .json is one of the web platform.",
+        summary="create a level",
+        description="Create a level: an empty room, a random labyrinth, or a copy.\n"
+        "A file that ends with .json gets the web platform's format.",
         epilog=EPILOG,
     )
     command.add_argument("file", metavar="FILE", type=Path, help="the file to write")
@@ -43,38 +43,48 @@ def declare(commands: Commands) -> None:
     kinds.add_argument(
         "--room", metavar="WxH", type=_size, help="an empty room, in map units (default: 600x400)"
     )
-    kinds.add_argument("--labyrinth", metavar="CxR", type=_size, help="so many columns and rows")
-    kinds.add_argument("--copy", metavar="LEVEL", help="a copy of a level, by its name or file")
-    command.add_argument("--title", help="the name to show")
+    kinds.add_argument(
+        "--labyrinth", metavar="CxR", type=_size, help="a labyrinth, in columns and rows"
+    )
+    kinds.add_argument("--copy", metavar="LEVEL", help="a copy of a level, by name or file")
+    command.add_argument("--title", help="the title")
     command.add_argument(
-        "--wall", type=int, default=10, metavar="N", help="units a wall is thick (default: 10)"
+        "--wall",
+        type=int,
+        default=10,
+        metavar="N",
+        help="wall thickness in map units (default: 10)",
     )
-    lots = command.add_argument_group("labyrinths")
-    lots.add_argument(
-        "--seed", type=int, default=0, metavar="N", help="draws the lots (default: 0)"
+    random = command.add_argument_group("labyrinths")
+    random.add_argument(
+        "--seed", type=int, default=0, metavar="N", help="the random seed (default: 0)"
     )
-    lots.add_argument(
+    random.add_argument(
         "--loops",
         type=float,
         default=0.1,
         metavar="SHARE",
-        help="of the walls to open in addition, 0 to 1 (default: 0.1)",
+        help="share of extra walls to open, 0 to 1 (default: 0.1)",
     )
-    lots.add_argument(
-        "--corridor", type=int, default=60, metavar="N", help="units a way is wide (default: 60)"
+    random.add_argument(
+        "--corridor",
+        type=int,
+        default=60,
+        metavar="N",
+        help="corridor width in map units (default: 60)",
     )
     add_force(command)
 
 
 def start(options: argparse.Namespace) -> int:
-    """Make the level and write it."""
+    """Create the level and write it."""
     from logical_robots_tui.editing.files import save_level
     from logical_robots_tui.editing.properties import set_words
     from logical_robots_tui.world import load_level
     from logical_robots_tui.world.load import read_text
 
     refuse_existing(options.file, force=options.force)
-    level = load_level(options.copy) if options.copy else _made(options)
+    level = load_level(options.copy) if options.copy else _create(options)
     words = {} if options.title is None else {"title": options.title}
     new = set_words(level, **words)
     if options.copy and Path(level.source).suffix.lower() == options.file.suffix.lower():
@@ -89,7 +99,7 @@ def start(options: argparse.Namespace) -> int:
     return 0
 
 
-def _made(options: argparse.Namespace) -> Level:
+def _create(options: argparse.Namespace) -> Level:
     from logical_robots_tui.editing.labyrinths import empty_room, labyrinth
 
     if options.labyrinth is None:
@@ -106,5 +116,5 @@ def _made(options: argparse.Namespace) -> Level:
 def _size(text: str) -> tuple[int, int]:
     found = re.fullmatch(r"(\d{1,6})x(\d{1,6})", text)
     if not found:
-        raise argparse.ArgumentTypeError(f"{text!r} is no size such as 8x6")
+        raise argparse.ArgumentTypeError(f"{text!r} is not a size such as 8x6")
     return int(found[1]), int(found[2])

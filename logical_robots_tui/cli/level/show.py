@@ -1,4 +1,4 @@
-"""``logical-robots level show``: a picture of a level, in the terminal or in a file."""
+"""``logical-robots level show``: draw a level in the terminal or into a file."""
 
 from __future__ import annotations
 
@@ -24,9 +24,9 @@ examples:
   logical-robots level show 05-lighthouse
   logical-robots level show my-level.toml --svg my-level.svg
 
-Into a pipe it prints plain characters.
+In a pipe it prints ASCII characters.
 
-exit status: 0, or 2 if the level can't be read or the picture not be written
+exit status: 0 drawn, 2 the level can't be read or the file can't be written
 """
 
 
@@ -42,7 +42,7 @@ def declare(commands: Commands) -> None:
     )
     command.add_argument("level", metavar="LEVEL", help="a level's name or file")
     command.add_argument("--svg", type=Path, metavar="FILE", help="write an SVG file instead")
-    command.add_argument("--ascii", action="store_true", help="draw with plain characters")
+    command.add_argument("--ascii", action="store_true", help="draw with ASCII characters")
 
 
 def start(options: argparse.Namespace) -> int:
@@ -61,11 +61,11 @@ def start(options: argparse.Namespace) -> int:
 
 
 def _print(level: Level, *, plain: bool) -> None:
-    """Print a level as large as the terminal allows; without colours in plain characters."""
+    """Print a level as large as the terminal allows; in ASCII if there are no colours."""
     from rich.console import Console
 
     from logical_robots_tui.tui.labyrinth.drawing import DARK, Drawing
-    from logical_robots_tui.tui.library.miniature import draw_miniature
+    from logical_robots_tui.tui.library.card import draw_miniature
 
     size = shutil.get_terminal_size((100, 40))
     console = Console(width=size.columns)

@@ -1,4 +1,4 @@
-"""What the commands that run a program in a level have in common."""
+"""What the commands that run a program in a level share."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 
 __all__ = ["check_name", "frame_at", "new_run_command", "opened", "run_shown"]
 
-_SOON = 0.5  # seconds without a progress bar
+_SOON = 0.5  # seconds before the progress bar appears
 
 
 def new_run_command(
@@ -45,21 +45,20 @@ def new_run_command(
     needs_robot: bool = False,
     only_json: bool = False,
 ) -> argparse.ArgumentParser:
-    """Declare a command about a program in a level; `opened` reads what it is about.
+    """Declare a command that takes a level and a program, which `opened` loads.
 
     Args:
         commands: Where to add it.
-        name: What is typed.
+        name: The command's name.
         start: Does the work and returns the exit status.
         summary: One line for the list of commands.
-        description: The head of the command's own help.
-        epilog: Examples and exit status, laid out by hand.
-        first_tick: The first tick that ``--tick`` may name, or None for no such option.
-        ticks: How many ticks to run by default and what ``--ticks`` is for, or None for no such
-            option.
-        robot: What ``--robot`` is for, or "" for no such option.
-        needs_robot: Whether a robot must be named.
-        only_json: Whether it prints nothing but JSON.
+        description: The first lines of the command's own help.
+        epilog: Examples and exit status, already formatted.
+        first_tick: The lowest value of ``--tick``, or None for no such option.
+        ticks: Default and help of ``--ticks``, or None for no such option.
+        robot: Help of ``--robot``, or "" for no such option.
+        needs_robot: Whether ``--robot`` is required.
+        only_json: Whether all output is JSON.
     """
     command = new_command(
         commands,
@@ -94,11 +93,11 @@ def new_run_command(
 
 
 def opened(options: argparse.Namespace) -> tuple[Level, Program]:
-    """The level and the compiled program that were named; the robot must be in that level.
+    """Load the level, compile the program, and check that the level has the named robot.
 
     Raises:
-        InputError: One of them can't be read, or there is no such robot.
-        ProgramFileError: The program is wrong.
+        InputError: The level or program can't be read, or there is no such robot.
+        ProgramFileError: The program has errors.
     """
     from logical_robots_tui.game import load_program
     from logical_robots_tui.mind import Program, ProgramError
@@ -117,22 +116,22 @@ def opened(options: argparse.Namespace) -> tuple[Level, Program]:
 
 
 def check_name(what: str, name: str, known: Iterable[str]) -> None:
-    """Make sure that a name is one of those there are.
+    """Check that a name exists.
 
     Args:
-        what: What it names: robot, predicate.
-        name: As it was typed.
-        known: Those there are.
+        what: What it names: robot or predicate.
+        name: The name as typed.
+        known: All names of that kind.
 
     Raises:
-        InputError: It is not; says which there are.
+        InputError: It does not exist; the hint lists the known names.
     """
-    there = list(known)
-    if name not in there:
-        listed = ", ".join(there[:20]) + (", ..." if len(there) > 20 else "")
+    names = list(known)
+    if name not in names:
+        listed = ", ".join(names[:20]) + (", ..." if len(names) > 20 else "")
         raise InputError(
             f"there is no {what} {name}.",
-            hint=f"There {'is' if len(there) == 1 else 'are'} {listed}.",
+            hint=f"There {'is' if len(names) == 1 else 'are'} {listed}.",
         )
 
 
@@ -140,17 +139,17 @@ def check_name(what: str, name: str, known: Iterable[str]) -> None:
 async def run_shown(
     level: Level, program: Program, ticks: int
 ) -> AsyncIterator[tuple[Run, Callable[[int], None]]]:
-    """Open a run, with a progress bar once it takes its time.
+    """Open a run, with a progress bar if it takes long.
 
     Ticks that an earlier process has computed are not computed again.
 
     Args:
-        level: Where it happens.
-        program: What the robots think.
-        ticks: The last tick that will be asked for.
+        level: The level.
+        program: The robots' program.
+        ticks: The last tick that will be needed.
 
     Yields:
-        The run, and what is to be told each finished tick.
+        The run, and a callback to call with each finished tick.
     """
     from logical_robots_tui.game import Run
 
@@ -163,12 +162,12 @@ async def run_shown(
 
 
 async def frame_at(level: Level, program: Program, tick: int) -> Frame:
-    """The frame of a tick of a run from the start; a victory on the way does not end it.
+    """Return the frame of a tick; a victory before it does not end the run.
 
     Args:
-        level: Where it happens.
-        program: What the robots think.
-        tick: Which tick; 0 is the start.
+        level: The level.
+        program: The robots' program.
+        tick: The tick; 0 is the start.
     """
     async with run_shown(level, program, tick) as (run, show):
         return await run.frame(tick, show)

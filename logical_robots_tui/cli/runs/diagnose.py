@@ -1,4 +1,4 @@
-"""``logical-robots diagnose``: what in a whole run may be a mistake, and where to look."""
+"""``logical-robots diagnose``: likely mistakes in a whole run, and where they are."""
 
 from __future__ import annotations
 
@@ -31,11 +31,11 @@ NARROWEST, WIDEST = 40, 96  # columns
 EPILOG = """\
 examples:
   logical-robots diagnose 06-breadcrumbs breadcrumbs --ticks 300
-  logical-robots diagnose 01-first-steps first-steps --ticks 300 --json | jq .findings
+  logical-robots diagnose 01-first-steps first-steps --json | jq .findings
 
-What is hardly meant comes first; a note may well be as it should be.
+Warnings come first. A note may well be intended.
 
-exit status: 0 nothing or only notes, 1 there are warnings, 2 bad level or program
+exit status: 0 no warnings, 1 warnings, 2 bad level or program
 """
 
 
@@ -45,15 +45,15 @@ def declare(commands: Commands) -> None:
         commands,
         "diagnose",
         start=start,
-        summary="look through a whole run for what may be a mistake",
-        description="Run a program, watch all its rules and conditions, and say what stands out.",
+        summary="scan a whole run for likely mistakes",
+        description="Run a program, watch all its rules and conditions, and print what stands out.",
         epilog=EPILOG,
-        ticks=(DEFAULT_TICKS, "end after this many ticks, or at victory"),
+        ticks=(DEFAULT_TICKS, "stop after this many ticks, or at victory"),
     )
 
 
 def start(options: argparse.Namespace) -> int:
-    """Run the program, and say what stands out."""
+    """Run the program and print the findings."""
     level, program = opened(options)
     found = asyncio.run(_diagnose(level, program, options.ticks))
     if prefers_json(options):
@@ -70,7 +70,7 @@ async def _diagnose(level: Level, program: Program, ticks: int) -> Diagnosis:
     game = Game(level, program, history=ticks)
     try:
         await game.run_until(tick=ticks)
-        return await diagnose(game, report=_report if sys.stderr.isatty() else _be_silent)
+        return await diagnose(game, report=_report if sys.stderr.isatty() else _ignore)
     finally:
         if sys.stderr.isatty():
             print("\r\033[K", end="", file=sys.stderr, flush=True)
@@ -82,7 +82,7 @@ def _report(done: int, of_all: int) -> None:
         print(f"\r{done} of {of_all} ticks", end="", file=sys.stderr, flush=True)
 
 
-def _be_silent(_done: int, _all: int) -> None:
+def _ignore(_done: int, _all: int) -> None:
     pass
 
 
@@ -104,7 +104,7 @@ def _lines(found: Diagnosis) -> Iterator[str]:
 
 
 def _data(found: Diagnosis) -> dict[str, Any]:
-    """The diagnosis for scripts."""
+    """Return the diagnosis as data for scripts."""
     return {
         "first": found.first,
         "last": found.last,

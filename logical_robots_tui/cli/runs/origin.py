@@ -1,4 +1,4 @@
-"""``logical-robots origin``: in which tick and by which rule a value in a memory was made."""
+"""``logical-robots origin``: the tick and the rule that made a value in a memory."""
 
 from __future__ import annotations
 
@@ -26,15 +26,16 @@ _SHOWN_READS = 5
 
 EPILOG = """\
 examples:
-  logical-robots origin 06-breadcrumbs breadcrumbs --tick 600 --robot Crow --value memory.visited
+  logical-robots origin 06-breadcrumbs breadcrumbs --tick 600 --robot Crow \\
+    --value memory.visited
   logical-robots origin 06-breadcrumbs breadcrumbs --tick 600 --robot Crow \\
     --value 'memory.visited[0]'
 
-The value is the one that the robot remembers after the tick. It is followed back through the ticks
-that only kept it, also through memories of other robots, to the tick and the rule that made it, and
-from there to what it was made from.
+The value is the one that the robot remembers after the tick. It is traced back
+through the ticks that only kept it, and through the memories of other robots,
+to the tick and the rule that made it, and from there to what it was made from.
 
-exit status: 0 it was found, 2 bad level, program, robot or value
+exit status: 0 found, 2 bad level, program, robot or value
 """
 
 
@@ -44,8 +45,8 @@ def declare(commands: Commands) -> None:
         commands,
         "origin",
         start=start,
-        summary="say where a value in a memory comes from",
-        description="Run a program to a tick, then follow a value back to where it was made.",
+        summary="trace a value in a memory to the rule that made it",
+        description="Run a program to a tick, then trace a value back to where it was made.",
         epilog=EPILOG,
         first_tick=1,
         robot="whose memory",
@@ -61,7 +62,7 @@ def declare(commands: Commands) -> None:
 
 
 def start(options: argparse.Namespace) -> int:
-    """Follow the value."""
+    """Trace the value and print its origin."""
     level, program = opened(options)
     origin = asyncio.run(_search(level, program, options))
     if prefers_json(options):
@@ -86,7 +87,7 @@ def _lines(origin: Origin) -> Iterator[str]:
             yield ""
         yield from _link(number, link)
     if not origin.complete:
-        yield from ("", "This is not all of it: more was read than is followed here.")
+        yield from ("", "This is not complete: some of the values that were read are not traced.")
 
 
 def _link(number: int, link: Link) -> Iterator[str]:
@@ -95,7 +96,7 @@ def _link(number: int, link: Link) -> Iterator[str]:
     name = f"{link.robot}'s {written_path(link.path)}"
     yield harmless(f"{number + 1}. {name} = {_short(link.value)}")
     if link.tick == 0:
-        yield f"   has been there since the start, until tick {link.until}"
+        yield f"   there from the start until tick {link.until}"
         return
     kept = f", kept until tick {link.until}" if link.until > link.tick else ""
     line = f" in line {link.rule.line}" if link.rule is not None else ""
@@ -107,7 +108,7 @@ def _link(number: int, link: Link) -> Iterator[str]:
     if more := len(link.reads) - _SHOWN_READS:
         yield from [f"   and from {more} more"] * (more > 0)
     if link.before:
-        yield f"   go on with {', '.join(f'{each + 1}.' for each in link.before)}"
+        yield f"   continued in {', '.join(f'{each + 1}.' for each in link.before)}"
 
 
 def _read(read: Read) -> str:

@@ -21,15 +21,15 @@ _REDRAW_EVERY = 0.1  # seconds
 
 @contextmanager
 def progress_bar(title: str, ticks: int, *, after: float = 0.0) -> Iterator[Callable[[int], None]]:
-    """Show how far a run has come, on a terminal; the bar vanishes when it is over.
+    """Show the progress of a run on a terminal; the bar disappears at the end.
 
     Args:
-        title: What is running.
+        title: The label.
         ticks: The last tick.
-        after: Seconds to wait, for it may be over by then.
+        after: Seconds before the bar appears.
 
     Yields:
-        A function to be told each finished tick; it redraws a few times a second only.
+        A callback to call with each finished tick; it redraws a few times a second only.
     """
     began = monotonic()
     due = began + after if sys.stderr.isatty() else float("inf")

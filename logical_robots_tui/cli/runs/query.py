@@ -1,4 +1,4 @@
-"""``logical-robots query``: any question about one tick of a run."""
+"""``logical-robots query``: answer a query about one tick of a run."""
 
 from __future__ import annotations
 
@@ -24,13 +24,15 @@ WIDEST = 60  # characters of a value in a table
 
 EPILOG = """\
 examples:
-  logical-robots query 06-breadcrumbs breadcrumbs --tick 90 Robot      all rows of a predicate
-  logical-robots query 06-breadcrumbs breadcrumbs --tick 110 'Next(robot_name: "Crow", ray:)'
-  logical-robots query 06-breadcrumbs breadcrumbs --tick 90 'Drive("Crow").left_engine + 1'
+  logical-robots query 06-breadcrumbs breadcrumbs --tick 90 Robot
+  logical-robots query 06-breadcrumbs breadcrumbs --tick 110 \\
+    'Next(robot_name: "Crow", ray:)'
+  logical-robots query 06-breadcrumbs breadcrumbs --tick 90 \\
+    'Drive("Crow").left_engine + 1'
   logical-robots query 06-breadcrumbs breadcrumbs --tick 90 \\
     'Sensor(robot_name:, sensor:), ray in sensor.radar, ray.distance < 40'
 
-exit status: 0 there are rows, 1 there are none, 2 bad level, program or query
+exit status: 0 rows found, 1 no rows, 2 bad level, program or query
 """
 
 
@@ -40,17 +42,17 @@ def declare(commands: Commands) -> None:
         commands,
         "query",
         start=start,
-        summary="ask anything about one tick of a run",
-        description="Run a program to a tick, then answer a question in Logica about that tick.",
+        summary="query one tick of a run",
+        description="Run a program to a tick, then answer a query in Logica about that tick.",
         epilog=EPILOG,
         first_tick=0,
-        robot="only what holds in this robot's mind",
+        robot="only rows in this robot's mind",
     )
     command.add_argument("query", metavar="QUERY", help="a call, an expression, or whole rules")
 
 
 def start(options: argparse.Namespace) -> int:
-    """Answer the question."""
+    """Print the answer."""
     from logical_robots_tui.cli.failure import ProgramFileError
     from logical_robots_tui.mind import ProgramError
 
@@ -66,14 +68,14 @@ def start(options: argparse.Namespace) -> int:
         if options.robot is None or not viewer or viewer == options.robot
     ]
     if prefers_json(options):
-        told = {
+        data = {
             "tick": options.tick,
             "columns": table.columns,
             "rows": [row for _, row in found],
             "minds": [viewer for viewer, _ in found] if table.viewers else None,
             "truncated": table.truncated,
         }
-        print(line_of_json(told))
+        print(line_of_json(data))
     elif found:
         head = ("IN THE MIND OF", *table.columns) if table.viewers else table.columns
         lines = [
@@ -89,7 +91,7 @@ def start(options: argparse.Namespace) -> int:
 async def _ask(level: Level, program: Program, query: str, tick: int) -> Table:
     from logical_robots_tui.game import Inquiry
 
-    await asyncio.to_thread(program.question, query)  # a mistake in it is told before the run
+    await asyncio.to_thread(program.question, query)  # reports mistakes before the run
     frame = await frame_at(level, program, tick)
     inquiry = Inquiry(level)
     try:

@@ -1,4 +1,4 @@
-"""``logical-robots run``: a level under a program, without a screen."""
+"""``logical-robots run``: run a program in a level without a screen."""
 
 from __future__ import annotations
 
@@ -28,16 +28,16 @@ __all__ = ["declare", "play_out"]
 
 WON, NOT_WON = 0, 1
 DEFAULT_TICKS = 5000
-SAMPLE = 10  # notices told in full
+SAMPLE = 10  # notices reported in full
 
 EPILOG = """\
 examples:
-  logical-robots run 01-first-steps first-steps            say how it went
-  logical-robots run 01-first-steps first-steps --json     say it as JSON
-  logical-robots run 01-first-steps first-steps | jq .won  piped, it is JSON
+  logical-robots run 01-first-steps first-steps            print the result
+  logical-robots run 01-first-steps first-steps --json     print it as JSON
+  logical-robots run 01-first-steps first-steps | jq .won  piped output is JSON
   logical-robots run my-level.toml my-program.l --ticks 900
 
-exit status: 0 won, 1 not won within the ticks, 2 bad level or program
+exit status: 0 won, 1 not won in time, 2 bad level or program
 """
 
 
@@ -48,19 +48,19 @@ def declare(commands: Commands) -> None:
         "run",
         start=start,
         summary="run a program in a level without a screen",
-        description="Run a program in a level without a screen, as fast as the machine can.",
+        description="Run a program in a level without a screen, as fast as possible.",
         epilog=EPILOG,
         ticks=(DEFAULT_TICKS, "give up after this many ticks"),
     )
-    command.add_argument("--times", action="store_true", help="tell in JSON, too, how long it took")
+    command.add_argument("--times", action="store_true", help="include times in the JSON output")
 
 
 def start(options: argparse.Namespace) -> int:
-    """Run the program in the level and say how it went."""
+    """Run the program in the level and print the result."""
     level, program = opened(options)
     with progress_bar(level.title, options.ticks) as show:
         outcome = asyncio.run(play_out(level, program, options.program, options.ticks, show))
-    print(outcome.as_json(times=options.times) if prefers_json(options) else outcome.in_words())
+    print(outcome.as_json(times=options.times) if prefers_json(options) else outcome.as_text())
     return WON if outcome.won_at is not None else NOT_WON
 
 
@@ -71,14 +71,14 @@ async def play_out(
     ticks: int,
     show: Callable[[int], object] = lambda _tick: None,
 ) -> Outcome:
-    """Run until the level is won or the ticks are over.
+    """Run until the level is won or the tick limit is reached.
 
     Args:
-        level: Where it happens.
-        program: What the robots think.
-        program_name: What to call it in the outcome.
-        ticks: How many ticks to try.
-        show: Told each finished tick.
+        level: The level.
+        program: The robots' program.
+        program_name: Its name in the outcome.
+        ticks: The tick limit.
+        show: Called with each finished tick.
     """
     from logical_robots_tui.game import Game
 
@@ -100,13 +100,13 @@ async def play_out(
 
 @dataclass
 class Tally:
-    """What is counted while a run goes on.
+    """Statistics of a run.
 
     Attributes:
-        notices: How often each kind of notice was given.
+        notices: The number of notices of each kind.
         first: The first few notices, as (tick, robot name, kind, message).
         think_milliseconds: Time spent thinking.
-        is_reliable: Whether no clock ended a thought.
+        is_reliable: Whether no time limit cut a thought short.
     """
 
     notices: Counter[str] = field(default_factory=Counter)
@@ -115,26 +115,26 @@ class Tally:
     is_reliable: bool = True
 
     def count(self, frame: Frame) -> None:
-        """Take in a finished tick."""
+        """Count a finished tick."""
         self.think_milliseconds += frame.think_milliseconds
         self.is_reliable = self.is_reliable and frame.is_reliable
         for decision in frame.decisions:
             for notice in decision.notices:
                 self.notices[notice.kind] += 1
                 if len(self.first) < SAMPLE:
-                    told = (frame.tick, decision.robot_name, notice.kind, notice.message)
-                    self.first.append(told)
+                    entry = (frame.tick, decision.robot_name, notice.kind, notice.message)
+                    self.first.append(entry)
 
 
 @dataclass(frozen=True)
 class Outcome:
-    """How a run went.
+    """The result of a run.
 
     Attributes:
-        level: Where it happened.
-        program_name: The program, as it was named.
+        level: The level.
+        program_name: The program's name as typed.
         frame: The last frame.
-        tally: What was counted.
+        tally: The statistics.
         seconds: How long it took.
     """
 
@@ -150,10 +150,10 @@ class Outcome:
         return self.frame.after.won_at
 
     def as_json(self, *, times: bool = False) -> str:
-        """One JSON object with everything a script may want.
+        """Return the result as a JSON object.
 
         Args:
-            times: Whether to tell how long it took, which is never the same twice.
+            times: Whether to include times, which differ from run to run.
         """
         from logical_robots_tui.game import goals
 
@@ -184,8 +184,8 @@ class Outcome:
             found["think_milliseconds_per_tick"] = round(think, 4)
         return json.dumps(finite(found), indent=2, allow_nan=False)
 
-    def in_words(self) -> str:
-        """A few lines for a person."""
+    def as_text(self) -> str:
+        """Return the result as a few lines of text."""
         lines = [self._verdict(), "", *self._table()]
         if self.tally.first:
             total = self.tally.notices.total()
@@ -210,9 +210,9 @@ class Outcome:
         if self.won_at is not None:
             return f"{title}: won at tick {self.won_at}."
         if not any(area.victory_robots for area in self.level.areas):
-            return f"{title}: {self.frame.tick} ticks done. This level has no goal to win."
+            return f"{title}: {self.frame.tick} ticks done. This level has no goal."
         missing = [
-            f"{harmless(goal.area_name)} still waits for "
+            f"{harmless(goal.area_name)} is still missing "
             + ", ".join(harmless(name) for name in goal.wanted if name not in goal.inside)
             for goal in goals(self.level, self.frame.after)
             if not goal.reached and len(goal.inside) < len(goal.wanted)

@@ -1,4 +1,4 @@
-"""``logical-robots trace``: everything about every tick, one JSON object per line."""
+"""``logical-robots trace``: every tick of a run as one JSON object per line."""
 
 from __future__ import annotations
 
@@ -27,16 +27,17 @@ DEFAULT_TICKS = 5000
 EPILOG = """\
 examples:
   logical-robots trace 01-first-steps first-steps > run.jsonl
-  logical-robots trace 06-breadcrumbs breadcrumbs --ticks 100 --robot Crow | jq .decisions
-  logical-robots trace 06-breadcrumbs breadcrumbs --ticks 100 --predicates Next \\
-    | jq -c .predicates.Next.rows
+  logical-robots trace 06-breadcrumbs breadcrumbs --ticks 100 --robot Crow \\
+    | jq .decisions
+  logical-robots trace 06-breadcrumbs breadcrumbs --ticks 100 \\
+    --predicates Next | jq -c .predicates.Next.rows
 
-A line holds: tick, won, robots (after the tick), sensors and memories (as the program saw them),
-decisions (desire, memory, notices), areas, the rows of the predicates that were asked for, and
-whether all up to it is reliable: false once a clock has ended a thought, so that another run may
-go otherwise.
+A line holds: tick, won, robots (after the tick), sensors and memories (as the
+program saw them), decisions (desire, memory, notices), areas, the rows of the
+requested predicates, and reliable: false once a time limit has cut a thought
+short, so that another run may differ.
 
-exit status: 0 won, 1 not won within the ticks, 2 bad level or program
+exit status: 0 won, 1 not won in time, 2 bad level or program
 """
 
 
@@ -46,11 +47,11 @@ def declare(commands: Commands) -> None:
         commands,
         "trace",
         start=start,
-        summary="tell every tick of a run as JSON, one line each",
-        description="Tell every tick of a run, up to victory, as one line of JSON each.",
+        summary="print every tick of a run as a line of JSON",
+        description="Print every tick of a run, up to victory, as a line of JSON.",
         epilog=EPILOG,
-        ticks=(DEFAULT_TICKS, "end after this many ticks"),
-        robot="tell of this robot only",
+        ticks=(DEFAULT_TICKS, "stop after this many ticks"),
+        robot="only this robot",
         only_json=True,
     )
     command.add_argument(
@@ -58,9 +59,9 @@ def declare(commands: Commands) -> None:
         type=lambda text: tuple(name.strip() for name in text.split(",") if name.strip()),
         default=(),
         metavar="A,B",
-        help="also tell the rows of these predicates",
+        help="include the rows of these predicates",
     )
-    command.add_argument("--times", action="store_true", help="also tell how long thinking took")
+    command.add_argument("--times", action="store_true", help="include how long thinking took")
 
 
 def start(options: argparse.Namespace) -> int:
@@ -91,18 +92,18 @@ async def _trace(level: Level, program: Program, options: argparse.Namespace) ->
         async for frame, tables in run.each(1, options.ticks, ask, to_victory=True):
             won = frame.after.won_at is not None
             reliable = reliable and frame.is_reliable
-            told = _told(level, frame, options.robot, tables)
-            told["reliable"] = reliable
+            data = _data(level, frame, options.robot, tables)
+            data["reliable"] = reliable
             if options.times:
-                told["think_milliseconds"] = round(frame.think_milliseconds, 4)
-            print(line_of_json(told))
+                data["think_milliseconds"] = round(frame.think_milliseconds, 4)
+            print(line_of_json(data))
         return won
     finally:
         await run.close()
 
 
-def _told(level: Level, frame: Frame, robot: str | None, tables: _Tables) -> dict[str, Any]:
-    """What is told of a tick, of all robots or of one."""
+def _data(level: Level, frame: Frame, robot: str | None, tables: _Tables) -> dict[str, Any]:
+    """Return a tick as data, for all robots or for one."""
     mine = frozenset([robot] if robot is not None else [each.name for each in level.robots])
     after = frame.after
     return {
@@ -159,12 +160,12 @@ def _rows(table: Table | QueryError, robot: str | None) -> dict[str, Any]:
         for number in range(len(table.rows))
         if robot is None or not table.viewers or table.viewers[number] == robot
     ]
-    told: dict[str, Any] = {
+    data: dict[str, Any] = {
         "columns": table.columns,
         "rows": [table.rows[number] for number in chosen],
     }
     if table.viewers:
-        told["minds"] = [table.viewers[number] for number in chosen]
+        data["minds"] = [table.viewers[number] for number in chosen]
     if table.truncated:
-        told["truncated"] = True
-    return told
+        data["truncated"] = True
+    return data

@@ -1,4 +1,4 @@
-"""``logical-robots when``: in which ticks of a run a question holds."""
+"""``logical-robots when``: find the ticks of a run in which a question holds."""
 
 from __future__ import annotations
 
@@ -24,16 +24,19 @@ DEFAULT_TICKS = 5000
 
 EPILOG = """\
 examples:
-  logical-robots when 06-breadcrumbs breadcrumbs --ticks 300 Fresh    a predicate has rows
-  logical-robots when 06-breadcrumbs breadcrumbs --ticks 300 'Fresh(robot_name: "Crow")'
+  logical-robots when 06-breadcrumbs breadcrumbs --ticks 300 Fresh
+  logical-robots when 06-breadcrumbs breadcrumbs --ticks 300 \\
+    'Fresh(robot_name: "Crow")'
   logical-robots when 06-breadcrumbs breadcrumbs --ticks 300 --robot Crow \\
     'Sensor(sensor:), sensor.forward_distance < 30'
-  logical-robots when 06-breadcrumbs breadcrumbs --ticks 300 'Drive("Crow").left_engine > 1'
+  logical-robots when 06-breadcrumbs breadcrumbs --ticks 300 \\
+    'Drive("Crow").left_engine > 1'
 
-A question is what query takes. It holds in a tick in which it has rows; an expression, in which it
-is neither null, false nor 0. The run ends with victory, or after N ticks.
+A question is anything that query accepts. It holds in the ticks in which it has
+rows; an expression holds where it is not null, false or 0. The run ends at
+victory, or after N ticks.
 
-exit status: 0 it holds in some tick, 1 in none, 2 bad level, program or question
+exit status: 0 found, 1 it never holds, 2 bad level, program or question
 """
 
 
@@ -43,11 +46,11 @@ def declare(commands: Commands) -> None:
         commands,
         "when",
         start=start,
-        summary="say in which ticks of a run something holds",
-        description="Ask a question in Logica at every tick of a run, and tell in which it holds.",
+        summary="find the ticks of a run in which something holds",
+        description="Ask a question in Logica at every tick of a run, and print where it holds.",
         epilog=EPILOG,
-        ticks=(DEFAULT_TICKS, "end after this many ticks"),
-        robot="only what holds in this robot's mind",
+        ticks=(DEFAULT_TICKS, "stop after this many ticks"),
+        robot="only rows in this robot's mind",
     )
     command.add_argument(
         "question", metavar="QUESTION", help="a call, an expression, conditions, or whole rules"
@@ -55,7 +58,7 @@ def declare(commands: Commands) -> None:
 
 
 def start(options: argparse.Namespace) -> int:
-    """Go through the run and tell the ticks."""
+    """Search the run and print the ticks."""
     from logical_robots_tui.cli.failure import ProgramFileError
     from logical_robots_tui.mind import ProgramError, QueryError
 
@@ -66,7 +69,7 @@ def start(options: argparse.Namespace) -> int:
         raise ProgramFileError("question", error) from error
     found = asyncio.run(_search(level, program, question, options))
     if found.failed_in == found.ticks:
-        raise QueryError(f"In every tick: {found.reason}")
+        raise QueryError(f"It failed in every tick: {found.reason}")
     if prefers_json(options):
         print(line_of_json(_data(options.question, found)))
     else:
@@ -77,7 +80,7 @@ def start(options: argparse.Namespace) -> int:
 async def _search(
     level: Level, program: Program, question: Question, options: argparse.Namespace
 ) -> Matches:
-    """Ask at every tick up to victory or the last one."""
+    """Ask at every tick up to victory or the tick limit."""
     from logical_robots_tui.game import find_matches
 
     async with run_shown(level, program, options.ticks) as (run, show):
@@ -85,7 +88,7 @@ async def _search(
 
 
 def _lines(question: str, found: Matches) -> list[str]:
-    """What was found, for a person."""
+    """Format the matches as text."""
     ticks = f"{found.ticks} {'tick' if found.ticks == 1 else 'ticks'}"
     end = f"{ticks}, up to victory" if found.won_at is not None else ticks
     lines = []
@@ -114,7 +117,7 @@ def _row(first: int, last: int) -> tuple[str, str, str]:
 
 
 def _data(question: str, found: Matches) -> dict[str, Any]:
-    """What was found, for scripts."""
+    """Return the matches as data for scripts."""
     stretches = found.stretches
     return {
         "question": question,

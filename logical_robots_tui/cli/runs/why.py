@@ -1,4 +1,4 @@
-"""``logical-robots why``: which rule gave a robot's decision, and what stopped the others."""
+"""``logical-robots why``: which rule made a robot's decision, and what stopped the others."""
 
 from __future__ import annotations
 
@@ -24,21 +24,22 @@ if TYPE_CHECKING:
 __all__ = ["declare"]
 
 GAVE, GAVE_NOT = 0, 1
-WIDEST = 100  # columns, where nobody says how wide the terminal is
+WIDEST = 100  # columns, if the terminal's width is unknown
 DEEPEST = 100
 
 EPILOG = """\
 examples:
   logical-robots why 06-breadcrumbs breadcrumbs --tick 300 --robot Crow
   logical-robots why 06-breadcrumbs breadcrumbs --tick 300 --robot Crow --tree
-  logical-robots why 06-breadcrumbs breadcrumbs --tick 300 --robot Crow --predicate Next
+  logical-robots why 06-breadcrumbs breadcrumbs --tick 300 --robot Crow \\
+    --predicate Next
   logical-robots why 06-breadcrumbs breadcrumbs --tick 3 --robot Crow \\
     --predicate Steer --given col0=0.5
 
-A row is explained by one derivation. For each rule that gives none, the first part is shown that
-nothing gets past, and which one change would have given it a row: + holds, - does not. --tree
-follows every call, down to what was sensed and remembered. The arguments of a function are called
-col0, col1 ...
+A row is explained by one derivation. For each rule without a row you see the
+first condition that failed, and a single change that would have produced a row.
++ holds, - does not. --tree follows every call, down to what was sensed and
+remembered. Function arguments are called col0, col1 ...
 
 exit status: 0 there is a row, 1 there is none, 2 bad level, program or name
 """
@@ -52,15 +53,15 @@ def declare(commands: Commands) -> None:
         commands,
         "why",
         start=start,
-        summary="say why a robot did what it did, or why not",
-        description="Run a program to a tick, then tell for each rule which parts of it held.",
+        summary="explain why a robot did what it did, or why not",
+        description="Run a program to a tick, then explain for each rule which parts of it held.",
         epilog=EPILOG,
         first_tick=1,
         robot="in whose mind",
         needs_robot=True,
     )
     command.add_argument(
-        "--predicate", default="Robot", metavar="P", help="which predicate (default: %(default)s)"
+        "--predicate", default="Robot", metavar="P", help="the predicate (default: %(default)s)"
     )
     command.add_argument(
         "--given",
@@ -68,10 +69,10 @@ def declare(commands: Commands) -> None:
         action="append",
         default=[],
         metavar="COLUMN=VALUE",
-        help="only rows with this value, as JSON; for a function its arguments",
+        help="only rows with this value, as JSON; for functions: an argument",
     )
     command.add_argument(
-        "--within", default="", metavar="P", help="in the rules of P, which is made with ':='"
+        "--within", default="", metavar="P", help="within the rules of P, defined with ':='"
     )
     command.add_argument(
         "--tree", action="store_true", help="the whole proof, down to what was sensed"
@@ -81,12 +82,12 @@ def declare(commands: Commands) -> None:
         type=number_from(1),
         default=DEEPEST,
         metavar="N",
-        help="with --tree: how many predicates deep",
+        help="with --tree: the most nested predicates to show",
     )
 
 
 def start(options: argparse.Namespace) -> int:
-    """Say why."""
+    """Explain the row."""
     level, program = opened(options)
     own = [predicate.name for predicate in program.predicates if predicate.kind == "program"]
     check_name("predicate", options.predicate, own)
@@ -101,14 +102,14 @@ def start(options: argparse.Namespace) -> int:
     else:
         print(*_lines(explanation, nodes, options), *_nearest(nearest), sep="\n")
         if not complete:
-            print("", "This is not all of it; --depth says how deep it goes.", sep="\n")
+            print("", "This is not complete; a larger --depth shows more.", sep="\n")
     return GAVE if explanation.rows else GAVE_NOT
 
 
 async def _explain(
     level: Level, program: Program, options: argparse.Namespace
 ) -> tuple[Explanation, tuple[Node, ...], bool, list[tuple[int, Suggestion]]]:
-    """The explanation, what to show of it, whether that is all, and what would have to differ."""
+    """Return the explanation, the nodes to show, whether they are complete, and suggestions."""
     from logical_robots_tui.game import Inquiry
 
     frame = await frame_at(level, program, options.tick)
@@ -144,7 +145,7 @@ def _lines(
     wide = shutil.get_terminal_size((WIDEST, 0)).columns
     yield f"{explanation.predicate} for {harmless(explanation.robot)} at tick {options.tick}"
     if explanation.made_from:
-        yield f"  is made from {explanation.made_from}, whose rules these are"
+        yield f"  is made from {explanation.made_from}; these are its rules"
     lines = [line for node in nodes for line in node.walk()]
     for depth, node in lines:
         yield _line(depth, node, wide)
@@ -152,13 +153,13 @@ def _lines(
         return
     asked = (node.asked for _, node in lines if node.asked is not None)
     if deeper := dict.fromkeys(_deeper(ask) for ask in asked):
-        yield from ("", "Deeper with --tree, or one of:", *(f"  {each}" for each in deeper))
+        yield from ("", "For more, add --tree or one of:", *(f"  {each}" for each in deeper))
 
 
 def _nearest(found: list[tuple[int, Suggestion]]) -> Iterator[str]:
-    """Which one change would have given a row to a rule that gave none."""
+    """List the single changes that would have given a row to a rule without one."""
     for rule in dict.fromkeys(line for line, _ in found):
-        yield from ("", f"For the rule in line {rule} to give a row, one of:")
+        yield from ("", f"Each of these would give the rule in line {rule} a row:")
         for line, each in found:
             if line == rule:
                 change = f"write {each.change}" if each.change else "leave it out"
@@ -177,7 +178,7 @@ def _suggestion(rule: int, each: Suggestion) -> dict[str, Any]:
 
 
 def _deeper(ask: Ask) -> str:
-    """The options with which the question goes on."""
+    """Return the options that explain a called predicate."""
     given = [f"--given {shlex.quote(f'{c}={written(v)}')}" for c, v in ask.given.items()]
     within = [f"--within {ask.within}"] if ask.within else []
     return harmless(" ".join([f"--predicate {ask.predicate}", *given, *within]))
@@ -208,7 +209,7 @@ def _truth(value: Any) -> str:
 
 
 def _data(explanation: Explanation, tick: int) -> dict[str, Any]:
-    """The explanation for scripts."""
+    """Return the explanation as data for scripts."""
     return {
         "tick": tick,
         "robot": explanation.robot,
@@ -233,29 +234,29 @@ def _data(explanation: Explanation, tick: int) -> dict[str, Any]:
 
 
 def _node(node: Node) -> dict[str, Any]:
-    """A node for scripts; what does not apply is left out."""
-    told: dict[str, Any] = {"kind": node.kind, "text": node.text}
+    """Return a node as data for scripts, without fields that don't apply."""
+    data: dict[str, Any] = {"kind": node.kind, "text": node.text}
     if node.said:
-        told["said"] = node.said
+        data["said"] = node.said
     if node.holds is not None:
-        told["holds"] = node.holds
+        data["holds"] = node.holds
     if node.values:
-        told["values"] = [bool(v) if node.is_truth and v is not None else v for v in node.values]
+        data["values"] = [bool(v) if node.is_truth and v is not None else v for v in node.values]
     if node.more:
-        told["more"] = node.more
+        data["more"] = node.more
     if node.span is not None:
-        told["line"] = node.span.line
+        data["line"] = node.span.line
     if node.robot:
-        told["robot"] = node.robot
+        data["robot"] = node.robot
     if node.ray is not None:
-        told["ray"] = node.ray
+        data["ray"] = node.ray
     if node.asked is not None:
-        told["asked"] = {"predicate": node.asked.predicate, "given": node.asked.given}
+        data["asked"] = {"predicate": node.asked.predicate, "given": node.asked.given}
         if node.asked.within:
-            told["asked"]["within"] = node.asked.within
+            data["asked"]["within"] = node.asked.within
     if node.children:
-        told["children"] = [*map(_node, node.children)]
-    return told
+        data["children"] = [*map(_node, node.children)]
+    return data
 
 
 def _given(text: str) -> tuple[str, Any]:

@@ -6,8 +6,8 @@ from operator import itemgetter
 from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 
 from logical_robots_tui.mind.diagnostics import Stopped
-from logical_robots_tui.mind.sqlite.watch import Budget
-from logical_robots_tui.mind.weight import weight_of_text
+from logical_robots_tui.mind.limits import weight_of_text
+from logical_robots_tui.mind.sqlite.budget import Budget
 
 if TYPE_CHECKING:
     import threading

@@ -91,7 +91,7 @@ class Telling:
                 children=reads if is_input else given,
             )
         elif step.kind == "element":
-            yield Node("element", text, holds=True, span=span, children=(*map(_ray, given),))
+            yield Node("element", text, holds=True, span=span, children=given)
         elif step.kind == "value":
             terms = [term for term in step.terms if not _is_among(term, step)]
             values = tuple(value_of(way, place) for place in step.gives.values() if place in way)
@@ -266,8 +266,7 @@ class Telling:
         by = f" -> {_short(value_of(way, collected.by))}" if collected.by else ""
         span = collected.term.span if collected.term is not None else None
         text = span.text if span is not None else collected.operator
-        node = Node("contributor", f"{text}{by}", said, True, (value,), span=span)
-        return _ray(node)
+        return Node("contributor", f"{text}{by}", said, True, (value,), span=span)
 
 
 def decided(
@@ -318,16 +317,6 @@ def counted(number: int, what: str, *, is_all: bool) -> str:
 
 def _short(value: Value) -> str:
     return f"{value:.4g}" if isinstance(value, float) else str(value)
-
-
-def _ray(node: Node) -> Node:
-    """The node, with the ray if its value is one."""
-    value = node.values[0] if node.values else None
-    if isinstance(value, dict) and {"angle", "distance"} <= value.keys():
-        angle = value["angle"]
-        if isinstance(angle, int | float):
-            return replace(node, ray=float(angle))
-    return node
 
 
 def _is_within(one: Span, other: Span) -> bool:

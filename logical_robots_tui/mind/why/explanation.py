@@ -45,7 +45,6 @@ class Node:
         is_truth: Whether these are truths, which SQLite writes as 0 and 1.
         span: Its place in the program.
         robot: The robot that it is about, or "".
-        ray: A ray of a radar: its angle, or None.
         asked: The question one step deeper.
         children: What it follows from.
     """
@@ -74,9 +73,17 @@ class Node:
     is_truth: bool = False
     span: Span | None = None
     robot: str = ""
-    ray: float | None = None
     asked: Ask | None = None
     children: tuple[Node, ...] = ()
+
+    @property
+    def ray(self) -> float | None:
+        """The angle of the ray that is its first value, or None."""
+        value = self.values[0] if self.values else None
+        if isinstance(value, dict) and {"angle", "distance"} <= value.keys():
+            angle = value["angle"]
+            return float(angle) if isinstance(angle, int | float) else None
+        return None
 
     def walk(self, depth: int = 0) -> Iterator[tuple[int, Node]]:
         """This node and all below it, from the top, each with its depth."""

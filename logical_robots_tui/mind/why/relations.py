@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any, Protocol
 
+from logical_robots_tui.mind.sqlite.budget import STEPS_OF_A_CALL
 from logical_robots_tui.mind.sqlite.stored import from_sql, to_sql
-from logical_robots_tui.mind.sqlite.watch import STEPS_OF_A_CALL
 from logical_robots_tui.mind.why.probing import with_given
 
 if TYPE_CHECKING:
@@ -146,11 +146,7 @@ class Relations:
         Raises:
             FailureError: It failed.
         """
-        where = " AND ".join(f"{compared}({column}, ?)" for column, _ in alike)
-        whole = with_given(sql, len(given))
-        query = f"SELECT {what} FROM ({whole})"  # noqa: S608 - the compiler's own SQL
-        query += f"{' WHERE ' * bool(where)}{where} LIMIT {most}"
-        parameters = [*given, *(to_sql(value) for _, value in alike)]
+        query, parameters = _limited(sql, given, alike, what, most, compared)
         columns, rows = self._source.ask(query, parameters)
         self.spend(_steps_of(rows))
         return [dict(zip(columns, row, strict=True)) for row in rows]
@@ -167,7 +163,24 @@ class Relations:
         Raises:
             FailureError: It failed.
         """
-        return len(self.ways(sql, given, alike, "1", most))
+        query, parameters = _limited(sql, given, alike, "1", most, SAME)
+        _, rows = self._source.ask(f"SELECT COUNT(*) FROM ({query})", parameters)  # noqa: S608 - ours
+        return int(rows[0][0])
+
+
+def _limited(
+    sql: str,
+    given: Sequence[Scalar],
+    alike: Sequence[tuple[str, Value]],
+    what: str,
+    most: int,
+    compared: str,
+) -> tuple[str, list[Scalar]]:
+    """A query for at most so many rows, and its parameters."""
+    where = " AND ".join(f"{compared}({column}, ?)" for column, _ in alike)
+    query = f"SELECT {what} FROM ({with_given(sql, len(given))})"  # noqa: S608 - the compiler's own SQL
+    query += f"{' WHERE ' * bool(where)}{where} LIMIT {most}"
+    return query, [*given, *(to_sql(value) for _, value in alike)]
 
 
 def _steps_of(rows: Sequence[Sequence[Any]]) -> int:

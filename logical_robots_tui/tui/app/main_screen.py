@@ -13,17 +13,17 @@ from textual.widgets import Input, Static, TextArea
 
 from logical_robots_tui.game.drafts import Drafts
 from logical_robots_tui.garbage import collect_seldom
-from logical_robots_tui.tui.app.background import ScreenUi
 from logical_robots_tui.tui.app.frame_scheduler import FrameScheduler
 from logical_robots_tui.tui.app.permissions import Permissions
 from logical_robots_tui.tui.app.quitting import leave
 from logical_robots_tui.tui.app.session import Session
 from logical_robots_tui.tui.app.session_listener import SessionListener
+from logical_robots_tui.tui.app.ui import ScreenUi
 from logical_robots_tui.tui.commands.keymap import KEY_MAP, command
-from logical_robots_tui.tui.inspector.choice import DECISION, ROBOTS, WATCH, WHY
+from logical_robots_tui.tui.inspector.highlights import Placed, Sighted
 from logical_robots_tui.tui.inspector.pages.robots import RobotsView
 from logical_robots_tui.tui.inspector.pane import InspectorPane
-from logical_robots_tui.tui.inspector.pointing import Placed, Sighted
+from logical_robots_tui.tui.inspector.predicate_list import DECISION, ROBOTS, WATCH, WHY
 from logical_robots_tui.tui.labyrinth.pane import LabyrinthPane
 from logical_robots_tui.tui.labyrinth.victory import VictoryAnnouncer
 from logical_robots_tui.tui.labyrinth.view import LabyrinthView
@@ -188,12 +188,7 @@ class MainScreen(Screen[None], SessionListener):
     def on_mount(self) -> None:
         """Paint at once; compile and look for drafts after that."""
         self.program.editor.load_text(self._text_to_begin_with)
-        self.recorder.attach(
-            spawn=self.spawn,
-            changed=self.scheduler.soon,
-            warn=self.warn,
-            measured=self.announcer.measured,
-        )
+        self.recorder.attach(self.ui, changed=self.scheduler.soon, measured=self.announcer.measured)
         self.set_focus(self.labyrinth)
         self.set_interval(_HEARTBEAT, self._beat)
         self.level_opened(self.session.level)

@@ -42,7 +42,7 @@ def leave(ui: Ui, end: Callable[[], None], drafts: Drafts, *unsaved: Unsaved) ->
 
 
 async def _ask(ui: Ui, end: Callable[[], None], draft: Draft, error: OSError) -> None:
-    from logical_robots_tui.tui.layout.question import Question
+    from logical_robots_tui.tui.layout.dialogs import Question
 
     question = (
         f"What you changed in “{clip(one_line(draft.name), 40)}” is not saved and can't be "

@@ -17,8 +17,7 @@ from logical_robots_tui.game import (
 )
 from logical_robots_tui.game.victory import victory_of
 from logical_robots_tui.mind import ProgramError
-from logical_robots_tui.tui.app.movement import Movement
-from logical_robots_tui.tui.app.open_level import OpenLevel
+from logical_robots_tui.tui.app.session_state import Movement, OpenLevel
 from logical_robots_tui.tui.app.ui import nothing
 from logical_robots_tui.tui.program.state import ProgramState
 

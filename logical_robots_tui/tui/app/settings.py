@@ -12,11 +12,11 @@ from logical_robots_tui.paths import read_ordinary
 from logical_robots_tui.shipped import did_you_mean
 from logical_robots_tui.tui.app.facts import NIGHT_NAME
 from logical_robots_tui.tui.commands.command import key_name
-from logical_robots_tui.tui.commands.keys import key_from
+from logical_robots_tui.tui.commands.keymap import key_from
 from logical_robots_tui.tui.commands.table import COMMANDS
 from logical_robots_tui.tui.labyrinth.drawing.glyphs import Drawing
 from logical_robots_tui.tui.theme.themes import THEMES
-from logical_robots_tui.world.excess import excess_of_toml
+from logical_robots_tui.world.limits import excess_of_toml
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping, Sequence

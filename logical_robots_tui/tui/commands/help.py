@@ -12,7 +12,7 @@ from textual.widgets import Static
 
 from logical_robots_tui.tui.commands.keymap import commands
 from logical_robots_tui.tui.labyrinth.drawing.glyphs import Drawing, legend
-from logical_robots_tui.tui.layout.dialog import Dialog
+from logical_robots_tui.tui.layout.dialogs import Dialog
 from logical_robots_tui.tui.theme.themes import INK, hex_colour, palette_of
 from logical_robots_tui.tui.timeline.drawing import PARTING, SIGNS, TRACKS
 

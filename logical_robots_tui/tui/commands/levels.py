@@ -164,7 +164,7 @@ def delete(mode: EditMode) -> None:
 @editing.command("Level properties…", "m", bar="Level", spare=3)
 def level_properties(mode: EditMode) -> None:
     """Edit the level's size, its texts, and what programs may see."""
-    from logical_robots_tui.tui.level_editor.level_form import LevelForm
+    from logical_robots_tui.tui.level_editor.forms import LevelForm
 
     mode.ui.show(LevelForm(mode.editor), lambda _: mode.redraw())
 
@@ -172,7 +172,7 @@ def level_properties(mode: EditMode) -> None:
 @editing.command("Findings", "j", bar="Findings", spare=2)
 async def findings(mode: EditMode) -> None:
     """List likely mistakes in the level, and go to one."""
-    from logical_robots_tui.tui.level_editor.finding_list import FindingList
+    from logical_robots_tui.tui.level_editor.forms import FindingList
 
     if mode.findings is None:
         mode.ui.tell("Checking the level…")

@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING
 
 from textual.command import CommandPalette, DiscoveryHit, Hit, Provider
 
-from logical_robots_tui.tui.app.once import ClosedOnce
 from logical_robots_tui.tui.commands.keymap import commands
+from logical_robots_tui.tui.layout.dialogs import ClosedOnce
 
 if TYPE_CHECKING:
     from collections.abc import Callable

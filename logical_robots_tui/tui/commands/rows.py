@@ -32,7 +32,7 @@ rows = Group("Rows and values")
 def pin(screen: MainScreen) -> None:
     """Watch the value under the cursor, a predicate, a question, or a robot's memory."""
     from logical_robots_tui.game import Pin
-    from logical_robots_tui.tui.inspector.pinning import pin_here
+    from logical_robots_tui.tui.inspector.under_cursor import pin_here
     from logical_robots_tui.tui.theme.safe_text import one_line
 
     inspector = screen.inspector
@@ -54,16 +54,15 @@ def pin(screen: MainScreen) -> None:
 @rows.command("Open the value", "X")
 def open_value(screen: MainScreen) -> None:
     """Show the value under the cursor, or the inputs of a decision, as a tree."""
-    from logical_robots_tui.tui.inspector.pinning import branches_here, branches_of
-    from logical_robots_tui.tui.inspector.remembered import remembered
-    from logical_robots_tui.tui.inspector.widgets.tree import ValueTree
+    from logical_robots_tui.tui.inspector.under_cursor import branches_here, branches_of, memory_of
+    from logical_robots_tui.tui.inspector.widgets.value_tree import ValueTree
 
     inspector, frame = screen.inspector, screen.session.frame
     view = inspector.pages.reasons.view
 
     def follow_back(pin: Pin) -> bool:
         """Follow a value of the tree; whether it is part of a memory."""
-        asked = remembered(pin, screen.session.frame.tick)
+        asked = memory_of(pin, screen.session.frame.tick)
         if asked is not None:
             screen.point_at(inspector)
             inspector.follow_back(asked)
@@ -87,14 +86,13 @@ def open_value(screen: MainScreen) -> None:
 @rows.command("Origin", "less_than_sign")
 def origin(screen: MainScreen) -> None:
     """Trace the memory under the cursor, or a part of it, to the tick and rule that made it."""
-    from logical_robots_tui.tui.inspector.answers import NO_PROGRAM
-    from logical_robots_tui.tui.inspector.remembered import remembered_here
+    from logical_robots_tui.tui.inspector.page import NO_PROGRAM
 
-    inspector, frame = screen.inspector, screen.session.frame
+    inspector = screen.inspector
     if screen.session.game is None:
         screen.tell(NO_PROGRAM)
         return
-    asked = remembered_here(inspector, frame)
+    asked = inspector.memory_here(screen.session.frame.tick)
     if asked is None and inspector.pages.origin.asked is None:
         screen.tell(with_keys(_NO_MEMORY))
         return
@@ -105,8 +103,8 @@ def origin(screen: MainScreen) -> None:
 @rows.command("Dependency graph", "R")
 async def graph(screen: MainScreen) -> None:
     """Show which predicate uses which, and open one of them."""
-    from logical_robots_tui.tui.inspector.answers import NO_PROGRAM
-    from logical_robots_tui.tui.inspector.pages.graph import Graph
+    from logical_robots_tui.tui.inspector.page import NO_PROGRAM
+    from logical_robots_tui.tui.inspector.predicate_graph import Graph
 
     program = screen.session.program
     if program is None:
@@ -126,8 +124,8 @@ async def graph(screen: MainScreen) -> None:
 async def sql(screen: MainScreen) -> None:
     """Show what each predicate costs, and SQL and query plan of the one inspected."""
     from logical_robots_tui.game import Superseded
-    from logical_robots_tui.tui.inspector.answers import NO_PROGRAM
-    from logical_robots_tui.tui.inspector.pages.sql import machinery_text
+    from logical_robots_tui.tui.inspector.page import NO_PROGRAM
+    from logical_robots_tui.tui.inspector.query_plan import machinery_text
     from logical_robots_tui.tui.learning.reader import Reader
 
     inspector, frame = screen.inspector, screen.session.frame
@@ -169,7 +167,7 @@ def sort(screen: MainScreen) -> None:
 @rows.command("Search rows…", "number_sign")
 async def search_rows(screen: MainScreen) -> None:
     """Show only the rows that contain a text."""
-    from logical_robots_tui.tui.layout.line_dialog import LinePrompt
+    from logical_robots_tui.tui.layout.dialogs import LinePrompt
 
     if (table := _table(screen)) is not None:
         question = "Only rows with this text; nothing shows all"
@@ -188,7 +186,7 @@ def transpose(screen: MainScreen) -> None:
 @rows.command("Copy rows", "c")
 def copy_rows(screen: MainScreen) -> None:
     """Copy the rows as CSV, to the terminal's clipboard and into a file."""
-    from logical_robots_tui.tui.inspector.widgets.arranging import as_csv
+    from logical_robots_tui.tui.inspector.widgets.row_order import as_csv
 
     if (table := _table(screen)) is not None:
         text, count = as_csv(table.shown), len(table.shown.rows)
@@ -200,7 +198,7 @@ def copy_rows(screen: MainScreen) -> None:
 @rows.command("Save rows", "S")
 def save_rows(screen: MainScreen) -> None:
     """Save the rows as CSV and as JSON."""
-    from logical_robots_tui.tui.inspector.widgets.arranging import as_csv, as_json
+    from logical_robots_tui.tui.inspector.widgets.row_order import as_csv, as_json
     from logical_robots_tui.writing import write_atomically
 
     if (table := _table(screen)) is None:
@@ -239,7 +237,7 @@ def break_here(screen: MainScreen) -> None:
 
 def _question_asked(screen: MainScreen) -> str:
     """The question whose answer the inspector shows, or ""."""
-    from logical_robots_tui.tui.inspector.choice import ASK
+    from logical_robots_tui.tui.inspector.predicate_list import ASK
 
     inspector = screen.inspector
     return inspector.pages.asking.asked if inspector.inspected == ASK else ""

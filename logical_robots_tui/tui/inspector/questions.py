@@ -1,9 +1,9 @@
-"""Whom the inspector asks: the game for rows, and for reasons whoever explains them."""
+"""Queries of the inspector: rows, answers, explanations, proofs, pins and costs."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from logical_robots_tui.game import NoSuchTickError, Superseded
 from logical_robots_tui.mind import QueryError, Table
@@ -12,7 +12,7 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from logical_robots_tui.game import Frame, Inquiry, Pin, Reading
-    from logical_robots_tui.mind import Ask, Explanation, Machinery, Program, Proof
+    from logical_robots_tui.mind import Ask, Explanation, Program, Proof, QueryPlan
     from logical_robots_tui.mind.diagnosis.nearest import Suggestion
     from logical_robots_tui.tui.app.session import Session
     from logical_robots_tui.world import Level
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 __all__ = ["MOST_ROBOTS", "Questions", "Survey"]
 
 MOST_ROBOTS = 100
-"""To sense a past tick for more of them would hold up the screen."""
+"""With more robots, replaying a past tick would hold up the screen."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -30,8 +30,8 @@ class Survey:
     Attributes:
         program: The program.
         frame: The tick.
-        tables: By name of a predicate its rows, or why there are none.
-        before: The same of the tick before, as far as that is known.
+        tables: Rows of each predicate by name, or why there are none.
+        before: The same at the tick before, as far as it is known.
     """
 
     program: Program
@@ -40,7 +40,7 @@ class Survey:
     before: dict[str, Table | QueryError]
 
     def count(self, predicate: str) -> str:
-        """How many rows a predicate has, in a few characters."""
+        """The number of a predicate's rows in a few characters."""
         table = self.tables.get(predicate)
         if not isinstance(table, Table):
             return "" if table is None else "!"
@@ -53,7 +53,9 @@ class Survey:
 
 
 class Questions:
-    """Asks about the program that the robots think with.
+    """Runs queries against the program that the robots think with.
+
+    Each raises `Superseded` if there is no program yet, or if something newer was asked.
 
     Args:
         session: The level, the program and the game at hand.
@@ -64,11 +66,6 @@ class Questions:
         self._level: Level | None = None
         self._inquiry: Inquiry | None = None
         self._surveyed: Survey | None = None
-
-    @property
-    def has_program(self) -> bool:
-        """Whether there is a program that could be asked."""
-        return self._session.game is not None
 
     @property
     def program(self) -> Program:
@@ -82,104 +79,73 @@ class Questions:
         return self._session.game.program
 
     def is_by_another_program(self, tick: int) -> bool:
-        """Whether another program than the present one decided in a tick."""
+        """Whether another program than the current one decided a tick."""
         history, program = self._session.history, self._session.program
         return bool(history and program and history.is_by_another(program.text, tick))
 
     def is_function(self, name: str) -> bool:
-        """Whether a name is that of a function of the program, which has calls and no rows."""
+        """Whether a predicate is a function of the program, which has calls instead of rows."""
         known = (each for each in self._session.predicates if each.name == name)
         return any(each.kind == "program" and each.is_function for each in known)
 
     async def rows(self, predicate: str, robot: str, frame: Frame) -> Table:
-        """The rows of a predicate at a frame; of a function its calls in a robot's reasoning.
+        """The rows of a predicate at a frame; of a function, its calls for a robot.
 
         Raises:
             QueryError: It has none, or it failed.
-            Superseded: There is no program yet, or something newer was asked.
         """
         if self.is_function(predicate):
             return await self._inquire().calls(self.program, robot, frame, predicate)
         return await self._session.query(predicate, frame)
 
     async def ask(self, query: str, frame: Frame) -> Table:
-        """What a query gives at a frame.
+        """The answer to a query at a frame.
 
         Raises:
             ProgramError: The query is wrong.
             QueryError: It failed.
-            Superseded: There is no program yet, or something newer was asked.
         """
         return await self._inquire().ask(self.program, query, frame)
 
     async def why(self, robot: str, frame: Frame, asked: Ask) -> Explanation:
-        """Why a predicate has its rows in a robot's reasoning at a frame.
+        """Why a predicate has its rows for a robot at a frame.
 
         Raises:
             QueryError: It can't be asked.
-            Superseded: There is no program yet, or something newer was asked.
         """
-        return await self._inquire().why(
-            self.program,
-            robot,
-            frame,
-            predicate=asked.predicate,
-            given=asked.given or None,
-            within=asked.within,
-        )
+        return await self._inquire().why(self.program, robot, frame, **_parts(asked))
 
     async def proof(self, robot: str, frame: Frame, asked: Ask) -> Proof:
-        """The whole proof of a row in a robot's reasoning at a frame.
+        """The whole proof of a row for a robot at a frame.
 
         Raises:
             QueryError: It can't be asked.
-            Superseded: There is no program yet, or something newer was asked.
         """
-        return await self._inquire().proof(
-            self.program,
-            robot,
-            frame,
-            predicate=asked.predicate,
-            given=asked.given or None,
-            within=asked.within,
-        )
+        return await self._inquire().proof(self.program, robot, frame, **_parts(asked))
 
     async def nearest(
         self, robot: str, frame: Frame, predicate: str
     ) -> list[tuple[int, Suggestion]]:
-        """Which one change would have given a row to each rule of a predicate that gave none.
+        """For each rule of a predicate without rows, one change that would give it a row.
 
         Raises:
             QueryError: It can't be told.
-            Superseded: There is no program yet, or something newer was asked.
         """
         return await self._inquire().nearest(self.program, robot, frame, predicate)
 
     async def readings(self, frame: Frame, pins: Sequence[Pin]) -> dict[Pin, Reading]:
-        """What can be read off pins at a frame.
-
-        Raises:
-            Superseded: There is no program yet, or other pins were asked for meanwhile.
-        """
+        """The values of pinned expressions at a frame."""
         return await self._inquire().readings(self.program, frame, pins)
 
-    async def machinery(self, frame: Frame) -> list[Machinery]:
-        """How each predicate is computed at a frame, the slowest first.
-
-        Raises:
-            Superseded: There is no program yet, or something newer was asked.
-        """
+    async def machinery(self, frame: Frame) -> list[QueryPlan]:
+        """How each predicate is computed at a frame, the slowest first."""
         return await self._inquire().machinery(self.program, frame)
 
     async def survey(self, frame: Frame) -> Survey:
-        """The rows of every predicate at a frame, and at the one before.
-
-        Raises:
-            Superseded: There is no program yet, or something newer was asked.
-        """
+        """The rows of every predicate at a frame, and at the one before."""
         program, last = self.program, self._surveyed
-        if last is not None and last.program is program and last.frame is frame:
-            return last
+        if known := self.surveyed(frame):
+            return known
         inquiry = self._inquire()
         before: dict[str, Table | QueryError] = {}
         earlier = self._frame_before(frame)
@@ -191,8 +157,15 @@ class Questions:
         self._surveyed = Survey(program, frame, tables, before)
         return self._surveyed
 
+    def surveyed(self, frame: Frame) -> Survey | None:
+        """The survey of a frame, if it has been taken."""
+        last, game = self._surveyed, self._session.game
+        if last is None or game is None:
+            return None
+        return last if last.frame is frame and last.program is game.program else None
+
     async def close(self) -> None:
-        """Stop all work."""
+        """Cancel all queries."""
         inquiry, self._inquiry = self._inquiry, None
         if inquiry is not None:
             await inquiry.close()
@@ -222,3 +195,7 @@ class Questions:
             return game.frame_at(frame.tick - 1)
         except NoSuchTickError:
             return None
+
+
+def _parts(asked: Ask) -> dict[str, Any]:
+    return {"predicate": asked.predicate, "given": asked.given or None, "within": asked.within}

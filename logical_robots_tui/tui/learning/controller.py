@@ -74,7 +74,7 @@ class LearningController:
 
     async def solution(self) -> None:
         """Show the reference program; before a victory only to somebody who insists."""
-        from logical_robots_tui.tui.layout.question import Question
+        from logical_robots_tui.tui.layout.dialogs import Question
         from logical_robots_tui.tui.learning.reader import Reader, coloured
 
         level = self._session.level
@@ -99,8 +99,7 @@ class LearningController:
 
     async def choose_version(self) -> None:
         """Ask for an earlier version and think with it; what stands in the editor is kept."""
-        from logical_robots_tui.tui.library.chooser import Chooser
-        from logical_robots_tui.tui.library.shelves import VersionShelf
+        from logical_robots_tui.tui.library.chooser import Chooser, VersionShelf
 
         versions = await self._recorder.versions()
         if not versions:
@@ -118,7 +117,7 @@ class LearningController:
 
     async def reset(self) -> None:
         """Put the level's starter program back, if the player means it."""
-        from logical_robots_tui.tui.layout.question import Question
+        from logical_robots_tui.tui.layout.dialogs import Question
 
         level = self._session.level
         if not level.starter:

@@ -9,7 +9,7 @@ from textual.containers import Vertical, VerticalScroll
 from textual.content import Content
 from textual.widgets import Markdown, Static
 
-from logical_robots_tui.tui.layout.dialog import Dialog
+from logical_robots_tui.tui.layout.dialogs import Dialog
 from logical_robots_tui.tui.program.lexer import LineStates, pieces
 from logical_robots_tui.tui.theme.safe_text import one_line, visible
 from logical_robots_tui.tui.theme.themes import SYNTAX

@@ -120,7 +120,7 @@ class LevelEditing(SessionListener):
         except OSError:
             return  # what is edited now can't be kept either, and that is told then
         if drafts:
-            from logical_robots_tui.tui.recovery.level_offers import offer
+            from logical_robots_tui.tui.recovery.offers import offer
 
             await offer(offers, drafts, self._drafts, self._go_on)
 

@@ -11,8 +11,7 @@ from textual.containers import Horizontal, Vertical, VerticalScroll
 from textual.content import Content
 from textual.widgets import Button, Checkbox, Input, OptionList, Select, Static, TextArea
 
-from logical_robots_tui.tui.layout.dialog import Dialog
-from logical_robots_tui.tui.layout.listing import Listing
+from logical_robots_tui.tui.layout.dialogs import Dialog, Listing
 from logical_robots_tui.tui.theme.safe_text import one_line
 from logical_robots_tui.tui.theme.themes import INK
 from logical_robots_tui.world import LevelError

@@ -1,26 +1,37 @@
-"""The form for a robot, a beacon or an area."""
+"""The forms of the level editor: an object, the whole level, and the list of findings."""
 
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Literal
 
+from textual import on
+from textual.containers import Vertical
+from textual.content import Content
 from textual.suggester import SuggestFromList
+from textual.widgets import OptionList, Select, Static, TextArea
+from textual.widgets.option_list import Option
 
+from logical_robots_tui.editing.checks import Finding
+from logical_robots_tui.editing.properties import resize, set_words
 from logical_robots_tui.editing.things import Ref
 from logical_robots_tui.editing.things import thing as thing_of
+from logical_robots_tui.tui.layout.dialogs import Dialog, Listing
 from logical_robots_tui.tui.level_editor.form import Form, choice, flag, number, several, text
-from logical_robots_tui.world import Area, Beacon, Robot
+from logical_robots_tui.tui.theme.safe_text import one_line
+from logical_robots_tui.tui.theme.themes import INK
+from logical_robots_tui.world import Area, Beacon, Robot, Visibility
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable
+    from collections.abc import Iterable, Mapping, Sequence
 
+    from textual.app import ComposeResult
     from textual.widget import Widget
     from textual.widgets import Input
 
     from logical_robots_tui.tui.level_editor.editor import LevelEditor
 
-__all__ = ["ThingForm"]
+__all__ = ["FindingList", "LevelForm", "ThingForm"]
 
 _COLOURS = (
     *("red", "orange", "gold", "yellow", "lime", "green", "teal", "cyan", "skyblue", "royalblue"),
@@ -115,3 +126,117 @@ def _colour(value: str) -> Input:
     line = text("color", value)
     line.suggester = SuggestFromList(_COLOURS, case_sensitive=False)
     return line
+
+
+_PLACES = {"0": "right and below", "1": "on all sides", "2": "left and above"}
+_MEMORIES: dict[Literal["own", "seen", "all"], str] = {
+    "own": "its own",
+    "seen": "also of robots on its radar",
+    "all": "of all robots",
+}
+_SENSORS: dict[Literal["own", "all"], str] = {"own": "its own", "all": "of all robots"}
+_VISIBILITIES: dict[tuple[str, str], Visibility] = {
+    (memory, sensor): Visibility(memory, sensor) for memory in _MEMORIES for sensor in _SENSORS
+}
+
+
+class LevelForm(Form):
+    """Asks for size, texts and visibility.
+
+    Args:
+        editor: What edits.
+    """
+
+    def __init__(self, editor: LevelEditor) -> None:
+        super().__init__("Level")
+        self._editor = editor
+        self._level = editor.level
+
+    def fields(self) -> Iterable[tuple[str, Widget]]:
+        """What a level has."""
+        level = self._level
+        yield "Title", text("title", level.title)
+        yield "Idea", text("idea", level.idea)
+        yield "Width", number("width", level.width)
+        yield "Height", number("height", level.height)
+        yield "Put in or cut", _select("place", _PLACES, "0")
+        yield "New room", flag("wall", "is wall", value=False)
+        yield "Robot sees", _select("sensor", _SENSORS, level.visibility.sensor)
+        yield "Robot knows", _select("memory", _MEMORIES, level.visibility.memory)
+        yield "Briefing", TextArea(level.briefing, id="briefing", tab_behavior="focus")
+        hints = "\n\n".join(level.hints)
+        yield "Hints", TextArea(hints, id="hints", tab_behavior="focus")
+
+    def take(self) -> None:
+        """Give the level its properties, in one step."""
+        level = self._level
+        width = self.whole_of("width", "The width")
+        height = self.whole_of("height", "The height")
+        share = int(self.choice_of("place")) / 2
+        left = int((width - level.width) * share)
+        top = int((height - level.height) * share)
+        wall = self.flag_of("wall")
+        changed = resize(level, width, height, left=left, top=top, wall=wall)
+        visibility = _VISIBILITIES[self.choice_of("memory"), self.choice_of("sensor")]
+        words = {
+            "title": self.text_of("title"),
+            "idea": self.text_of("idea"),
+            "briefing": self._kept("briefing", level.briefing),
+            "hints": self._hints(),
+            "visibility": visibility,
+        }
+        changed = set_words(changed, **words)
+        self._editor.change_level("level", changed)
+
+    def _kept(self, name: str, before: str) -> str:
+        typed = self.lines_of(name)
+        return before if typed == before.strip() else typed
+
+    def _hints(self) -> tuple[str, ...]:
+        typed = self.lines_of("hints")
+        if typed == "\n\n".join(self._level.hints).strip():
+            return self._level.hints
+        return tuple(hint.strip() for hint in typed.split("\n\n") if hint.strip())
+
+
+def _select(name: str, options: Mapping[Any, str], value: str) -> Select[str]:
+    pairs = [(label, each) for each, label in options.items()]
+    return Select(pairs, value=value, allow_blank=False, id=name, compact=True)
+
+
+class FindingList(Dialog[Finding]):
+    """Lists findings; gives the one to go to.
+
+    Args:
+        findings: What looks wrong, at least one.
+    """
+
+    DEFAULT_CSS = """
+    FindingList > #box { max-width: 90; padding: 1 2 0 2; }
+    FindingList OptionList { height: auto; max-height: 16; }
+    """
+
+    def __init__(self, findings: Sequence[Finding]) -> None:
+        super().__init__()
+        self._findings = findings
+
+    def compose(self) -> ComposeResult:
+        """One line for each."""
+        with Vertical(id="box") as box:
+            box.border_title = "Findings"
+            yield Listing(
+                *(Option(_told(finding)) for finding in self._findings), markup=False, compact=True
+            )
+            yield Static("enter go there   ↑↓ choose   esc close", id="keys", markup=False)
+
+    @on(OptionList.OptionSelected)
+    def _chosen(self, event: OptionList.OptionSelected) -> None:
+        self.dismiss(self._findings[event.option_index])
+
+
+def _told(finding: Finding) -> Content:
+    style = INK.bad if finding.forbids else INK.warn
+    place = ""
+    if finding.x is not None and finding.y is not None:
+        place = f"   {finding.x:.0f}, {finding.y:.0f}"
+    return Content.assemble(("! ", style), (one_line(finding.text), INK.text), (place, INK.dim))

@@ -12,7 +12,7 @@ from logical_robots_tui.editing.files import save_level
 from logical_robots_tui.editing.properties import set_words
 from logical_robots_tui.errors import InputError
 from logical_robots_tui.game.source import target
-from logical_robots_tui.tui.layout.question import Question
+from logical_robots_tui.tui.layout.dialogs import Question
 from logical_robots_tui.tui.library.save_dialog import SaveDialog
 from logical_robots_tui.tui.theme.safe_text import one_line
 from logical_robots_tui.world import Level

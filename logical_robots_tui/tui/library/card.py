@@ -1,18 +1,24 @@
-"""One card of the level screen, as strips of a given width."""
+"""One card of the level screen, with a miniature of the level."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import TYPE_CHECKING, NamedTuple
 
 from rich.cells import cell_len, set_cell_size
 from rich.segment import Segment
 from textual.strip import Strip
 
+from logical_robots_tui.game import Frame
 from logical_robots_tui.progress import NEW, LevelRecord
+from logical_robots_tui.tui.labyrinth.drawing.glyphs import Look
+from logical_robots_tui.tui.labyrinth.drawing.picture import Picture
+from logical_robots_tui.tui.labyrinth.drawing.viewport import Viewport
 from logical_robots_tui.tui.labyrinth.results import brief
 from logical_robots_tui.tui.theme.safe_text import one_line
 from logical_robots_tui.tui.theme.themes import INK, rich_style
+from logical_robots_tui.world import World, load_level
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -21,9 +27,19 @@ if TYPE_CHECKING:
 
     from logical_robots_tui.progress import State
     from logical_robots_tui.tui.labyrinth.drawing.cells import Cells
+    from logical_robots_tui.tui.labyrinth.drawing.glyphs import Drawing
+    from logical_robots_tui.tui.labyrinth.drawing.palette import Palette
     from logical_robots_tui.world import Level
 
-__all__ = ["LINES_AROUND", "SIGNS", "LevelCard", "card_strips"]
+__all__ = [
+    "LINES_AROUND",
+    "SIGNS",
+    "LevelCard",
+    "card_strips",
+    "draw_miniature",
+    "miniature",
+    "shipped_level",
+]
 
 LINES_AROUND = 4
 """Lines of a card besides the picture: two of the frame, the idea and the results."""
@@ -156,3 +172,32 @@ def _cut(text: str, width: int) -> str:
 
 def _style(colour: str, *, bold: bool = False) -> Style:
     return rich_style(f"{'bold ' * bold}{colour} {_PAPER}")
+
+
+@lru_cache(maxsize=64)
+def shipped_level(name: str) -> Level:
+    """A level that came with the game; raises `LevelError`."""
+    return load_level(name)
+
+
+@lru_cache(maxsize=128)
+def miniature(level: Level, columns: int, rows: int, drawing: Drawing, palette: Palette) -> Cells:
+    """A level at its start, in so many cells. Takes milliseconds the first time."""
+    return draw_miniature(level, columns, rows, drawing, palette)
+
+
+def draw_miniature(
+    level: Level,
+    columns: int,
+    rows: int,
+    drawing: Drawing,
+    palette: Palette,
+    *,
+    names: bool = False,
+) -> Cells:
+    """A level at its start, without rays, and without names unless they are wanted."""
+    state = World(level).save()
+    start = Frame(0, state, state, (), {}, (), {}, 0.0)
+    viewport = Viewport.fit(level.width, level.height, columns, rows)
+    look = Look(drawing=drawing, palette=palette, rays=False, marks=False, names=names)
+    return Picture().draw(level, start, viewport, look)

@@ -1,4 +1,4 @@
-"""Choosing one of many by name, or any file by its path."""
+"""Choosing a program, a version or any file by its name."""
 
 from __future__ import annotations
 
@@ -14,25 +14,29 @@ from textual.content import Content
 from textual.widgets import Input, OptionList, Static
 from textual.widgets.option_list import Option
 
-from logical_robots_tui.errors import LogicalRobotsError
-from logical_robots_tui.tui.app.background import in_background
-from logical_robots_tui.tui.layout.dialog import Dialog
-from logical_robots_tui.tui.layout.listing import Listing
-from logical_robots_tui.tui.theme.safe_text import clip, one_line, visible
+from logical_robots_tui.errors import InputError, LogicalRobotsError
+from logical_robots_tui.game import list_programs, load_program
+from logical_robots_tui.paths import typed_path
+from logical_robots_tui.tui.app.ui import in_background
+from logical_robots_tui.tui.layout.dialogs import Dialog, Listing
+from logical_robots_tui.tui.theme.safe_text import clip, one_line, visible_lines
 from logical_robots_tui.tui.theme.themes import INK
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
+    from pathlib import Path
 
     from textual import events
     from textual.app import ComposeResult
 
-__all__ = ["Card", "Chooser", "Shelf", "is_path"]
+    from logical_robots_tui.game import Source
+    from logical_robots_tui.progress import Version
+
+__all__ = ["Card", "Chooser", "ProgramShelf", "Shelf", "VersionShelf", "is_path"]
 
 T = TypeVar("T")
 T_co = TypeVar("T_co", covariant=True)
 
-_PREVIEW = 4_000
 _PREVIEW_FROM = 70  # columns
 
 
@@ -219,11 +223,76 @@ class Chooser(Dialog[T], Generic[T]):
             self.dismiss(result)
 
 
-def visible_lines(text: str) -> str:
-    """A text of several lines, cut to what a preview needs and safe to show."""
-    return "\n".join(visible(line) for line in text[:_PREVIEW].splitlines())
-
-
 def is_path(text: str) -> bool:
     """Whether what was typed is meant as a path and not as a part of a name."""
     return "/" in text or text.endswith((".toml", ".json", ".l"))
+
+
+@dataclass(frozen=True)
+class ProgramShelf:
+    """The programs that came with the game, the player's own, and program files."""
+
+    own: Path
+    title: str = "Choose a program"
+    placeholder: str = "type to filter, or the path of a .l file"
+
+    def names(self) -> Sequence[str]:
+        """Names of the shipped programs, then of the player's own."""
+        return list_programs(self.own)
+
+    def card(self, name: str) -> Card:
+        """The first comment and the text of a program."""
+        try:
+            source = load_program(name, self.own)
+        except InputError as error:
+            return Card("can't be used", str(error), is_error=True)
+        return Card(_first_comment(source) or ("" if source.shipped else "your own"), source.text)
+
+    def take(self, name_or_path: str) -> Source:
+        """Load a program; raises `InputError`."""
+        wanted = typed_path(name_or_path) if "/" in name_or_path else name_or_path
+        return load_program(wanted, self.own)
+
+
+@dataclass(frozen=True)
+class VersionShelf:
+    """What a player has tried at a level."""
+
+    versions: Sequence[Version]
+    title: str = "Earlier versions"
+    placeholder: str = "type to filter"
+
+    def names(self) -> Sequence[str]:
+        """When each was last used, the newest first."""
+        return [self._name(version) for version in self.versions]
+
+    def card(self, name: str) -> Card:
+        """Whether it has won and how well, and its text."""
+        version = self.take(name)
+        return Card(_verdict(version), version.text)
+
+    def take(self, name_or_path: str) -> Version:
+        """The version of that name; raises `InputError`."""
+        for version in self.versions:
+            if self._name(version) == name_or_path:
+                return version
+        raise InputError("There is no such version.")
+
+    def _name(self, version: Version) -> str:
+        return f"{version.kept.astimezone():%d %b %H:%M} #{version.number}"
+
+
+def _verdict(version: Version) -> str:
+    lines = version.text.count("\n") + 1
+    measures = version.measures
+    if measures is None:
+        return "★ won" if version.won else f"{lines} lines"
+    robust = f", {measures.wins}/{measures.starts}" if measures.wins is not None else ""
+    return f"★ {measures.ticks} ticks{robust}"
+
+
+def _first_comment(source: Source) -> str:
+    for line in source.text.splitlines()[:20]:
+        if line.lstrip().startswith("#"):
+            return line.lstrip().lstrip("#").strip()
+    return ""

@@ -111,8 +111,7 @@ class LibraryController:
 
     async def choose_program(self) -> None:
         """Ask for a program and think with it."""
-        from logical_robots_tui.tui.library.chooser import Chooser
-        from logical_robots_tui.tui.library.shelves import ProgramShelf
+        from logical_robots_tui.tui.library.chooser import Chooser, ProgramShelf
 
         chooser = Chooser[Source](ProgramShelf(self._own), self._session.source.name)
         source = await self._ui.ask(chooser)

@@ -14,17 +14,16 @@ from textual.content import Content
 from textual.widgets import Input, Static
 
 from logical_robots_tui.errors import LogicalRobotsError
-from logical_robots_tui.paths import typed_path
-from logical_robots_tui.tui.app.background import in_background
-from logical_robots_tui.tui.layout.dialog import Dialog
-from logical_robots_tui.tui.library.card import LevelCard
+from logical_robots_tui.paths import is_file, typed_path
+from logical_robots_tui.tui.app.ui import in_background
+from logical_robots_tui.tui.layout.dialogs import Dialog
+from logical_robots_tui.tui.library.card import LevelCard, miniature, shipped_level
 from logical_robots_tui.tui.library.cards import LevelCards
 from logical_robots_tui.tui.library.chooser import is_path
-from logical_robots_tui.tui.library.miniature import miniature, shipped_level
-from logical_robots_tui.tui.library.own_levels import own_levels
 from logical_robots_tui.tui.theme.safe_text import one_line
 from logical_robots_tui.tui.theme.themes import INK, palette_of
 from logical_robots_tui.world import Level, list_levels, load_level
+from logical_robots_tui.world.load import SUFFIXES
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -36,8 +35,7 @@ if TYPE_CHECKING:
     from logical_robots_tui.tui.labyrinth.drawing.glyphs import Drawing
     from logical_robots_tui.tui.library.progress_recorder import ProgressRecorder
 
-__all__ = ["LevelScreen", "NewLevel"]
-
+__all__ = ["LevelScreen", "NewLevel", "own_levels"]
 
 _KEYS = "enter play   ←↑↓→ choose   ^N new level   esc close"
 
@@ -261,3 +259,12 @@ def _load(name_or_path: str) -> Level:
 
 def _records(names: list[str], progress: Progress) -> dict[str, LevelRecord]:
     return {name: progress.record(name) for name in names}
+
+
+def own_levels(folder: Path) -> dict[str, Path]:
+    """The files of the player's levels by name, sorted; one for each name. Blocks."""
+    try:
+        files = [file for file in folder.iterdir() if file.suffix in SUFFIXES and is_file(file)]
+    except OSError:  # there are none yet, or the folder is out of reach
+        return {}
+    return {file.stem: file for file in sorted(files, reverse=True)[::-1]}

@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from logical_robots_tui.game.victory import Victory
     from logical_robots_tui.mind import Program
     from logical_robots_tui.progress import Bests, LevelRecord, Measures, Version
-    from logical_robots_tui.tui.app.ui import Spawn
+    from logical_robots_tui.tui.app.ui import Ui
     from logical_robots_tui.world import Level
 
 __all__ = ["ProgressRecorder"]
@@ -73,24 +73,15 @@ class ProgressRecorder(SessionListener):
         self._has_begun = False
         self._is_closed = False
 
-    def attach(
-        self,
-        *,
-        spawn: Spawn,
-        changed: Callable[[], None],
-        warn: Callable[[str], None],
-        measured: Measured,
-    ) -> None:
+    def attach(self, ui: Ui, *, changed: Callable[[], None], measured: Measured) -> None:
         """Begin to work for a screen.
 
         Args:
-            spawn: Starts work in the background.
+            ui: Where to say what went wrong.
             changed: Called after everything that the screen may want to show.
-            warn: Tells the player what went wrong.
             measured: Called when a victory is measured in full.
         """
-        self._spawn, self._changed, self._warn = spawn, changed, warn
-        self._measured = measured
+        self._ui, self._changed, self._measured = ui, changed, measured
 
     async def close(self) -> None:
         """Finish what is to be written, and let go of the file."""
@@ -128,7 +119,7 @@ class ProgressRecorder(SessionListener):
         self._key, self.reference = level_key(level), reference_for(level)
         self.record, self.latest, self._has_begun = NEW, None, False
         self._write(lambda progress: note_level(progress, level))
-        self._spawn(self._look, "recorder", exclusive=False)
+        self._ui.spawn(self._look, "recorder", exclusive=False)
 
     def level_saved(self, level: Level) -> None:
         """The level at hand is in a file; another one has a record of its own."""
@@ -182,13 +173,13 @@ class ProgressRecorder(SessionListener):
         self._write(lambda progress: keep_victory(progress, key, victory))
         if self._trials.get(key, ("",))[0] != victory.program.text:
             measure = partial(self._measure, victory.level, key, victory.program)
-            self._spawn(measure, f"measure {key}", exclusive=True)
+            self._ui.spawn(measure, f"measure {key}", exclusive=True)
 
     def stop_measuring(self) -> bool:
         """Stop trying shifted starts at the level at hand; False if nothing is under way."""
         if self._trials.pop(self._key, None) is None:
             return False
-        self._spawn(nothing, f"measure {self._key}", exclusive=True)
+        self._ui.spawn(nothing, f"measure {self._key}", exclusive=True)
         self._changed()
         return True
 
@@ -198,7 +189,7 @@ class ProgressRecorder(SessionListener):
         if self._is_closed:
             return
         self._writer.submit(work, self.progress)
-        self._spawn(self._look, "recorder", exclusive=False)
+        self._ui.spawn(self._look, "recorder", exclusive=False)
 
     async def _look(self) -> None:
         """See what the record says of the level at hand by now."""
@@ -210,7 +201,7 @@ class ProgressRecorder(SessionListener):
 
     def _tell_news(self) -> None:
         while not self._news.empty():
-            self._warn(self._news.get())
+            self._ui.warn(self._news.get())
 
     async def _measure(self, level: Level, key: str, program: Program) -> None:
         from logical_robots_tui.game.measuring import MeasuringError, Trial, measure
@@ -225,14 +216,14 @@ class ProgressRecorder(SessionListener):
                 async with self._turn:  # one at a time: there may be few processors
                     known = await measure(level, program, known, partial(self._tried, key, text))
             except MeasuringError:
-                self._warn("How robust the program is could not be measured.")
+                self._ui.warn("How robust the program is could not be measured.")
                 return
             finally:
                 if self._trials.get(key, mine)[0] == text:
                     self._trials.pop(key, None)
                 self._changed()
         if known is None:
-            self._warn("From the start this program does not win: it was changed on the way.")
+            self._ui.warn("From the start this program does not win: it was changed on the way.")
         else:
             found = known
             self._write(lambda progress: progress.win(key, text, found))

@@ -10,7 +10,7 @@ from textual.geometry import Offset
 from textual.widgets.option_list import Option
 
 from logical_robots_tui.mind.reference import REFERENCE
-from logical_robots_tui.tui.layout.listing import Listing
+from logical_robots_tui.tui.layout.dialogs import Listing
 from logical_robots_tui.tui.theme.safe_text import clip
 from logical_robots_tui.tui.theme.themes import INK
 

@@ -117,7 +117,7 @@ class ProgramController:
 
     async def rename(self) -> None:
         """Ask for another name of the predicate under the cursor, and use it everywhere."""
-        from logical_robots_tui.tui.layout.line_dialog import LinePrompt
+        from logical_robots_tui.tui.layout.dialogs import LinePrompt
 
         old = self._pane.editor.word
         if old not in definitions(self._pane.text):

@@ -8,7 +8,7 @@ from textual import on
 from textual.containers import Vertical
 from textual.widgets import Input, Static
 
-from logical_robots_tui.tui.layout.dialog import Dialog
+from logical_robots_tui.tui.layout.dialogs import Dialog
 
 if TYPE_CHECKING:
     from textual.app import ComposeResult

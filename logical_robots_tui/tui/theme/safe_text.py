@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import unicodedata
 
-__all__ = ["clip", "one_line", "visible"]
+__all__ = ["clip", "one_line", "visible", "visible_lines"]
 
 _PICTURES = {code: 0x2400 + code for code in range(32)} | {0x7F: 0x2421}
 _PICTURES |= dict.fromkeys(range(0x80, 0xA0), 0xFFFD)
 _KEEP_TABS = {code: picture for code, picture in _PICTURES.items() if code != 0x09}
 _INVISIBLE = {"Cf", "Zl", "Zp", "Cs"}
+
+_PREVIEW = 4_000
 
 
 def visible(text: str, *, tabs: bool = False) -> str:
@@ -36,3 +38,8 @@ def one_line(text: str) -> str:
 def clip(text: str, width: int) -> str:
     """At most `width` characters of a text, the last one a `…` if something is missing."""
     return text if len(text) <= width else text[: max(width - 1, 0)] + "…"[:width]
+
+
+def visible_lines(text: str) -> str:
+    """A text of several lines, cut to what a preview needs and safe to show."""
+    return "\n".join(visible(line) for line in text[:_PREVIEW].splitlines())

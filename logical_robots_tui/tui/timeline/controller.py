@@ -74,7 +74,7 @@ class TimelineController(SessionListener):
 
     async def ask_for_tick(self) -> None:
         """Ask for a tick of history, and go there."""
-        from logical_robots_tui.tui.timeline.prompt import TickPrompt
+        from logical_robots_tui.tui.timeline.prompts import TickPrompt
 
         history, here = self._history, self._session.frame.tick
         if history is None:
@@ -95,7 +95,7 @@ class TimelineController(SessionListener):
 
     async def ask_how_far(self) -> None:
         """Ask for a tick, and run until then."""
-        from logical_robots_tui.tui.timeline.prompt import TickPrompt
+        from logical_robots_tui.tui.timeline.prompts import TickPrompt
 
         here = self._session.frame.tick
 

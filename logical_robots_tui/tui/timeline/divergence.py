@@ -11,8 +11,8 @@ from textual.widgets import Static
 from logical_robots_tui.game import NoSuchTickError, Superseded
 from logical_robots_tui.game.debugging.comparing import compare_proofs
 from logical_robots_tui.mind import QueryError
-from logical_robots_tui.tui.app.background import in_background
-from logical_robots_tui.tui.inspector.waiting import Waiting, under_way
+from logical_robots_tui.tui.app.ui import in_background
+from logical_robots_tui.tui.inspector.background_query import BackgroundQuery, progress
 from logical_robots_tui.tui.inspector.widgets.cells import written
 from logical_robots_tui.tui.learning.reader import Reader
 from logical_robots_tui.tui.theme.safe_text import clip, one_line, visible
@@ -46,7 +46,7 @@ class DivergencePage(Reader):
         self._game, self._divergence = game, divergence
         self._differences = told(divergence)
         self._text_shown = Static(self._differences)
-        self._waiting = Waiting()
+        self._waiting = BackgroundQuery()
         super().__init__(f"The two futures part in tick {divergence.tick}", self._text_shown)
 
     def on_mount(self) -> None:
@@ -56,11 +56,11 @@ class DivergencePage(Reader):
 
     async def _compare(self) -> None:
         def wait() -> None:
-            self._say(under_way("comparing the proofs", self._waiting.seconds))
+            self._say(progress("comparing the proofs", self._waiting.seconds))
 
         try:
             work = compare_proofs(self._game, self._divergence)
-            found = await self._waiting.answer(work, wait)
+            found = await self._waiting.run(work, wait)
         except Superseded:
             return
         except (NoSuchTickError, QueryError) as error:

@@ -13,10 +13,9 @@ from textual.widgets import Input, OptionList, Static
 from textual.widgets.option_list import Option
 
 from logical_robots_tui.game import EVENTS, Breakpoint, Event, mistake_in, subjects
-from logical_robots_tui.tui.layout.dialog import Dialog
-from logical_robots_tui.tui.layout.listing import Listing
+from logical_robots_tui.tui.layout.dialogs import Dialog, Listing
 from logical_robots_tui.tui.theme.safe_text import one_line
-from logical_robots_tui.tui.timeline.question import QuestionCheck
+from logical_robots_tui.tui.timeline.prompts import QuestionCheck
 
 if TYPE_CHECKING:
     from textual.app import ComposeResult

@@ -38,7 +38,7 @@ class Search:
 
     async def ask(self) -> None:
         """Ask for a question, and go to the next tick in which it holds."""
-        from logical_robots_tui.tui.timeline.question import QuestionPrompt
+        from logical_robots_tui.tui.timeline.prompts import QuestionPrompt
 
         program = self._session.program
         if program is None:

@@ -24,6 +24,7 @@ def test_the_corpus_is_large_enough() -> None:
     assert len(set(CASES)) == len(CASES)
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize(("topic", "rules", "expression"), CASES)
 def test_a_construct_means_what_it_means_on_duckdb(
     topic: str, rules: str, expression: str, tmp_path: Path
@@ -33,6 +34,7 @@ def test_a_construct_means_what_it_means_on_duckdb(
     assert same(ours, theirs), f"{topic}: here {ours}, on DuckDB {theirs}"
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize(("topic", "rules", "expression"), CASES)
 def test_a_construct_is_answered_the_quick_way(topic: str, rules: str, expression: str) -> None:
     compiled = Program.compile(f"{program(rules, value=expression)}\n{ROBOT}m = 1;")
@@ -47,6 +49,7 @@ def test_a_construct_is_answered_the_quick_way(topic: str, rules: str, expressio
     tables.close()
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize(("expression", "ours", "theirs"), DIFFERENCES)
 def test_a_known_difference_is_still_one_and_is_written_down(
     expression: str, ours: Any, theirs: Any, tmp_path: Path
@@ -87,6 +90,7 @@ TRY_CASTS = [
 ]
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize(("value", "ours", "theirs"), TRY_CASTS)
 def test_try_cast_means_what_duckdb_means_by_it(
     value: str, ours: str, theirs: str, tmp_path: Path

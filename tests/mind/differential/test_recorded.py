@@ -59,6 +59,7 @@ def robot_rows(text: str, frame: Frame, name: str, folder: Path) -> dict[str, An
     return {"desire": desire, "memory": memory}
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize(("level_name", "program_name"), pairs())
 async def test_a_program_decides_as_on_duckdb(
     level_name: str, program_name: str, tmp_path: Path

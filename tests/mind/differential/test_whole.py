@@ -31,6 +31,7 @@ def test_there_are_enough_of_them() -> None:
     }
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize("title", SOME)
 def test_a_program_means_the_same_as_on_duckdb(title: str, tmp_path: Path) -> None:
     assert not differences(PROGRAMS[title], tmp_path)

@@ -118,6 +118,7 @@ def test_there_are_enough_of_them() -> None:
     assert len(PROGRAMS) >= 150
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize("name", SLOW_LAST)
 def test_a_hostile_program_is_refused_or_bounded(
     name: str, tmp_path: Path, next_program: Program
@@ -131,6 +132,7 @@ def test_a_hostile_program_is_refused_or_bounded(
     assert goes_on(next_program)
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize("sql", REFUSED)
 def test_sql_that_does_more_than_read_is_refused(sql: str, tmp_path: Path) -> None:
     database = Database(LIMITS)
@@ -144,6 +146,7 @@ def test_sql_that_does_more_than_read_is_refused(sql: str, tmp_path: Path) -> No
     database.close()
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize("name", RUNAWAY)
 def test_runaway_sql_ends(name: str, tmp_path: Path) -> None:
     database = Database(LIMITS)
@@ -157,6 +160,7 @@ def test_runaway_sql_ends(name: str, tmp_path: Path) -> None:
     database.close()
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize(
     "sql",
     [
@@ -179,6 +183,7 @@ def test_sql_forced_into_a_program_is_a_notice_or_an_answer(
     assert goes_on(next_program)
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize(
     "sql",
     [

@@ -49,6 +49,7 @@ def last_tick(name: str) -> int:
     return TICKS if len(load_level(level_for(name)).robots) < CROWD else 2
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize("name", list_programs())
 def test_each_row_of_a_predicate_has_a_proof_and_no_other_has(name: str) -> None:
     for mind, rows, memories in moments(name, [last_tick(name)]):
@@ -95,6 +96,7 @@ def check_proofs(name: str, ticks: Sequence[int], most: int) -> None:
                     checked += 1
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize("name", list_programs())
 def test_what_proofs_say_holds_in_the_rules(name: str) -> None:
     check_proofs(name, [last_tick(name)], 3)

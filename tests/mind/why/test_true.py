@@ -84,7 +84,11 @@ def _is_founded(node: Node, above: tuple[str, ...]) -> bool:
 
 @pytest.mark.parametrize(
     ("questions", "programs_at_once"),
-    [(200, 4), pytest.param(5_000, 50, marks=pytest.mark.proof)],
+    [
+        (40, 2),
+        pytest.param(200, 4, marks=pytest.mark.slow),
+        pytest.param(5_000, 50, marks=pytest.mark.proof),
+    ],
 )
 def test_nothing_false_is_said(questions: int, programs_at_once: int) -> None:
     total = 0

@@ -11,14 +11,13 @@ from textual.widgets import Checkbox, Input, Select, TextArea
 
 from logical_robots_tui.editing.files import save_level
 from logical_robots_tui.game.victory import is_by_the_book
-from logical_robots_tui.tui.level_editor.finding_list import FindingList
 from logical_robots_tui.tui.level_editor.form import Ticks
-from logical_robots_tui.tui.level_editor.forms import ThingForm
-from logical_robots_tui.tui.level_editor.level_form import LevelForm
+from logical_robots_tui.tui.level_editor.forms import FindingList, LevelForm, ThingForm
 from logical_robots_tui.tui.library.level_screen import LevelScreen
 from logical_robots_tui.world import Visibility, load_level
-from tests.tui.conftest import PATIENCE, STILL, opened
+from tests.tui.conftest import STILL, opened
 from tests.tui.editing.conftest import ROOM, studio
+from tests.waiting import PATIENCE
 
 if TYPE_CHECKING:
     from pathlib import Path

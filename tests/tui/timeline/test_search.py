@@ -13,7 +13,7 @@ from logical_robots_tui.tui.inspector.pages.ask import QueryLine
 from logical_robots_tui.tui.inspector.pages.watch import WatchView
 from logical_robots_tui.tui.timeline.breakpoints import BreakpointList
 from logical_robots_tui.tui.timeline.form import BreakpointForm
-from logical_robots_tui.tui.timeline.question import QuestionPrompt
+from logical_robots_tui.tui.timeline.prompts import QuestionPrompt
 from tests.tui.timeline.test_travelling import playing, run_to
 
 if TYPE_CHECKING:

@@ -1,4 +1,4 @@
-"""Asking, in the inspector: a line for any query, and its answer at the tick on the screen."""
+"""The Ask page: a line for any query, and its answer at the current tick."""
 
 from __future__ import annotations
 
@@ -6,17 +6,15 @@ import re
 from typing import TYPE_CHECKING
 
 from textual import on
-from textual.containers import Vertical
 from textual.content import Content
-from textual.message import Message
 from textual.suggester import Suggester
 from textual.widgets import Input, Static
 
 from logical_robots_tui.game import Superseded
 from logical_robots_tui.mind import ProgramError, QueryError
-from logical_robots_tui.tui.inspector.answers import NO_PROGRAM, shown_rows
-from logical_robots_tui.tui.inspector.waiting import GivenUp, Waiting, under_way
-from logical_robots_tui.tui.inspector.widgets.table import ValueTable
+from logical_robots_tui.tui.inspector.background_query import BackgroundQuery, Cancelled, progress
+from logical_robots_tui.tui.inspector.page import NO_PROGRAM, Page
+from logical_robots_tui.tui.inspector.widgets.table import ValueTable, counted
 from logical_robots_tui.tui.program.completion import NAMES
 from logical_robots_tui.tui.theme.safe_text import one_line
 from logical_robots_tui.tui.theme.themes import INK
@@ -27,20 +25,20 @@ if TYPE_CHECKING:
     from textual import events
 
     from logical_robots_tui.game import Frame
-    from logical_robots_tui.mind import Predicate, Table
+    from logical_robots_tui.tui.app.session import Session
     from logical_robots_tui.tui.inspector.questions import Questions
 
-__all__ = ["AskView", "QueryLine"]
+__all__ = ["AskPage", "QueryLine"]
 
-_COLUMNS = ("robot_name", "sensor", "memory")  # of the inputs
-_MOST_REMEMBERED = 100
+_INPUT_COLUMNS = ("robot_name", "sensor", "memory")
+_HISTORY_SIZE = 100
 _LAST_WORD = re.compile(r"[A-Za-z_]\w*$")
-_RECALLS = {"up": -1, "down": 1}
-_SHORTEST = 2  # letters before a word is suggested
+_HISTORY_KEYS = {"up": -1, "down": 1}
+_SHORTEST = 2  # letters from which on a word is completed
 
 
 class QueryLine(Input):
-    """The line in which a query is typed; up and down bring earlier ones back.
+    """The line for a query; up and down go through its history.
 
     Args:
         leave: What escape does.
@@ -48,152 +46,135 @@ class QueryLine(Input):
 
     def __init__(self, leave: Callable[[], None]) -> None:
         self._leave = leave
-        self._words = _Words()
+        self._completion = _Completion()
         super().__init__(
             placeholder="Ask anything: Robot   Sensor(robot_name:, sensor:)   1 + 1",
-            suggester=self._words,
+            suggester=self._completion,
             compact=True,
             id="query",
         )
-        self._earlier: list[str] = []
-        self._recalled = 0
+        self._history: list[str] = []
+        self._place = 0
 
-    def knows(self, words: Iterable[str]) -> None:
-        """Suggest these words from now on."""
-        self._words.words = sorted(set(words))
+    def complete_from(self, words: Iterable[str]) -> None:
+        """Complete these words from now on."""
+        self._completion.words = sorted(set(words))
 
     def on_key(self, event: events.Key) -> None:
-        """Take some keys at once: as bindings they would come after letters of the same moment."""
+        """Handle some keys at once: bindings run after letters that arrive at the same moment."""
         if event.key == "escape":
             self._leave()
-        elif event.key in _RECALLS:
-            self._recall(_RECALLS[event.key])
+        elif event.key in _HISTORY_KEYS:
+            self._recall(_HISTORY_KEYS[event.key])
         else:
             return
         event.stop()
         event.prevent_default()
 
     def remember(self, query: str) -> None:
-        """Keep a query among the earlier ones."""
+        """Append a query to the history."""
         if query:
-            self._earlier = [each for each in self._earlier if each != query][-_MOST_REMEMBERED:]
-            self._earlier.append(query)
-        self._recalled = len(self._earlier)
+            self._history = [each for each in self._history if each != query][-_HISTORY_SIZE:]
+            self._history.append(query)
+        self._place = len(self._history)
 
     def _recall(self, later: int) -> None:
-        """Bring an earlier query back, or a later one."""
-        self._recalled = max(0, min(self._recalled + later, len(self._earlier)))
-        recalled = self._earlier[self._recalled :][:1]
-        self.value = recalled[0] if recalled else ""
+        self._place = max(0, min(self._place + later, len(self._history)))
+        self.value = next(iter(self._history[self._place :]), "")
         self.cursor_position = len(self.value)
 
 
-class AskView(Vertical):
-    """The query line, what is wrong with it, and the answer.
-
-    Args:
-        questions: Whom to ask.
-    """
+class AskPage(Page):
+    """The query line, what is wrong with the query, and the answer."""
 
     DEFAULT_CSS = """
-    AskView { height: 1fr; }
-    AskView QueryLine { margin: 0 1; background: $panel; width: 1fr; }
-    AskView #answer-to {
+    AskPage QueryLine { margin: 0 1; background: $panel; width: 1fr; }
+    AskPage #answer-to {
         padding: 0 1; height: 1; display: none; text-wrap: nowrap; text-overflow: ellipsis;
     }
-    AskView #answer-said { padding: 0 1; height: auto; }
-    AskView ValueTable { margin: 0 1; }
+    AskPage > .message { padding: 0 1; }
     """
 
-    class Asked(Message):
-        """There is another query to answer."""
+    title = "Ask"
+    table: ValueTable
 
-    def __init__(self, questions: Questions) -> None:
-        self._questions = questions
+    def __init__(self, session: Session, questions: Questions) -> None:
         self._query = self._refused = ""
-        self.waiting = Waiting()
         self.line = QueryLine(self._leave)
-        self._to = Static(id="answer-to")
-        self._said = Static(id="answer-said")
-        self.table = ValueTable(id="answer")
-        super().__init__(self.line, self._to, self._said, self.table, id="ask")
-
-    def knows(self, predicates: Iterable[Predicate]) -> None:
-        """Suggest the names of these predicates, and everything else a query may be made of."""
-        self.line.knows([*(predicate.name for predicate in predicates), *NAMES, *_COLUMNS])
+        self._answer_to = Static(id="answer-to")
+        answer = ValueTable(id="answer")
+        above = (self.line, self._answer_to)
+        super().__init__(session, questions, self.line, above=above, below=(answer,))
+        self.table = answer
+        self.pending = self._background = BackgroundQuery()
 
     @property
     def asked(self) -> str:
-        """What is asked, or "" if nothing is, or nothing that could be."""
+        """The query, or "" if there is none or it is wrong."""
         return "" if self._query == self._refused else self._query
 
     def put(self, query: str) -> None:
-        """Ask a query, as if it had been typed."""
+        """Run a query as if it had been typed."""
         if query:
             self._query = self.line.value = query
             self.line.remember(query)
-            self.post_message(self.Asked())
+            self.post_message(self.Changed())
 
-    async def follow(self, frame: Frame, told: Callable[[Table | None], None]) -> None:
-        """Answer the query at a tick.
-
-        Args:
-            frame: The tick.
-            told: Called with the answer when it is shown; with None when something else is.
-        """
-        query = self._query
+    async def show(self, frame: Frame) -> None:
+        """Answer the query at a tick."""
+        names = (predicate.name for predicate in self._session.predicates)
+        self.line.complete_from([*names, *NAMES, *_INPUT_COLUMNS])
+        query, more = self._query, ""
         if not query:
-            told(None)
+            self.head(frame.tick)
             return
 
-        def wait() -> None:
-            told(None)
-            self._answer_to(query)
-            self._say(under_way("asking", self.waiting.seconds))
+        def report() -> None:
+            self.head(frame.tick)
+            self._name_query(query)
+            self._say_instead(progress("asking", self._background.seconds))
 
         try:
-            table = await self.waiting.answer(self._questions.ask(query, frame), wait)
+            table = await self._background.run(self._questions.ask(query, frame), report)
         except Superseded:
-            if not self._questions.has_program:
-                self._say(NO_PROGRAM)
-            return
-        except GivenUp:
+            if self._session.game is not None:
+                return
+            self._say_instead(NO_PROGRAM)
+        except Cancelled:
             self._query = ""
-            self._say(f"Stopped after {self.waiting.seconds:.1f} s. Enter asks it again.")
+            seconds = self._background.seconds
+            self._say_instead(f"Stopped after {seconds:.1f} s. Enter asks it again.")
         except ProgramError as error:
-            self._answer_to("")
+            self._name_query("")
             self._refuse(query, error)
         except QueryError as error:
-            self._answer_to(query)
-            self._say(str(error))
+            self._name_query(query)
+            self._say_instead(str(error))
         else:
-            told(table)
-            self._answer_to(query)
-            self._said.update(Content.styled("No rows." if not table.rows else "", INK.dim))
-            self._said.display = not table.rows
-            columns, rows = shown_rows(table)
-            self.table.show(columns, rows, are_all=not table.truncated)
-            return
-        told(None)
+            more = counted(table)
+            self._name_query(query)
+            self.say(Content.styled("" if table.rows else "No rows.", INK.dim))
+            self.table.show(table)
+        self.head(frame.tick, more)
 
     def _leave(self) -> None:
-        """Stop what is under way, or else go to the answer."""
-        if self.waiting.is_long:
-            self.waiting.stop()
+        """Cancel the running query, or else go to the answer."""
+        if self._background.is_long:
+            self._background.cancel()
         else:
-            self.screen.focus_next(ValueTable)
+            self.screen.set_focus(self.table)
 
-    def _answer_to(self, query: str) -> None:
-        """Name the query that what is below belongs to; the line above may hold another text."""
-        self._to.update(Content.styled(one_line(query), INK.title))
-        self._to.display = bool(query)
+    def _name_query(self, query: str) -> None:
+        """Name the query that was answered; another one may be in the line by now."""
+        self._answer_to.update(Content.styled(one_line(query), INK.title))
+        self._answer_to.display = bool(query)
 
     def _refuse(self, query: str, error: ProgramError) -> None:
-        """Show what is wrong with a query, under its place in the line."""
+        """Mark the mistake in a query below its place in the line."""
         self._refused = query
         first = error.diagnostics[0]
         mark = " " * (first.column - 1) + "^" * max(1, len(first.excerpt))
-        self._say(
+        self._say_instead(
             Content.assemble(
                 (f"{mark[: len(query) + 1]}\n", INK.bad),
                 (f"{one_line(first.message)}. ", INK.warn),
@@ -201,30 +182,28 @@ class AskView(Vertical):
             )
         )
 
-    def _say(self, words: Content | str) -> None:
-        """Show words instead of rows."""
-        content = words if isinstance(words, Content) else Content.styled(one_line(words), INK.warn)
-        self._said.update(content)
-        self._said.display = True
-        self.table.show((), ())
+    def _say_instead(self, words: Content | str) -> None:
+        """Show a message and no rows."""
+        self.say(words)
+        self.table.show(None)
 
     @on(Input.Changed)
     def _changed(self, event: Input.Changed) -> None:
-        """Take away what was said of a wrong query: its mark stands under another text now."""
+        """Remove the mark of a mistake once the text above it is another one."""
         event.stop()
         if self._refused and event.value.strip() != self._refused:
             self._query = self._refused = ""
-            self._said.display = False
+            self.say("")
 
     @on(Input.Submitted)
-    def _typed(self, event: Input.Submitted) -> None:
+    def _submitted(self, event: Input.Submitted) -> None:
         event.stop()
         self._query = event.value.strip()
         self.line.remember(self._query)
-        self.post_message(self.Asked())
+        self.post_message(self.Changed())
 
 
-class _Words(Suggester):
+class _Completion(Suggester):
     """Completes the last word of a query."""
 
     def __init__(self) -> None:

@@ -1,4 +1,4 @@
-"""What a robot's decision came from, on one page."""
+"""The Decision page: what a robot sensed, remembered and computed, and what it did."""
 
 from __future__ import annotations
 
@@ -11,9 +11,10 @@ from textual.content import Content
 from textual.message import Message
 
 from logical_robots_tui.mind import Table
+from logical_robots_tui.tui.inspector.page import Page
 from logical_robots_tui.tui.inspector.widgets.cells import cell, written
-from logical_robots_tui.tui.inspector.widgets.lines import LinesView
-from logical_robots_tui.tui.inspector.widgets.polar import polar
+from logical_robots_tui.tui.inspector.widgets.line_views import LinesView
+from logical_robots_tui.tui.inspector.widgets.plots import radar_plot
 from logical_robots_tui.tui.theme.safe_text import clip, one_line
 from logical_robots_tui.tui.theme.themes import INK
 
@@ -22,10 +23,11 @@ if TYPE_CHECKING:
 
     from logical_robots_tui.game import Frame
     from logical_robots_tui.mind import Program
-    from logical_robots_tui.tui.inspector.questions import Survey
+    from logical_robots_tui.tui.app.session import Session
+    from logical_robots_tui.tui.inspector.questions import Questions, Survey
     from logical_robots_tui.values import Value
 
-__all__ = ["DecisionView", "decision_lines"]
+__all__ = ["DecisionPage", "DecisionView", "decision_lines"]
 
 _RADAR_ROWS = 8
 _ROOM_FOR_RADAR = 90  # columns from which on the radar is drawn
@@ -33,14 +35,14 @@ _LONGEST = 400
 
 
 class DecisionView(LinesView):
-    """Shows what a robot's decision came from; enter looks into the values."""
+    """A robot's decision and what it came from; enter opens the values."""
 
     BINDINGS: ClassVar[list[Binding | tuple[str, str] | tuple[str, str, str]]] = [
         Binding("enter", "open", show=False),
     ]
 
     class Opened(Message):
-        """The player wants to look into the values."""
+        """The player opens the values."""
 
     def __init__(self) -> None:
         super().__init__(id="decision")
@@ -49,38 +51,55 @@ class DecisionView(LinesView):
     def show(
         self, program: Program | None, frame: Frame, robot: str, survey: Survey | None
     ) -> None:
-        """Show a tick, as `decision_lines` has it."""
+        """Show a tick, as `decision_lines` does."""
         self._shown = (program, frame, robot, survey)
-        self._draw()
-
-    def on_resize(self) -> None:
-        """Use the width there is now."""
-        self._draw()
+        self.redraw()
 
     def action_open(self) -> None:
-        """Look into the values."""
+        """Open the values as a tree."""
         self.post_message(self.Opened())
 
-    def _draw(self) -> None:
-        if self._shown is not None and self.columns > 0:
+    def draw(self) -> None:
+        """Paint the decision."""
+        if self._shown is not None:
             self.paint(decision_lines(*self._shown, self.columns))
+
+
+class DecisionPage(Page):
+    """The decision of the selected robot."""
+
+    view: DecisionView
+    depends_on_robot = True
+
+    def __init__(self, session: Session, questions: Questions) -> None:
+        super().__init__(session, questions, DecisionView())
+
+    async def show(self, frame: Frame) -> None:
+        """Show a tick."""
+        self.head(frame.tick, title=f"Decision of {self.robot}")
+        survey = self._questions.surveyed(frame)
+        self.view.show(self._session.program, frame, self.robot, survey)
+
+    def show_survey(self, survey: Survey) -> None:
+        """Show the rows of the predicates that led to the decision."""
+        self.view.show(self._session.program, survey.frame, self.robot, survey)
 
 
 def decision_lines(
     program: Program | None, frame: Frame, robot: str, survey: Survey | None, width: int
 ) -> list[Content]:
-    """The page for a robot at a tick.
+    """A robot's decision at a tick.
 
     Args:
-        program: What it thinks with, if that is known.
+        program: The robot's program, if known.
         frame: The tick.
-        robot: Its name.
-        survey: The rows of every predicate at that tick, if they are known.
+        robot: The robot's name.
+        survey: The rows of every predicate at that tick, if known.
         width: Columns to fill.
     """
     number = next(i for i, row in enumerate(frame.sensors) if row["robot_name"] == robot)
     sensor = frame.sensors[number]["sensor"]
-    picture = polar(sensor["radar"], _RADAR_ROWS) if width >= _ROOM_FOR_RADAR else []
+    picture = radar_plot(sensor["radar"], _RADAR_ROWS) if width >= _ROOM_FOR_RADAR else []
     room = width - (4 * _RADAR_ROWS + 2 if picture else 0)
     lines = [line for each in _told(program, frame, number, survey) for line in each.wrap(room)]
     return [
@@ -128,7 +147,7 @@ def _told(
 
 
 def _on_the_way(program: Program | None, robot: str, survey: Survey | None) -> Iterator[Content]:
-    """The predicates that `Robot` leans on, with the rows that count for a robot."""
+    """The predicates that `Robot` depends on, with a robot's rows."""
     if program is None or survey is None or survey.program is not program:
         return
     yield _titled("on the way")
@@ -163,7 +182,7 @@ def _rows_of(robot: str, table: Table) -> list[tuple[Value, ...]]:
 
 
 def _difference(before: Value, after: Value) -> Iterator[Content]:
-    """A memory, field by field if it is a record; what changed is marked."""
+    """A memory, field by field if it is a record; changed fields are marked."""
     if isinstance(after, Mapping) and isinstance(before, Mapping):
         for name, value in after.items():
             yield _valued(name, value, changed=name not in before or before[name] != value)

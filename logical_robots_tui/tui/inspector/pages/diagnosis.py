@@ -1,11 +1,10 @@
-"""The page of the inspector that looks through the whole run for what may be a mistake."""
+"""The Diagnosis page: what in the whole run may be a mistake."""
 
 from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
 from textual import on
-from textual.containers import Vertical
 from textual.content import Content
 from textual.widgets import OptionList, Static
 from textual.widgets.option_list import Option
@@ -13,9 +12,10 @@ from textual.widgets.option_list import Option
 from logical_robots_tui.game import Superseded
 from logical_robots_tui.game.diagnosis.diagnosing import Diagnosis, diagnose, extent
 from logical_robots_tui.mind import QueryError
-from logical_robots_tui.tui.app.background import in_background
-from logical_robots_tui.tui.inspector.pointing import Placed
-from logical_robots_tui.tui.layout.listing import Listing
+from logical_robots_tui.tui.app.ui import in_background
+from logical_robots_tui.tui.inspector.highlights import Placed
+from logical_robots_tui.tui.inspector.page import NO_PROGRAM, Page
+from logical_robots_tui.tui.layout.dialogs import Listing
 from logical_robots_tui.tui.theme.safe_text import one_line
 from logical_robots_tui.tui.theme.themes import INK
 from logical_robots_tui.tui.timeline.widget import Timeline
@@ -23,89 +23,92 @@ from logical_robots_tui.tui.timeline.widget import Timeline
 if TYPE_CHECKING:
     from textual.worker import Worker
 
+    from logical_robots_tui.game import Frame
     from logical_robots_tui.mind.diagnosis.finding import Finding
     from logical_robots_tui.tui.app.session import Session
+    from logical_robots_tui.tui.inspector.questions import Questions
 
 __all__ = ["DiagnosisPage"]
 
 _START = "(start)"
-_EVERY = 10  # ticks, between two reports that are shown
+_EVERY = 10  # ticks between two progress reports
 
 
-class DiagnosisPage(Vertical):
-    """Findings about the ticks that history holds; they are looked for on demand.
-
-    Args:
-        session: Whose run.
-    """
+class DiagnosisPage(Page):
+    """Findings about the ticks in the history, computed on demand."""
 
     DEFAULT_CSS = """
-    DiagnosisPage { height: 1fr; }
     DiagnosisPage #extent { height: auto; padding: 0 1; color: $ink-dim; }
     DiagnosisPage #findings { height: 1fr; border: none; padding: 0; background: $surface; }
     """
 
-    def __init__(self, session: Session) -> None:
-        self._session = session
+    title = "Diagnosis"
+    view: Listing
+
+    def __init__(self, session: Session, questions: Questions) -> None:
         self._extent = Static(id="extent", markup=False)
-        self.view = Listing(id="findings", markup=False)
-        super().__init__(self._extent, self.view, id="diagnosis")
+        view = Listing(id="findings", markup=False)
+        super().__init__(session, questions, view, above=(self._extent,))
         self._found: Diagnosis | None = None
         self._worker: Worker[None] | None = None
         self._shown: tuple[object, ...] | None = None
 
     @property
     def found(self) -> Diagnosis | None:
-        """What was found last, or None."""
+        """The last diagnosis, or None."""
         return self._found
 
     @property
-    def is_looking(self) -> bool:
-        """Whether findings are being looked for."""
+    def is_diagnosing(self) -> bool:
+        """Whether a diagnosis is being computed."""
         return self._worker is not None and not self._worker.is_finished
 
-    def follow(self) -> None:
-        """Show what was found, and offer to look again where the run has gone on."""
+    async def show(self, frame: Frame) -> None:
+        """Show the findings, and offer to look again if the run has gone on."""
+        self.head(frame.tick)
+        self._list()
+
+    def _list(self) -> None:
         game = self._session.game
         last = 0 if game is None else game.history.last
-        shown = (self._found, self.is_looking, last)
+        shown = (self._found, self.is_diagnosing, last)
         if shown == self._shown:
             return
         self._shown = shown
         at = self.view.highlighted
         self.view.clear_options()
-        offer = "Stop looking" if self.is_looking else f"Look through the run up to tick {last}"
+        offer = "Stop looking" if self.is_diagnosing else f"Look through the run up to tick {last}"
         options = [Option(Content.styled(offer, f"bold {INK.key}"), id=_START)]
         findings = self._found.findings if self._found is not None else ()
-        options += [Option(_told(each), id=str(n)) for n, each in enumerate(findings)]
+        options += [Option(_described(each), id=str(n)) for n, each in enumerate(findings)]
         self.view.add_options(options)
         self.view.highlighted = min(at or 0, len(options) - 1)
-        if not self.is_looking:
-            self._say("" if self._found is None else extent(self._found))
+        if not self.is_diagnosing:
+            self._describe("" if self._found is None else extent(self._found))
 
-    def _say(self, text: str) -> None:
-        nothing = self._found is not None and not self._found.findings and not self.is_looking
+    def _describe(self, text: str) -> None:
+        nothing = self._found is not None and not self._found.findings and not self.is_diagnosing
         self._extent.update(one_line(f"{text} Nothing stands out." if nothing else text))
 
     async def _look(self) -> None:
         game = self._session.game
         if game is None:
-            self._say("There is no program yet.")
+            self._describe(NO_PROGRAM)
             return
         try:
             self._found = await diagnose(game, report=self._report)
         except QueryError as error:
-            self._say(str(error))
+            self._describe(str(error))
         except Superseded:
-            self._say("Another future has begun. Look again.")
+            self._describe("Another future has begun. Look again.")
         finally:
             self._worker = None
             self._shown = None
-        self.follow()
+        self._list()
 
     def _report(self, done: int, of_all: int) -> None:
         if not done % _EVERY:
-            self._say(f"Looking through the run: {done} of {of_all} ticks")
+            self._describe(f"Looking through the run: {done} of {of_all} ticks")
 
     @on(OptionList.OptionSelected)
     def _chosen(self, event: OptionList.OptionSelected) -> None:
@@ -114,15 +117,15 @@ class DiagnosisPage(Vertical):
             finding = self._finding(event.option_id)
             if finding is not None:
                 self.post_message(Timeline.Pointed(finding.tick))
-        elif self._worker is not None and self.is_looking:
+        elif self._worker is not None and self.is_diagnosing:
             self._worker.cancel()
             self._worker = None
-            self.follow()
-            self._say("Stopped.")
+            self._list()
+            self._describe("Stopped.")
         else:
             self._worker = in_background(self, self._look, "diagnose", exclusive=True)
-            self._say("Looking through the run…")
-            self.follow()
+            self._describe("Looking through the run…")
+            self._list()
 
     @on(OptionList.OptionHighlighted)
     def _pointed(self, event: OptionList.OptionHighlighted) -> None:
@@ -139,8 +142,8 @@ class DiagnosisPage(Vertical):
         return self._found.findings[int(option)]
 
 
-def _told(finding: Finding) -> Content:
-    """A finding: where and when, what, and what to look at."""
+def _described(finding: Finding) -> Content:
+    """A finding: where and when, what, and a hint."""
     line = f"line {finding.span.line}" if finding.span is not None else "the run"
     ink = INK.warn if finding.severity == "warning" else INK.dim
     see = ", ".join(dict.fromkeys(str(span.line) for span in finding.others))

@@ -1,34 +1,53 @@
-"""The robots in the inspector: where each is, what it sees, wants and remembers."""
+"""The Robots page: where each robot is, what it senses, wants and remembers."""
 
 from __future__ import annotations
 
+import math
+from dataclasses import dataclass
+from itertools import groupby
+from operator import itemgetter
 from typing import TYPE_CHECKING, ClassVar
 
 from textual.binding import Binding
 from textual.content import Content
 from textual.message import Message
 
-from logical_robots_tui.tui.inspector.pages.overview import head, notes, robot_lines
-from logical_robots_tui.tui.inspector.widgets.lines import LinesView
-from logical_robots_tui.tui.theme.themes import palette_of
+from logical_robots_tui.tui.inspector.page import Page
+from logical_robots_tui.tui.inspector.widgets.cells import written
+from logical_robots_tui.tui.inspector.widgets.line_views import LinesView
+from logical_robots_tui.tui.inspector.widgets.plots import BARS
+from logical_robots_tui.tui.theme.safe_text import clip, one_line
+from logical_robots_tui.tui.theme.themes import INK, palette_of, robot_ink
 
 if TYPE_CHECKING:
+    from collections.abc import Callable, Mapping, Sequence
+    from typing import Any
+
     from textual import events
 
     from logical_robots_tui.game import Frame
-    from logical_robots_tui.world import Level
+    from logical_robots_tui.mind import Decision
+    from logical_robots_tui.tui.app.session import Session
+    from logical_robots_tui.tui.inspector.questions import Questions
+    from logical_robots_tui.tui.labyrinth.drawing.palette import Palette
+    from logical_robots_tui.world import Level, RobotState
 
-__all__ = ["RobotsView"]
+__all__ = ["RobotsPage", "RobotsView", "radar_strip"]
+
+_FARTHEST = 200
+_OBJECTS = {"wall": INK.wall, "beacon": INK.beacon, "robot": INK.robot}
+_CHOSEN = "on $row"
 
 
 class RobotsView(LinesView):
-    """One line for each robot, and notes under them; up, down or a click chooses a robot."""
+    """A line for each robot, and notes below; up, down or a click chooses a robot."""
 
     BINDINGS: ClassVar[list[Binding | tuple[str, str] | tuple[str, str, str]]] = [
         Binding("up", "choose(-1)", show=False),
         Binding("down", "choose(1)", show=False),
     ]
 
+    @dataclass
     class Chosen(Message):
         """A robot was chosen.
 
@@ -36,9 +55,7 @@ class RobotsView(LinesView):
             robot_name: Its name.
         """
 
-        def __init__(self, robot_name: str) -> None:
-            super().__init__()
-            self.robot_name = robot_name
+        robot_name: str
 
     def __init__(self) -> None:
         super().__init__(id="robots")
@@ -48,45 +65,243 @@ class RobotsView(LinesView):
     def show(self, level: Level, frame: Frame) -> None:
         """Show the robots of a tick."""
         self._shown = (level, frame)
-        self._draw()
+        self.redraw()
 
     def choose(self, robot_name: str | None) -> None:
         """Highlight a robot."""
         if robot_name != self._chosen:
             self._chosen = robot_name
-            self._draw()
+            self.redraw()
 
     def on_mount(self) -> None:
         """Follow the theme."""
-        self.app.theme_changed_signal.subscribe(self, lambda _: self._draw())
-
-    def on_resize(self) -> None:
-        """Use the width there is now."""
-        self._draw()
+        self.app.theme_changed_signal.subscribe(self, lambda _: self.redraw())
 
     def on_click(self, event: events.Click) -> None:
         """Choose the robot under the pointer."""
-        self._tell(event.y + self.scroll_offset.y - 1)
+        self._post_chosen(event.y + self.scroll_offset.y - 1)
 
     def action_choose(self, down: int) -> None:
-        """Choose the robot some lines further down."""
+        """Choose the next or previous robot."""
         if self._shown is not None:
             names = [robot.name for robot in self._shown[0].robots]
             at = names.index(self._chosen) if self._chosen in names else -1 if down > 0 else 0
-            self._tell((at + down) % len(names))
+            self._post_chosen((at + down) % len(names))
 
-    def _tell(self, number: int) -> None:
+    def _post_chosen(self, number: int) -> None:
         if self._shown is not None and 0 <= number < len(self._shown[0].robots):
             self.post_message(self.Chosen(self._shown[0].robots[number].name))
 
-    def _draw(self) -> None:
-        width = self.columns
-        if self._shown is None or width <= 0:
+    def draw(self) -> None:
+        """Paint the robots and the notes."""
+        if self._shown is None:
             return
-        level, frame = self._shown
+        width, (level, frame) = self.columns, self._shown
         palette = palette_of(self.app.current_theme)
-        robots = robot_lines(level, frame, width, self._chosen, palette)
-        lines = [head(level, width), *robots, Content("")]
-        for note in notes(level, frame, self._chosen):
+        robots = _robot_lines(level, frame, width, self._chosen, palette)
+        lines = [_column_titles(level, width), *robots, Content("")]
+        for note in _notes(level, frame, self._chosen):
             lines += note.wrap(width)
         self.paint(lines)
+
+
+class RobotsPage(Page):
+    """All robots of the level."""
+
+    title = "Robots"
+    replays = False
+    view: RobotsView
+
+    def __init__(self, session: Session, questions: Questions) -> None:
+        super().__init__(session, questions, RobotsView())
+
+    async def show(self, frame: Frame) -> None:
+        """Show the robots at a tick."""
+        self.head(frame.tick)
+        self.view.show(self._session.level, frame)
+
+
+@dataclass(frozen=True, slots=True)
+class _Robot:
+    """What a line shows of a robot."""
+
+    name: str
+    colour: str
+    state: RobotState
+    sensor: Mapping[str, Any]
+    memory: Any
+    decision: Decision | None
+
+
+@dataclass(frozen=True, slots=True)
+class _Column:
+    """A column; those with the highest rank go first where there is little room."""
+
+    title: str
+    width: int
+    rank: int
+    cell: Callable[[_Robot], Content]
+    right: bool = False
+
+
+def _robot_lines(
+    level: Level, frame: Frame, width: int, chosen: str | None, palette: Palette
+) -> list[Content]:
+    """One line for each robot, in file order; the chosen one is highlighted."""
+    columns = _columns(level, width)
+    lines = []
+    for robot in _robots(level, frame, palette):
+        line = Content("").join(
+            _aligned(column.cell(robot), column.width, column.right).append(" ")
+            for column in columns
+        )
+        lines.append(line.stylize_before(_CHOSEN) if robot.name == chosen else line)
+    return lines
+
+
+def _column_titles(level: Level, width: int) -> Content:
+    cells = []
+    for column in _columns(level, width):
+        title = column.title if column.right else clip(column.title, column.width)
+        cell = _aligned(Content.styled(title, INK.dim), column.width, column.right)
+        cells.append(cell.append(" "))
+    return Content("").join(cells)
+
+
+def _notes(level: Level, frame: Frame, chosen: str | None) -> list[Content]:
+    """Notices about the decisions, then the memory of the chosen robot."""
+    found = [
+        Content.assemble(
+            ("! ", f"bold {INK.warn}"),
+            (f"{one_line(decision.robot_name)}: ", INK.warn),
+            (clip(one_line(notice.message), 400), INK.text),
+        )
+        for decision in frame.decisions
+        for notice in decision.notices
+    ]
+    names = [robot.name for robot in level.robots]
+    if chosen is None and len(names) == 1:
+        chosen = names[0]
+    if chosen in names:
+        found.append(
+            Content.assemble(
+                (f"{one_line(chosen or '')} remembers ", INK.dim),
+                (written(frame.memories.get(chosen or ""), 4000), INK.text),
+            )
+        )
+    return found
+
+
+def radar_strip(radar: Sequence[Mapping[str, Any]]) -> Content:
+    """The rays from left to right as bars, by distance, coloured by object."""
+    return Content.assemble(
+        *(
+            ("".join(map(_bar, rays)), _OBJECTS.get(what, INK.nothing))
+            for what, rays in groupby(radar, itemgetter("object"))
+        )
+    )
+
+
+def _bar(ray: Mapping[str, Any]) -> str:
+    free = math.sqrt(ray["distance"] / _FARTHEST)  # more of the bar for what is near
+    return BARS[min(int(free * len(BARS)), len(BARS) - 1)]
+
+
+def _robots(level: Level, frame: Frame, palette: Palette) -> list[_Robot]:
+    sensors = {row["robot_name"]: row["sensor"] for row in frame.sensors}
+    decisions = {decision.robot_name: decision for decision in frame.decisions}
+    return [
+        _Robot(
+            robot.name,
+            robot_ink(robot.color, palette),
+            state,
+            sensors[robot.name],
+            frame.memories.get(robot.name),
+            decisions.get(robot.name),
+        )
+        for robot, state in zip(level.robots, frame.after.robots, strict=True)
+    ]
+
+
+def _columns(level: Level, width: int) -> list[_Column]:
+    longest = max(len(one_line(robot.name)) for robot in level.robots)
+    columns = [
+        _Column("robot", min(max(longest, 5), 12) + 3, 0, _name),
+        _Column("x", 5, 6, lambda robot: _number(robot.state.x, 0), right=True),
+        _Column("y", 5, 6, lambda robot: _number(robot.state.y, 0), right=True),
+        _Column("head", 5, 4, _heading, right=True),
+        _Column("front", 16, 3, _front),
+        _Column("radar, left to right", 31, 1, lambda robot: radar_strip(robot.sensor["radar"])),
+        _Column("left", 6, 2, lambda robot: _engine(robot, "left_engine"), right=True),
+        _Column("right", 6, 2, lambda robot: _engine(robot, "right_engine"), right=True),
+    ]
+    if any(robot.has_battery for robot in level.robots):
+        columns.append(_Column("charge", 6, 5, _charge, right=True))
+    while len(columns) > 1 and _total(columns) > width:
+        last = max(column.rank for column in columns)
+        columns = [column for column in columns if column.rank != last]
+    rest = width - _total(columns) - 2
+    if rest >= 14:
+        columns.append(_Column(" memory", rest, 7, lambda robot: _memory(robot, rest)))
+    return columns
+
+
+def _total(columns: list[_Column]) -> int:
+    return sum(column.width + 1 for column in columns)
+
+
+def _name(robot: _Robot) -> Content:
+    mark = "✕" if robot.state.dead else "!" if robot.state.blocked else " "
+    mark_style = INK.bad if robot.state.dead else INK.warn
+    return Content.assemble(
+        ("● ", robot.colour),
+        (clip(one_line(robot.name), 12), f"bold {robot.colour}"),
+        (mark, mark_style),
+    )
+
+
+def _heading(robot: _Robot) -> Content:
+    angle = robot.state.angle
+    text = f"{round(math.degrees(angle)) % 360}°" if math.isfinite(angle) else "?"
+    return Content.styled(text, INK.text)
+
+
+def _front(robot: _Robot) -> Content:
+    what, label = robot.sensor["forward_object"], robot.sensor["forward_label"]
+    if what == "none":
+        return Content.styled("nothing", INK.dim)
+    name = "wall" if what == "wall" and label == "wall" else one_line(str(label))
+    distance = f"{robot.sensor['forward_distance']:g}"
+    text = f"{clip(name, 15 - len(distance))} {distance}"
+    return Content.styled(text, _OBJECTS.get(what, INK.text))
+
+
+def _engine(robot: _Robot, side: str) -> Content:
+    desire = robot.decision.desire if robot.decision else None
+    if desire is None:
+        return Content.styled("-", INK.dim)
+    value: float = getattr(desire, side)
+    text = f"{value:.2f}" if abs(value) < 100 else f"{value:.0e}"
+    return Content.styled(text, INK.number if -1 <= value <= 1 else INK.warn)
+
+
+def _charge(robot: _Robot) -> Content:
+    capacity = robot.sensor["self"]["battery_capacity"]
+    if not robot.sensor["self"]["has_battery"] or not capacity:
+        return Content.styled("-", INK.dim)
+    share = robot.state.battery_level / capacity
+    return Content.styled(f"{share:.0%}", INK.good if share > 0.25 else INK.bad)
+
+
+def _memory(robot: _Robot, width: int) -> Content:
+    return Content.styled(f" {written(robot.memory, width - 1)}", INK.dim)
+
+
+def _number(value: float, digits: int) -> Content:
+    return Content.styled(f"{value:.{digits}f}", INK.text)
+
+
+def _aligned(content: Content, width: int, right: bool = False) -> Content:
+    missing = " " * max(width - content.cell_length, 0)
+    padded = Content(missing).append(content) if right else content.append(missing)
+    return padded if padded.cell_length <= width else padded.truncate(width)

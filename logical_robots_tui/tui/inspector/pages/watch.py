@@ -1,90 +1,97 @@
-"""The page that watches: what is pinned, its value at the tick at hand, and how it went."""
+"""The Watch page: pinned values at the current tick, and a plot of the ticks around it."""
 
 from __future__ import annotations
 
+import asyncio
+from contextlib import suppress
+from dataclasses import dataclass
+from time import perf_counter
 from typing import TYPE_CHECKING, ClassVar
 
+from textual import on
 from textual.binding import Binding
 from textual.content import Content
-from textual.geometry import Region
 from textual.message import Message
 
+from logical_robots_tui.game import NoSuchTickError, Superseded
+from logical_robots_tui.tui.app.ui import in_background
 from logical_robots_tui.tui.commands.keymap import with_keys
+from logical_robots_tui.tui.inspector.page import Page
+from logical_robots_tui.tui.inspector.pin_history import PinHistory, window
 from logical_robots_tui.tui.inspector.widgets.cells import cell
-from logical_robots_tui.tui.inspector.widgets.lines import LinesView
-from logical_robots_tui.tui.inspector.widgets.sparkline import scale, sparkline
+from logical_robots_tui.tui.inspector.widgets.line_views import CursorView
+from logical_robots_tui.tui.inspector.widgets.plots import scale, sparkline
+from logical_robots_tui.tui.labyrinth.drawing.glyphs import Drawing
+from logical_robots_tui.tui.labyrinth.view import LabyrinthView
 from logical_robots_tui.tui.theme.safe_text import clip, one_line
-from logical_robots_tui.tui.theme.themes import INK, rich_style
+from logical_robots_tui.tui.theme.themes import INK
 from logical_robots_tui.tui.timeline.widget import Timeline
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-    from rich.style import Style
-    from textual import events
+    from textual.worker import Worker
 
-    from logical_robots_tui.game import Pin, Reading
-    from logical_robots_tui.tui.inspector.widgets.samples import Samples
+    from logical_robots_tui.game import Frame, Pin, Reading
+    from logical_robots_tui.tui.app.session import Session
+    from logical_robots_tui.tui.inspector.questions import Questions
 
-__all__ = ["WatchView"]
+__all__ = ["WatchPage", "WatchView"]
 
 _NOTHING = (
-    "Nothing is pinned. {pin} pins the predicate that is inspected, the value under the cursor, or "
-    "the chosen robot's memory; in the tree of a value it pins a part."
+    "Nothing is pinned. {pin} pins the selected predicate, the value under the cursor, or the "
+    "chosen robot's memory; in the tree of a value it pins a part."
 )
 _KEYS = "enter open  ← → to where it changes  del unpin"
-_HERE = "on $here"
 _INDENT = 2
 _SCALE = 17  # columns for the lowest and the highest number
-_LINES = 2  # of each pin
+
+_PAUSE = 0.03  # seconds between two past ticks while the robots run, which comes first
+_REDRAW = 0.1  # seconds between two redraws while past ticks are read
 
 
-class WatchView(LinesView):
-    """Two lines for each pin: its value, and how it was in the ticks around.
+class WatchView(CursorView):
+    """Two lines for each pin: its value, and a plot of its values in the ticks around.
 
     Args:
-        samples: What is known of these ticks.
-    """
+        samples: The known values.
 
-    DEFAULT_CSS = """
-    WatchView { margin: 0 1; }
+    Attributes:
+        ticks: The plotted ticks.
     """
 
     BINDINGS: ClassVar[list[Binding | tuple[str, str] | tuple[str, str, str]]] = [
-        Binding("up", "move(-1)", show=False),
-        Binding("down", "move(1)", show=False),
         Binding("left", "change(-1)", show=False),
         Binding("right", "change(1)", show=False),
         Binding("enter", "open", show=False),
         Binding("delete,backspace", "remove", show=False),
     ]
 
+    @dataclass
     class Opened(Message):
-        """The player wants to see the predicate of a pin.
+        """The player opens the predicate of a pin.
 
         Attributes:
             predicate: Its name.
         """
 
-        def __init__(self, predicate: str) -> None:
-            super().__init__()
-            self.predicate = predicate
+        predicate: str
 
     class Changed(Message):
         """There are other pins, or there is room for other ticks."""
 
-    def __init__(self, samples: Samples) -> None:
+    def __init__(self, samples: PinHistory) -> None:
         super().__init__(id="watch")
+        self.ticks = range(0)
         self._samples = samples
         self._pins: list[Pin] = []
         self._readings: Mapping[Pin, Reading] = {}
         self._tick = 0
-        self._at = 0
         self._plain = False
 
     @property
     def pins(self) -> tuple[Pin, ...]:
-        """What is pinned, in the order in which it was."""
+        """The pins, oldest first."""
         return tuple(self._pins)
 
     @property
@@ -93,73 +100,51 @@ class WatchView(LinesView):
         return self._pins[self._at] if self._pins else None
 
     @property
-    def ticks(self) -> range:
-        """The ticks that the lines show."""
-        return self._samples.window(max(1, self.columns - _INDENT - _SCALE))
+    def room(self) -> int:
+        """How many ticks can be plotted."""
+        return max(1, self.columns - _INDENT - _SCALE)
 
     def toggle(self, pin: Pin) -> bool:
-        """Pin something, or unpin it; whether it is pinned then."""
+        """Pin something, or unpin it; return whether it is pinned now."""
         is_new = pin not in self._pins
         if is_new:
             self._pins.append(pin)
         else:
             self._pins.remove(pin)
-        self._at = min(self._at, max(0, len(self._pins) - 1))
-        self._draw()
-        self.post_message(self.Changed())
+        self.redraw()
         return is_new
 
-    def show(self, tick: int, readings: Mapping[Pin, Reading], *, plain: bool) -> None:
+    def show(self, ticks: range, tick: int, readings: Mapping[Pin, Reading], plain: bool) -> None:
         """Show a tick.
 
         Args:
-            tick: Which one.
-            readings: What was read off the pins at it.
-            plain: Whether to draw with characters that every terminal has.
+            ticks: The ticks to plot.
+            tick: The current one.
+            readings: The values at that tick.
+            plain: Whether to draw with ASCII only.
         """
-        self._tick, self._readings, self._plain = tick, readings, plain
-        self._draw()
+        self.ticks, self._tick, self._readings, self._plain = ticks, tick, readings, plain
+        if self.columns > 0:
+            self.draw()
 
-    def on_resize(self) -> None:
-        """Use the width there is now; more ticks may have room in it."""
-        self._draw()
+    def redraw(self) -> None:
+        """Draw at the present width, and ask for as many ticks as there is room for."""
+        super().redraw()
         self.post_message(self.Changed())
 
-    def on_focus(self) -> None:
-        """Show the cursor."""
-        self._draw()
-
-    def on_blur(self) -> None:
-        """Hide the cursor."""
-        self._draw()
-
-    def on_click(self, event: events.Click) -> None:
-        """Go to a tick of a line, or put the cursor on a pin."""
-        number, line = divmod(event.y + self.scroll_offset.y, _LINES)
-        if number < len(self._pins):
-            self.action_move(number - self._at)
-            place = event.x - _INDENT
-            if line and 0 <= place < len(self.ticks):
-                self.post_message(Timeline.Pointed(self.ticks[place]))
-
-    def action_move(self, down: int) -> None:
-        """Move the cursor."""
-        if self._pins:
-            self._at = max(0, min(self._at + down, len(self._pins) - 1))
-            self._draw()
-            area = Region(0, self._at * _LINES, 1, _LINES)
-            self.scroll_to_region(area, animate=False, force=True)
+    def clicked(self, x: int, line: int, *, again: bool) -> None:
+        """Go to a tick of the plot."""
+        del again
+        place = x - _INDENT
+        if line and 0 <= place < len(self.ticks):
+            self.post_message(Timeline.Pointed(self.ticks[place]))
 
     def action_change(self, way: int) -> None:
-        """Go to the next tick, or the one before, at which the pin has another value.
-
-        Where nothing is known any more one stops, and more will be known then.
-        """
+        """Go to the next or previous tick with another value, as far as values are known."""
         if not self._pins:
             return
-        ticks = self.ticks
-        samples = self._samples.of(self._pins[self._at], ticks)
-        known = {tick: sample for tick, sample in zip(ticks, samples, strict=True) if sample}
+        samples = self._samples.of(self._pins[self._at], self.ticks)
+        known = {tick: sample for tick, sample in zip(self.ticks, samples, strict=True) if sample}
         tick = self._tick
         while tick + way in known:
             tick += way
@@ -169,38 +154,26 @@ class WatchView(LinesView):
             self.post_message(Timeline.Pointed(tick))
 
     def action_open(self) -> None:
-        """Show the predicate of the pin under the cursor."""
+        """Open the predicate of the pin under the cursor."""
         if self._pins:
             self.post_message(self.Opened(self._pins[self._at].predicate))
 
     def action_remove(self) -> None:
-        """Unpin what is under the cursor."""
+        """Remove the pin under the cursor."""
         if self._pins:
             self.toggle(self._pins[self._at])
 
-    def fill(self, number: int) -> Style:
-        """The style behind the end of a line."""
-        is_here = self.has_focus and self._pins and number // _LINES == self._at
-        return self.rich_style + rich_style(_HERE) if is_here else self.rich_style
-
-    def _draw(self) -> None:
-        if self.columns <= 0:
-            return
-        ticks = self.ticks
-        lines: list[Content] = []
-        for number, pin in enumerate(self._pins):
-            pair = self._value(pin), self._course(pin, ticks)
-            is_here = number == self._at and self.has_focus
-            lines += [each.stylize_before(_HERE) for each in pair] if is_here else pair
-        if lines:
-            words = f"{_KEYS}  ticks {ticks[0]} to {ticks[-1]}"
-            lines += [Content(""), Content.styled(clip(words, self.columns), INK.dim)]
+    def draw(self) -> None:
+        """Paint the pins."""
+        if self._pins and self.ticks:
+            words = f"{_KEYS}  ticks {self.ticks[0]} to {self.ticks[-1]}"
+            after = [Content(""), Content.styled(clip(words, self.columns), INK.dim)]
         else:
-            lines = Content.styled(with_keys(_NOTHING), INK.dim).wrap(self.columns)
-        self.paint(lines)
+            after = Content.styled(with_keys(_NOTHING), INK.dim).wrap(self.columns)
+        self.paint_items([(self._value(pin), self._plot(pin)) for pin in self._pins], after)
 
     def _value(self, pin: Pin) -> Content:
-        """The pin's name and, at the right end, its value at the tick at hand."""
+        """The pin's name and, at the right end, its value."""
         reading = self._readings.get(pin)
         if reading is None:
             value = Content("")
@@ -212,11 +185,11 @@ class WatchView(LinesView):
         name = Content.styled(one_line(pin.words), INK.text).truncate(room, ellipsis=True)
         return name.pad_right(room + 1 - name.cell_length).append(value)
 
-    def _course(self, pin: Pin, ticks: range) -> Content:
-        """How the value was in the ticks around; the tick at hand is brought out."""
-        samples, counts = self._samples.of(pin, ticks), not pin.column
+    def _plot(self, pin: Pin) -> Content:
+        """The values of the ticks around, with the current tick highlighted."""
+        samples, counts = self._samples.of(pin, self.ticks), not pin.column
         line = sparkline(samples, counts=counts, plain=self._plain)
-        here = self._tick - ticks.start
+        here = self._tick - self.ticks.start
         found = scale(samples, counts=counts)
         words = " to ".join(f"{number:.4g}" for number in dict.fromkeys(found or ()))
         return Content.assemble(
@@ -226,3 +199,64 @@ class WatchView(LinesView):
             (f"{line[here + 1 :]} ", INK.number),
             (words, INK.dim),
         )
+
+
+class WatchPage(Page):
+    """Reads the pins at the current tick first, then at the ticks around it."""
+
+    title = "Watch"
+    view: WatchView
+
+    def __init__(self, session: Session, questions: Questions) -> None:
+        self._samples = PinHistory(session, questions)
+        super().__init__(session, questions, WatchView(self._samples))
+        self._shown: tuple[int, Mapping[Pin, Reading]] = 0, {}
+        self._is_reading = False
+        self._filler: Worker[None] | None = None
+
+    async def show(self, frame: Frame) -> None:
+        """Show a tick, and begin to read those around it."""
+        self.head(frame.tick)
+        self._is_reading = True
+        try:
+            self._shown = frame.tick, await self._samples.read(self.view.pins, frame)
+        except Superseded:
+            self._shown = frame.tick, {}
+        finally:
+            self._is_reading = False
+        self._show()
+        if self._filler is None or self._filler.is_finished:
+            self._filler = in_background(self, self._read_around, "watch")
+
+    async def _read_around(self) -> None:
+        """Read one tick after the other while the page is on the screen."""
+        shown_at = perf_counter()
+        while self.display and (missing := self._samples.missing(self.view.pins, self.view.ticks)):
+            tick, pins = missing
+            if not self._is_reading:
+                with suppress(Superseded, NoSuchTickError):
+                    await self._samples.read_past(pins, tick)
+            if perf_counter() > shown_at + _REDRAW:
+                shown_at = perf_counter()
+                self._show()
+            await asyncio.sleep(_PAUSE if self._session.running or self._is_reading else 0)
+        self._show()
+
+    def _show(self) -> None:
+        views = self.screen.query(LabyrinthView)
+        plain = any(view.drawing is Drawing.ASCII for view in views)
+        game, (tick, readings) = self._session.game, self._shown
+        last = tick if game is None else game.history.last
+        ticks = window(self.view.ticks, self.view.room, tick, last)
+        self.view.show(ticks, tick, readings, plain)
+
+    @on(WatchView.Changed)
+    def _view_changed(self, event: WatchView.Changed) -> None:
+        event.stop()
+        if self.display:
+            self.post_message(self.Changed())
+
+    @on(WatchView.Opened)
+    def _view_opened(self, event: WatchView.Opened) -> None:
+        event.stop()
+        self.post_message(self.Opened(event.predicate))

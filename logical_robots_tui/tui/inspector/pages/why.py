@@ -1,289 +1,270 @@
-"""Why, in the inspector: a proof as a tree to fold, walked through with a cursor."""
+"""The Why page: the proof of a row, and the questions that led to it."""
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, ClassVar
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
-from textual.binding import Binding
-from textual.geometry import Region, Size
-from textual.message import Message
-from textual.scroll_view import ScrollView
-from textual.strip import Strip
+from textual import on
+from textual.content import Content
+from textual.widgets import Static
 
-from logical_robots_tui.tui.inspector.widgets.folds import Folds, Line
-from logical_robots_tui.tui.inspector.widgets.proof_lines import FOLD, guides, line_content
-from logical_robots_tui.tui.theme.themes import rich_style
+from logical_robots_tui.game import Superseded
+from logical_robots_tui.mind import Ask, Node, QueryError
+from logical_robots_tui.tui.app.ui import in_background
+from logical_robots_tui.tui.inspector.background_query import BackgroundQuery, Cancelled, progress
+from logical_robots_tui.tui.inspector.highlights import Placed, Sighted, sight
+from logical_robots_tui.tui.inspector.page import NO_PROGRAM, Page
+from logical_robots_tui.tui.inspector.widgets.cells import written
+from logical_robots_tui.tui.inspector.widgets.proof_view import WhyView
+from logical_robots_tui.tui.theme.safe_text import clip, one_line
+from logical_robots_tui.tui.theme.themes import INK
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from textual import events
-    from textual.content import Content
+    from logical_robots_tui.game import Frame
+    from logical_robots_tui.mind import Explanation
+    from logical_robots_tui.mind.diagnosis.nearest import Suggestion
+    from logical_robots_tui.tui.app.session import Session
+    from logical_robots_tui.tui.inspector.questions import Questions
 
-    from logical_robots_tui.mind import Ask, Node
+__all__ = ["WhyPage"]
 
-__all__ = ["WhyView"]
-
-_HERE = "on $here"
-_END = 1_000_000
+_LONGEST_ARGUMENT = 24
 
 
-class WhyView(ScrollView, can_focus=True):
-    """A proof. Only the lines in sight are painted, however many there are.
+@dataclass(frozen=True, slots=True, eq=False)
+class _Question:
+    """A question at a tick.
 
-    Right opens, left closes, enter asks one step deeper, backspace comes back.
+    Attributes:
+        robot: The robot whose reasoning is explained.
+        steps: The questions that led here; the last one is asked.
+        frame: The tick.
     """
+
+    robot: str
+    steps: tuple[Ask, ...]
+    frame: Frame
+
+    @property
+    def asked(self) -> Ask:
+        """The question that is asked."""
+        return self.steps[-1]
+
+    def is_like(self, other: _Question | None) -> bool:
+        """Whether another question differs in the tick at most."""
+        return other is not None and (self.robot, self.steps) == (other.robot, other.steps)
+
+
+class WhyPage(Page):
+    """Why a robot did what it did: the first level of the proof at once, all of it soon after."""
 
     DEFAULT_CSS = """
-    WhyView { background: $surface; height: 1fr; overflow: hidden auto; margin: 0 1; }
+    WhyPage #way {
+        height: 1; padding: 0 1; color: $ink-dim; text-wrap: nowrap; text-overflow: ellipsis;
+    }
     """
 
-    BINDINGS: ClassVar[list[Binding | tuple[str, str] | tuple[str, str, str]]] = [
-        Binding("up", "move(-1)", show=False),
-        Binding("down", "move(1)", show=False),
-        Binding("pageup", "page(-1)", show=False),
-        Binding("pagedown", "page(1)", show=False),
-        Binding("home", f"move({-_END})", show=False),
-        Binding("end", f"move({_END})", show=False),
-        Binding("right", "inward", show=False),
-        Binding("left", "outward", show=False),
-        Binding("enter", "deeper", show=False),
-        Binding("backspace", "back", show=False),
-    ]
+    title = "Why"
+    view: WhyView
+    depends_on_robot = True
 
-    class Pointed(Message):
-        """The cursor is on another node, or the node under it is another one.
+    def __init__(self, session: Session, questions: Questions) -> None:
+        self._way = Static(id="way")
+        super().__init__(session, questions, WhyView(), above=(self._way,))
+        self.pending = self._query = BackgroundQuery()
+        self._steps: list[Ask] = [Ask("Robot", {})]
+        self._shown: _Question | None = None
+        self._answered: _Question | None = None
+        self._roots: Sequence[Node] = ()
+        self._lacking: list[tuple[_Question, WhyView.Lacking]] = []
+        self._is_proving = False
 
-        Attributes:
-            node: The node.
-            moved: Whether the player has moved the cursor.
-        """
+    def begin(self, predicate: str) -> None:
+        """Ask why a predicate has its rows."""
+        self._steps = [Ask(predicate, {})]
+        self.post_message(self.Changed())
 
-        def __init__(self, node: Node, *, moved: bool) -> None:
-            super().__init__()
-            self.node, self.moved = node, moved
+    async def show(self, frame: Frame) -> None:
+        """Answer the question at a tick; while the game runs, with the first level only."""
+        question = _Question(self.robot, tuple(self._steps), frame)
 
-    class Deeper(Message):
-        """The player asks one step deeper.
+        def report() -> None:
+            what = f"taking the rules of {question.asked.predicate} apart"
+            self._say_instead(question, progress(what, self._query.seconds))
 
-        Attributes:
-            asked: What is asked.
-        """
-
-        def __init__(self, asked: Ask) -> None:
-            super().__init__()
-            self.asked = asked
-
-    class Lacking(Message):
-        """A line was opened whose proof is not known yet.
-
-        Attributes:
-            key: The line.
-            asked: What it asks.
-        """
-
-        def __init__(self, key: int, asked: Ask) -> None:
-            super().__init__()
-            self.key, self.asked = key, asked
-
-    class Opened(Message):
-        """The player wants to look into the values of the node under the cursor."""
-
-    class Back(Message):
-        """The player wants the question before."""
-
-    def __init__(self) -> None:
-        super().__init__(id="why")
-        self._folds = Folds()
-        self._at, self._key = 0, 0
-        self._has_way_back = False
-
-    @property
-    def lines(self) -> Sequence[Line]:
-        """The nodes that are not folded away, in order."""
-        return self._folds.lines
-
-    @property
-    def line(self) -> Line | None:
-        """The line under the cursor."""
-        return self.lines[self._at] if self.lines else None
-
-    @property
-    def pointed(self) -> Node | None:
-        """The node under the cursor."""
-        return self.line.node if self.line is not None else None
-
-    @property
-    def plain(self) -> str:
-        """All lines without their colours, also those out of sight."""
-        return "\n".join(self._content(number).plain for number in range(len(self.lines)))
-
-    def is_open(self, number: int) -> bool:
-        """Whether the children of a line are in sight."""
-        return self._folds.is_open(self.lines[number])
-
-    def show(
-        self,
-        roots: Sequence[Node],
-        rest: Sequence[Node] = (),
-        *,
-        anew: bool = False,
-        has_way_back: bool = False,
-    ) -> None:
-        """Show a proof; what the player opened or closed stays so, and the cursor where it is.
-
-        Args:
-            roots: The rules of the proof.
-            rest: Rules that have no part in it; they are folded.
-            anew: Whether this is another question, so that the cursor begins at the top.
-            has_way_back: Whether there is a question before.
-        """
-        was_empty = not self.lines
-        self._has_way_back = has_way_back
-        self._folds.show(roots, rest, self.size.height, anew=anew)
-        if anew:
-            self._at, self._key = 0, 0
-            self.scroll_to(y=0, animate=False)
-        self._return()
-        if was_empty:
-            self.scroll_to_region(Region(0, self._at, 1, 1), animate=False, force=True)
-        self._tell(moved=False)
-
-    def open(self, number: int) -> None:
-        """Open a line, and bring what is below it to sight as far as there is room."""
-        line = self.lines[number]
-        self._folds.open(number)
-        self._return()
-        height = 1 + min(len(line.children), self.size.height - 1)
-        self.scroll_to_region(Region(0, number, 1, height), animate=False, force=True)
-        if line.lacks and line.node.asked is not None:
-            self.post_message(self.Lacking(line.key, line.node.asked))
-
-    def close(self, number: int) -> None:
-        """Close a line."""
-        self._folds.close(number)
-        self._return()
-
-    def unfold(self, key: int, nodes: Sequence[Node]) -> None:
-        """Put the proof of what a line asks below it."""
-        self._folds.unfold(key, nodes)
-        self._return()
-
-    def on_resize(self) -> None:
-        """Use the room there is now."""
-        self._folds.fit(self.size.height)
-        self._return()
-
-    def on_focus(self) -> None:
-        """Show the cursor."""
-        self.refresh()
-        self._tell(moved=True)
-
-    def on_blur(self) -> None:
-        """Hide the cursor."""
-        self.refresh()
-
-    def on_click(self, event: events.Click) -> None:
-        """Fold at the marker; elsewhere put the cursor there, and go deeper at a second click."""
-        number = event.y + self.scroll_offset.y
-        if number >= len(self.lines):
+        if self._session.game is None:
+            self._say_instead(question, NO_PROGRAM)
             return
-        was_there = number == self._at
-        self.action_move(number - self._at)
-        start = len(guides(self.lines[number].depth, self._width))
-        if start <= event.x < start + FOLD and self.lines[number].folds:
-            self.close(number) if self.is_open(number) else self.open(number)
-        elif was_there:
-            self.action_deeper()
-
-    def action_move(self, down: int) -> None:
-        """Move the cursor."""
-        if not self.lines:
+        try:
+            why = self._questions.why(question.robot, frame, question.asked)
+            found = await self._query.run(why, report)
+            if self._session.running:
+                self._show(question, found, _proving(found))
+                self._name_way(question, Content.styled("a pause unfolds it", INK.dim))
+            else:
+                await self._prove(question, found)
+                await self._suggest(question, found)
+        except Superseded:
             return
-        before, self._at = self._at, max(0, min(self._at + down, len(self.lines) - 1))
-        self._key = self.lines[self._at].key
-        top = self.scroll_offset.y
-        self.refresh(*(Region(0, row - top, self.size.width, 1) for row in (before, self._at)))
-        self.scroll_to_region(Region(0, self._at, 1, 1), animate=False, force=True)
-        self._tell(moved=True)
+        except Cancelled:
+            self._say_instead(question, f"Stopped after {self._query.seconds:.1f} s.")
+        except QueryError as error:
+            self._say_instead(question, str(error))
 
-    def action_page(self, down: int) -> None:
-        """Move the cursor by what is in sight."""
-        self.action_move(down * max(1, self.size.height - 1))
+    async def _prove(self, question: _Question, found: Explanation) -> None:
+        """Show the whole proof, and its first level until that is there."""
 
-    def action_inward(self) -> None:
-        """Open the line under the cursor; if it is open, go to the first one below it."""
-        if not self.lines or not self.lines[self._at].folds:
+        def report() -> None:
+            if self._answered is not question:
+                self._show(question, found, _proving(found))
+            self._name_way(question, progress("unfolding", self._query.seconds))
+
+        robot, asked, frame = question.robot, question.asked, question.frame
+        trouble = ""
+        self._is_proving = True
+        try:
+            proof = await self._query.run(self._questions.proof(robot, frame, asked), report)
+            self._show(question, proof.explanation, proof.nodes)
+        except Cancelled:
+            trouble = f"stopped after {self._query.seconds:.1f} s"
+        except QueryError as error:
+            trouble = str(error)
+        except Superseded:
+            pass  # calls are then proved one by one, as they are expanded
+        finally:
+            self._is_proving = False
+        if self._answered is not question:
+            self._show(question, found, _proving(found))
+        self._name_way(question, Content.styled(one_line(trouble), INK.warn))
+
+    async def _suggest(self, question: _Question, found: Explanation) -> None:
+        """If there is no row, show changes that would have given one."""
+        asked = question.asked
+        if found.row is not None or asked.given or asked.within or self._answered is not question:
             return
-        if not self.is_open(self._at):
-            self.open(self._at)
-        elif self.lines[self._at].children:
-            self.action_move(1)
-
-    def action_outward(self) -> None:
-        """Close the line under the cursor, or go to the one above it; at a root, come back."""
-        parent = self._folds.parent(self._at) if self.lines else None
-        if parent is None and self._has_way_back:
-            self.action_back()
-        elif not self.lines:
+        try:
+            misses = await self._questions.nearest(question.robot, question.frame, asked.predicate)
+        except (QueryError, Superseded):
             return
-        elif self.is_open(self._at):
-            self.close(self._at)
-        elif parent is not None:
-            self.action_move(parent - self._at)
+        if misses and self._answered is question:
+            nodes = (_suggestion(line, each) for line, each in misses)
+            head = Node("note", "One of these would give a row", children=tuple(nodes))
+            self._show_nodes(question, (*self._roots, head), ())
 
-    def action_deeper(self) -> None:
-        """Ask about what the line under the cursor asks, or look into its values."""
-        node = self.pointed
-        if node is None:
+    def _show(self, question: _Question, found: Explanation, roots: Sequence[Node]) -> None:
+        self._answered, self._roots = question, roots
+        self.say("")
+        self._show_nodes(question, roots, () if found.row is None else _others(found))
+
+    def _say_instead(self, question: _Question, words: Content | str) -> None:
+        """Show a message and no proof; the view keeps the focus and knows the way back."""
+        self._answered = None
+        self.say(words)
+        self._show_nodes(question, (), ())
+        self.post_message(Sighted(None, question.frame))
+
+    def _show_nodes(self, question: _Question, roots: Sequence[Node], rest: Sequence[Node]) -> None:
+        anew = not question.is_like(self._shown)
+        self._shown = question
+        tick = question.frame.tick
+        self.head(tick, "" if tick or self._session.game is None else "nobody has thought yet")
+        self._name_way(question)
+        self.view.show(roots, rest, anew=anew, has_way_back=len(question.steps) > 1)
+
+    def _name_way(self, question: _Question, more: Content | None = None) -> None:
+        names = [
+            f"{step.predicate}({_arguments(step)})" if step.given else step.predicate
+            for step in question.steps
+        ]
+        way = Content.assemble(
+            (f"{one_line(question.robot)}: ", INK.robot), (one_line(names[-1]), INK.title)
+        )
+        if more:
+            way = way.append("  ").append(more)
+        if len(names) > 1:
+            before = " ← ".join(map(one_line, reversed(names[:-1])))
+            way = way.append(Content.styled(f"  ← {before}", INK.faint))
+        self._way.update(way, layout=False)
+
+    @on(WhyView.Deeper)
+    def _deeper(self, event: WhyView.Deeper) -> None:
+        event.stop()
+        self._steps.append(event.asked)
+        self.post_message(self.Changed())
+
+    @on(WhyView.Back)
+    def _back(self, event: WhyView.Back) -> None:
+        event.stop()
+        if len(self._steps) > 1:
+            self._steps.pop()
+            self.post_message(self.Changed())
+
+    @on(WhyView.Lacking)
+    def _unfold(self, event: WhyView.Lacking) -> None:
+        """Prove what a line asks, unless the whole proof is being computed."""
+        event.stop()
+        if self._answered is not None and not self._is_proving:
+            self._lacking.append((self._answered, event))
+            if len(self._lacking) == 1:
+                in_background(self, self._unfold_all, "unfold")
+
+    async def _unfold_all(self) -> None:
+        """Prove one line after the other: a newer query would cancel an older one."""
+        while self._lacking:
+            question, event = self._lacking[0]
+            try:
+                if self._answered is question:
+                    nodes = await self._proved(question, event.asked)
+                    if self._answered is question:
+                        self.view.unfold(event.key, nodes)
+            except Superseded:
+                self._lacking.clear()
+            finally:
+                del self._lacking[:1]
+
+    async def _proved(self, question: _Question, asked: Ask) -> Sequence[Node]:
+        try:
+            proof = await self._questions.proof(question.robot, question.frame, asked)
+        except QueryError as error:
+            return (Node("note", str(error)),)
+        return proof.nodes
+
+    @on(WhyView.Pointed)
+    def _pointed(self, event: WhyView.Pointed) -> None:
+        """Highlight the node under the cursor in the program and in the labyrinth."""
+        event.stop()
+        question, node = self._answered, event.node
+        if question is None or node is not self.view.pointed:
             return
-        if node.asked is not None:
-            self.post_message(self.Deeper(node.asked))
-        elif node.values:
-            self.post_message(self.Opened())
-        elif self.is_open(self._at):
-            self.close(self._at)
-        else:
-            self.open(self._at)
+        highlight = sight(node, question.robot, question.frame)
+        self.post_message(Sighted(highlight, question.frame))
+        if event.moved and node.span is not None:
+            place = node.span.start, node.span.stop
+            self.post_message(Placed(self._questions.program.text, place))
 
-    def action_back(self) -> None:
-        """Return to the question before."""
-        self.post_message(self.Back())
 
-    def render_line(self, y: int) -> Strip:
-        """One line of the view."""
-        number = y + self.scroll_offset.y
-        width = self._width
-        if number >= len(self.lines):
-            return Strip.blank(width, self.rich_style)
-        content, style = self._content(number), self.rich_style
-        if number == self._at and self.has_focus:
-            content, style = content.stylize_before(_HERE), style + rich_style(_HERE)
-        strip = Strip(content.render_segments(self.visual_style))
-        return strip.adjust_cell_length(width, style)
+def _suggestion(rule: int, each: Suggestion) -> Node:
+    change = f"write {each.change}" if each.change else f"leave out {each.span.text}"
+    text = f"line {each.span.line}: {change}"
+    return Node("note", text, f"rule in line {rule}: {each.text}", span=each.span)
 
-    # -- inside --------------------------------------------------------------------------------
 
-    @property
-    def _width(self) -> int:
-        """Columns of a line."""
-        return self.scrollable_content_region.width
+def _proving(found: Explanation) -> Sequence[Node]:
+    """The rule that gives the row, or all rules if none does."""
+    if found.row is None:
+        return found.nodes
+    giving = [rule.node for rule in found.rules if rule.row is not None]
+    return giving[:1] or found.nodes[-1:]
 
-    def _content(self, number: int) -> Content:
-        return line_content(self.lines[number], self._width, is_open=self.is_open(number))
 
-    def _return(self) -> None:
-        """Put the cursor on the line that it was on, if that is there, and show what is new."""
-        at = self._folds.number(self._key)
-        self._at = max(0, min(self._at, len(self.lines) - 1)) if at is None else at
-        if self.lines:
-            self._key = self.lines[self._at].key
-        self._draw()
+def _others(found: Explanation) -> Sequence[Node]:
+    """The rules that are no part of the proof of the row."""
+    proving = _proving(found)
+    return [node for node in found.nodes if node is not proving[0]]
 
-    def _tell(self, *, moved: bool) -> None:
-        if self.pointed is not None:
-            self.post_message(self.Pointed(self.pointed, moved=moved))
 
-    def _draw(self) -> None:
-        self.virtual_size = Size(self._width, len(self.lines))
-        self.refresh()
+def _arguments(asked: Ask) -> str:
+    return ", ".join(clip(written(value), _LONGEST_ARGUMENT) for value in asked.given.values())

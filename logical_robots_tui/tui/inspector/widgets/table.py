@@ -1,4 +1,4 @@
-"""A table of values with a cursor, quick to replace many times a second."""
+"""A table of values with a cursor, fast enough to replace many times a second."""
 
 from __future__ import annotations
 
@@ -13,24 +13,26 @@ from textual.message import Message
 from textual.scroll_view import ScrollView
 from textual.strip import Strip
 
+from logical_robots_tui.game import MIND
 from logical_robots_tui.tui.commands.keymap import with_keys
-from logical_robots_tui.tui.inspector.widgets.arranging import (
+from logical_robots_tui.tui.inspector.widgets.cells import cell, is_number
+from logical_robots_tui.tui.inspector.widgets.row_order import (
     Arrangement,
     Row,
     Rows,
     arranged,
     changed_cells,
 )
-from logical_robots_tui.tui.inspector.widgets.cells import cell, is_number
 from logical_robots_tui.tui.theme.safe_text import clip, visible
 from logical_robots_tui.tui.theme.themes import INK, rich_style
 
 if TYPE_CHECKING:
     from textual import events
 
+    from logical_robots_tui.mind import Table
     from logical_robots_tui.values import Value
 
-__all__ = ["ValueTable"]
+__all__ = ["ValueTable", "counted"]
 
 _GAP = 2
 _MEASURED_ROWS = 200
@@ -43,10 +45,16 @@ _CHANGED = Style(underline=True, bold=True)
 
 
 class ValueTable(ScrollView, can_focus=True):
-    """Rows of a predicate under the names of its columns."""
+    """Rows under the names of their columns, with a cursor on a value.
+
+    Attributes:
+        all: All rows.
+        shown: The rows as they are filtered, sorted and transposed.
+        how: How they are.
+    """
 
     DEFAULT_CSS = """
-    ValueTable { background: $surface; height: 1fr; overflow: auto auto; }
+    ValueTable { background: $surface; height: 1fr; overflow: auto auto; margin: 0 1; }
     """
 
     BINDINGS: ClassVar[list[Binding | tuple[str, str] | tuple[str, str, str]]] = [
@@ -62,105 +70,86 @@ class ValueTable(ScrollView, can_focus=True):
     ]
 
     class Pointed(Message):
-        """The cursor is on another value, or the value under it is another one."""
+        """The cursor is on another value, or the value under it has been replaced."""
 
     class Opened(Message):
-        """The player wants to look into the value under the cursor."""
+        """The player opens the value under the cursor."""
 
     def __init__(self, id: str = "rows") -> None:  # noqa: A002 - the name that widgets have
         super().__init__(id=id)
-        self._all = Rows((), ())
-        self._shown = self._all
+        self.all = Rows((), ())
+        self.shown = self.all
         self._are_all = True
-        self._how = Arrangement()
+        self.how = Arrangement()
         self._widths: list[int] = []
         self._at = (0, 0)
 
     @property
-    def all(self) -> Rows:
-        """All rows, as they came."""
-        return self._all
-
-    @property
-    def shown(self) -> Rows:
-        """What is shown, as it is arranged."""
-        return self._shown
-
-    @property
     def missing(self) -> str:
-        """What is not shown, in words, or ""."""
-        if self._shown.left_out:
-            more = f"and {self._shown.left_out:,} more rows side by side"
+        """A message about rows that are not shown, or ""."""
+        if self.shown.left_out:
+            more = f"and {self.shown.left_out:,} more rows side by side"
             return with_keys(f"{more}; {{transpose}} shows them one below the other")
         if self._are_all:
             return ""
-        first = f"there are more rows than these first {len(self._all.rows):,}"
+        first = f"there are more rows than these first {len(self.all.rows):,}"
         return with_keys(f"{first}; {{ask}} asks for those with some value")
-
-    @property
-    def how(self) -> Arrangement:
-        """How the rows are arranged."""
-        return self._how
 
     @property
     def column(self) -> str:
         """Name of the column under the cursor, or ""."""
         pointed = self.pointed
-        return pointed[0] if pointed is not None and not self._how.sideways else ""
+        return pointed[0] if pointed is not None and not self.how.sideways else ""
 
     @property
     def pointed(self) -> tuple[str, Value] | None:
         """Name of the column and the value under the cursor, or None if there are no rows."""
         row, column = self._at
-        if not self._shown.rows or not self._shown.columns:
+        if not self.shown.rows or not self.shown.columns:
             return None
-        return self._shown.columns[column], self._shown.rows[row][column]
+        return self.shown.columns[column], self.shown.rows[row][column]
 
     @property
     def place(self) -> tuple[int, str] | None:
-        """Which of all rows, and which column, the cursor is on; None if that can't be told."""
-        row = self._shown.rows[self._at[0]] if self.column else None
-        number = next((n for n, each in enumerate(self._all.rows) if each is row), None)
+        """Index of the row under the cursor among all rows, and its column; None if unknown."""
+        row = self.shown.rows[self._at[0]] if self.column else None
+        number = next((n for n, each in enumerate(self.all.rows) if each is row), None)
         return None if number is None else (number, self.column)
 
-    def show(
-        self,
-        columns: tuple[str, ...],
-        rows: tuple[Row, ...],
-        before: tuple[Row, ...] | None = None,
-        *,
-        are_all: bool = True,
-    ) -> None:
-        """Show other rows; the cursor stays where it is as far as they reach.
+    def show(self, table: Table | None, before: Table | None = None) -> None:
+        """Replace the rows; the cursor stays where it is as far as they reach.
 
         Args:
-            columns: Names of the columns.
-            rows: The rows.
-            before: The rows of the tick before; values that differ from it are brought out.
-            are_all: Whether there are no more rows than these.
+            table: The rows, or None for none.
+            before: The rows at the tick before; values that differ from it are marked.
         """
-        self._are_all = are_all
+        columns, rows = _named_rows(table) if table is not None else ((), ())
+        self._are_all = table is None or not table.truncated
         changed = frozenset[tuple[int, int]]()
         if before is not None:
-            changed = changed_cells(rows, before)
-        if columns != self._all.columns:
+            changed = changed_cells(rows, _named_rows(before)[1])
+        if columns != self.all.columns:
             self._at = (self._at[0], 0)
-        self._all = Rows(columns, rows, changed)
+        self.all = Rows(columns, rows, changed)
         self._arrange()
 
     def rearrange(self, how: Arrangement) -> None:
-        """Show the rows in another way."""
-        self._how = how
+        """Filter, sort and transpose the rows in another way."""
+        self.how = how
         self._arrange()
 
     def _arrange(self) -> None:
-        self._shown = arranged(self._all, self._how)
+        self.shown = arranged(self.all, self.how)
         self._measure()
         self.action_go(0, 0)
         self.refresh()
 
     def on_resize(self) -> None:
-        """Give the columns the width there is now."""
+        """Fit the columns to the new width."""
+        self.redraw()
+
+    def redraw(self) -> None:
+        """Fit the columns to the present width."""
         self._measure()
         self.refresh()
 
@@ -180,13 +169,13 @@ class ValueTable(ScrollView, can_focus=True):
 
     def action_go(self, down: int, right: int) -> None:
         """Move the cursor as far as there are rows and columns."""
-        row = max(0, min(self._at[0] + down, len(self._shown.rows) - 1))
-        column = max(0, min(self._at[1] + right, len(self._shown.columns) - 1))
+        row = max(0, min(self._at[0] + down, len(self.shown.rows) - 1))
+        column = max(0, min(self._at[1] + right, len(self.shown.columns) - 1))
         self._at = (row, column)
         if self._widths:
             x = sum(self._widths[:column]) + _GAP * column
             # One line more on top, because the head covers the first visible one.
-            is_last = row == len(self._shown.rows) - 1
+            is_last = row == len(self.shown.rows) - 1
             height = 2 + (is_last and bool(self.missing))
             area = Region(x, row, self._widths[column] + _GAP, height)
             self.scroll_to_region(area, animate=False, force=True)
@@ -194,15 +183,15 @@ class ValueTable(ScrollView, can_focus=True):
         self.post_message(self.Pointed())
 
     def action_open(self) -> None:
-        """Look into the value under the cursor."""
+        """Open the value under the cursor."""
         if self.pointed is not None:
             self.post_message(self.Opened())
 
     def render_line(self, y: int) -> Strip:
-        """One line: the head at the top of the view, rows below."""
+        """One line: the header at the top of the view, rows below."""
         offset, top = self.scroll_offset
         base = self.rich_style
-        if not self._shown.columns:
+        if not self.shown.columns:
             return Strip.blank(self.size.width, base)
         number = top + y - 1
         if y == 0:
@@ -210,9 +199,9 @@ class ValueTable(ScrollView, can_focus=True):
                 Segment(_fit(visible(name), width, number) + " " * _GAP, base + rich_style(_HEAD))
                 for number, (name, width) in self._head()
             ]
-        elif 0 <= number < len(self._shown.rows):
+        elif 0 <= number < len(self.shown.rows):
             segments = self._row(number, base)
-        elif number == len(self._shown.rows) and self.missing:
+        elif number == len(self.shown.rows) and self.missing:
             segments = [Segment(f"… {self.missing}", base + rich_style(INK.warn))]
         else:
             return Strip.blank(self.size.width, base)
@@ -222,21 +211,21 @@ class ValueTable(ScrollView, can_focus=True):
         return strip.extend_cell_length(width, fill).crop(offset, offset + self.size.width)
 
     def _head(self) -> list[tuple[bool, tuple[str, int]]]:
-        first = self._shown.rows[0] if self._shown.rows else (None,) * len(self._shown.columns)
+        first = self.shown.rows[0] if self.shown.rows else (None,) * len(self.shown.columns)
         return [
             (is_number(value), (name, width))
-            for value, name, width in zip(first, self._shown.columns, self._widths, strict=True)
+            for value, name, width in zip(first, self.shown.columns, self._widths, strict=True)
         ]
 
     def _row(self, number: int, base: Style) -> list[Segment]:
         row_style = base + rich_style(_ROW) if number == self._at[0] and self.has_focus else base
         segments = []
         for column, (value, width) in enumerate(
-            zip(self._shown.rows[number], self._widths, strict=True)
+            zip(self.shown.rows[number], self._widths, strict=True)
         ):
             text, colour = cell(value, width)
             style = row_style + rich_style(colour)
-            if (number, column) in self._shown.changed:
+            if (number, column) in self.shown.changed:
                 style += _CHANGED
             if (number, column) == self._at and self.has_focus:
                 style = base + rich_style(_HERE)
@@ -245,22 +234,22 @@ class ValueTable(ScrollView, can_focus=True):
         return segments
 
     def _measure(self) -> None:
-        """Give each column the width it needs, or its fair share if that is too much."""
-        sample = self._shown.rows[:_MEASURED_ROWS]
+        """Give each column the width that it needs, or a fair share if there is less room."""
+        sample = self.shown.rows[:_MEASURED_ROWS]
         wanted = [
             max(
                 _NARROWEST,
                 len(clip(visible(name), _WIDEST)),
                 *(cell_len(cell(row[number], _WIDEST)[0]) for row in sample),
             )
-            for number, name in enumerate(self._shown.columns)
+            for number, name in enumerate(self.shown.columns)
         ]
         spare = self.size.width - _GAP * len(wanted)
         while wanted and sum(wanted) > spare and max(wanted) > 12:
             widest = wanted.index(max(wanted))
             wanted[widest] = max(12, wanted[widest] - (sum(wanted) - spare))
         self._widths = wanted
-        lines = len(self._shown.rows) + 1 + bool(self.missing)
+        lines = len(self.shown.rows) + 1 + bool(self.missing)
         self.virtual_size = Size(sum(wanted) + _GAP * len(wanted), lines)
 
 
@@ -268,3 +257,25 @@ def _fit(text: str, width: int, right: bool) -> str:
     text = set_cell_size(text, width) if cell_len(text) > width else text
     missing = " " * (width - cell_len(text))
     return missing + text if right else text + missing
+
+
+def _named_rows(table: Table) -> tuple[tuple[str, ...], tuple[Row, ...]]:
+    """Columns and rows, with a column for the robot whose mind has a row where that matters."""
+    if len(set(table.viewers)) < 2 or "robot_name" in table.columns:
+        return table.columns, table.rows
+    rows = tuple((who, *row) for who, row in zip(table.viewers, table.rows, strict=True))
+    return (MIND, *table.columns), rows
+
+
+def counted(table: Table, what: str = "row", more: str = "") -> str:
+    """The number of rows in words.
+
+    Args:
+        table: The rows.
+        what: What to call one of them.
+        more: What follows.
+    """
+    count = len(table.rows)
+    if table.truncated:
+        return with_keys(f"first {count:,} {what}s{more}, there are more: {{ask}} narrows down")
+    return f"{count:,} {what}{'' if count == 1 else 's'}{more}"

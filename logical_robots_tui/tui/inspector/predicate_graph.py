@@ -1,0 +1,239 @@
+"""The call graph around a predicate: its users at the left, what it uses at the right."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, ClassVar
+
+from textual import on
+from textual.binding import Binding
+from textual.containers import Vertical
+from textual.content import Content
+from textual.geometry import Region
+from textual.message import Message
+from textual.widgets import Static
+
+from logical_robots_tui.tui.inspector.predicate_list import MARKS
+from logical_robots_tui.tui.inspector.widgets.line_views import LinesView
+from logical_robots_tui.tui.layout.dialogs import Dialog
+from logical_robots_tui.tui.theme.safe_text import clip, one_line
+from logical_robots_tui.tui.theme.themes import INK
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from textual import events
+    from textual.app import ComposeResult
+
+    from logical_robots_tui.mind import Program
+
+__all__ = ["Graph", "GraphView", "joint"]
+
+_USERS, _MIDDLE, _USED = 0, 1, 2
+_JOINTS = {
+    "": " ", "e": "─", "w": "─", "ew": "─", "ns": "│", "n": "│", "s": "│",
+    "es": "╭", "en": "╰", "sw": "╮", "nw": "╯",
+    "ens": "├", "nsw": "┤", "esw": "┬", "enw": "┴", "ensw": "┼",
+}  # fmt: skip
+_NOBODY, _NOTHING = "nobody", "nothing"
+_HERE = "reverse"
+_ARROWS = 10  # columns for the two joints with their arrows
+_KEYS = "↑↓ choose   ← → go along   enter open in the inspector   esc close"
+
+
+class GraphView(LinesView):
+    """The neighbours of a predicate.
+
+    Args:
+        program: Whose predicates.
+        name: The predicate in the middle at first.
+    """
+
+    BINDINGS: ClassVar[list[Binding | tuple[str, str] | tuple[str, str, str]]] = [
+        Binding("up", "choose(-1)", show=False),
+        Binding("down", "choose(1)", show=False),
+        Binding("left", "along(-1)", show=False),
+        Binding("right", "along(1)", show=False),
+        Binding("enter", "open", show=False),
+    ]
+
+    @dataclass
+    class Opened(Message):
+        """The player opens a predicate in the inspector.
+
+        Attributes:
+            predicate: Its name.
+        """
+
+        predicate: str
+
+    def __init__(self, program: Program, name: str) -> None:
+        super().__init__(id="graph")
+        self._program = program
+        self._columns: tuple[Sequence[str], ...] = ((), (name,), ())
+        self._at = (_MIDDLE, 0)
+        self._middle = name
+        self._tops = (0, 0, 0)
+        self._widths = (0, 0, 0)
+        self.centre(name)
+
+    @property
+    def middle(self) -> str:
+        """The predicate in the middle."""
+        return self._middle
+
+    @property
+    def chosen(self) -> str:
+        """The predicate under the cursor."""
+        column, row = self._at
+        return self._columns[column][row]
+
+    def centre(self, name: str) -> None:
+        """Move a predicate to the middle, with the cursor on it."""
+        uses = self._program.uses
+        users = [user for user, used in uses.items() if name in used]
+        self._middle = name
+        self._columns = (users, (name,), uses.get(name, ()))
+        self._at = (_MIDDLE, 0)
+        self.redraw()
+
+    def on_click(self, event: events.Click) -> None:
+        """Move a predicate to the middle, or open the one that is there."""
+        row, column, x = event.y + self.scroll_offset.y, _USERS, event.x
+        while column < _USED and x >= self._widths[column]:
+            x -= self._widths[column] + _ARROWS // 2
+            column += 1
+        place = row - self._tops[column]
+        if x >= 0 and 0 <= place < len(self._columns[column]):
+            if column == _MIDDLE:
+                self.post_message(self.Opened(self._middle))
+            else:
+                self.centre(self._columns[column][place])
+
+    def action_choose(self, down: int) -> None:
+        """Move the cursor up and down among the users, or among what is used."""
+        column, row = self._at
+        self._at = (column, max(0, min(row + down, len(self._columns[column]) - 1)))
+        self.redraw()
+
+    def action_along(self, right: int) -> None:
+        """Move the cursor to the next column; beyond the last, move its predicate to the middle."""
+        column = self._at[0] + right
+        if not _USERS <= column <= _USED:
+            self.centre(self.chosen)
+        elif self._columns[column]:
+            row = self._tops[self._at[0]] + self._at[1] - self._tops[column]
+            self._at = (column, max(0, min(row, len(self._columns[column]) - 1)))
+            self.redraw()
+
+    def action_open(self) -> None:
+        """Open the predicate under the cursor in the inspector."""
+        self.post_message(self.Opened(self.chosen))
+
+    def draw(self) -> None:
+        """Paint the graph, and bring the cursor into view."""
+        labels = [[self._label(name) for name in names] for names in self._columns]
+        labels[_USERS] = labels[_USERS] or [Content.styled(_NOBODY, INK.dim)]
+        labels[_USED] = labels[_USED] or [Content.styled(_NOTHING, INK.dim)]
+        most = (self.columns - _ARROWS) // 3
+        height = max(map(len, labels))
+        self._tops = tuple((height - len(each)) // 2 for each in labels)  # type: ignore[assignment] # three
+        self._widths = tuple(  # type: ignore[assignment] # three again
+            min(most, max(label.cell_length for label in each)) for each in labels
+        )
+        self.paint([self._line(row, labels) for row in range(height)])
+        column, row = self._at
+        area = Region(0, self._tops[column] + row, 1, 1)
+        self.scroll_to_region(area, animate=False, force=True)
+
+    def _line(self, row: int, labels: Sequence[Sequence[Content]]) -> Content:
+        """One line: a user, a connector, the middle, a connector, a used predicate."""
+        parts = []
+        for column, (top, width) in enumerate(zip(self._tops, self._widths, strict=True)):
+            place = row - top
+            label = Content("")
+            if 0 <= place < len(labels[column]):
+                label = labels[column][place].truncate(width, ellipsis=True)
+                if (column, place) == self._at:
+                    label = label.stylize(_HERE)
+            gap = width - label.cell_length
+            parts.append(label.pad_left(gap) if column == _USERS else label.pad_right(gap))
+        middle = self._tops[_MIDDLE]
+        left = joint(row, self._span(_USERS), middle, to_right=True)
+        right = joint(row, self._span(_USED), middle, to_right=False)
+        before = f" {'─' if 'w' in left else ' '}{_JOINTS[left]}{'▶' if 'e' in left else ' '} "
+        after = f" {'─' if 'w' in right else ' '}{_JOINTS[right]}{'▶' if 'e' in right else ' '} "
+        return Content.assemble(
+            parts[_USERS], (before, INK.faint), parts[_MIDDLE], (after, INK.faint), parts[_USED]
+        )
+
+    def _span(self, column: int) -> range:
+        """The lines that a column fills."""
+        top = self._tops[column]
+        return range(top, top + len(self._columns[column]))
+
+    def _label(self, name: str) -> Content:
+        known = self._program.predicate(name)
+        mark, colour = MARKS[known.kind] if known is not None else (" ", INK.dim)
+        style = f"bold {INK.title}" if name == self._middle else INK.text
+        shown = clip(one_line(name), self.columns)
+        return Content.assemble((f"{mark} ", colour), (shown, style))
+
+
+def joint(row: int, ends: range, middle: int, *, to_right: bool) -> str:
+    """The directions of the connector on a row: some of ``e``, ``n``, ``s``, ``w``, in this order.
+
+    Args:
+        row: The row.
+        ends: The rows to connect.
+        middle: The row to connect them to.
+        to_right: Whether that is to the right of them.
+    """
+    if not ends:
+        return ""
+    top, bottom = min(ends[0], middle), max(ends[-1], middle)
+    outer, inner = ("w", "e") if to_right else ("e", "w")
+    sides = {
+        outer: row in ends,
+        inner: row == middle,
+        "n": top < row <= bottom,
+        "s": top <= row < bottom,
+    }
+    return "".join(sorted(side for side, is_there in sides.items() if is_there))
+
+
+class Graph(Dialog[str]):
+    """A dialog with the graph; returns the name of the predicate to open.
+
+    Args:
+        program: Whose predicates.
+        name: The predicate in the middle at first.
+    """
+
+    DEFAULT_CSS = """
+    Graph > #box { height: 80%; max-width: 110; }
+    Graph #graph { margin: 1 0 0 0; }
+    """
+
+    BINDINGS: ClassVar[list[Binding | tuple[str, str] | tuple[str, str, str]]] = [
+        Binding("q,R", "leave", show=False),
+    ]
+
+    def __init__(self, program: Program, name: str) -> None:
+        super().__init__()
+        self.view = GraphView(program, name)
+
+    def compose(self) -> ComposeResult:
+        """The graph above its keys."""
+        with Vertical(id="box") as box:
+            box.border_title = "Users → predicate → what it uses"
+            yield self.view
+            yield Static(_KEYS, id="keys", markup=False)
+
+    def on_mount(self) -> None:
+        """Focus the graph."""
+        self.view.focus()
+
+    @on(GraphView.Opened)
+    def _opened(self, event: GraphView.Opened) -> None:
+        self.dismiss(event.predicate)

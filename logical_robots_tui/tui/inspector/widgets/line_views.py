@@ -1,0 +1,205 @@
+"""Views that paint lines instead of holding widgets, so that a new tick needs no layout."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, ClassVar
+
+from textual.binding import Binding
+from textual.geometry import Region, Size
+from textual.scroll_view import ScrollView
+from textual.strip import Strip
+
+from logical_robots_tui.tui.theme.themes import rich_style
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from textual import events
+    from textual.content import Content
+
+__all__ = ["CursorView", "LinesView"]
+
+_CURSOR = "on $here"
+_END = 1_000_000
+
+
+class LinesView(ScrollView, can_focus=True):
+    """Paints lines; of a new set of lines only those that differ."""
+
+    DEFAULT_CSS = """
+    LinesView { background: $surface; height: 1fr; overflow: hidden auto; margin: 0 1; }
+    """
+
+    def __init__(self, *, id: str) -> None:  # noqa: A002 - the name that widgets have
+        super().__init__(id=id)
+        self._painted: list[Content] = []
+
+    @property
+    def columns(self) -> int:
+        """Width of a line; 0 while the view has no room."""
+        return self.scrollable_content_region.width
+
+    @property
+    def height(self) -> int:
+        """Number of lines, also those scrolled out of view."""
+        return len(self._painted)
+
+    @property
+    def plain(self) -> str:
+        """All lines without their colours."""
+        return "\n".join(self.content(number).plain for number in range(self.height))
+
+    def content(self, number: int) -> Content:
+        """A line."""
+        return self._painted[number]
+
+    def is_at_cursor(self, number: int) -> bool:
+        """Whether a line is highlighted."""
+        del number
+        return False
+
+    def draw(self) -> None:
+        """Paint what is to be shown, at the present width."""
+        raise NotImplementedError
+
+    def redraw(self) -> None:
+        """Draw at the present width, if there is any."""
+        if self.columns > 0:
+            self.draw()
+
+    def on_resize(self) -> None:
+        """Draw at the new width."""
+        self.redraw()
+
+    def paint(self, lines: Sequence[Content]) -> None:
+        """Replace the lines."""
+        before, self._painted = self._painted, list(lines)
+        if len(before) != len(lines):
+            self.virtual_size = Size(self.columns, len(lines))
+            self.refresh()
+        else:
+            pairs = enumerate(zip(before, lines, strict=True))
+            self.repaint(*(number for number, (old, new) in pairs if not old.is_same(new)))
+
+    def repaint(self, *numbers: int) -> None:
+        """Paint some lines again."""
+        top, width = self.scroll_offset.y, self.size.width
+        regions = [Region(0, number - top, width, 1) for number in numbers if number >= top]
+        if regions:
+            self.refresh(*regions)
+
+    def render_line(self, y: int) -> Strip:
+        """One line of the view."""
+        number = y + self.scroll_offset.y
+        if number >= self.height:
+            return Strip.blank(self.columns, self.rich_style)
+        content, style = self.content(number), self.rich_style
+        if self.is_at_cursor(number):
+            content, style = content.stylize_before(_CURSOR), style + rich_style(_CURSOR)
+        strip = Strip(content.render_segments(self.visual_style))
+        return strip.adjust_cell_length(self.columns, style)
+
+
+class CursorView(LinesView):
+    """Lines with a cursor on an item: one line, or several that belong together."""
+
+    BINDINGS: ClassVar[list[Binding | tuple[str, str] | tuple[str, str, str]]] = [
+        Binding("up", "move(-1)", show=False),
+        Binding("down", "move(1)", show=False),
+        Binding("pageup", "page(-1)", show=False),
+        Binding("pagedown", "page(1)", show=False),
+        Binding("home", f"move({-_END})", show=False),
+        Binding("end", f"move({_END})", show=False),
+    ]
+
+    def __init__(self, *, id: str) -> None:  # noqa: A002 - the name that widgets have
+        super().__init__(id=id)
+        self._at = 0
+        self._spans: list[range] = []
+
+    @property
+    def count(self) -> int:
+        """Number of items."""
+        return len(self._spans)
+
+    def span(self, item: int) -> range:
+        """The lines of an item."""
+        return self._spans[item]
+
+    def item_at(self, line: int) -> int | None:
+        """The item that a line belongs to, or None."""
+        return next((n for n in range(self.count) if line in self.span(n)), None)
+
+    def paint_items(self, items: Sequence[Sequence[Content]], after: Sequence[Content]) -> None:
+        """Replace the items.
+
+        Args:
+            items: The lines of each item.
+            after: Lines below them.
+        """
+        lines: list[Content] = []
+        self._spans = []
+        for item in items:
+            self._spans.append(range(len(lines), len(lines) + len(item)))
+            lines += item
+        self._at = max(0, min(self._at, len(items) - 1))
+        self.paint([*lines, *after])
+
+    def cursor_moved(self) -> None:
+        """Follow the cursor, which the player has put on an item."""
+
+    def is_at_cursor(self, number: int) -> bool:
+        """Whether a line is highlighted."""
+        return self.has_focus and self._at < self.count and number in self.span(self._at)
+
+    def on_focus(self) -> None:
+        """Show the cursor."""
+        self._repaint_item(self._at)
+        self.cursor_moved()
+
+    def on_blur(self) -> None:
+        """Hide the cursor."""
+        self._repaint_item(self._at)
+
+    def on_click(self, event: events.Click) -> None:
+        """Put the cursor on an item; a click on the item under the cursor is one for itself."""
+        line = event.y + self.scroll_offset.y
+        item = self.item_at(line)
+        if item is not None:
+            was_there = item == self._at
+            self.action_move(item - self._at)
+            self.clicked(event.x, line - self.span(item).start, again=was_there)
+
+    def clicked(self, x: int, line: int, *, again: bool) -> None:
+        """React to a click.
+
+        Args:
+            x: The column.
+            line: The line within the item, which is now under the cursor.
+            again: Whether the cursor was there before.
+        """
+
+    def action_move(self, down: int) -> None:
+        """Move the cursor."""
+        if self.count:
+            before, self._at = self._at, max(0, min(self._at + down, self.count - 1))
+            self._repaint_item(before)
+            self._repaint_item(self._at)
+            self.scroll_to_cursor()
+            self.cursor_moved()
+
+    def action_page(self, down: int) -> None:
+        """Move the cursor by the height of the view."""
+        if self.count:
+            self.action_move(down * max(1, (self.size.height - 1) // len(self.span(self._at))))
+
+    def scroll_to_cursor(self) -> None:
+        """Bring the item under the cursor into view; the last one with the lines below it."""
+        lines = self.span(self._at)
+        stop = self.height if self._at == self.count - 1 else lines.stop
+        area = Region(0, lines.start, 1, stop - lines.start)
+        self.scroll_to_region(area, animate=False, force=True)
+
+    def _repaint_item(self, item: int) -> None:
+        if item < self.count:
+            self.repaint(*self.span(item))

@@ -1,0 +1,128 @@
+"""Small plots in characters: a radar, and the values of an expression over many ticks."""
+
+from __future__ import annotations
+
+import math
+from itertools import pairwise
+from typing import TYPE_CHECKING, NamedTuple
+
+from textual.content import Content
+
+from logical_robots_tui.tui.theme.themes import INK
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping, Sequence
+    from typing import Any
+
+__all__ = ["BARS", "Sample", "radar_plot", "scale", "sparkline"]
+
+_FARTHEST = 200.0
+_BRAILLE = 0x2800
+_DOTS = ((0x01, 0x08), (0x02, 0x10), (0x04, 0x20), (0x40, 0x80))
+_COLOURS = {"wall": INK.wall, "beacon": INK.beacon, "robot": INK.robot}
+
+BARS = "▁▂▃▄▅▆▇█"
+_PLAIN_BARS = "_.-:=+*#"
+_SAME, _OTHER, _NONE, _UNKNOWN = "─", "┼", "·", " "
+_PLAIN = {_SAME: "-", _OTHER: "|", _NONE: "."}
+
+
+def radar_plot(radar: Sequence[Mapping[str, Any]], rows: int) -> list[Content]:
+    """Plot the rays of a radar, with the robot at the bottom centre, looking up.
+
+    Args:
+        radar: The rays: angle (radians, positive to the left), distance and object.
+        rows: Height in lines.
+
+    Returns:
+        The lines, from the top, each 4 * rows cells wide.
+    """
+    columns = 4 * rows
+    across, down = 2 * columns, 4 * rows
+    dots: dict[tuple[int, int], int] = {}
+    colours: dict[tuple[int, int], str] = {}
+    scale = (down - 1) / _FARTHEST
+
+    def put(distance: float, angle: float, colour: str) -> None:
+        x = round(across / 2 - math.sin(angle) * distance * scale)
+        y = round(down - 1 - math.cos(angle) * distance * scale)
+        if 0 <= x < across and 0 <= y < down:
+            cell = y // 4, x // 2
+            dots[cell] = dots.get(cell, 0) | _DOTS[y % 4][x % 2]
+            if colours.get(cell, INK.faint) == INK.faint:
+                colours[cell] = colour
+
+    for ray in radar:
+        end = float(ray["distance"])
+        for step in range(1, 10):
+            put(end * step / 10, ray["angle"], INK.faint)
+        put(end, ray["angle"], _COLOURS.get(ray["object"], INK.faint))
+    colours[rows - 1, columns // 2] = INK.key
+    dots[rows - 1, columns // 2] = 0xC0
+    return [
+        Content.assemble(
+            *(
+                (chr(_BRAILLE + dots.get((row, column), 0)), colours.get((row, column), INK.faint))
+                for column in range(columns)
+            )
+        )
+        for row in range(rows)
+    ]
+
+
+class Sample(NamedTuple):
+    """The value at one tick.
+
+    Attributes:
+        number: The value, if it is a number.
+        likeness: Equal for equal values; None if there is no value.
+    """
+
+    number: float | None
+    likeness: int | None
+
+
+def sparkline(samples: Sequence[Sample | None], *, counts: bool, plain: bool = False) -> str:
+    """One character per tick: a bar for a number; for other values, whether they change.
+
+    Args:
+        samples: The values; None where they are not known.
+        counts: Whether the scale begins at 0, as it should for row counts.
+        plain: Whether to use ASCII only.
+    """
+    found = scale(samples, counts=counts)
+    bars = _PLAIN_BARS if plain else BARS
+    line = []
+    for before, sample in pairwise((None, *samples)):
+        if sample is not None and sample.number is not None and found is not None:
+            line.append(bars[_height(sample.number, *found)])
+        else:
+            sign = _sign(before, sample)
+            line.append(_PLAIN.get(sign, sign) if plain else sign)
+    return "".join(line)
+
+
+def scale(samples: Sequence[Sample | None], *, counts: bool) -> tuple[float, float] | None:
+    """The lowest and the highest number, or None if there are no numbers."""
+    numbers = [each.number for each in samples if each is not None and each.number is not None]
+    if not numbers:
+        return None
+    return min([0.0, *numbers] if counts else numbers), max(numbers)
+
+
+def _height(number: float, low: float, high: float) -> int:
+    """Index of the bar; if all numbers are equal, halfway up, or the lowest if they are 0."""
+    if low == high:
+        return len(BARS) // 2 - 1 if number else 0
+    if math.isinf(high - low):
+        number, low, high = number / 2, low / 2, high / 2
+    share = (number - low) / (high - low)
+    return min(int(share * len(BARS)), len(BARS) - 1)
+
+
+def _sign(before: Sample | None, sample: Sample | None) -> str:
+    if sample is None:
+        return _UNKNOWN
+    if sample.likeness is None:
+        return _NONE
+    return _OTHER if before is not None and before.likeness != sample.likeness else _SAME

@@ -1,0 +1,249 @@
+"""A proof on the screen: an expandable tree with a cursor."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, ClassVar
+
+from textual.binding import Binding
+from textual.geometry import Region, Size
+from textual.message import Message
+
+from logical_robots_tui.tui.inspector.widgets.line_views import CursorView
+from logical_robots_tui.tui.inspector.widgets.proof_tree import (
+    MARKER_WIDTH,
+    ProofLine,
+    ProofTree,
+    guides,
+    line_content,
+)
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from textual.content import Content
+
+    from logical_robots_tui.mind import Ask, Node
+
+__all__ = ["WhyView"]
+
+
+class WhyView(CursorView):
+    """A proof. Only visible lines are rendered, however many there are.
+
+    Right expands, left collapses, enter asks why one level deeper, backspace goes back.
+    """
+
+    BINDINGS: ClassVar[list[Binding | tuple[str, str] | tuple[str, str, str]]] = [
+        Binding("right", "inward", show=False),
+        Binding("left", "outward", show=False),
+        Binding("enter", "deeper", show=False),
+        Binding("backspace", "back", show=False),
+    ]
+
+    @dataclass
+    class Pointed(Message):
+        """The cursor is on another node, or the node under it has been replaced.
+
+        Attributes:
+            node: The node.
+            moved: Whether the player has moved the cursor.
+        """
+
+        node: Node
+        moved: bool
+
+    @dataclass
+    class Deeper(Message):
+        """The player asks about a call in the proof.
+
+        Attributes:
+            asked: The question.
+        """
+
+        asked: Ask
+
+    @dataclass
+    class Lacking(Message):
+        """A line was expanded whose proof is not known yet.
+
+        Attributes:
+            key: The line.
+            asked: The question that it asks.
+        """
+
+        key: int
+        asked: Ask
+
+    class Opened(Message):
+        """The player opens the values of the node under the cursor."""
+
+    class Back(Message):
+        """The player returns to the question before."""
+
+    def __init__(self) -> None:
+        super().__init__(id="why")
+        self._tree = ProofTree()
+        self._key = 0
+        self._has_way_back = False
+
+    @property
+    def lines(self) -> Sequence[ProofLine]:
+        """The lines of the tree, as it is expanded."""
+        return self._tree.lines
+
+    @property
+    def line(self) -> ProofLine | None:
+        """The line under the cursor."""
+        return self.lines[self._at] if self.lines else None
+
+    @property
+    def pointed(self) -> Node | None:
+        """The node under the cursor."""
+        return self.line.node if self.line is not None else None
+
+    @property
+    def height(self) -> int:
+        """Number of lines, also those scrolled out of view."""
+        return len(self.lines)
+
+    count = height
+
+    def span(self, item: int) -> range:
+        """A line is an item of its own."""
+        return range(item, item + 1)
+
+    def item_at(self, line: int) -> int | None:
+        """The item on a line."""
+        return line if line < self.count else None
+
+    def content(self, number: int) -> Content:
+        """A line in its colours."""
+        return line_content(self.lines[number], self.columns, is_open=self.is_open(number))
+
+    def is_open(self, number: int) -> bool:
+        """Whether a line is expanded."""
+        return self._tree.is_open(self.lines[number])
+
+    def show(
+        self,
+        roots: Sequence[Node],
+        rest: Sequence[Node] = (),
+        *,
+        anew: bool = False,
+        has_way_back: bool = False,
+    ) -> None:
+        """Show a proof. The cursor and what the player expanded or collapsed stay.
+
+        Args:
+            roots: The rules of the proof.
+            rest: Rules that are no part of it, collapsed.
+            anew: Whether this is another question, so that the cursor begins at the top.
+            has_way_back: Whether there is a question to go back to.
+        """
+        was_empty = not self.lines
+        self._has_way_back = has_way_back
+        self._tree.show(roots, rest, self.size.height, anew=anew)
+        if anew:
+            self._at, self._key = 0, 0
+            self.scroll_to(y=0, animate=False)
+        self._restore_cursor()
+        if was_empty:
+            self.scroll_to_region(Region(0, self._at, 1, 1), animate=False, force=True)
+        self._post_pointed(moved=False)
+
+    def open(self, number: int) -> None:
+        """Expand a line, and bring as much of its subtree into view as fits."""
+        line = self.lines[number]
+        self._tree.open(number)
+        self._restore_cursor()
+        height = 1 + min(len(line.children), self.size.height - 1)
+        self.scroll_to_region(Region(0, number, 1, height), animate=False, force=True)
+        if line.lacks and line.node.asked is not None:
+            self.post_message(self.Lacking(line.key, line.node.asked))
+
+    def close(self, number: int) -> None:
+        """Collapse a line."""
+        self._tree.close(number)
+        self._restore_cursor()
+
+    def toggle_fold(self, number: int) -> None:
+        """Expand a line, or collapse it."""
+        self.close(number) if self.is_open(number) else self.open(number)
+
+    def unfold(self, key: int, nodes: Sequence[Node]) -> None:
+        """Add the proof of what a line asks below it."""
+        self._tree.unfold(key, nodes)
+        self._restore_cursor()
+
+    def draw(self) -> None:
+        """Expand as much as fits into the present size."""
+        self._tree.fit(self.size.height)
+        self._restore_cursor()
+
+    def cursor_moved(self) -> None:
+        """Point out the node under the cursor."""
+        if self.line is not None:
+            self._key = self.line.key
+        self._post_pointed(moved=True)
+
+    def clicked(self, x: int, line: int, *, again: bool) -> None:
+        """Expand or collapse at the marker; elsewhere a second click goes deeper."""
+        del line
+        start = len(guides(self.lines[self._at].depth, self.columns))
+        if start <= x < start + MARKER_WIDTH and self.lines[self._at].folds:
+            self.toggle_fold(self._at)
+        elif again:
+            self.action_deeper()
+
+    def action_inward(self) -> None:
+        """Expand the line under the cursor; if it is expanded, go to its first child."""
+        if not self.lines or not self.lines[self._at].folds:
+            return
+        if not self.is_open(self._at):
+            self.open(self._at)
+        elif self.lines[self._at].children:
+            self.action_move(1)
+
+    def action_outward(self) -> None:
+        """Collapse the line under the cursor, or go to its parent; at a root, go back."""
+        parent = self._tree.parent(self._at) if self.lines else None
+        if parent is None and self._has_way_back:
+            self.action_back()
+        elif not self.lines:
+            return
+        elif self.is_open(self._at):
+            self.close(self._at)
+        elif parent is not None:
+            self.action_move(parent - self._at)
+
+    def action_deeper(self) -> None:
+        """Ask what the line under the cursor asks, or open its values."""
+        node = self.pointed
+        if node is None:
+            return
+        if node.asked is not None:
+            self.post_message(self.Deeper(node.asked))
+        elif node.values:
+            self.post_message(self.Opened())
+        else:
+            self.toggle_fold(self._at)
+
+    def action_back(self) -> None:
+        """Return to the question before."""
+        self.post_message(self.Back())
+
+    # -- inside --------------------------------------------------------------------------------
+
+    def _restore_cursor(self) -> None:
+        """Put the cursor back on its line, if that is still there, and paint everything."""
+        at = self._tree.number(self._key)
+        self._at = max(0, min(self._at, len(self.lines) - 1)) if at is None else at
+        if self.lines:
+            self._key = self.lines[self._at].key
+        self.virtual_size = Size(self.columns, len(self.lines))
+        self.refresh()
+
+    def _post_pointed(self, *, moved: bool) -> None:
+        if self.pointed is not None:
+            self.post_message(self.Pointed(self.pointed, moved=moved))

@@ -1,0 +1,228 @@
+"""A value as an expandable tree: records and lists, and a plot of a radar."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, ClassVar
+
+from rich.text import Text
+from textual import on
+from textual.binding import Binding
+from textual.containers import Horizontal, Vertical
+from textual.content import Content
+from textual.widgets import Static, Tree
+
+from logical_robots_tui.tui.inspector.widgets.cells import cell
+from logical_robots_tui.tui.inspector.widgets.plots import radar_plot
+from logical_robots_tui.tui.layout.dialogs import Dialog
+from logical_robots_tui.tui.theme.safe_text import one_line
+from logical_robots_tui.tui.theme.themes import INK, rich_style
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator
+
+    from textual.app import ComposeResult
+    from textual.widgets.tree import TreeNode
+
+    from logical_robots_tui.game import Path, Pin
+    from logical_robots_tui.values import Value
+
+__all__ = ["Branch", "ValueTree"]
+
+_GROUP = 100  # most parts under one node
+_PREVIEW = 60  # characters of a collapsed record or list
+_OPEN = 12  # branches with at most so many parts are expanded at first
+_PICTURE_ROWS = 8
+_KEYS = "↑↓ move   enter or space fold   @ pin   < where from   esc close"
+
+
+@dataclass(frozen=True, slots=True)
+class Branch:
+    """A value with its name.
+
+    Attributes:
+        title: The name.
+        value: The value.
+        pin: A pin for it, or None if it cannot be pinned.
+    """
+
+    title: str
+    value: Value
+    pin: Pin | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class _Part:
+    """A node: a value, or a group of parts of a long list or record.
+
+    Attributes:
+        value: The value; of a group, the whole list or record.
+        branch: The branch that it is in.
+        path: The path from there.
+        within: The parts in a group; None for a value.
+        radar: The rays that it belongs to, or None.
+    """
+
+    value: Value
+    branch: Branch
+    path: Path
+    within: range | None = None
+    radar: Sequence[Mapping[str, Any]] | None = None
+
+
+class ValueTree(Dialog[None]):
+    """A dialog with values.
+
+    Args:
+        title: Its title.
+        branches: The values; a single one is expanded.
+        pin: Pins or unpins; returns whether it is pinned now.
+        follow: Traces a value to its origin; returns whether it can.
+    """
+
+    DEFAULT_CSS = """
+    ValueTree > #box { height: 90%; max-width: 110; }
+    ValueTree Tree { width: 1fr; height: 1fr; background: $surface; padding: 1 0 0 0; }
+    ValueTree Tree:focus { background-tint: $foreground 0%; }
+    ValueTree Tree > .tree--guides { color: $ink-faint; }
+    ValueTree #radar { width: auto; height: auto; padding: 1 1; display: none; }
+    """
+
+    BINDINGS: ClassVar[list[Binding | tuple[str, str] | tuple[str, str, str]]] = [
+        Binding("at", "pin", show=False),
+        Binding("less_than_sign", "origin", show=False),
+        Binding("q,X", "leave", show=False),
+    ]
+
+    def __init__(
+        self,
+        title: str,
+        branches: Sequence[Branch],
+        pin: Callable[[Pin], bool],
+        follow: Callable[[Pin], bool],
+    ) -> None:
+        super().__init__()
+        self._title_text = title
+        self._branches = branches
+        self._pin, self._follow = pin, follow
+        self._tree: Tree[_Part] = Tree("", id="tree")
+        self._tree.show_root = False
+        self._tree.guide_depth = 2
+        self._picture = Static(id="radar")
+
+    def compose(self) -> ComposeResult:
+        """The tree, and beside it the plot of a radar."""
+        with Vertical(id="box") as box:
+            box.border_title = Content(one_line(self._title_text))
+            with Horizontal():
+                yield self._tree
+                yield self._picture
+            yield Static(_KEYS, id="keys", markup=False)
+
+    def on_mount(self) -> None:
+        """Expand what is short."""
+        for branch in self._branches:
+            part = _Part(branch.value, branch, (), radar=_radar(branch.value))
+            node = self._add(self._tree.root, branch.title, part)
+            if len(self._branches) == 1 or _size(branch.value) <= _OPEN:
+                node.expand()
+        self._tree.cursor_line = 0
+        self._tree.focus()
+
+    def action_pin(self) -> None:
+        """Pin the value under the cursor, or unpin it."""
+        pin = self._pointed
+        if pin is None:
+            self.notify("Only a value of a predicate can be pinned.", markup=False)
+            return
+        words = "Pinned" if self._pin(pin) else "No longer pinned"
+        self.notify(f"{words}: {one_line(pin.words)}.", markup=False, timeout=4)
+
+    def action_origin(self) -> None:
+        """Close, and trace the value under the cursor to its origin."""
+        pin = self._pointed
+        if pin is not None and self._follow(pin):
+            self.dismiss(None)
+        else:
+            self.notify("Only a memory or a part of one can be followed back.", markup=False)
+
+    @property
+    def _pointed(self) -> Pin | None:
+        """A pin for the value under the cursor."""
+        node = self._tree.cursor_node
+        part = node.data if node is not None else None
+        if part is None or part.within is not None or part.branch.pin is None:
+            return None
+        return part.branch.pin.deeper(part.path)
+
+    @on(Tree.NodeExpanded)
+    def _grow(self, event: Tree.NodeExpanded[_Part]) -> None:
+        """Add the children of a node when it is first expanded."""
+        event.stop()
+        node = event.node
+        if node.data is not None and not node.children:
+            for name, part in _inside(node.data):
+                self._add(node, name, part)
+
+    @on(Tree.NodeHighlighted)
+    def _moved(self, event: Tree.NodeHighlighted[_Part]) -> None:
+        """Plot the radar under the cursor, if there is room beside the tree."""
+        event.stop()
+        radar = event.node.data.radar if event.node.data is not None else None
+        self._picture.display = radar is not None and self.size.width >= 10 * _PICTURE_ROWS
+        if radar is not None:
+            self._picture.update(Content("\n").join(radar_plot(radar, _PICTURE_ROWS)))
+
+    def _add(self, node: TreeNode[_Part], name: str, part: _Part) -> TreeNode[_Part]:
+        colour = INK.text if _size(part.value) else INK.dim
+        label = Text.assemble((one_line(name), rich_style(colour)), "  ")
+        if part.within is None:
+            text, colour = cell(part.value, _PREVIEW)
+            label.append(text, rich_style(INK.dim if _size(part.value) else colour))
+        if _size(part.value):
+            return node.add(label, part)
+        return node.add_leaf(label, part)
+
+
+def _size(value: Value) -> int:
+    """Number of parts of a value."""
+    return len(value) if isinstance(value, Mapping | list | tuple) else 0
+
+
+def _inside(part: _Part) -> Iterator[tuple[str, _Part]]:
+    """The named parts of a value, in groups if there are many."""
+    items = list(_items(part.value))
+    among = part.within or range(len(items))
+    if part.within is None and len(items) > _GROUP:
+        for start in range(0, len(items), _GROUP):
+            group = range(start, min(start + _GROUP, len(items)))
+            name = f"{group[0]} to {group[-1]}"
+            yield name, _Part(part.value, part.branch, part.path, group, part.radar)
+        return
+    for step, value in items[among.start : among.stop]:
+        radar = _radar(value) or part.radar
+        yield str(step), _Part(value, part.branch, (*part.path, step), radar=radar)
+
+
+def _items(value: Value) -> Iterator[tuple[str | int, Value]]:
+    if isinstance(value, Mapping):
+        yield from value.items()
+    elif isinstance(value, list | tuple):
+        yield from enumerate(value)
+
+
+def _radar(value: Value) -> Sequence[Mapping[str, Any]] | None:
+    """The value if it is a radar."""
+    if not isinstance(value, list | tuple) or not value:
+        return None
+    is_radar = all(_is_ray(each) for each in value)
+    return value if is_radar else None
+
+
+def _is_ray(value: Value) -> bool:
+    return (
+        isinstance(value, Mapping)
+        and isinstance(value.get("object"), str)
+        and all(isinstance(value.get(name), int | float) for name in ("distance", "angle"))
+    )

@@ -1,0 +1,209 @@
+"""Dialogs: boxes over the game, a line to type, a question to answer, a list to choose from."""
+
+from __future__ import annotations
+
+from functools import partial
+from time import monotonic
+from typing import TYPE_CHECKING, ClassVar, Generic, TypeVar
+
+from textual import on
+from textual.await_complete import AwaitComplete
+from textual.binding import Binding
+from textual.containers import Horizontal, Vertical, VerticalScroll
+from textual.content import Content
+from textual.screen import ModalScreen, Screen
+from textual.widgets import Button, Input, OptionList, Static
+
+from logical_robots_tui.tui.theme.safe_text import visible_lines
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from textual import events
+    from textual.app import ComposeResult
+
+__all__ = ["ClosedOnce", "Dialog", "LinePrompt", "Listing", "Question"]
+
+Result = TypeVar("Result")
+
+
+class ClosedOnce(Screen[Result]):
+    """A screen that what comes in twice, such as a double click, closes once.
+
+    Textual would close the screen below as well, or end the app if there is none but that.
+    """
+
+    def dismiss(self, result: Result | None = None) -> AwaitComplete:
+        """Close, unless that is done already."""
+        return super().dismiss(result) if self.is_active else AwaitComplete()
+
+    def check_action(self, action: str, parameters: tuple[object, ...]) -> bool | None:
+        """Whether a key may do something: not once it is closed, and has lost its parts."""
+        return self.is_active and super().check_action(action, parameters)
+
+
+class Dialog(ModalScreen["Result | None"], ClosedOnce["Result | None"], Generic[Result]):
+    """A box over the game; leaving it without an answer gives None."""
+
+    DEFAULT_CSS = """
+    Dialog { align: center middle; background: $background 60%; }
+    Dialog > #box {
+        width: 90%; max-width: 96; height: auto; max-height: 90%; padding: 0 1;
+        border: round $frame-here; border-title-color: $ink-title; background: $surface;
+    }
+    Dialog #complaint { color: $error; height: auto; max-height: 6; display: none; }
+    Dialog #keys { color: $ink-dim; height: 1; margin-top: 1; text-wrap: nowrap; }
+    Dialog Input {
+        border: none; height: 1; padding: 0 1; background: $panel; margin-bottom: 1;
+    }
+    Dialog Input:focus { border: none; }
+    Dialog OptionList { border: none; padding: 0; background: $surface; }
+    Dialog OptionList:focus { border: none; }
+    """
+
+    BINDINGS: ClassVar[list[Binding | tuple[str, str] | tuple[str, str, str]]] = [
+        Binding("escape", "leave", "Close", show=False),
+    ]
+
+    def action_leave(self) -> None:
+        """Close without an answer."""
+        self.dismiss(None)
+
+
+class LinePrompt(Dialog[str]):
+    """Asks for a line, and gives it as it was typed.
+
+    Args:
+        title: What for.
+        text: What stands there already.
+    """
+
+    DEFAULT_CSS = """
+    LinePrompt > #box { max-width: 60; padding: 1 2 0 2; }
+    """
+
+    def __init__(self, title: str, text: str) -> None:
+        super().__init__()
+        self._title_text = title
+        self._text = text
+
+    def compose(self) -> ComposeResult:
+        """A line to type in."""
+        with Vertical(id="box") as box:
+            box.border_title = Content(self._title_text)
+            yield Input(self._text, id="line")
+            yield Static("enter take it   esc close", id="keys", markup=False)
+
+    @on(Input.Submitted)
+    def _submitted(self, event: Input.Submitted) -> None:
+        self.dismiss(event.value)
+
+
+class Question(Dialog[str]):
+    """Asks, and gives the name of the answer.
+
+    Args:
+        title: What it is about.
+        question: The question.
+        answers: Pairs of name and label; the first letter of the label is its key.
+        text: A text to show when asked, under the answer ``show``.
+        noticing: Seconds for which it is to be seen before it shows its answers.
+
+    Attributes:
+        answered_from: When the answers were shown, as the clock of events says; inf before.
+    """
+
+    DEFAULT_CSS = """
+    Question > #box { max-width: 76; padding: 1 2; }
+    Question #text { height: auto; max-height: 14; margin-top: 1; display: none;
+        background: $panel; padding: 0 1; }
+    Question #answers { height: 1; margin-top: 1; }
+    Question Button {
+        height: 1; min-width: 8; border: none; margin-right: 1; padding: 0 1;
+        background: $panel; color: $foreground; text-style: none;
+    }
+    Question Button:focus { background: $here; text-style: bold; border: none; }
+    """
+
+    def __init__(
+        self,
+        title: str,
+        question: str,
+        answers: Sequence[tuple[str, str]],
+        *,
+        text: str = "",
+        noticing: float = 0.0,
+    ) -> None:
+        super().__init__()
+        self._noticing = noticing
+        self.answered_from = float("inf")
+        self._title_text = title
+        self._question = question
+        self._answers = answers
+        self._text = text
+
+    def compose(self) -> ComposeResult:
+        """The question above its answers."""
+        with Vertical(id="box") as box:
+            box.border_title = Content(self._title_text)
+            yield Static(Content(self._question), id="question")
+            with VerticalScroll(id="text"):
+                yield Static(Content(visible_lines(self._text)))
+            with Horizontal(id="answers"):
+                for name, label in self._answers:
+                    yield Button(Content(label), id=f"answer-{name}", compact=True)
+
+    def on_mount(self) -> None:
+        """Show the answers, at once or when the question has been seen."""
+        if self._noticing:
+            self.query_one("#answers").visible = False
+            self.call_after_refresh(partial(self.set_timer, self._noticing, self._show_answers))
+        else:
+            self._show_answers()
+
+    def _show_answers(self) -> None:
+        self.answered_from = monotonic()
+        self.query_one("#answers").visible = True
+        self.query(Button).first().focus()
+
+    def on_key(self, event: events.Key) -> None:
+        """Answer by the first letter, or go to the next answer with the arrows."""
+        if event.key in ("left", "right"):
+            event.stop()
+            self.focus_next(Button) if event.key == "right" else self.focus_previous(Button)
+        for name, label in self._answers:
+            if event.character and event.character.casefold() == label[0].casefold():
+                event.stop()
+                self._answer(name)
+
+    @on(Button.Pressed)
+    def _pressed(self, event: Button.Pressed) -> None:
+        if event.button.id is not None:
+            self._answer(event.button.id.removeprefix("answer-"))
+
+    def _answer(self, name: str) -> None:
+        if name == "show":
+            text = self.query_one("#text")
+            text.display = not text.display
+        else:
+            self.dismiss(name)
+
+
+class Listing(OptionList):
+    """A list that does nothing where there is nothing; Textual's would end the game."""
+
+    def on_click(self, event: events.Click) -> None:
+        """Keep back a click that is meant for a line that has just gone."""
+        line = event.style.meta.get("option")
+        if line is not None and line >= self.option_count:
+            event.prevent_default()
+
+    def action_page_up(self) -> None:
+        """Go up by a page, if one is seen."""
+        if self.scrollable_content_region:
+            super().action_page_up()  # type: ignore[no-untyped-call] # so it is in Textual
+
+    def action_page_down(self) -> None:
+        """Go down by a page, if one is seen."""
+        if self.scrollable_content_region:
+            super().action_page_down()  # type: ignore[no-untyped-call] # this, too
