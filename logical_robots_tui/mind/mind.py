@@ -125,7 +125,7 @@ class Mind:
                 ended = [*cut_offs(self._asking, moment, view, within)]
                 cut_off |= dict.fromkeys(view.viewers, ended)
             columns, found = answer
-            mine = frozenset(view.viewers)
+            mine = view.viewers if len(view.viewers) == 1 else frozenset(view.viewers)
             self._thought.append((view, answer))
             for values in found:
                 row = dict(zip(columns, values, strict=True))

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from logical_robots_tui.mind.limits import Limits
     from logical_robots_tui.values import SensorRow, Value
 
-__all__ = ["Moment", "TooHeavyError", "View", "Within"]
+__all__ = ["LONG", "Moment", "TooHeavyError", "View", "Within"]
 
 
 class View(NamedTuple):
@@ -131,8 +131,9 @@ class TooHeavyError(Exception):
     """Rows would take more memory than they may; the message says how much."""
 
 
-_LONG = 10_000  # characters; shorter ones are bounded by the number of rows
-_MANY = 100  # rows from which on it may take a while to read them
+LONG = 10_000
+"""Characters of a text; shorter ones are bounded by the number of rows."""
+
 _CLOSE = 0.1  # of all steps; far more than what is counted inexactly
 
 
@@ -225,10 +226,6 @@ class Within:
             weight=self.weight,
         )
 
-    def note_size(self, texts: int, rows: int) -> None:
-        """Say how large the answer is: the bytes of its texts, and how many rows it has."""
-        self.is_much = texts > _LONG or rows > _MANY
-
     def each(self, row: Sequence[Any]) -> Sequence[Any]:
         """The row, unless the work is to end.
 
@@ -239,7 +236,7 @@ class Within:
         if self.stop is not None and self.stop.is_set():
             raise Stopped("The program was stopped while its answer was read.")
         for value in row:
-            if value.__class__ is str and len(value) > _LONG:
+            if value.__class__ is str and len(value) > LONG:
                 is_text = value[0] not in "{["
                 self._left -= len(value) if is_text else weight_of_text(value)
                 if self._left < 0:
