@@ -38,7 +38,7 @@ class Lasting:
         length = len(value)
         is_text = value[:1] not in _OPENING
         if is_text and length < _SHORT and "\0" not in value:
-            return value  # type: ignore[no-any-return]  # it is a str
+            return value
         if is_text or not _SHORT <= length < _LONG:
             return from_sql(value, deepest)
         found = self._now.get(value)
