@@ -7,8 +7,7 @@ player wrote.
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING, Literal, NamedTuple
 
 from logical_robots_tui.mind.diagnostics import Diagnostic
 
@@ -27,8 +26,7 @@ INNER_QUOTE = "\ue022"
 """What stands, for the parser, for a double quote in a text in single quotes."""
 
 
-@dataclass(frozen=True, slots=True)
-class Prepared:
+class Prepared(NamedTuple):
     """A program's text made ready for the parser.
 
     Attributes:

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import math
 import tomllib
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, TypedDict
+from typing import TYPE_CHECKING, NamedTuple, TypedDict
 
 from logical_robots_tui.shipped import did_you_mean
 from logical_robots_tui.world.drawing import read_drawing
@@ -136,8 +135,7 @@ def read_words(top: Fields) -> Words:
     )
 
 
-@dataclass(frozen=True, slots=True)
-class Oddity:
+class Oddity(NamedTuple):
     """Something that only a lenient level may contain.
 
     Attributes:
