@@ -15,7 +15,7 @@ PIP := $(BIN)/python -m pip --disable-pip-version-check --require-virtualenv
 .DELETE_ON_ERROR:
 .SUFFIXES:
 
-.PHONY: help play test lint check format proof prove bench lock screenshot reference learn debugging measures wheel clean
+.PHONY: help play test lowest lint check format proof prove bench lock screenshot reference learn debugging measures wheel clean
 
 help: ## Show this list
 	@grep -E '^[a-z]+:.*##' $(MAKEFILE_LIST) | sed -E 's/^([a-z]+):.*## (.*)/  make \1\t\2/' | expand -t 20
@@ -25,6 +25,11 @@ play: $(VENV)/.play ## Play; ARGS="play LEVEL" passes arguments on
 
 test: $(VENV)/.dev ## Run the tests on all cores, a quick choice of them or ALL=1; ARGS="-k wall" passes arguments on
 	$(PYTEST) $(ARGS)
+
+lowest: $(VENV)/.dev ## Run the tests of the screen with the lowest Textual, in VENV; it stays there
+	@$(PIP) install --quiet --no-deps \
+		textual==$$(sed -n 's/.*"textual>=\([0-9.]*\),.*/\1/p' pyproject.toml)
+	$(PYTEST) tests/tui tests/snapshots $(ARGS)
 
 lint: $(VENV)/.dev ## Check layout, style, types and which part may use which
 	$(BIN)/python -m ruff format --check .
@@ -52,16 +57,16 @@ screenshot: $(VENV)/.dev ## Draw docs/screenshot.svg and docs/levels.svg anew
 	$(BIN)/python -m docs.screenshot 04-everybody-home everybody-home 330
 	$(BIN)/python -m docs.screenshot levels
 
-reference: $(VENV)/.dev ## Write docs/reference.md anew
+reference: $(VENV)/.dev ## Regenerate docs/reference.md
 	$(BIN)/python -m docs.reference
 
-learn: $(VENV)/.dev ## Write docs/learn.md and its pictures anew
+learn: $(VENV)/.dev ## Regenerate docs/learn.md and its pictures
 	$(BIN)/python -m docs.learn
 
-debugging: $(VENV)/.dev ## Write docs/debugging.md and its pictures anew
+debugging: $(VENV)/.dev ## Regenerate docs/debugging.md and its pictures
 	$(BIN)/python -m docs.debugging
 
-measures: $(VENV)/.dev ## Measure the reference programs anew; ARGS="LEVEL" only that one's
+measures: $(VENV)/.dev ## Measure the reference programs again; ARGS="LEVEL" for one level
 	$(BIN)/python -m benchmarks.reference $(ARGS)
 
 wheel: $(VENV)/.dev ## Build the wheel into dist/
@@ -78,7 +83,7 @@ lock: $(VENV)/.dev ## Choose newer versions of the dependencies
 	$(LOCK) --group dev --constraint requirements/play.lock --output-file requirements/dev.lock
 
 clean: ## Remove what was built; the next start installs again
-	rm -rf $(VENV) build dist .mypy_cache .ruff_cache .pytest_cache .hypothesis .import_linter_cache
+	rm -rf $(VENV) .venv-* build dist .mypy_cache .ruff_cache .pytest_cache .hypothesis .import_linter_cache
 
 # A stamp is newer than everything it was installed from, so the next start begins at once.
 $(VENV)/.%: requirements/%.lock pyproject.toml | $(VENV)/.python

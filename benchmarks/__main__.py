@@ -62,19 +62,19 @@ BENCHMARKS = {
     "first-frame": first_frame,
 }
 THOROUGH = Effort(repeats=7, ticks=400)
-QUICK = Effort(repeats=3, ticks=60)
+QUICK = Effort(repeats=2, ticks=60, is_quick=True)
 
 
 def main(arguments: Sequence[str] | None = None) -> None:
-    """Measure, show a table, and write JSON if asked."""
+    """Measure, print a table, and write JSON on request."""
     parser = _parser()
     options = parser.parse_args(arguments)
     try:
         earlier = _medians(options.compare) if options.compare else {}
     except (OSError, ValueError, KeyError, TypeError) as error:
-        parser.error(f"{options.compare} isn't what --json wrote: {error}")
+        parser.error(f"{options.compare} was not written by --json: {error}")
     collect_seldom()  # as the commands do
-    os.environ["LOGICAL_ROBOTS_CACHE_DIR"] = ""  # what was compiled before would flatter us
+    os.environ["LOGICAL_ROBOTS_CACHE_DIR"] = ""  # cached programs would make the numbers too good
     effort = QUICK if options.quick else THOROUGH
     found = _measure(options.only or list(BENCHMARKS), effort)
     wide = None if sys.stdout.isatty() else 120
@@ -89,7 +89,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
 
 
 def _measure(names: Sequence[str], effort: Effort) -> list[Measurement]:
-    """Run benchmarks, and print each number as it comes."""
+    """Run benchmarks and print each number as soon as it is measured."""
     found: list[Measurement] = []
     columns = (TextColumn("{task.description}"), BarColumn(), TimeElapsedColumn())
     with Progress(*columns, console=Console(stderr=True)) as progress:
@@ -113,14 +113,14 @@ def _parser() -> argparse.ArgumentParser:
     parser.add_argument("only", nargs="*", metavar="BENCHMARK", help=", ".join(BENCHMARKS))
     parser.add_argument("--json", type=Path, metavar="FILE", help="also write JSON to a file")
     parser.add_argument(
-        "--compare", type=Path, metavar="FILE", help="show also what an earlier --json found"
+        "--compare", type=Path, metavar="FILE", help="also show the numbers of an earlier --json"
     )
     parser.add_argument("--quick", action="store_true", help="fewer repeats, less exact")
     return parser
 
 
 def _medians(path: Path) -> dict[tuple[str, str], float]:
-    """Return what an earlier run found on each subject."""
+    """Return an earlier run's median for each subject."""
     numbers: Mapping[str, Any] = json.loads(path.read_text(encoding="utf-8"))
     return {(one["group"], one["subject"]): float(one["value"]) for one in numbers["measurements"]}
 

@@ -1,4 +1,4 @@
-"""What a breakpoint costs: a run with one against the same run without, in time of a processor."""
+"""The cost of a breakpoint: processor time of a run with one and of the same run without."""
 
 from __future__ import annotations
 
@@ -32,12 +32,12 @@ WATCHED = {
         "Sensor(robot_name:, sensor:), ray in sensor.radar, ray.distance < 3",
     ),
 }
-TICKS = {"12-swarm": 0.1, "06-breadcrumbs": 1}
-"""How many ticks for each that is to be measured."""
+TICKS = {"12-swarm": 0.05, "06-breadcrumbs": 0.3}
+"""Ticks to run for each unit of effort."""
 
 
 def breakpoints(effort: Effort) -> Iterator[Measurement]:
-    """How many times as long a run takes with a breakpoint on a predicate or a question."""
+    """Measure the slowdown of a run by a breakpoint on a predicate or a question."""
     for name, subjects in WATCHED.items():
         level = load_level(name)
         program = Program.compile(load_program(level.solution).text)
@@ -55,7 +55,7 @@ def breakpoints(effort: Effort) -> Iterator[Measurement]:
 
 
 def _ratio(level: Level, program: Program, subject: str, ticks: int) -> float:
-    """With against without, both in turn: the machine may be slower or quicker a moment later."""
+    """Return the ratio, measured in turn, because the machine's speed may change."""
     return _seconds(level, program, ticks, subject) / _seconds(level, program, ticks, "")
 
 
@@ -75,6 +75,6 @@ def _seconds(level: Level, program: Program, ticks: int, subject: str) -> float:
 
 
 async def _run_to(game: Game, tick: int) -> None:
-    """Run to a tick, and on where the breakpoint is hit."""
+    """Run to a tick, past hits of the breakpoint."""
     while game.frame.tick < tick:
         await game.run_until(tick=tick)

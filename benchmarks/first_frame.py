@@ -1,14 +1,15 @@
-"""How long a player waits for the first picture, in a real pseudo-terminal."""
+"""The time to the first picture, in a real pseudo-terminal."""
 
 from __future__ import annotations
 
 import statistics
 import sys
 import tempfile
+from functools import partial
 from time import perf_counter
 from typing import TYPE_CHECKING
 
-from benchmarks.measure import Effort, Measurement
+from benchmarks.measure import Effort, Measurement, repeated
 from tests.terminal import Terminal
 
 if TYPE_CHECKING:
@@ -27,18 +28,17 @@ class Minimal(App):
 
 Minimal().run()
 """
-"""The least that a game in Textual could be."""
+"""A minimal Textual app, as a lower bound."""
 
 
 def first_frame(effort: Effort) -> Iterator[Measurement]:
-    """Milliseconds from starting the process to the picture and to a ready program.
+    """Measure the milliseconds from starting the process to the picture and to a ready program.
 
-    Each round measures a minimal Textual app beside the game, so that what else the machine does
-    slows both.
+    Each round also measures a minimal Textual app, so that other load on the machine slows both.
     """
-    for size in SIZES:
+    for size in SIZES[: 1 if effort.is_quick else None]:
         subject = f"{size[0]}x{size[1]}"
-        least, picture, ready = zip(*(_round(size) for _ in range(effort.repeats)), strict=True)
+        least, picture, ready = zip(*repeated(effort.repeats, partial(_round, size)), strict=True)
         ratios = [one / other for one, other in zip(picture, least, strict=True)]
         for event, found, unit, required in (
             ("minimal Textual app", least, "ms", ""),
@@ -51,7 +51,7 @@ def first_frame(effort: Effort) -> Iterator[Measurement]:
 
 
 def _round(size: tuple[int, int]) -> tuple[float, float, float]:
-    """Milliseconds to the minimal app, to the game's picture and to its program."""
+    """Return the milliseconds to the minimal app, to the game's picture and to its program."""
     (least,) = _milliseconds([sys.executable, "-c", MINIMAL], size, "a minimal picture")
     with tempfile.TemporaryDirectory() as data_dir:
         game = [sys.executable, "-m", "logical_robots_tui", "play", "--data-dir", data_dir]
@@ -60,7 +60,7 @@ def _round(size: tuple[int, int]) -> tuple[float, float, float]:
 
 
 def _milliseconds(command: Sequence[str], size: tuple[int, int], *seen: str) -> list[float]:
-    """From starting a command until each text, one after the other, stands on the screen."""
+    """Return the times from starting a command until each text is on the screen."""
     began = perf_counter()
     with Terminal(command, size=size) as terminal:
         return [1000 * (_arrival(terminal, text) - began) for text in seen]

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 from textual.app import App, ComposeResult
 
-from benchmarks.measure import Effort, Measurement
+from benchmarks.measure import Effort, Measurement, repeated
 from logical_robots_tui.mind import Node
 from logical_robots_tui.tui.inspector.widgets.proof_view import WhyView
 from logical_robots_tui.tui.theme.colours import colours_in
@@ -26,10 +26,10 @@ NODES, BESIDE, DEEP = 10_000, 99, 100
 
 
 def folding(effort: Effort) -> Iterator[Measurement]:
-    """Milliseconds of processor time for what a player does with a large proof."""
+    """Measure the processor time in milliseconds of actions on a large proof."""
     found: dict[str, list[float]] = {}
-    for _ in range(effort.repeats):
-        for what, milliseconds in asyncio.run(_in_a_view()).items():
+    for once in repeated(effort.repeats, lambda: asyncio.run(_in_a_view())):
+        for what, milliseconds in once.items():
             found.setdefault(what, []).append(milliseconds)
     subject = f"{NODES:,} nodes, {SIZE[0]}x{SIZE[1]}"
     for what, times in found.items():
@@ -40,7 +40,7 @@ def folding(effort: Effort) -> Iterator[Measurement]:
 
 
 async def _in_a_view() -> dict[str, float]:
-    """Milliseconds of each thing that is done once."""
+    """Return the milliseconds of each action."""
     app, found = _Proof(), {}
     async with app.run_test(size=SIZE) as pilot:
         await pilot.pause()
@@ -71,12 +71,12 @@ async def _in_a_view() -> dict[str, float]:
 
 
 def _folded(view: WhyView) -> list[int]:
-    """The lines that are still folded."""
+    """Return the lines that are still folded."""
     return [n for n, line in enumerate(view.lines) if line.folds and not view.is_open(n)]
 
 
 def _proof() -> Node:
-    """A rule above branches that are each deep."""
+    """Return a rule with several deep branches."""
     branches = []
     for branch in range(BESIDE):
         node = Node("value", f"ray.distance of {branch}", values=({"angle": 0.1, "distance": 3},))
@@ -87,7 +87,7 @@ def _proof() -> Node:
 
 
 class _Proof(App[None]):
-    """Nothing but a proof."""
+    """An app that shows only a proof."""
 
     def __init__(self) -> None:
         super().__init__()
@@ -96,9 +96,9 @@ class _Proof(App[None]):
         self.theme = NIGHT.name
 
     def get_theme_variable_defaults(self) -> dict[str, str]:
-        """The colours that widgets paint with."""
+        """Return the colours that the widgets use."""
         return colours_in(self.current_theme)
 
     def compose(self) -> ComposeResult:
-        """The view."""
+        """Yield the view."""
         yield self.view

@@ -1,4 +1,4 @@
-"""Levels of any size for measuring, made by rule: always the same ones."""
+"""Generated levels of any size for measuring; the same arguments give the same level."""
 
 from __future__ import annotations
 
@@ -16,19 +16,19 @@ __all__ = ["halls", "open_room"]
 
 HALL = 100  # map units from one wall to the next
 THICKNESS = 6
-DOOR = (35, 70)  # where it begins and ends along a wall
-DOORS = 0.8  # of all walls between two halls have one
-MARGIN = 12  # between what stands in a hall and its walls
+DOOR = (35, 70)  # its extent along a wall
+DOORS = 0.8  # the share of walls with a door
+MARGIN = 12  # between a hall's walls and its content
 
 
 def open_room(width: int, height: int) -> Level:
-    """A room without walls inside, and one robot in it."""
+    """Return a room without inner walls and with one robot."""
     walls = np.zeros((height, width), dtype=np.bool_)
     return _level("open", walls, (Robot("R0", width / 2 + 0.3, height / 2 + 0.7, 0.5),))
 
 
 def halls(width: int, height: int, *, robots: int, beacons: int = 0, areas: int = 0) -> Level:
-    """Halls in rows, with doors in most walls; everything stands at places drawn with one seed.
+    """Return halls in rows, with doors in most walls, and everything at seeded random positions.
 
     Half of the robots have a battery and a few of those can charge others. A tenth of the beacons
     are charging stations. Every second area is solid, and every third is switched by a beacon.

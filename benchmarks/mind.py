@@ -8,7 +8,6 @@ import tempfile
 from contextlib import contextmanager
 from functools import partial
 from itertools import count
-from operator import attrgetter
 from typing import TYPE_CHECKING
 
 from benchmarks.measure import Effort, Measurement, median_of, seconds_for
@@ -41,14 +40,18 @@ _numbers = count()
 
 
 def compiling(effort: Effort) -> Iterator[Measurement]:
-    """Milliseconds to compile a program with all its predicates, never seen before or kept."""
+    """Measure the milliseconds to compile a program with all predicates, uncached and cached."""
     stop_compiling()
     once = partial(_compile, program_text("steering"))
     yield median_of("start of the compiler", "and a first program", "ms", 1, once)
     for name in PROGRAMS:
         once = partial(_compile, program_text(name))
         yield median_of("compile", name, "ms", effort.repeats, once, required="< 1000")
-    yield max(_compiling_levels(effort), key=attrgetter("value"))
+    solutions = [load_level(name).solution for name in list_levels()]
+    slowest = max(solutions, key=lambda name: _compile(load_program(name).text))
+    once = partial(_compile, load_program(slowest).text)
+    subject = f"{slowest}, slowest of the levels"
+    yield median_of("compile", subject, "ms", effort.repeats, once, required="< 1000")
     for name in PROGRAMS:
         once = partial(_find_kept, Program.compile(program_text(name)))
         with _cache_folder():
@@ -56,7 +59,7 @@ def compiling(effort: Effort) -> Iterator[Measurement]:
 
 
 def thinking(effort: Effort) -> Iterator[Measurement]:
-    """Milliseconds for one think of all robots together, both ways."""
+    """Measure the milliseconds of one think of all robots, tuned and plain."""
     for group, plain in (("think", False), ("think, the plain way", True)):
         for name, robots in PROGRAMS.items():
             mind = Mind(Program.compile(program_text(name)), plain=plain)
@@ -67,15 +70,8 @@ def thinking(effort: Effort) -> Iterator[Measurement]:
             mind.close()
 
 
-def _compiling_levels(effort: Effort) -> Iterator[Measurement]:
-    for level in map(load_level, list_levels()):
-        once = partial(_compile, load_program(level.solution).text)
-        subject = f"{level.solution}, slowest of the levels"
-        yield median_of("compile", subject, "ms", effort.repeats, once, required="< 1000")
-
-
 def _compile(text: str) -> float:
-    # A comment of its own keeps the text from being found in a cache.
+    # A unique comment keeps the text out of any cache.
     fresh = f"{text}\n# {next(_numbers)}\n"
     return 1000 * seconds_for(partial(Program.compile, fresh))
 
@@ -90,14 +86,14 @@ def _cache_folder() -> Iterator[None]:
 
 
 def _find_kept(program: Program) -> float:
-    """What a start of the game takes for a program that an earlier one compiled."""
+    """Return the milliseconds to load a program that an earlier process compiled."""
     request = json.dumps({"text": program.text}).encode()
     cache.keep(request, program)
     return 1000 * seconds_for(partial(cache.find, request, Program))
 
 
 def think_milliseconds(mind: Mind, rows: list[SensorRow], thinks: int) -> float:
-    """Milliseconds of one think, as the mean of several after a few that don't count."""
+    """Return the milliseconds of one think, the mean of several after a warm-up."""
     memories: dict[str, Value] = {}
     for _ in range(3):
         memories = {d.robot_name: d.memory for d in mind.think(rows, memories)}

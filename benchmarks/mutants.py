@@ -1,6 +1,6 @@
 """Print which planted bugs the diagnosis finds: ``python -m benchmarks.mutants [NUMBER ...]``.
 
-The table stands in ``docs/diagnose.md``.
+The table is in ``docs/diagnose.md``.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from tests.mutants.planted import (
 
 
 def main() -> None:
-    """Print a line for each mutant, and how many were found; more of those that are named."""
+    """Print a line for each mutant, with details for the named ones, and the totals."""
     wanted = [int(number) for number in sys.argv[1:]] or range(1, len(MUTANTS) + 1)
     by_diagnosis = by_either = 0
     print(HEAD)

@@ -1,6 +1,6 @@
-"""Measures the reference programs of all levels and writes ``levels/reference.csv``.
+"""Measure the reference programs of all levels and write ``levels/reference.csv``.
 
-``python -m benchmarks.reference LEVEL...`` measures only some; the others stay as they are.
+``python -m benchmarks.reference LEVEL...`` measures only these levels and keeps the others.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ __all__ = ["measure_reference"]
 
 
 async def measure_reference(level: Level) -> Measures:
-    """Measure the reference program of a level, from the given start and from shifted ones."""
+    """Measure the reference program of a level from its start and from shifted starts."""
 
     def show(trial: Trial) -> None:
         print(f"\r{level.name}: {trial.wins} of {trial.tried}", end="", file=sys.stderr)
@@ -34,7 +34,7 @@ async def measure_reference(level: Level) -> Measures:
 
 
 async def main(names: list[str]) -> None:
-    """Measure the levels of these names, or all, and write the table."""
+    """Measure the named levels, or all, and write the table."""
     table = dict(reference_table())
     solved = [level for level in map(load_level, list_levels()) if level.solution]
     for level in solved:

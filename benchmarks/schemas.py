@@ -1,4 +1,4 @@
-"""Reading a large memory by an example instead of a type that is written out."""
+"""Reading a large memory by an example instead of an explicit type."""
 
 from __future__ import annotations
 
@@ -28,9 +28,9 @@ MOST = 1.3
 
 
 def schemas(effort: Effort) -> Iterator[Measurement]:
-    """Milliseconds of a think of a robot with a map in memory, and how many times as many.
+    """Measure a think of a robot with a map in memory, and the ratio of both ways to read it.
 
-    The two ways to read the memory take turns, tick by tick, so that both meet the same machine.
+    The two ways alternate tick by tick, so that changes of the machine's speed affect both.
     """
     text = program_text("schema")
     assert EXAMPLE in text
@@ -47,7 +47,7 @@ def schemas(effort: Effort) -> Iterator[Measurement]:
 
 
 def _milliseconds(programs: list[Program]) -> list[float]:
-    """Milliseconds of one think under each program, as the mean of several."""
+    """Return the milliseconds of one think under each program, the mean of several."""
     thinkers = [_thinker(program) for program in programs]
     seconds = [0.0 for _ in programs]
     for think in thinkers:
@@ -59,7 +59,7 @@ def _milliseconds(programs: list[Program]) -> list[float]:
 
 
 def _thinker(program: Program) -> Callable[[], None]:
-    """A robot that thinks a tick further with each call; its memory is another in each."""
+    """Return a function that thinks one tick per call; the memory changes every tick."""
     rows = rows_for("gate")
     mind = Mind(program)
     memories: dict[str, Value] = {row["robot_name"]: _the_map() for row in rows}
@@ -74,7 +74,7 @@ def _thinker(program: Program) -> Callable[[], None]:
 
 
 def _the_map() -> dict[str, Value]:
-    """A map as the program keeps it, always the same one."""
+    """Return a fixed map in the form that the program keeps."""
     random = Random(BEACONS)
     labels = [f"beacon {number:02}" for number in range(BEACONS)]
     pairs = random.sample([(u, v) for u in labels for v in labels if u < v], EDGES)

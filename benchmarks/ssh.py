@@ -1,4 +1,4 @@
-"""Over a real sshd: traffic, keys on slow lines, the first screen; and the processor it takes."""
+"""Over a real sshd: traffic, key latency on slow lines, and processor use."""
 
 from __future__ import annotations
 
@@ -33,12 +33,12 @@ __all__ = ["processor", "ssh"]
 SIZE = (120, 40)
 SIX_ROBOTS = ("10-distributed-mapping", "distributed-mapping")
 RATES = ((20_000, 300), (64_000, 100))  # bytes a second, milliseconds that a key may take
-PRESSES = 24
+PRESSES = 12
 
 
 def ssh(effort: Effort) -> Iterator[Measurement]:
-    """Kilobytes a second plain and compressed, and keys on lines that can't keep up."""
-    seconds = effort.ticks / 60
+    """Measure kilobytes per second plain and compressed, and key latency on slow lines."""
+    seconds = effort.ticks / 150
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         with Server(folder, f"SetEnv LOGICAL_ROBOTS_CACHE_DIR={folder}/cache") as server:
@@ -73,9 +73,9 @@ def ssh(effort: Effort) -> Iterator[Measurement]:
 
 @contextmanager
 def _running(server: Server, line: Line, folder: Path, option: str) -> Iterator[Terminal]:
-    """Six robots that run at the other end of a line."""
+    """Run six robots at the other end of a line."""
     game = [sys.executable, "-m", "logical_robots_tui", "play", *SIX_ROBOTS]
-    # A folder of its own: a game whose line was cut would offer to go on.
+    # A separate folder, because a game that was cut off offers to continue.
     command = shlex.join([*game, "--data-dir", str(folder / f"data-{line.port}")])
     with Terminal([*server.client("-t", option, port=line.port), command], size=SIZE) as terminal:
         terminal.wait_for("· applied")
@@ -85,8 +85,8 @@ def _running(server: Server, line: Line, folder: Path, option: str) -> Iterator[
 
 
 def processor(effort: Effort) -> Iterator[Measurement]:
-    """Percent of one core that a game of ten robots takes, paused and running."""
-    seconds = effort.ticks / 60
+    """Measure the percentage of a core that a game of ten robots uses, paused and running."""
+    seconds = effort.ticks / 150
     level, text = halls(1200, 700, robots=10, beacons=56), program_text("steering")
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
@@ -102,7 +102,7 @@ def processor(effort: Effort) -> Iterator[Measurement]:
             terminal.send(" ")
             terminal.wait_for("RUNNING")
             running = _percent(terminal, seconds)
-    speed = Pace().speed or 0.0  # that of a game as it comes
+    speed = Pace().speed or 0.0  # the default
     thinking = 100 * speed * _thought_seconds(level, text, effort.ticks)
     for state, percent, required in (
         ("paused", paused, "<= 1"),
@@ -116,7 +116,7 @@ def processor(effort: Effort) -> Iterator[Measurement]:
 
 
 def _thought_seconds(level: Level, text: str, ticks: int) -> float:
-    """Seconds of computing that a thought of all robots takes, at the median."""
+    """Return the median processor seconds of a think of all robots."""
     mind = Mind(Program.compile(text), level.visibility.memory, level.visibility.sensor)
     rows, found = rows_of(level), []
     for _ in range(ticks):
@@ -134,6 +134,6 @@ def _percent(terminal: Terminal, seconds: float) -> float:
 
 
 def _computed(pid: int) -> float:
-    """Seconds of computing of a process so far."""
+    """Return the processor seconds of a process so far."""
     fields = Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()
     return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")

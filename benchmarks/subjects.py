@@ -1,4 +1,4 @@
-"""What is measured: levels and programs of different weight."""
+"""The levels and programs that are measured."""
 
 from __future__ import annotations
 
@@ -27,31 +27,31 @@ PROGRAMS = {
     "mapping": ("Ada", "Bo", "Cy", "Di", "Ed", "Fay"),
     "follow": ("Ada", "Bo", "Cy", "Di"),
 }
-"""Programs beside this file, each with the robots that it is for."""
+"""Programs beside this file, each with its robots."""
 
 BEACONS = ("home", "fire station", "water station", "mine", "switch", "left post", "right post")
 
 
 def all_levels() -> list[Level]:
-    """The shipped levels, then those of the conformance tests, in order of robots."""
+    """Return the shipped levels, then the conformance levels ordered by number of robots."""
     paths = sorted((CHECKOUT / "tests" / "conformance" / "levels").glob("*.json"))
     levels = [load_level(name) for name in (*list_levels(), *map(str, paths))]
     return sorted(levels, key=lambda level: len(level.robots))
 
 
 def robots_of(level: Level) -> str:
-    """How many robots a level has, in words."""
+    """Return the number of robots of a level as text."""
     number = len(level.robots)
     return "1 robot" if number == 1 else f"{number} robots"
 
 
 def program_text(name: str) -> str:
-    """The text of one of the programs."""
+    """Return the text of a program."""
     return (Path(__file__).parent / "programs" / f"{name}.l").read_text(encoding="utf-8")
 
 
 def rows_for(name: str) -> list[SensorRow]:
-    """What the robots of one of the programs sense: each other, and a few beacons that it knows."""
+    """Return sensor rows for a program's robots: each other, and a few beacons it knows."""
     robots = PROGRAMS[name]
     level = halls(400, 300, robots=len(robots), beacons=len(BEACONS))
     return rows_of(
@@ -64,7 +64,7 @@ def rows_for(name: str) -> list[SensorRow]:
 
 
 def drive(world: World, ticks: int) -> None:
-    """Let all robots wind through a level without thinking."""
+    """Drive all robots along winding paths without thinking."""
     names = [robot.name for robot in world.robots]
     for _ in range(ticks):
         world.sense()
@@ -73,7 +73,7 @@ def drive(world: World, ticks: int) -> None:
 
 
 def rows_of(level: Level) -> list[SensorRow]:
-    """What the robots of a level sense after some driving."""
+    """Return the sensor rows of a level's robots after some driving."""
     world = World(level)
     drive(world, ROWS_AT)
     return world.sense()

@@ -1,4 +1,4 @@
-"""Swarms: one think of very many robots."""
+"""One think of very many robots."""
 
 from __future__ import annotations
 
@@ -20,11 +20,11 @@ __all__ = ["swarms"]
 
 EVERYBODY_SEES_ALL = '@Visible(Memory, "all");\n@Visible(Sensor, "all");\n'
 REQUIRED = {3: "", 30: "", 100: "<= 4", 400: "", 1000: "<= 45"}  # by number of robots
-ROBOTS_AT_ONCE = 300  # in one measurement, at least
+ROBOTS_AT_ONCE = 300  # at least, in one measurement
 
 
 def swarms(effort: Effort) -> Iterator[Measurement]:
-    """Milliseconds for one think of a swarm, and what it costs that each sees only itself."""
+    """Measure the milliseconds of one think of a swarm, and the cost of own-only visibility."""
     text = program_text("steering")
     each, everybody = Program.compile(text), Program.compile(EVERYBODY_SEES_ALL + text)
     ratios = []
@@ -35,13 +35,13 @@ def swarms(effort: Effort) -> Iterator[Measurement]:
         subject = f"steering, {robots} robots"
         once = partial(think_milliseconds, own, rows, thinks)
         yield median_of("swarm", subject, "ms", effort.repeats, once, required=required)
-        # Both in turn: the machine may be slower or quicker a moment later.
+        # Measured in turn, because the machine's speed may change.
         ratios.append(
             median_of(
                 "each sees itself only",
                 f"{robots} robots",
                 "x all see all",
-                3 * effort.repeats,
+                2 * effort.repeats,
                 partial(_ratio, own, together, rows, thinks),
                 required="<= 1.3",
             )
@@ -52,5 +52,5 @@ def swarms(effort: Effort) -> Iterator[Measurement]:
 
 
 def _ratio(own: Mind, together: Mind, rows: list[SensorRow], thinks: int) -> float:
-    """How many times as long as the other a mind takes."""
+    """Return the ratio of the two minds' times."""
     return think_milliseconds(own, rows, thinks) / think_milliseconds(together, rows, thinks)

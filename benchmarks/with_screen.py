@@ -1,4 +1,4 @@
-"""Running with the screen open, in a real pseudo-terminal: ticks, answers to keys, traffic."""
+"""Running with a screen in a real pseudo-terminal: speed, key latency, traffic."""
 
 from __future__ import annotations
 
@@ -22,28 +22,29 @@ if TYPE_CHECKING:
 __all__ = ["traffic", "with_screen"]
 
 SIZE = (120, 40)
-LEVEL, PROGRAM = "02-open-space", "open-space-starter"  # which never wins
-FIRST = "# Open space"  # is where the cursor stands in the editor
-FASTEST = 12  # presses of "faster" that are enough to run flat out
+LEVEL, PROGRAM = "02-open-space", "open-space-starter"  # never wins
+FIRST = "# Open space"  # the text at the editor's cursor
+FASTEST = 12  # presses of "faster" that reach full speed
 TRAFFIC = (
     ("07-station-management", "station-management", "3 robots", (120, 40), 60),
     ("10-distributed-mapping", "distributed-mapping", "6 robots", (120, 40), 100),
     ("07-station-management", "station-management", "3 robots", (80, 24), 30),
 )
-"""Level, program, its robots, size, and the kB a second that are allowed."""
-SECONDS = 0.01  # of running, for each repeat and each tick that is to be measured
+"""Level, program, robots, screen size, and the most kB per second."""
+QUIET = 0.5  # seconds without output, after which a paused game has nothing more to say
+SECONDS = 0.0025  # of running, for each repeat and each tick that is to be measured
 
 
 def with_screen(effort: Effort) -> Iterator[Measurement]:
-    """Ticks a second beside those without a screen, and milliseconds from key to screen."""
+    """Measure the speed relative to that without a screen, and ms from key to screen."""
     level, program = load_level(LEVEL), Program.compile(load_program(PROGRAM).text)
     seconds = SECONDS * effort.ticks
     shares, keys = [], []
-    for _ in range(effort.repeats):
+    for _ in range(min(3, effort.repeats)):
         alone = ticks_per_second(level, program, seconds)
         with _running() as terminal:
             shares.append(100 * _ticks_per_second(terminal, seconds) / alone)
-            keys += _key_milliseconds(terminal, effort.ticks // 4)
+            keys += _key_milliseconds(terminal, max(6, effort.ticks // 25))
     group, subject = "with a screen", f"{SIZE[0]}x{SIZE[1]}, 1 robot, flat out"
     yield Measurement(
         *(group, subject, statistics.median(shares), "% of without"),
@@ -56,19 +57,19 @@ def with_screen(effort: Effort) -> Iterator[Measurement]:
 
 
 def traffic(effort: Effort) -> Iterator[Measurement]:
-    """Bytes a second that a running game with cones sends to its terminal, and a paused one."""
+    """Measure the kB per second that a running and a paused game send to the terminal."""
     seconds = SECONDS * effort.ticks
-    for level, program, robots, size, allowed in TRAFFIC:
+    for level, program, robots, size, allowed in TRAFFIC[: 1 if effort.is_quick else None]:
         running, paused = [], []
-        for _ in range(effort.repeats):
-            with _opened(level, program, size) as terminal:
+        with _opened(level, program, size) as terminal:
+            for _ in range(effort.repeats):
                 terminal.send(" ")
                 terminal.wait_for("RUNNING")
                 running.append(_kilobytes_per_second(terminal, seconds))
                 terminal.send(" ")
                 terminal.wait_for("PAUSED")
-                terminal.wait_for_quiet()
-                paused.append(_kilobytes_per_second(terminal, 1.0))
+                terminal.wait_for_quiet(QUIET)
+                paused.append(_kilobytes_per_second(terminal, seconds))
         columns, rows = size
         for state, found, required in (("running", running, allowed), ("paused", paused, 0)):
             yield Measurement(
@@ -83,7 +84,7 @@ def traffic(effort: Effort) -> Iterator[Measurement]:
 
 
 def _kilobytes_per_second(terminal: Terminal, seconds: float) -> float:
-    """Of what is written while a time passes; the status line tells the speed meanwhile."""
+    """Return the rate of output over a time."""
     terminal.read_for(0.0)
     before, began = terminal.traffic, perf_counter()
     terminal.read_for(seconds)
@@ -92,7 +93,7 @@ def _kilobytes_per_second(terminal: Terminal, seconds: float) -> float:
 
 @contextmanager
 def _opened(level: str, program: str, size: tuple[int, int]) -> Iterator[Terminal]:
-    """The game in a terminal, with the keyboard in the labyrinth."""
+    """Open the game in a terminal, with the focus in the labyrinth."""
     with tempfile.TemporaryDirectory() as data_dir:
         game = [sys.executable, "-m", "logical_robots_tui", "play", level, program]
         with Terminal([*game, "--data-dir", data_dir], size=size) as terminal:
@@ -103,7 +104,7 @@ def _opened(level: str, program: str, size: tuple[int, int]) -> Iterator[Termina
 
 @contextmanager
 def _running() -> Iterator[Terminal]:
-    """The game in a terminal, running flat out, with the keyboard in the editor."""
+    """Run the game in a terminal at full speed, with the focus in the editor."""
     with _opened(LEVEL, PROGRAM, SIZE) as terminal:
         terminal.send("+" * FASTEST)
         terminal.wait_for("flat out")
@@ -127,13 +128,13 @@ def _tick(terminal: Terminal) -> int:
 
 
 def _key_milliseconds(terminal: Terminal, presses: int) -> list[float]:
-    """Type and take back single letters."""
+    """Type and delete single letters."""
     row, line = next((y, line) for y, line in enumerate(terminal.screen.display) if FIRST in line)
     column = line.index(FIRST)
     found = []
     for press in range(presses):
         key, shown = ("x", "x") if press % 2 == 0 else ("\x7f", FIRST[0])
-        terminal.read_for(0.1)  # so that nothing waits to be read when the key is pressed
+        terminal.read_for(0.1)  # leaves no unread output when the key is pressed
         began = perf_counter()
         terminal.send(key)
         came = terminal.arrival_of(lambda: terminal.screen.buffer[row][column].data == shown)  # noqa: B023 - called in this turn only

@@ -30,7 +30,7 @@ TICKS_OF_ROBOTS = 400  # in one measurement, at least 5
 
 
 def world_alone(effort: Effort) -> Iterator[Measurement]:
-    """Ticks per second of sensing and acting, without a mind."""
+    """Measure the ticks per second of sensing and acting, without a mind."""
     for level in all_levels():
         yield median_of(
             "world alone",
@@ -42,7 +42,7 @@ def world_alone(effort: Effort) -> Iterator[Measurement]:
 
 
 def crowds(effort: Effort) -> Iterator[Measurement]:
-    """Milliseconds to sense and act, and the memory of the largest level."""
+    """Measure the milliseconds to sense and act, and the memory of the largest level."""
     for subject, level, required in CROWDS:
         ticks = max(5, TICKS_OF_ROBOTS // len(level.robots))
         once = partial(_tick_milliseconds, level, ticks)
@@ -58,7 +58,7 @@ def _tick_milliseconds(level: Level, ticks: int) -> float:
 
 
 def _largest_megabytes() -> float:
-    """What a world of the largest size holds at most while it is made and run, level included."""
+    """Return the peak memory of creating and running the largest level."""
     tracemalloc.start()
     try:
         drive(World(halls(4000, 4000, robots=10, beacons=100)), 3)

@@ -57,7 +57,7 @@ def _lesson(level: Level) -> Iterator[str]:
     yield f"![The labyrinth of {level.title}]({PICTURES}/{level.name}.svg)\n"
     yield f"{level.briefing.strip()}\n"
     yield f"{SEES[level.visibility.memory, level.visibility.sensor]}\n"
-    yield "The program to begin with:\n"
+    yield "The starter program:\n"
     yield from _program(level.starter)
     yield f"{level.lesson.strip()}\n"
     yield "<details><summary>Hints</summary>\n"

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
         subjects,
     )
     from logical_robots_tui.game.debugging.inquiry import Inquiry
-    from logical_robots_tui.game.debugging.matches import Matches, find_matches, matching_rows
+    from logical_robots_tui.game.debugging.matches import Matches, find_matches
     from logical_robots_tui.game.debugging.origin import (
         Link,
         Origin,
@@ -36,6 +36,7 @@ if TYPE_CHECKING:
         read,
     )
     from logical_robots_tui.game.debugging.search import SearchResult, search_ticks
+    from logical_robots_tui.game.debugging.watching import matching_rows
     from logical_robots_tui.game.events import Goal, goals
     from logical_robots_tui.game.frame import Frame, NoSuchTickError, Superseded
     from logical_robots_tui.game.game import Answer, Game
@@ -113,7 +114,8 @@ _NAMES = {
     "game": "Answer Game",
     "events": "Goal goals",
     "history.history": "History",
-    "debugging.matches": "Matches find_matches matching_rows",
+    "debugging.matches": "Matches find_matches",
+    "debugging.watching": "matching_rows",
     "debugging.inquiry": "Inquiry",
     "history.marks": "MARK_KINDS Mark MarkKind",
     "debugging.origin": "Link Origin origin_in_game origin_in_run read_path",

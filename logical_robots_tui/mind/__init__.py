@@ -1,8 +1,8 @@
 """The mind: Logica programs compiled to SQLite; sensors and memories in, decisions out.
 
-In the compile process `compiling` makes SQL of text, `tuning` makes that quick, `why` takes
-rules apart, and `diagnosis` makes all of them ready to be watched over a whole run. Here `sqlite`
-holds the rows of a moment; a `Mind` asks for them.
+In the compile process `checking` looks for mistakes, `compiling` makes SQL of text, `tuning` makes
+that quick, `clauses` takes rules apart, and `diagnosis` makes all of them ready to be watched over
+a whole run. Here `sqlite` holds the rows of a moment, a `Mind` asks for them, and `why` explains.
 """
 
 from typing import TYPE_CHECKING
@@ -10,13 +10,13 @@ from typing import TYPE_CHECKING
 from logical_robots_tui.later import lazy_exports
 
 if TYPE_CHECKING:
+    from logical_robots_tui.mind.compilation import Report
     from logical_robots_tui.mind.decision import Decision, Notice, NoticeKind
     from logical_robots_tui.mind.diagnostics import Diagnostic, ProgramError, QueryError, Stopped
     from logical_robots_tui.mind.limits import Limits
-    from logical_robots_tui.mind.machinery import Machinery
     from logical_robots_tui.mind.mind import Mind
-    from logical_robots_tui.mind.program import Predicate, Program, Question, Report
-    from logical_robots_tui.mind.table import Table
+    from logical_robots_tui.mind.program import Predicate, Program, Question
+    from logical_robots_tui.mind.table import QueryPlan, Table
     from logical_robots_tui.mind.why.explanation import Ask, Explanation, Node
     from logical_robots_tui.mind.why.unfolding import Proof
 
@@ -26,7 +26,6 @@ __all__ = [
     "Diagnostic",
     "Explanation",
     "Limits",
-    "Machinery",
     "Mind",
     "Node",
     "Notice",
@@ -36,6 +35,7 @@ __all__ = [
     "ProgramError",
     "Proof",
     "QueryError",
+    "QueryPlan",
     "Question",
     "Report",
     "Stopped",
@@ -50,7 +50,7 @@ __getattr__ = lazy_exports(
         "Diagnostic": "diagnostics",
         "Explanation": "why.explanation",
         "Limits": "limits",
-        "Machinery": "machinery",
+        "QueryPlan": "table",
         "Mind": "mind",
         "Node": "why.explanation",
         "Notice": "decision",
@@ -61,7 +61,7 @@ __getattr__ = lazy_exports(
         "Proof": "why.unfolding",
         "QueryError": "diagnostics",
         "Question": "program",
-        "Report": "program",
+        "Report": "compilation",
         "Stopped": "diagnostics",
         "Table": "table",
     },

@@ -7,16 +7,15 @@ from functools import cache
 from itertools import accumulate
 from typing import TYPE_CHECKING, Any, TypeAlias
 
-from logical_robots_tui.mind.exploring import Explored
 from logical_robots_tui.mind.failures import SQLITE_ERRORS, FailureError, failures_in_words
-from logical_robots_tui.mind.machinery import plan_lines
 from logical_robots_tui.mind.program import TRUTH_MARK
 from logical_robots_tui.mind.sqlite.database import TooMuchError, TooSlowError
-from logical_robots_tui.mind.sqlite.lasting import Lasting
+from logical_robots_tui.mind.sqlite.interning import Lasting
 from logical_robots_tui.mind.sqlite.layouts import COLUMNS_LAYOUT, LISTS_LAYOUT
 from logical_robots_tui.mind.sqlite.moment import TooHeavyError
 from logical_robots_tui.mind.sqlite.stored import TooDeepError, from_sql
 from logical_robots_tui.mind.sqlite.tables import PlainTables, TunedTables, UnfitError
+from logical_robots_tui.mind.table import plan_lines
 from logical_robots_tui.mind.why.relations import ALIKE, SAME, alike_in_sql, same_in_sql
 
 if TYPE_CHECKING:
@@ -185,13 +184,13 @@ class Asking:
             columns, rows = self._plain.ask(sql, moment, view, within, parameters)
             return columns, self._read_all(rows, within)
 
-    def explore(self, moment: Moment, view: View, within: Within) -> Explored:
-        """What a view shows, to be asked for explanations."""
+    def tables_to_explore(self) -> PlainTables:
+        """The plain tables, with the functions that explanations need."""
         if not self._explores:
             self._plain.offer(SAME, same_in_sql, 2)
             self._plain.offer(ALIKE, alike_in_sql, 2)
             self._explores = True
-        return Explored(self, self._plain, moment, view, within)
+        return self._plain
 
     def sql_of(self, predicate: str) -> str:
         """The plain query for the rows of a predicate, or "" where it has none."""
@@ -300,7 +299,9 @@ class Asking:
 
     def _read(self, row: Sequence[Any], within: Within) -> list[Value]:
         read, deepest = self._read_value, self._deepest
-        return [v if v.__class__ in _READY else read(v, deepest) for v in within.each(row)]
+        if within.is_much:
+            row = within.each(row)
+        return [v if v.__class__ in _READY else read(v, deepest) for v in row]
 
 
 def _tables(program: Program, limits: Limits, *, frozen: bool) -> TunedTables | None:

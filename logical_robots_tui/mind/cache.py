@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
 from logical_robots_tui.caching import FOLDER_VARIABLE, CacheFolder, cache_place, digest_of_code
-from logical_robots_tui.mind.records import record
+from logical_robots_tui.records import record
 
 if TYPE_CHECKING:
     from _typeshed import DataclassInstance

@@ -12,27 +12,24 @@ import subprocess
 import sys
 import threading
 from collections import OrderedDict
-from dataclasses import replace
 from pathlib import Path
 from time import monotonic
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import TYPE_CHECKING, Any, TypeAlias, TypeVar
 
 from logical_robots_tui.mind import cache
-from logical_robots_tui.mind.diagnostics import Diagnostic, ProgramError, QueryError, Stopped
+from logical_robots_tui.mind.diagnostics import Diagnostic, ProgramError, Stopped
 from logical_robots_tui.mind.limits import Limits
-from logical_robots_tui.mind.program import Program, Question
-from logical_robots_tui.mind.records import record
+from logical_robots_tui.records import record
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Mapping
+    from collections.abc import Callable, Iterator, Mapping
 
     from _typeshed import DataclassInstance
 
-    from logical_robots_tui.mind.diagnosis.sites import Checkup
-    from logical_robots_tui.mind.program import Report
-    from logical_robots_tui.mind.why.probing import Probing
+__all__ = ["Report", "check_text", "compiled", "stop_compiling"]
 
-__all__ = ["check_up", "compile_program", "compile_question", "stop_compiling", "take_apart"]
+Report: TypeAlias = "Callable[[int, int], None]"
+"""Told how many predicates of how many are compiled."""
 
 T = TypeVar("T", bound="DataclassInstance")
 
@@ -45,100 +42,46 @@ _PASSED_ON = ("DYLD_LIBRARY_PATH", "LD_LIBRARY_PATH", "PYTHONHOME")
 """The parts of the environment without which Python itself may not start."""
 
 
-def compile_program(
-    text: str,
+def compiled(
+    request: Mapping[str, Any],
+    kind: type[T],
     *,
     stop: threading.Event | None = None,
     limits: Limits | None = None,
     report: Report | None = None,
-) -> Program:
-    """Compile a program, or return the one compiled from the same text before.
+) -> T:
+    """What the compile process makes of a request, or made of the same one before. Blocks.
 
     Args:
-        text: Logica text.
-        stop: Set it from another thread to give up.
-        limits: Bounds on the length of the text and on time and memory for compiling.
+        request: What to compile, as the compile process knows it.
+        kind: The dataclass that it makes of it.
+        stop: Set it from another thread to give up; takes effect within 0.1 s.
+        limits: Bounds on time and memory.
         report: Called meanwhile with the number of predicates compiled and of all.
 
     Raises:
         ProgramError: The program is wrong, too large, or takes too long to compile.
         Stopped: `stop` was set.
     """
-    limits = limits or Limits()
-    _check_text(text, limits)
-    return _compiler.answer({"text": text}, "program", Program, limits, stop, report)
+    return _compiler.answer(request, kind, limits or Limits(), stop, report)
 
 
-def compile_question(
-    program: Program,
-    query: str,
-    *,
-    stop: threading.Event | None = None,
-    limits: Limits | None = None,
-) -> Question:
-    """As `Program.question`; what was compiled before is at hand."""
-    limits = limits or Limits()
-    _check_text(query, limits)
-    columns = {
-        table: sorted({n for t in program.tuned.values() for n in t.columns.get(table, ())})
-        for table in ("Memory", "Item")
-    }
-    request = {"text": program.text, "query": query, "columns": columns}
-    return _compiler.answer(request, "question", Question, limits, stop)
-
-
-def take_apart(
-    program: Program,
-    predicate: str,
-    within: str = "",
-    *,
-    stop: threading.Event | None = None,
-    limits: Limits | None = None,
-) -> Probing:
-    """As `Program.take_apart`; what was taken apart before is at hand."""
-    from logical_robots_tui.mind.why.probing import Probing
-
-    known = program.predicate(predicate)
-    if known is None or known.kind != "program":
-        raise QueryError(f"The program has no rules for {predicate}.")
-    request = {
-        "text": program.text,
-        "predicate": predicate,
-        "within": within,
-        "with_rows": [p.name for p in program.predicates if p.kind == "program" and p.has_rows],
-    }
-    if not (known.has_rows or known.is_function or within):
-        raise QueryError(known.reason)
-    try:
-        return _compiler.answer(request, "probing", Probing, limits or Limits(), stop)
-    except ProgramError as error:
-        raise QueryError(f"{predicate} can't be taken apart: {error}") from None
-
-
-def check_up(
-    program: Program, *, stop: threading.Event | None = None, limits: Limits | None = None
-) -> Checkup:
-    """Make a program ready to be watched; what was made ready before is at hand. Blocks.
-
-    Args:
-        program: The program.
-        stop: Set it from another thread to give up.
-        limits: Bounds on compiling.
+def check_text(text: str, limits: Limits | None) -> None:
+    """Refuse what is too long to compile, or no text at all.
 
     Raises:
-        QueryError: It is too entangled for that.
-        Stopped: `stop` was set.
+        ProgramError: It is.
     """
-    from logical_robots_tui.mind.diagnosis.sites import Checkup
-
-    functions = [p.name for p in program.predicates if p.is_function]
-    request = {"text": program.text, "checkup": functions}
-    try:
-        found = _compiler.answer(request, "checkup", Checkup, limits or Limits(), stop)
-    except ProgramError as error:
-        raise QueryError(f"The program can't be watched: {error}") from None
-    asked = replace(found.program, memory=program.memory, sensor=program.sensor)
-    return replace(found, program=asked)
+    most = (limits or Limits()).program_characters
+    if len(text) > most:
+        raise _refusal(
+            f"the program has {len(text):,} characters, more than the {most:,} that a program may "
+            "have",
+            "A robot's program is a short text; is this the right file?",
+        )
+    if (at := _not_text(text)) is not None:
+        line = text.count("\n", 0, at) + 1
+        raise _refusal("this is not text", "Is this the right file?", line)
 
 
 def stop_compiling() -> None:
@@ -158,18 +101,16 @@ class _Compiler:
     def answer(
         self,
         request: Mapping[str, Any],
-        name: str,
         kind: type[T],
         limits: Limits,
         stop: threading.Event | None,
-        report: Report | None = None,
+        report: Report | None,
     ) -> T:
         """What the process makes of a request, or made of it before.
 
         Args:
             request: What to compile.
-            name: What the answer is called.
-            kind: The dataclass that it is.
+            kind: The dataclass that it is; its name in lower case is what the answer is called.
             limits: Bounds on time and memory.
             stop: Set it from another thread to give up.
             report: Told of progress.
@@ -186,7 +127,7 @@ class _Compiler:
                 _check(stop)
                 made = cache.find(line, kind)
                 if made is None:
-                    made = self._ask(line, name, kind, limits, deadline, stop, report)
+                    made = self._ask(line, kind, limits, deadline, stop, report)
                     cache.keep(line, made)
                 self._kept[key] = made
                 while len(self._kept) > _KEPT:
@@ -208,7 +149,6 @@ class _Compiler:
     def _ask(
         self,
         line: bytes,
-        name: str,
         kind: type[T],
         limits: Limits,
         deadline: float,
@@ -228,7 +168,7 @@ class _Compiler:
                 _log.error("The compiler stumbled over a program.\n%s", found["trace"])
             if "diagnostics" in found:
                 raise ProgramError(tuple(record(Diagnostic, d) for d in found["diagnostics"]))
-            return record(kind, found[name])
+            return record(kind, found[kind.__name__.lower()])
         except ProgramError:
             raise
         except (OSError, ValueError):
@@ -287,23 +227,6 @@ class _Compiler:
             start_new_session=True,  # an interrupt from the keyboard is for the game alone
         )
         return self._process
-
-
-def _check_text(text: str, limits: Limits) -> None:
-    """Refuse what is too long, or no text at all.
-
-    Raises:
-        ProgramError: It is.
-    """
-    if len(text) > limits.program_characters:
-        raise _refusal(
-            f"the program has {len(text):,} characters, more than the "
-            f"{limits.program_characters:,} that a program may have",
-            "A robot's program is a short text; is this the right file?",
-        )
-    if (at := _not_text(text)) is not None:
-        line = text.count("\n", 0, at) + 1
-        raise _refusal("this is not text", "Is this the right file?", line)
 
 
 def _environment() -> dict[str, str]:

@@ -6,17 +6,20 @@ import math
 import re
 from typing import TYPE_CHECKING
 
-from logical_robots_tui.mind.decision import Decision, Notice
+from logical_robots_tui.mind.decision import Decision, Notice, NoticeKind
+from logical_robots_tui.mind.failures import FailureError
+from logical_robots_tui.mind.limits import HEAVIEST_CHARACTER, weight_of
 from logical_robots_tui.mind.sqlite.stored import to_json
-from logical_robots_tui.mind.weight import HEAVIEST_CHARACTER, weight_of
 from logical_robots_tui.values import Desire, Value
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Mapping, Sequence
+    from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 
+    from logical_robots_tui.mind.asking import Asking
     from logical_robots_tui.mind.limits import Limits
+    from logical_robots_tui.mind.sqlite.moment import Moment, View, Within
 
-__all__ = ["decide", "note_stranger"]
+__all__ = ["blame", "cut_offs", "decide", "note_stranger"]
 
 
 def note_stranger(name: Value, notices: list[Notice]) -> None:
@@ -33,10 +36,10 @@ def decide(
     name: str,
     rows: Sequence[Mapping[str, Value]],
     memory: Value,
-    notices: list[Notice],
+    known: Sequence[Notice],
     limits: Limits,
     size_of: Callable[[Value], int],
-    robots: int,
+    heaviest: int,
 ) -> Decision:
     """The decision that follows from the rows of `Robot` for one robot; of several the last.
 
@@ -44,12 +47,12 @@ def decide(
         name: Name of the robot.
         rows: The rows.
         memory: What it remembered so far.
-        notices: What is known to be unusual.
+        known: What is known to be unusual.
         limits: Bounds on its new memory.
         size_of: Tells the bytes of a memory.
-        robots: How many there are, who share what there is to remember.
+        heaviest: Bytes of objects that its new memory may be made of.
     """
-    notices = list(notices)
+    notices = [*known]
     if not rows:
         if not any(n.kind in ("failed", "late") for n in notices):
             notices.append(Notice("no row", f"Robot has no row for {name}: engines stop."))
@@ -64,13 +67,12 @@ def decide(
         return Decision(name, _desire(row.get("desire"), notices), memory, tuple(notices))
     new = row["memory"]
     size = size_of(new)
-    most = limits.weight_of_each(robots)
     weight = size if isinstance(new, str) else size * HEAVIEST_CHARACTER
     if size > limits.memory_bytes:
         too_much = f"has {size:,} bytes, more than {limits.memory_bytes:,}"
-    elif weight > most and (weight := weight_of(new, most)) > most:
+    elif weight > heaviest and (weight := weight_of(new, heaviest)) > heaviest:
         too_much = (
-            f"takes more than the {most:,} bytes that there are for each of {robots} robots, "
+            f"takes more than the {heaviest:,} bytes that there are for each of the robots, "
             "counting its records and lists"
         )
     else:
@@ -122,3 +124,63 @@ def _short(value: Value) -> str:
         return "infinite"
     text = "null" if value is None else to_json(value)
     return text if len(text) <= 40 else text[:39] + "…"
+
+
+def blame(
+    failure: FailureError,
+    asking: Asking,
+    needed: Iterable[str],
+    moment: Moment,
+    view: View,
+    within: Within,
+) -> Notice:
+    """Say which predicate failed first, and on whose rows.
+
+    Args:
+        failure: What became of `Robot`.
+        asking: Whom to ask for the predicates.
+        needed: Predicates that `Robot` needs, those first that others of them need.
+        moment: What was reasoned over.
+        view: What failed of it.
+        within: What the thought may use up.
+    """
+    whose = " and ".join(view.viewers[:3])
+    if len(view.viewers) > 3:
+        whose += " and others"
+    if failure.slow:
+        kind: NoticeKind = "late" if failure.late else "failed"
+        return Notice(kind, f"The thought about {whose} failed: {failure}.")
+    culprit, reason = "Robot", str(failure)
+    for predicate in needed:
+        try:
+            asking.rows(predicate, moment, view, within)
+        except FailureError as found:
+            if not found.slow:
+                culprit, reason = predicate, str(found)
+            break
+    alone = [
+        only.viewers[0]
+        for only in moment.one_by_one(view)
+        if _fails(culprit, asking, moment, only, within)
+    ]
+    if 0 < len(alone) <= 3:
+        whose = " and ".join(alone)
+    return Notice("failed", f"{culprit} failed on the rows of {whose}: {reason}.")
+
+
+def _fails(predicate: str, asking: Asking, moment: Moment, view: View, within: Within) -> bool:
+    try:
+        asking.rows(predicate, moment, view, within)
+    except FailureError:
+        return True
+    return False
+
+
+def cut_offs(asking: Asking, moment: Moment, view: View, within: Within) -> Iterator[Notice]:
+    """A notice for each recursion that was still changing when it reached its last step."""
+    for predicate, steps in asking.still_grew(moment, view, within):
+        yield Notice(
+            "recursion",
+            f"The recursion of {predicate} was still growing after {steps} steps, what "
+            f"lies further is missing: @Recursive({predicate}, N) says how far it goes.",
+        )

@@ -1,4 +1,4 @@
-"""What is wrong with a program, where, and what to do about it."""
+"""What is wrong with a program, where, and what to do about it, in text that can be shown."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from typing import Literal
 
 from logical_robots_tui.errors import LogicalRobotsError
 
-__all__ = ["Diagnostic", "ProgramError", "QueryError", "Stopped"]
+__all__ = ["Diagnostic", "ProgramError", "QueryError", "Stopped", "printable"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -59,3 +59,10 @@ class Stopped(LogicalRobotsError):  # noqa: N818 - not an error: somebody asked 
     """The work was stopped on request before it was done."""
 
     title = "Stopped"
+
+
+def printable(text: str) -> str:
+    """A text of the same length without control, bidirectional and other invisible characters."""
+    if text.isprintable():
+        return text
+    return "".join(c if c.isprintable() else "\N{REPLACEMENT CHARACTER}" for c in text)

@@ -7,18 +7,16 @@ from time import perf_counter
 from typing import TYPE_CHECKING, Literal
 
 from logical_robots_tui.mind.asking import Asking
-from logical_robots_tui.mind.blaming import blame, cut_offs
-from logical_robots_tui.mind.deciding import decide, note_stranger
+from logical_robots_tui.mind.deciding import blame, cut_offs, decide, note_stranger
 from logical_robots_tui.mind.decision import Decision, Notice
 from logical_robots_tui.mind.diagnostics import QueryError
+from logical_robots_tui.mind.explored import Explored
 from logical_robots_tui.mind.failures import FailureError
-from logical_robots_tui.mind.limits import Limits
-from logical_robots_tui.mind.machinery import Machinery
-from logical_robots_tui.mind.sqlite.lasting import Sizes
+from logical_robots_tui.mind.limits import Limits, check_room, is_bounded
+from logical_robots_tui.mind.sqlite.interning import Sizes
 from logical_robots_tui.mind.sqlite.moment import Moment, View, Within
 from logical_robots_tui.mind.sqlite.stored import size_of
-from logical_robots_tui.mind.table import Table, table_of
-from logical_robots_tui.mind.weight import check_room
+from logical_robots_tui.mind.table import QueryPlan, Table, table_of
 from logical_robots_tui.values import SensorRow, Value
 
 if TYPE_CHECKING:
@@ -71,7 +69,8 @@ class Mind:
         # What `Robot` gave at that moment, as far as that is known.
         self._thought: list[tuple[View, Answer]] = []
         self._asking = Asking(program, self.limits, plain=plain, frozen=frozen)
-        self._anew = False  # whether the last thought took too many steps
+        self._within = Within.of_thought(self.limits)
+        self._is_tight = is_bounded()
 
     def think(
         self,
@@ -91,9 +90,12 @@ class Mind:
             Stopped: `stop` was set before the thought was finished.
         """
         moment = self._moment_of(rows, memories)
-        within = Within.of_thought(self.limits, stop, anew=self._anew)
+        within = self._within  # exact where the last thought took too many steps
+        within.stop = stop
+        within.renew()
         try:
-            check_room(_ROOM)
+            if self._is_tight:
+                check_room(_ROOM)
             decisions = self._decisions(moment, memories, within)
             if within.is_close:
                 within = within.again()
@@ -103,7 +105,7 @@ class Mind:
             notice = Notice("no room", "There was not enough memory to think: engines stop.")
             names = moment.names
             return [Decision(name, None, memories.get(name), (notice,)) for name in names]
-        self._anew = within.anew and within.budget.steps < 0
+        self._within.anew = within.anew and within.budget.steps < 0
         return decisions
 
     def _decisions(self, moment: Moment, memories: Memories, within: Within) -> list[Decision]:
@@ -120,10 +122,10 @@ class Mind:
                 failures |= dict.fromkeys(view.viewers, notice)
                 continue
             if self.program.recursions:
-                notices = [*cut_offs(self._asking, moment, view, within)]
-                cut_off |= dict.fromkeys(view.viewers, notices)
+                ended = [*cut_offs(self._asking, moment, view, within)]
+                cut_off |= dict.fromkeys(view.viewers, ended)
             columns, found = answer
-            mine = frozenset(view.viewers)
+            mine = view.viewers if len(view.viewers) == 1 else frozenset(view.viewers)
             self._thought.append((view, answer))
             for values in found:
                 row = dict(zip(columns, values, strict=True))
@@ -134,17 +136,22 @@ class Mind:
                     note_stranger(name, strangers.setdefault(view.viewers[0], []))
         if self._sizes is not None:
             self._sizes.next_moment()
+        notices: dict[str, Sequence[Notice]] = {}
+        if failures or strangers or cut_off:
+            for name in names:
+                notices[name] = (*strangers.get(name, ()), *cut_off.get(name, ()))
+            notices |= {name: (notice,) for name, notice in failures.items()}
+        limits, size = self.limits, size_of if self._sizes is None else self._sizes.of
+        heaviest = limits.weight_of_each(len(names))
         return [
             decide(
                 name,
                 answers[name],
                 memories.get(name),
-                [failures[name]]
-                if name in failures
-                else [*strangers.get(name, ()), *cut_off.get(name, ())],
-                self.limits,
-                size_of if self._sizes is None else self._sizes.of,
-                len(names),
+                notices.get(name, ()),
+                limits,
+                size,
+                heaviest,
             )
             for name in names
         ]
@@ -247,7 +254,7 @@ class Mind:
                 continue
             for name in predicates:
                 try:
-                    within = self._within(self.limits.rows, stop, cut=False)
+                    within = self._within_query(self.limits.rows, stop, cut=False)
                     columns, found = self._asking.rows(name, moment, view, within)
                 except (FailureError, QueryError):
                     yield name, None
@@ -276,18 +283,18 @@ class Mind:
         view = next((view for view in moment.views if robot in view.viewers), None)
         if view is None:
             raise QueryError(f"There is no robot {robot} at this tick.")
-        within = self._within(_EXPLAINED_ROWS, stop, cut=False)
-        relations = Relations(self._asking.explore(moment, view, within))
+        within = self._within_query(_EXPLAINED_ROWS, stop, cut=False)
+        relations = Relations(Explored(self._asking, moment, view, within))
         return Explainer(self.program, relations, robot, self.limits, within)
 
-    def machinery(
+    def query_plan(
         self,
         predicate: str,
         rows: Sequence[SensorRow],
         memories: Memories,
         *,
         stop: threading.Event | None = None,
-    ) -> Machinery:
+    ) -> QueryPlan:
         """How a predicate is computed at one moment, and how long it takes.
 
         Args:
@@ -304,7 +311,7 @@ class Mind:
         if known is None or predicate not in self.program.statements:
             raise QueryError(known.reason if known else f"The program has no {predicate}.")
         moment = Moment(rows, memories, self.memory, self.sensor)
-        within = self._within(self.limits.rows, stop)
+        within = self._within_query(self.limits.rows, stop)
         try:
             tuned, plan = self._asking.plan(predicate, moment, moment.views[0], within)
         except FailureError as failure:
@@ -313,7 +320,7 @@ class Mind:
         self.query(predicate, rows, memories, stop=stop)
         milliseconds = (perf_counter() - began) * 1000
         generated = self.program.statements[predicate]
-        return Machinery(predicate, generated, tuned, plan, milliseconds)
+        return QueryPlan(predicate, generated, tuned, plan, milliseconds)
 
     def close(self) -> None:
         """Free the databases."""
@@ -321,10 +328,11 @@ class Mind:
 
     # -- inside --------------------------------------------------------------------------------
 
-    def _within(self, rows: int, stop: threading.Event | None, *, cut: bool = True) -> Within:
+    def _within_query(self, rows: int, stop: threading.Event | None, *, cut: bool = True) -> Within:
         """What a query may use up."""
         try:
-            check_room(_ROOM)
+            if self._is_tight:
+                check_room(_ROOM)
         except MemoryError:
             raise QueryError("There is not enough memory to look this up.") from None
         return Within.of_query(self.limits, rows, stop, cut=cut)
@@ -367,7 +375,7 @@ class Mind:
         stop: threading.Event | None,
     ) -> Table:
         """The answers for all views, once more where it takes an exact count to say how many."""
-        within = self._within(self.limits.rows, stop)
+        within = self._within_query(self.limits.rows, stop)
         try:
             table = self._collected(answers(within))
         except (QueryError, FailureError):

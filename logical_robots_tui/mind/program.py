@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING, Literal, TypeAlias
+from typing import TYPE_CHECKING, Literal
+
+from logical_robots_tui.mind.diagnostics import Diagnostic, ProgramError, QueryError
 
 if TYPE_CHECKING:
     import threading
-    from collections.abc import Callable, Mapping
+    from collections.abc import Mapping
 
-    from logical_robots_tui.mind.diagnostics import Diagnostic
+    from logical_robots_tui.mind.compilation import Report
     from logical_robots_tui.mind.limits import Limits
     from logical_robots_tui.mind.why.probing import Probing
 
@@ -21,12 +23,8 @@ __all__ = [
     "Predicate",
     "Program",
     "Question",
-    "Report",
     "Tuned",
 ]
-
-Report: TypeAlias = "Callable[[int, int], None]"
-"""Told how many predicates of how many are compiled."""
 
 INPUTS: Mapping[str, tuple[str, ...]] = {
     "Sensor": ("robot_name", "sensor"),
@@ -183,9 +181,10 @@ class Program:
             ProgramError: The program is wrong; holds diagnostics with line, column and hint.
             Stopped: `stop` was set.
         """
-        from logical_robots_tui.mind.compilation import compile_program
+        from logical_robots_tui.mind.compilation import check_text, compiled
 
-        return compile_program(text, stop=stop, limits=limits, report=report)
+        check_text(text, limits)
+        return compiled({"text": text}, cls, stop=stop, limits=limits, report=report)
 
     def question(
         self, query: str, *, stop: threading.Event | None = None, limits: Limits | None = None
@@ -201,9 +200,15 @@ class Program:
             ProgramError: The query is wrong; the diagnostics speak of its lines and columns.
             Stopped: `stop` was set.
         """
-        from logical_robots_tui.mind.compilation import compile_question
+        from logical_robots_tui.mind.compilation import check_text, compiled
 
-        return compile_question(self, query, stop=stop, limits=limits)
+        check_text(query, limits)
+        columns = {
+            table: sorted({n for t in self.tuned.values() for n in t.columns.get(table, ())})
+            for table in ("Memory", "Item")
+        }
+        request = {"text": self.text, "query": query, "columns": columns}
+        return compiled(request, Question, stop=stop, limits=limits)
 
     def take_apart(
         self,
@@ -225,9 +230,24 @@ class Program:
             QueryError: There is no such predicate, or it can't be computed.
             Stopped: `stop` was set.
         """
-        from logical_robots_tui.mind.compilation import take_apart
+        from logical_robots_tui.mind.compilation import compiled
+        from logical_robots_tui.mind.why.probing import Probing
 
-        return take_apart(self, predicate, within, stop=stop, limits=limits)
+        known = self.predicate(predicate)
+        if known is None or known.kind != "program":
+            raise QueryError(f"The program has no rules for {predicate}.")
+        if not (known.has_rows or known.is_function or within):
+            raise QueryError(known.reason)
+        request = {
+            "text": self.text,
+            "predicate": predicate,
+            "within": within,
+            "with_rows": [p.name for p in self.predicates if p.kind == "program" and p.has_rows],
+        }
+        try:
+            return compiled(request, Probing, stop=stop, limits=limits)
+        except ProgramError as error:
+            raise QueryError(f"{predicate} can't be taken apart: {error}") from None
 
     def predicate(self, name: str) -> Predicate | None:
         """The predicate of that name, or None."""

@@ -8,7 +8,7 @@ from __future__ import annotations
 import re
 from typing import TYPE_CHECKING, Literal, NamedTuple
 
-from logical_robots_tui.mind.close import closest
+from logical_robots_tui.mind.similar_names import closest
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -24,8 +24,8 @@ class FunctionHelp(NamedTuple):
     Attributes:
         name: As written in a program.
         signature: How it is called.
-        summary: What it gives, one line.
-        example: An expression that can stand in any rule.
+        summary: What it returns, one line.
+        example: An expression that can be used in any rule.
         result: The value of the example, as JSON.
         kind: ``function``, ``aggregate`` (used with braces or in a head) or ``operator``.
     """
@@ -40,76 +40,78 @@ class FunctionHelp(NamedTuple):
 
 _OPERATORS = """
 x + y -- the sum -- 1 + 2 => 3
-x - y -- the difference; before one number its negative -- 5 - 2 => 3
+x - y -- the difference; -x is the negative of x -- 5 - 2 => 3
 x * y -- the product -- 2 * 3 => 6
-x / y -- the quotient, with a fraction also between whole numbers -- 7 / 2 => 3.5
+x / y -- the quotient; integers are not rounded -- 7 / 2 => 3.5
 x % y -- the remainder, with the sign of x -- 7 % 3 => 1
 x ^ y -- x to the power of y -- 2 ^ 10 => 1024
-x ++ y -- texts or lists, one after the other -- "a" ++ "b" => "ab"
-x == y -- whether both are equal -- 1 + 1 == 2 => true
-x != y -- whether they differ -- 1 != 2 => true
-x < y -- whether x is smaller -- 1 < 2 => true
-x <= y -- whether x is smaller or equal -- 2 <= 2 => true
-x > y -- whether x is larger -- 1 > 2 => false
-x >= y -- whether x is larger or equal -- 1 >= 2 => false
+x ++ y -- the concatenation of two texts or lists -- "a" ++ "b" => "ab"
+x == y -- whether x and y are equal -- 1 + 1 == 2 => true
+x != y -- whether x and y differ -- 1 != 2 => true
+x < y -- whether x is smaller than y -- 1 < 2 => true
+x <= y -- whether x is smaller than or equal to y -- 2 <= 2 => true
+x > y -- whether x is larger than y -- 1 > 2 => false
+x >= y -- whether x is larger than or equal to y -- 1 >= 2 => false
 a && b -- whether both hold -- 1 < 2 && 2 < 3 => true
-a || b -- whether one of them holds -- 1 < 2 || 2 < 1 => true
+a || b -- whether at least one holds -- 1 < 2 || 2 < 1 => true
 ! a -- whether a condition does not hold -- !(1 < 2) => false
-x in list -- each element of a list in a body; elsewhere whether x is one -- 2 in [1, 2] => true
-x is null -- whether there is no value -- null is null => true
-x is not null -- whether there is a value -- 1 is not null => true
+x in list -- in a body each element of a list; elsewhere whether x is an element -- \
+2 in [1, 2] => true
+x is null -- whether x has no value -- null is null => true
+x is not null -- whether x has a value -- 1 is not null => true
 x -> y -- a pair for ArgMin, ArgMax, Array and WeightedAverage -- (1 -> 2).value => 2
-~ P(x) -- that something has no rows, or does not hold -- ~(1 == 2) => true
-if a then x else y -- one value or the other -- (if 1 < 2 then "yes" else "no") => "yes"
+~ P(x) -- holds if P(x) has no rows, or if a condition does not hold -- ~(1 == 2) => true
+if a then x else y -- x if a holds, otherwise y -- (if 1 < 2 then "yes" else "no") => "yes"
 """
 
 _AGGREGATES = """
-Sum{x :- P(x)} -- the sum of all -- Sum{x :- x in [1, 2, 3]} => 6
+Sum{x :- P(x)} -- the sum -- Sum{x :- x in [1, 2, 3]} => 6
 Avg{x :- P(x)} -- the mean -- Avg{x :- x in [1, 2]} => 1.5
 Min{x :- P(x)} -- the smallest -- Min{x :- x in [4, 2]} => 2
 Max{x :- P(x)} -- the largest -- Max{x :- x in [4, 2]} => 4
-Count{x :- P(x)} -- how many different ones there are -- Count{x :- x in [4, 2, 4]} => 2
+Count{x :- P(x)} -- the number of distinct values -- Count{x :- x in [4, 2, 4]} => 2
 ExactCount{x :- P(x)} -- the same as Count -- ExactCount{x :- x in [4, 2, 4]} => 2
-List{x :- P(x)} -- a list of all; null if there are none -- List{2 * x :- x in [4, 2]} => [8, 4]
-Set{x :- P(x)} -- a list of the different ones, ascending -- Set{x :- x in [4, 2, 4]} => [2, 4]
-AnyValue{x :- P(x)} -- one of them -- AnyValue{x :- x in [3]} => 3
+List{x :- P(x)} -- a list of all values; null if there are none -- \
+List{2 * x :- x in [4, 2]} => [8, 4]
+Set{x :- P(x)} -- a sorted list of the distinct values -- Set{x :- x in [4, 2, 4]} => [2, 4]
+AnyValue{x :- P(x)} -- any one of the values -- AnyValue{x :- x in [3]} => 3
 ArgMin{x -> y :- P(x, y)} -- the x of the smallest y -- ArgMin{x -> -x :- x in [1, 2]} => 2
 ArgMax{x -> y :- P(x, y)} -- the x of the largest y -- ArgMax{x -> -x :- x in [1, 2]} => 1
-Array{i -> x :- P(i, x)} -- a list in the order of i -- Array{-x -> x :- x in [1, 2]} => [2, 1]
-WeightedAverage{w -> x :- P(w, x)} -- the mean of x, with the weight w for each -- \
+Array{i -> x :- P(i, x)} -- a list of x, ordered by i -- Array{-x -> x :- x in [1, 2]} => [2, 1]
+WeightedAverage{w -> x :- P(w, x)} -- the mean of x, weighted by w -- \
 WeightedAverage{w -> 10 * w :- w in [1, 3]} => 25
-StringAgg{x :- P(x)} -- all texts with commas between -- StringAgg{x :- x in ["a", "b"]} => "a,b"
-Aggr{f :- P(x)} -- any formula of aggregates -- Aggr{Sum(x) * 2 :- x in [1, 2]} => 6
-P(x, total? += y) distinct :- Q(x, y); -- the sum, in a head or as combine -- \
+StringAgg{x :- P(x)} -- all texts, separated by commas -- StringAgg{x :- x in ["a", "b"]} => "a,b"
+Aggr{f :- P(x)} -- any expression of aggregates -- Aggr{Sum(x) * 2 :- x in [1, 2]} => 6
+P(x, total? += y) distinct :- Q(x, y); -- the sum, in a head or with combine -- \
 (combine += x :- x in [1, 2]) => 3
-P(x, all? ++= list) distinct :- Q(x, list); -- all lists as one, in a head or as combine -- \
+P(x, all? ++= list) distinct :- Q(x, list); -- the concatenation, in a head or with combine -- \
 (combine ++= x :- x in [[1], [2]]) => [1, 2]
-P(x, one? 1= y) distinct :- Q(x, y); -- the only value there is, in a head or as combine -- \
+P(x, one? 1= y) distinct :- Q(x, y); -- the single value, in a head or with combine -- \
 (combine 1= x :- x in [7]) => 7
 """
 
 _FUNCTIONS = """
-Abs(x) -- the number without its sign -- Abs(-2.5) => 2.5
+Abs(x) -- the absolute value -- Abs(-2.5) => 2.5
 Acos(x) -- the angle with this cosine, in radians -- Acos(1) => 0
 Acosh(x) -- the inverse of Cosh -- Acosh(1) => 0
-ArgMaxK(pairs, k) -- arguments of the k largest; for braces: Far(x) = ArgMaxK(x, 2); -- \
+ArgMaxK(pairs, k) -- arguments of the k largest; with braces: Far(x) = ArgMaxK(x, 2); -- \
 ArgMaxK({arg: "a", value: 1}, 2) => ["a"]
-ArgMinK(pairs, k) -- arguments of the k smallest; for braces: Near(x) = ArgMinK(x, 2); -- \
+ArgMinK(pairs, k) -- arguments of the k smallest; with braces: Near(x) = ArgMinK(x, 2); -- \
 ArgMinK({arg: "a", value: 1}, 2) => ["a"]
-Arrow(left, right) -- the pair left -> right, to take one apart -- \
+Arrow(left, right) -- the pair left -> right, also to match one -- \
 Sum{a + b :- p in [{arg: 1, value: 2}], Arrow(a, b) == p} => 3
 Asin(x) -- the angle with this sine, in radians -- Asin(0) => 0
 Asinh(x) -- the inverse of Sinh -- Asinh(0) => 0
-AssembleRecord(pairs) -- a record of a list of pairs name -> value -- \
+AssembleRecord(pairs) -- a record from a list of pairs name -> value -- \
 AssembleRecord([{arg: "a", value: 1}]) => {"a": 1}
 Atan(x) -- the angle with this tangent, in radians -- Atan(0) => 0
 Atan2(y, x) -- the direction of the point (x, y), in radians -- Atan2(0, 1) => 0
 Atanh(x) -- the inverse of Tanh -- Atanh(0) => 0
-Cast(x, type) -- a value as another SQL type -- Cast("12", "INTEGER") => 12
-Ceil(x) -- rounded up -- Ceil(1.2) => 2
-Chr(code) -- the character with this number -- Chr(65) => "A"
+Cast(x, type) -- x converted to an SQL type -- Cast("12", "INTEGER") => 12
+Ceil(x) -- x rounded up -- Ceil(1.2) => 2
+Chr(code) -- the character with this code point -- Chr(65) => "A"
 Coalesce(x, y, ...) -- the first value that is not null -- Coalesce(null, 5) => 5
-Concat(list, list) -- two lists as one -- Concat([1], [2]) => [1, 2]
+Concat(list, list) -- the concatenation of two lists -- Concat([1], [2]) => [1, 2]
 Cos(x) -- the cosine of an angle in radians -- Cos(0) => 1
 Cosh(x) -- the hyperbolic cosine -- Cosh(0) => 1
 CumulativeMax(x, [group], [order]) -- the largest up to this row -- CumulativeMax(1, [1], [1]) => 1
@@ -117,66 +119,68 @@ CumulativeMin(x, [group], [order]) -- the smallest up to this row -- CumulativeM
 CumulativeSum(x, [group], [order]) -- the sum up to this row -- CumulativeSum(1, [1], [1]) => 1
 DisassembleRecord(record) -- a list of pairs name -> value -- \
 DisassembleRecord({a: 1}) => [{"arg": "a", "value": 1}]
-Element(list, i) -- the element at a position from 0 -- Element([5, 6], 1) => 6
-EndsWith(text, end) -- whether a text ends so -- EndsWith("robot", "bot") => true
+Element(list, i) -- the element at index i, from 0 -- Element([5, 6], 1) => 6
+EndsWith(text, end) -- whether a text ends with another -- EndsWith("robot", "bot") => true
 Exp(x) -- e to the power of x -- Exp(0) => 1
 Fingerprint(x) -- the same as NaturalHash -- Fingerprint("a") == Fingerprint("a") => true
-Floor(x) -- rounded down -- Floor(2.7) => 2
-Format(format, x, ...) -- a text with values put in -- Format("%.2f", 1.5) => "1.50"
+Floor(x) -- x rounded down -- Floor(2.7) => 2
+Format(format, x, ...) -- a text with values inserted, as in printf -- Format("%.2f", 1.5) => "1.50"
 Greatest(x, y, ...) -- the largest of its arguments -- Greatest(1, 3, 2) => 3
-If(a, x, y) -- one value or the other -- If(1 < 2, "yes", "no") => "yes"
+If(a, x, y) -- x if a holds, otherwise y -- If(1 < 2, "yes", "no") => "yes"
 Ifnull(x, y) -- x, or y if x is null -- Ifnull(null, 3) => 3
-IsNull(x) -- whether there is no value -- IsNull(null) => true
-Join(list, between) -- the elements as one text -- Join(["a", "b"], "-") => "a-b"
+IsNull(x) -- whether x has no value -- IsNull(null) => true
+Join(list, between) -- the elements as one text, with a separator -- Join(["a", "b"], "-") => "a-b"
 JsonExtract(json, path) -- a part of JSON text -- JsonExtract("[4, 5]", "$[1]") => 5
 Least(x, y, ...) -- the smallest of its arguments -- Least(3, 1, 2) => 1
 Length(text) -- the number of characters -- Length("abc") => 3
-Like(text, pattern) -- whether a text fits; % is anything, _ one character -- \
+Like(text, pattern) -- whether a text matches; % is any text, _ any character -- \
 Like("robot", "r%t") => true
 Ln(x) -- the natural logarithm -- Ln(1) => 0
-Log(x) -- the natural logarithm, as Ln(x); base 10 is Log10 -- Log(1) => 0
-Log10(x) -- the logarithm of base 10 -- Log10(100) => 2
-Lower(text) -- in small letters -- Lower("ABC") => "abc"
-Ltrim(text) -- without space at its start -- Ltrim("  a") => "a"
+Log(x) -- the natural logarithm, the same as Ln; Log10 has base 10 -- Log(1) => 0
+Log10(x) -- the logarithm to base 10 -- Log10(100) => 2
+Lower(text) -- the text in lower case -- Lower("ABC") => "abc"
+Ltrim(text) -- the text without leading spaces -- Ltrim("  a") => "a"
 Mod(x, y) -- the remainder, with the sign of x -- Mod(7, 3) => 1
-NaturalHash(x) -- a whole number that is always the same for the same value -- \
+NaturalHash(x) -- an integer hash, always the same for the same value -- \
 NaturalHash("a") == NaturalHash("a") => true
 Nullif(x, y) -- x, or null if both are equal -- Nullif(1, 1) => null
 Num(x) -- the number x; also the type of numbers -- Num(5) => 5
-Ord(text) -- the number of the first character -- Ord("A") => 65
+Ord(text) -- the code point of the first character -- Ord("A") => 65
 Pow(x, y) -- x to the power of y -- Pow(2, 3) => 8
-Range(n) -- the list of whole numbers from 0 below n -- Range(3) => [0, 1, 2]
+Range(n) -- the list of integers from 0 to n - 1 -- Range(3) => [0, 1, 2]
 RecordAsJson(record) -- a record as JSON text -- Length(RecordAsJson({a: 1})) => 7
-Replace(text, old, new) -- a text with every old one replaced -- Replace("aba", "a", "c") => "cbc"
-Reverse(text) -- a text backwards -- Reverse("abc") => "cba"
-Round(x, digits) -- rounded; digits may be left out -- Round(2.567, 2) => 2.57
-Rtrim(text) -- without space at its end -- Rtrim("a  ") => "a"
+Replace(text, old, new) -- the text with every old replaced by new -- \
+Replace("aba", "a", "c") => "cbc"
+Reverse(text) -- the text reversed -- Reverse("abc") => "cba"
+Round(x, digits) -- x rounded; digits is optional -- Round(2.567, 2) => 2.57
+Rtrim(text) -- the text without trailing spaces -- Rtrim("a  ") => "a"
 Sign(x) -- -1, 0 or 1 -- Sign(-3) => -1
 Sin(x) -- the sine of an angle in radians -- Sin(0) => 0
 Sinh(x) -- the hyperbolic sine -- Sinh(0) => 0
 Size(list) -- the number of elements -- Size([1, 2, 3]) => 3
-Sort(list) -- the elements in ascending order -- Sort([3, 1, 2]) => [1, 2, 3]
-Split(text, between) -- a text as a list of parts -- Split("a,b", ",") => ["a", "b"]
-Sqrt(x) -- the square root; null of a negative number -- Sqrt(16) => 4
-StartsWith(text, start) -- whether a text starts so -- StartsWith("robot", "rob") => true
+Sort(list) -- the list in ascending order -- Sort([3, 1, 2]) => [1, 2, 3]
+Split(text, between) -- the parts of a text between separators -- Split("a,b", ",") => ["a", "b"]
+Sqrt(x) -- the square root; null for a negative number -- Sqrt(16) => 4
+StartsWith(text, start) -- whether a text starts with another -- StartsWith("robot", "rob") => true
 Str(x) -- the text x; also the type of texts -- Str("a") => "a"
-Substr(text, from, count) -- a part of a text, from position 1 on -- Substr("hello", 2, 3) => "ell"
+Substr(text, from, count) -- a part of a text; positions start at 1 -- \
+Substr("hello", 2, 3) => "ell"
 Tan(x) -- the tangent of an angle in radians -- Tan(0) => 0
 Tanh(x) -- the hyperbolic tangent -- Tanh(0) => 0
-ToFloat64(x) -- as a number -- ToFloat64("1.5") => 1.5
-ToInt64(x) -- as a whole number -- ToInt64("12") => 12
-ToString(x) -- as a text -- ToString(12) => "12"
-Trim(text) -- without space at both ends -- Trim("  a ") => "a"
-Trunc(x) -- without its fraction -- Trunc(2.7) => 2
-TruthToString(a) -- whether a condition holds, as a text -- TruthToString(1 < 2) => "true"
-TryCast(x, example) -- as one of the type of an example, or null -- TryCast("12", 0) => 12
-Unique(list) -- the different elements, ascending -- Unique([2, 1, 2]) => [1, 2]
-Upper(text) -- in capital letters -- Upper("abc") => "ABC"
-WindowMax(x, [group], [order], n) -- the largest of this and n rows before -- \
+ToFloat64(x) -- x as a number -- ToFloat64("1.5") => 1.5
+ToInt64(x) -- x as an integer -- ToInt64("12") => 12
+ToString(x) -- x as text -- ToString(12) => "12"
+Trim(text) -- the text without leading and trailing spaces -- Trim("  a ") => "a"
+Trunc(x) -- x without its fraction -- Trunc(2.7) => 2
+TruthToString(a) -- "true" or "false" -- TruthToString(1 < 2) => "true"
+TryCast(x, example) -- x as the type of the example, or null -- TryCast("12", 0) => 12
+Unique(list) -- the distinct elements, sorted -- Unique([2, 1, 2]) => [1, 2]
+Upper(text) -- the text in upper case -- Upper("abc") => "ABC"
+WindowMax(x, [group], [order], n) -- the largest of this row and the n rows before -- \
 WindowMax(1, [1], [1], 2) => 1
-WindowMin(x, [group], [order], n) -- the smallest of this and n rows before -- \
+WindowMin(x, [group], [order], n) -- the smallest of this row and the n rows before -- \
 WindowMin(1, [1], [1], 2) => 1
-WindowSum(x, [group], [order], n) -- the sum of this and n rows before -- \
+WindowSum(x, [group], [order], n) -- the sum of this row and the n rows before -- \
 WindowSum(1, [1], [1], 2) => 1
 """
 
@@ -206,15 +210,15 @@ REFERENCE: tuple[FunctionHelp, ...] = (
     *_read(_AGGREGATES, "aggregate"),
     *_read(_FUNCTIONS, "function"),
 )
-"""Everything there is, operators first, then aggregates, then functions."""
+"""All entries: operators, then aggregates, then functions."""
 
 
 def find_help(name: str) -> FunctionHelp | None:
-    """The help on a name, whatever the case of its letters, or None."""
+    """Return the help on a name, ignoring case if necessary, or None."""
     exact = next((h for h in REFERENCE if h.name == name), None)
     return exact or next((h for h in REFERENCE if h.name.lower() == name.lower()), None)
 
 
 def similar(name: str) -> str:
-    """The name that a misspelt one may have meant, or ""."""
+    """Return the known name closest to a misspelt one, or ""."""
     return closest(name, (h.name for h in REFERENCE), 0.6)

@@ -1,16 +1,16 @@
-"""Rows of a predicate, as a mind answers with them."""
+"""What a mind answers with: the rows of a predicate, or how they are computed."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
 
     from logical_robots_tui.values import Value
 
-__all__ = ["Table", "table_of"]
+__all__ = ["QueryPlan", "Table", "plan_lines", "table_of"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -58,3 +58,32 @@ def table_of(
         tuple(viewers[:most]) if separate else (),
         truncated=len(rows) > most,
     )
+
+
+@dataclass(frozen=True, slots=True)
+class QueryPlan:
+    """How a predicate is computed at a moment, for one robot or for all that reason alike.
+
+    Attributes:
+        predicate: Its name.
+        generated: The SQL as the compiler generated it.
+        tuned: The SQL that is run in its place, or "" if it is run as it is.
+        plan: SQLite's plan for what is run, one step a line, indented.
+        milliseconds: How long it took, for all robots together.
+    """
+
+    predicate: str
+    generated: str
+    tuned: str
+    plan: tuple[str, ...]
+    milliseconds: float
+
+
+def plan_lines(rows: Sequence[Sequence[Any]]) -> tuple[str, ...]:
+    """The steps of a plan, indented, from the rows of SQLite: number, parent, unused, words."""
+    depths = {0: -1}
+    lines = []
+    for number, parent, _, words in rows:
+        depths[number] = depths.get(parent, -1) + 1
+        lines.append("  " * depths[number] + str(words))
+    return tuple(lines)

@@ -21,9 +21,9 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from logical_robots_tui.world.rays import Rays
+    from logical_robots_tui.world.rays import Circles, Rays
 
-__all__ = ["FEW", "FEWEST", "Circles", "Pairs", "take_nearer_circles"]
+__all__ = ["FEW", "FEWEST", "Pairs", "take_nearer_circles"]
 
 FEWEST = 80
 """Up to this many pairs of robot and circle are faster tested one by one."""
@@ -37,29 +37,6 @@ FEW = 200
 _PAIRS_AT_ONCE = 4096  # bounds the memory for robots that crowd around each other
 _THREE = np.arange(3.0)[:, None]
 _ALL_RAYS = range(RADAR_RAYS + 1)
-
-
-class Circles(NamedTuple):
-    """The circles that rays can hit; all of shape (circles,).
-
-    Attributes:
-        number: Identifies the circle; ascending, the robots first, in file order.
-        x: Centres in map units; infinite for absent circles.
-        y: The same, but always finite.
-        radius: Map units.
-    """
-
-    number: NDArray[np.intp]
-    x: NDArray[np.float64]
-    y: NDArray[np.float64]
-    radius: NDArray[np.float64]
-
-    def around(self, rays: Rays) -> Circles:
-        """Return the circles that could be within reach of any of the rays."""
-        far = self.radius + SENSOR_RANGE
-        near = (self.x + far >= rays.x.min()) & (self.x - far <= rays.x.max())
-        near &= (self.y + far >= rays.y.min()) & (self.y - far <= rays.y.max())
-        return Circles(self.number[near], self.x[near], self.y[near], self.radius[near])
 
 
 class Pairs(NamedTuple):

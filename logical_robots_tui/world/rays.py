@@ -1,4 +1,4 @@
-"""The rays that robots cast: one forward, and a radar of 31 around it."""
+"""The rays that robots cast (one forward, a radar of 31 around it) and the circles they meet."""
 
 from __future__ import annotations
 
@@ -22,6 +22,7 @@ __all__ = [
     "RADAR_SPAN",
     "RAYS",
     "SENSOR_RANGE",
+    "Circles",
     "Rays",
     "rays_of",
 ]
@@ -86,6 +87,29 @@ class Rays(NamedTuple):
             self.cos[which],
             self.sin[which],
         )
+
+
+class Circles(NamedTuple):
+    """What rays can meet; all of shape (circles,).
+
+    Attributes:
+        number: To tell them apart, ascending. The robots, in file order, have the first ones.
+        x: Centres in map units; infinite for what is not there.
+        y: The same, but finite.
+        radius: Map units.
+    """
+
+    number: NDArray[np.intp]
+    x: NDArray[np.float64]
+    y: NDArray[np.float64]
+    radius: NDArray[np.float64]
+
+    def around(self, rays: Rays) -> Circles:
+        """Return those of the circles that could be in reach of any of the rays."""
+        far = self.radius + SENSOR_RANGE
+        near = (self.x + far >= rays.x.min()) & (self.x - far <= rays.x.max())
+        near &= (self.y + far >= rays.y.min()) & (self.y - far <= rays.y.max())
+        return Circles(self.number[near], self.x[near], self.y[near], self.radius[near])
 
 
 def rays_of(robots: Sequence[RobotState], which: Sequence[int]) -> Rays:

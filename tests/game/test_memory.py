@@ -8,7 +8,7 @@ import sys
 import pytest
 
 from logical_robots_tui.mind import Limits, Mind, Program
-from logical_robots_tui.mind.weight import HEAVIEST_CHARACTER, weight_of, weight_of_text
+from logical_robots_tui.mind.limits import HEAVIEST_CHARACTER, weight_of, weight_of_text
 from tests.mind.rows import ROBOT, row
 from tests.waiting import PATIENCE
 

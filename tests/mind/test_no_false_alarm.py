@@ -5,10 +5,10 @@ from __future__ import annotations
 import pytest
 
 from logical_robots_tui.game import list_programs, load_program
-from logical_robots_tui.mind.compiling import quicker
-from logical_robots_tui.mind.compiling.checks import check
+from logical_robots_tui.mind.checking.checks import check
+from logical_robots_tui.mind.compiling import package_patches
 from logical_robots_tui.mind.compiling.parsing import parse_statements
-from logical_robots_tui.mind.text import prepare
+from logical_robots_tui.mind.source_text import prepare
 from tests.mind.differential.corpus import CASES
 from tests.mind.rows import PAPER, ROBOT
 
@@ -46,7 +46,7 @@ SUBTLE = [
 ]
 
 
-quicker.install()  # as in the compile process
+package_patches.install()  # as in the compile process
 
 
 def found(text: str) -> list[str]:

@@ -9,7 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from logical_robots_tui.mind import Program, ProgramError
-from logical_robots_tui.mind.text import prepare
+from logical_robots_tui.mind.source_text import prepare
 from tests.mind.rows import PAPER, ROBOT, remembered, row, think
 
 GOOD = ROBOT + "m = 1;"

@@ -11,7 +11,7 @@ from typing import Any
 
 import pytest
 
-from logical_robots_tui.mind.compiling import builtins
+from logical_robots_tui.mind.checking import builtins
 from logical_robots_tui.mind.compiling.rules import defined, prelude_rules
 from logical_robots_tui.mind.reference import REFERENCE, FunctionHelp, find_help, similar
 from tests.mind.rows import remembered

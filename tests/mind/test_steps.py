@@ -8,9 +8,9 @@ from dataclasses import replace
 import pytest
 
 from logical_robots_tui.mind import Limits, Mind, Program, QueryError
+from logical_robots_tui.mind.sqlite.budget import STEPS_AT_ONCE, Budget, Work
 from logical_robots_tui.mind.sqlite.database import Database, TooSlowError
 from logical_robots_tui.mind.sqlite.moment import Within
-from logical_robots_tui.mind.sqlite.watch import STEPS_AT_ONCE, Budget, Work
 from tests.mind.rows import ROBOT, row
 
 COUNTS = (

@@ -54,7 +54,7 @@ def test_lists_are_joined_as_the_plain_way_does(visible: Any, robots: int) -> No
 def test_few_robots_have_an_index_for_lists_alone() -> None:
     program = Program.compile(LISTS)
     mind = Mind(program)
-    plan = mind.machinery("Robot", [row("Ada"), row("Bo")], {}).plan
+    plan = mind.query_plan("Robot", [row("Ada"), row("Bo")], {}).plan
     mind.close()
     made = [line for line in plan if "AUTOMATIC" in line]
     assert made
@@ -124,6 +124,6 @@ def test_a_crowd_finds_rays_and_records_in_their_order_and_among_its_own(
             "first": nearest["label"],
         }
     mind = Mind(Program.compile(text))
-    plan = mind.machinery("Robot", rows, memories).plan
+    plan = mind.query_plan("Robot", rows, memories).plan
     mind.close()
     assert not [line for line in plan if "AUTOMATIC" in line and " x_" in line]

@@ -12,8 +12,8 @@ from typing import TYPE_CHECKING
 from logical_robots_tui.game import Game, load_program
 from logical_robots_tui.game.diagnosis.diagnosing import diagnose
 from logical_robots_tui.mind import Mind, Program
-from logical_robots_tui.mind.compilation import check_up
 from logical_robots_tui.mind.diagnosis.nearest import nearest_misses
+from logical_robots_tui.mind.diagnosis.sites import check_up
 from logical_robots_tui.world import World, load_level
 
 if TYPE_CHECKING:

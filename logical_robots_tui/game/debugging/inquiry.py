@@ -7,12 +7,12 @@ import contextlib
 from functools import partial
 from typing import TYPE_CHECKING, TypeVar
 
-from logical_robots_tui.game.debugging.matches import matching_rows
 from logical_robots_tui.game.debugging.pins import read
+from logical_robots_tui.game.debugging.watching import matching_rows
 from logical_robots_tui.game.frame import Superseded
 from logical_robots_tui.game.thinker import Thinker
 from logical_robots_tui.mind import Limits, ProgramError, QueryError, Stopped, Table
-from logical_robots_tui.mind.compilation import check_up
+from logical_robots_tui.mind.diagnosis.sites import check_up
 
 if TYPE_CHECKING:
     import threading
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
     from logical_robots_tui.game.debugging.pins import Pin, Reading
     from logical_robots_tui.game.frame import Frame
-    from logical_robots_tui.mind import Explanation, Machinery, Mind, Program, Proof
+    from logical_robots_tui.mind import Explanation, Mind, Program, Proof, QueryPlan
     from logical_robots_tui.mind.diagnosis.nearest import Suggestion
     from logical_robots_tui.values import Value
     from logical_robots_tui.world import Level
@@ -195,7 +195,7 @@ class Inquiry:
 
         return await self._do(self._explainer, program, work)
 
-    async def machinery(self, program: Program, frame: Frame) -> list[Machinery]:
+    async def machinery(self, program: Program, frame: Frame) -> list[QueryPlan]:
         """Return how each of the program's predicates is computed at a frame, slowest first.
 
         Args:
@@ -207,13 +207,13 @@ class Inquiry:
         """
         names = [p.name for p in program.predicates if p.kind == "program" and p.has_rows]
 
-        def work(mind: Mind, stop: threading.Event) -> list[Machinery]:
+        def work(mind: Mind, stop: threading.Event) -> list[QueryPlan]:
             found = []
             for name in names:
                 with contextlib.suppress(QueryError):
                     sensors, memories = frame.sensors, frame.memories_before
                     mind.query(name, sensors, memories, stop=stop)  # the first time is slower
-                    found.append(mind.machinery(name, sensors, memories, stop=stop))
+                    found.append(mind.query_plan(name, sensors, memories, stop=stop))
             return sorted(found, key=lambda each: -each.milliseconds)
 
         return await self._do(self._explainer, program, work)

@@ -7,12 +7,13 @@ from __future__ import annotations
 
 import hashlib
 import json
-from dataclasses import asdict, dataclass, replace
+from dataclasses import asdict, dataclass
 from typing import TYPE_CHECKING
 
 from logical_robots_tui.caching import CacheFolder, cache_place
+from logical_robots_tui.game.debugging.watching import matching_rows
 from logical_robots_tui.mind import QueryError
-from logical_robots_tui.mind.records import record
+from logical_robots_tui.records import record
 
 if TYPE_CHECKING:
     import threading
@@ -20,45 +21,15 @@ if TYPE_CHECKING:
 
     from logical_robots_tui.game.frame import Frame
     from logical_robots_tui.game.run import Run
-    from logical_robots_tui.mind import Mind, Question, Table
+    from logical_robots_tui.mind import Mind, Question
 
-__all__ = ["Matches", "find_matches", "matching_rows"]
+__all__ = ["Matches", "find_matches"]
 
 MAX_ENTRIES = 500
 MAX_BYTES = 10_000_000
 SUFFIX = ".when"
 
 _LARGEST = 1_000_000  # bytes of one answer
-
-
-def matching_rows(question: Question, table: Table, robot: str = "") -> Table:
-    """Return the rows of an answer for which a question holds.
-
-    For an expression these are the values that are not null, false or 0; for conditions without
-    variables, the minds in which they are true; for anything else, all rows.
-
-    Args:
-        question: The question.
-        table: Its answer at a tick.
-        robot: The robot whose mind counts; "" means any, as it does where all reason alike.
-    """
-    viewers = table.viewers or ("",) * len(table.rows)
-    kept = [
-        (row, viewer)
-        for row, viewer in zip(table.rows, viewers, strict=True)
-        if (not robot or viewer in ("", robot)) and _counts(question, row[0] if row else None)
-    ]
-    return replace(
-        table,
-        rows=tuple(row for row, _ in kept),
-        viewers=tuple(viewer for _, viewer in kept) if table.viewers else (),
-    )
-
-
-def _counts(question: Question, value: object) -> bool:
-    if question.gives == "truth":
-        return value == "true"
-    return question.gives == "rows" or value not in (None, False)  # 0 equals False
 
 
 @dataclass(frozen=True, slots=True)

@@ -7,7 +7,7 @@ from functools import partial
 from typing import TYPE_CHECKING, Literal, TypeAlias
 
 from logical_robots_tui.game.advancing import Known, Worlds, known_frame
-from logical_robots_tui.game.debugging.matches import matching_rows
+from logical_robots_tui.game.debugging.watching import matching_rows
 from logical_robots_tui.game.frame import NoSuchTickError
 from logical_robots_tui.game.thinker import Thinker
 from logical_robots_tui.mind import QueryError, Stopped

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from collections import Counter
+from dataclasses import replace
 from typing import TYPE_CHECKING, TypeAlias
 
 from logical_robots_tui.game.debugging.breakpoints import OF_QUESTIONS, Breakpoint, Hit
-from logical_robots_tui.game.debugging.matches import matching_rows
 from logical_robots_tui.mind import ProgramError, QueryError, Table
 from logical_robots_tui.mind.sqlite.stored import to_json
 
@@ -18,12 +18,42 @@ if TYPE_CHECKING:
     from logical_robots_tui.mind import Decision, Mind, Question
     from logical_robots_tui.values import SensorRow, Value
 
-__all__ = ["Watch"]
+__all__ = ["Watch", "matching_rows"]
 
 _Rows: TypeAlias = "list[tuple[Value, ...]]"
 _FEW = 3  # values that are reported
 _LONGEST = 60  # characters of each
 _BY_NAME = ("Robot", "Sensor", "Memory")
+
+
+def matching_rows(question: Question, table: Table, robot: str = "") -> Table:
+    """Return the rows of an answer for which a question holds.
+
+    For an expression these are the values that are not null, false or 0; for conditions without
+    variables, the minds in which they are true; for anything else, all rows.
+
+    Args:
+        question: The question.
+        table: Its answer at a tick.
+        robot: The robot whose mind counts; "" means any, as it does where all reason alike.
+    """
+    viewers = table.viewers or ("",) * len(table.rows)
+    kept = [
+        (row, viewer)
+        for row, viewer in zip(table.rows, viewers, strict=True)
+        if (not robot or viewer in ("", robot)) and _counts(question, row[0] if row else None)
+    ]
+    return replace(
+        table,
+        rows=tuple(row for row, _ in kept),
+        viewers=tuple(viewer for _, viewer in kept) if table.viewers else (),
+    )
+
+
+def _counts(question: Question, value: object) -> bool:
+    if question.gives == "truth":
+        return value == "true"
+    return question.gives == "rows" or value not in (None, False)  # 0 is equal to False
 
 
 class Watch:

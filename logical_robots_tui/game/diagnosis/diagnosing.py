@@ -11,8 +11,8 @@ from logical_robots_tui.game.diagnosis.observations import observe
 from logical_robots_tui.game.frame import Superseded
 from logical_robots_tui.game.thinker import Thinker
 from logical_robots_tui.mind import Limits
-from logical_robots_tui.mind.compilation import check_up
 from logical_robots_tui.mind.diagnosis.counting import Tally
+from logical_robots_tui.mind.diagnosis.sites import check_up
 
 if TYPE_CHECKING:
     import threading

@@ -6,9 +6,9 @@ from collections import Counter
 from itertools import zip_longest
 from typing import TYPE_CHECKING
 
-from logical_robots_tui.mind.close import closest
 from logical_robots_tui.mind.diagnosis.finding import Finding
 from logical_robots_tui.mind.diagnosis.telling import rule_findings, shortened
+from logical_robots_tui.mind.similar_names import closest
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping

@@ -19,7 +19,7 @@ from typing import TYPE_CHECKING, Any
 
 from logical_robots_tui.caching import CacheFolder, cache_place
 from logical_robots_tui.game.history.packing import Moment, is_moment, laid_out, moment_in
-from logical_robots_tui.mind.weight import weight_of_text
+from logical_robots_tui.mind.limits import weight_of_text
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Sequence

@@ -10,13 +10,20 @@ from typing import TYPE_CHECKING, Any, cast
 
 from logica.compiler import dialects, functors, universe
 
-from logical_robots_tui.mind.compiling import complaints, quicker, reserved
-from logical_robots_tui.mind.compiling.checks import IGNORED, MAIN, check
+from logical_robots_tui.mind.checking import error_messages
+from logical_robots_tui.mind.checking.checks import IGNORED, MAIN, check
+from logical_robots_tui.mind.checking.parameters import lacking
+from logical_robots_tui.mind.clauses.functors import recursions_written_out
+from logical_robots_tui.mind.compiling import package_patches
 from logical_robots_tui.mind.compiling.dialect import RobotDialect
-from logical_robots_tui.mind.compiling.fixpoint import Fixpoint, fixpoints, grows, with_fixpoints
-from logical_robots_tui.mind.compiling.parameters import lacking
+from logical_robots_tui.mind.compiling.fixpoint import (
+    Fixpoint,
+    fixpoints,
+    grows,
+    growth_check,
+    with_fixpoints,
+)
 from logical_robots_tui.mind.compiling.parsing import parse_statements, rewritten
-from logical_robots_tui.mind.compiling.recursion import growth_check
 from logical_robots_tui.mind.compiling.rules import (
     Rule,
     called,
@@ -31,14 +38,13 @@ from logical_robots_tui.mind.compiling.spelling import spell_out
 from logical_robots_tui.mind.compiling.whole_rows import written_out
 from logical_robots_tui.mind.diagnostics import Diagnostic, ProgramError
 from logical_robots_tui.mind.program import INPUTS, Predicate, Program
-from logical_robots_tui.mind.text import Prepared, diagnostic_for, prepare
+from logical_robots_tui.mind.source_text import Prepared, diagnostic_for, prepare
 from logical_robots_tui.mind.typed import as_on_duckdb
-from logical_robots_tui.mind.why.functors import recursions_written_out
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-    from logical_robots_tui.mind.program import Report
+    from logical_robots_tui.mind.compilation import Report
 
 __all__ = ["RobotProgram", "compile_text", "compiled_rules", "plain_rules", "read_rules"]
 
@@ -90,7 +96,7 @@ def read_rules(text: str) -> tuple[Prepared, list[Rule]]:
     Who takes a program apart asks for one predicate after the other, so the last one is at hand.
     """
     source, rules = _read(text)
-    return source, quicker.deep_copy(rules)
+    return source, package_patches.deep_copy(rules)
 
 
 @lru_cache(maxsize=1)
@@ -120,9 +126,9 @@ def compiled_rules(rules: list[Rule], text: str, source: Prepared) -> RobotProgr
         written_out(written)
         spell_out(written, text, source)
         return RobotProgram(_with_prelude(written), user_flags={"logica_default_engine": "sqlite"})
-    except complaints.COMPLAINTS as error:
+    except error_messages.COMPLAINTS as error:
         raise ProgramError(
-            (_endless(error, rules, text) or complaints.explain(error, text, source),)
+            (_endless(error, rules, text) or error_messages.explain(error, text, source),)
         ) from None
 
 
@@ -202,7 +208,7 @@ class RobotProgram(universe.LogicaProgram):  # type: ignore[misc]  # the package
 
 def _endless(error: BaseException, raw: list[Rule], text: str) -> Diagnostic | None:
     """The diagnostic for a recursion that never begins, at the predicate that mentions itself."""
-    message = complaints.plain_message(error)
+    message = error_messages.plain_message(error)
     own = heads(raw)
     reach = {name: {str(c) for c in called(rules) if c in own} for name, rules in own.items()}
     for _ in own:
@@ -228,20 +234,20 @@ def _compile_predicates(
         report(done, len(own))
         is_function = False
         try:
-            reason = complaints.OPEN.format(name, left_open[name]) if name in left_open else ""
+            reason = error_messages.OPEN.format(name, left_open[name]) if name in left_open else ""
             if not reason:
                 statements[name] = compiled.FormattedPredicateSql(name)
-        except complaints.COMPLAINTS as error:
-            reason = complaints.FUNCTION.format(name)
+        except error_messages.COMPLAINTS as error:
+            reason = error_messages.FUNCTION.format(name)
             is_function = name != MAIN and _lacks_arguments(error, own[name])
             if not is_function:
-                reason = f"{name} can't be computed: {complaints.plain_message(error)}"
-                problems.append(complaints.explain(error, text, source))
+                reason = f"{name} can't be computed: {error_messages.plain_message(error)}"
+                problems.append(error_messages.explain(error, text, source))
         line = text.count("\n", 0, getattr(names[name], "start", 0)) + 1
         predicates.append(Predicate(name, "program", line, not reason, reason, is_function))
     for name in dict.fromkeys(head_name(r) for r in prelude_rules()):
         if name not in own and name.isidentifier():
-            reason = complaints.FUNCTION.format(name)
+            reason = error_messages.FUNCTION.format(name)
             predicates.append(Predicate(name, "prelude", None, has_rows=False, reason=reason))
     return statements, predicates, problems if MAIN not in statements else []
 
@@ -250,14 +256,14 @@ def _with_prelude(rules: list[Rule]) -> list[Rule]:
     """The rules, with those of the prelude that the program does not define itself."""
     own = set(defined(rules))
     added = [r for r in prelude_rules() if head_name(r) not in own]
-    return [*(_ground_in_query(r) for r in rules), *quicker.deep_copy(added)]
+    return [*(_ground_in_query(r) for r in rules), *package_patches.deep_copy(added)]
 
 
 def _ground_in_query(rule: Rule) -> Rule:
     """Compute a grounded predicate once per query and not in a table of its own."""
     if head_name(rule) != "@Ground":
         return rule
-    rule = quicker.deep_copy(rule)
+    rule = package_patches.deep_copy(rule)
     rule["head"]["predicate_name"] = "@With"
     rule["head"]["record"]["field_value"] = rule["head"]["record"]["field_value"][:1]
     return rule
@@ -304,8 +310,8 @@ def _lacks_arguments(error: BaseException, rules: list[Rule]) -> bool:
         for node in nodes(rule["head"]["record"])
         if "variable" in node
     }
-    names = complaints.unassigned(error)
-    return complaints.is_function(error) and arguments.issuperset(names)
+    names = error_messages.unassigned(error)
+    return error_messages.is_function(error) and arguments.issuperset(names)
 
 
 def _uses(rules: list[Rule]) -> dict[str, tuple[str, ...]]:
@@ -344,5 +350,4 @@ def _needed(uses: Mapping[str, tuple[str, ...]], statements: Mapping[str, str]) 
 
 
 dialects.DIALECTS["sqlite"] = RobotDialect
-quicker.install()
-reserved.install()
+package_patches.install()

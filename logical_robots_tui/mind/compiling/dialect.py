@@ -7,7 +7,7 @@ from typing import Any
 
 from logica.compiler import dialects
 
-from logical_robots_tui.mind.compiling.quicker import deep_copy
+from logical_robots_tui.mind.compiling.package_patches import deep_copy
 
 __all__ = ["RobotDialect"]
 

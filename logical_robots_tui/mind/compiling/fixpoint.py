@@ -15,12 +15,13 @@ these pass from row to row of one recursive query as a list::
 
 from __future__ import annotations
 
+import re
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from sqlglot import exp
 
-from logical_robots_tui.mind.compiling.quicker import deep_copy
+from logical_robots_tui.mind.compiling.package_patches import deep_copy
 from logical_robots_tui.mind.compiling.rules import called, head_name, nodes, subject
 from logical_robots_tui.mind.program import STEPS
 from logical_robots_tui.mind.tuning import sql
@@ -30,7 +31,7 @@ if TYPE_CHECKING:
 
     from logical_robots_tui.mind.compiling.rules import Rule
 
-__all__ = ["Fixpoint", "fixpoints", "grows", "with_fixpoints"]
+__all__ = ["Fixpoint", "fixpoints", "grows", "growth_check", "with_fixpoints"]
 
 _ABOUT_THE_WHOLE = frozenset({"@Limit", "@OrderBy"})
 
@@ -238,3 +239,39 @@ def _columns(query: Any) -> list[str]:
     while isinstance(query, exp.Subquery | exp.SetOperation) or query.is_star:
         query = query.args["from_"].this if isinstance(query, exp.Select) else query.this
     return [sql.written(item.args["alias"]) for item in query.expressions]
+
+
+_PIECE = re.compile(r"'(?:[^']|'')*'|\"(?:[^\"]|\"\")*\"|[()]|\bSELECT\b")
+
+
+def growth_check(statement: str, predicate: str, steps: int) -> str:
+    """A query for 1 if the last step of a recursion still changed something, else 0.
+
+    Args:
+        statement: The compiled query of the predicate, ``WITH <steps> SELECT <last step>``.
+        predicate: The recursive predicate.
+        steps: How many times it was unrolled.
+
+    Returns:
+        SQL, or "" where the steps can't be told apart.
+    """
+    if not statement.startswith("WITH "):
+        return ""
+    before = rf"\b(t_\d+_{re.escape(predicate)}_f?r{steps - 1}) AS \("
+    step, last = re.search(before, statement), _last_query(statement)
+    if step is None or last is None:
+        return ""
+    named, query = statement[:last].rstrip(), statement[last:].strip().rstrip(";")
+    changed = f"SELECT * FROM the_last_step EXCEPT SELECT * FROM {step.group(1)}"  # noqa: S608 - the compiler's own SQL
+    return f"{named},\nthe_last_step AS ({query})\nSELECT EXISTS ({changed})"
+
+
+def _last_query(statement: str) -> int | None:
+    """Offset of the query after all named ones: the SELECT outside of parentheses."""
+    depth = 0
+    for found in _PIECE.finditer(statement):
+        piece = found.group()
+        depth += (piece == "(") - (piece == ")")
+        if piece == "SELECT" and depth == 0:
+            return found.start()
+    return None

@@ -12,16 +12,16 @@ from typing import TYPE_CHECKING, Any
 
 from logica.parser_py import parse
 
-from logical_robots_tui.mind.compiling import complaints
+from logical_robots_tui.mind.checking import error_messages
 from logical_robots_tui.mind.compiling.rules import nodes
-from logical_robots_tui.mind.text import INNER_QUOTE, statements
+from logical_robots_tui.mind.source_text import INNER_QUOTE, statements
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
     from logical_robots_tui.mind.compiling.rules import Rule
     from logical_robots_tui.mind.diagnostics import Diagnostic
-    from logical_robots_tui.mind.text import Prepared
+    from logical_robots_tui.mind.source_text import Prepared
 
 __all__ = ["Parsed", "parse_statements", "rewritten"]
 
@@ -56,8 +56,8 @@ def parse_statements(text: str, source: Prepared) -> Parsed:
             try:
                 rules += _with_quotes(_parse_statement(source.text, start, end))
                 continue
-            except complaints.COMPLAINTS as error:
-                problems.append(complaints.explain(error, text, source, (start, end)))
+            except error_messages.COMPLAINTS as error:
+                problems.append(error_messages.explain(error, text, source, (start, end)))
         doubtful.update(_NAME.findall(source.skeleton[start:end]))
     return Parsed(rules, problems, frozenset(doubtful))
 

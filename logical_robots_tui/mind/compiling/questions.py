@@ -12,21 +12,21 @@ from typing import TYPE_CHECKING, Literal, TypeAlias
 
 from logica.parser_py import parse
 
-from logical_robots_tui.mind.compiling import complaints
-from logical_robots_tui.mind.compiling.checks import check
+from logical_robots_tui.mind.checking import error_messages
+from logical_robots_tui.mind.checking.checks import check
+from logical_robots_tui.mind.clauses.scopes import names
 from logical_robots_tui.mind.compiling.compiler import compiled_rules, plain_rules, read_rules
 from logical_robots_tui.mind.compiling.parsing import parse_statements
 from logical_robots_tui.mind.compiling.rules import CONDITIONS, VALUE, fields, heads, nodes
 from logical_robots_tui.mind.diagnostics import Diagnostic, ProgramError
 from logical_robots_tui.mind.program import INPUTS, Question
-from logical_robots_tui.mind.text import diagnostic_for, prepare
-from logical_robots_tui.mind.why.scopes import names
+from logical_robots_tui.mind.source_text import diagnostic_for, prepare
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping
 
     from logical_robots_tui.mind.compiling.rules import Rule
-    from logical_robots_tui.mind.text import Prepared
+    from logical_robots_tui.mind.source_text import Prepared
 
 __all__ = ["compile_question"]
 
@@ -96,13 +96,13 @@ def _compiled(whole: str, asked: str, *, is_bare: bool) -> str:
         sql: str = compiled_rules(
             plain_rules(parsed.rules, whole), whole, source
         ).FormattedPredicateSql(asked)
-    except complaints.COMPLAINTS as error:
-        if is_bare and complaints.is_function(error):
+    except error_messages.COMPLAINTS as error:
+        if is_bare and error_messages.is_function(error):
             hint = f"Call it with values, such as {asked}(1)."
             raise ProgramError(
-                (Diagnostic(1, 1, complaints.FUNCTION.format(asked), hint),)
+                (Diagnostic(1, 1, error_messages.FUNCTION.format(asked), hint),)
             ) from None
-        raise ProgramError((complaints.explain(error, whole, source),)) from None
+        raise ProgramError((error_messages.explain(error, whole, source),)) from None
     return sql
 
 
@@ -145,11 +145,11 @@ def _frame(
     text = parse.HeritageAwareString(source.text)
     try:
         body = parse.ParseProposition(parse.Strip(text))
-    except complaints.COMPLAINTS as error:
+    except error_messages.COMPLAINTS as error:
         try:
             parse.ParseExpression(parse.Strip(text))
-        except complaints.COMPLAINTS:
-            raise ProgramError((complaints.explain(error, query, source),)) from None
+        except error_messages.COMPLAINTS:
+            raise ProgramError((error_messages.explain(error, query, source),)) from None
         return f"{name}(value:", ")", "value"
     found = names(body)
     variables = [each for each in _in_text(body) if each in found]

@@ -7,11 +7,10 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 
 from logica.parser_py import parse
 
-from logical_robots_tui.mind.compiling.prelude import PRELUDE
 from logical_robots_tui.mind.program import VALUE
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Iterator, Mapping
 
 __all__ = [
     "COMPARISONS",
@@ -28,9 +27,41 @@ __all__ = [
     "heads",
     "nodes",
     "prelude_rules",
+    "reached",
     "subject",
     "value_of",
 ]
+
+_PRELUDE = """
+->(left:, right:) = {arg: left, value: right};
+`=`(left:, right:) = right :- left == right;
+Arrow(left, right) = arrow :- left == arrow.arg, right == arrow.value;
+
+WeightedAverage(pair) = Sum(pair.arg * pair.value) / Sum(pair.arg);
+
+ArgMin(pair) = SqlExpr("arg_min({a}, {v})", {a: pair.arg, v: pair.value});
+ArgMax(pair) = SqlExpr("arg_max({a}, {v})", {a: pair.arg, v: pair.value});
+ArgMinK(pair, k) = SqlExpr("arg_min_k({a}, {v}, {k})", {a: pair.arg, v: pair.value, k:});
+ArgMaxK(pair, k) = SqlExpr("arg_max_k({a}, {v}, {k})", {a: pair.arg, v: pair.value, k:});
+Array(pair) = SqlExpr("array_by({a}, {v})", {a: pair.arg, v: pair.value});
+
+NaturalHash(x) = SqlExpr("natural_hash({x})", {x:});
+Fingerprint(x) = SqlExpr("natural_hash({x})", {x:});
+TryCast(value, example) = SqlExpr("try_cast_like({v}, {e})", {v: value, e: example});
+TruthToString(truth) = SqlExpr("truth_to_text({t})", {t: truth});
+RecordAsJson(record) = SqlExpr("record_as_json({r})", {r: record});
+AssembleRecord(pairs) = SqlExpr("assemble_record({p})", {p: pairs});
+DisassembleRecord(record) = SqlExpr("disassemble_record({r})", {r: record});
+Chr(code) = SqlExpr("char({c})", {c: code});
+Ord(text) = SqlExpr("unicode_of({t})", {t: text});
+Num(x) = x;
+Str(x) = x;
+"""
+"""Everyday predicates that every program may use.
+
+A program that defines one of them itself uses its own; so none of them may lean on another.
+Aggregates take ``argument -> value`` pairs, which the compiler knows as ``{arg:, value:}``.
+"""
 
 Rule: TypeAlias = dict[str, Any]
 """A node of a syntax tree."""
@@ -57,7 +88,7 @@ def head_name(rule: Rule) -> str:
 @functools.cache
 def prelude_rules() -> tuple[Rule, ...]:
     """The rules of the prelude. Don't change them."""
-    return tuple(parse.ParseFile(PRELUDE)["rule"])
+    return tuple(parse.ParseFile(_PRELUDE)["rule"])
 
 
 def defined(rules: list[Rule]) -> Iterator[str]:
@@ -127,3 +158,20 @@ def called(tree: Any) -> Iterator[str]:
                 yield node[key]["predicate_name"]
         if "operator" in node and "argument" in node:
             yield parse.AggergationsAsExpressions.AggregationOperator(node["operator"])
+
+
+def reached(tree: Any, rules: Mapping[str, Any]) -> set[str]:
+    """Names of the predicates that a syntax tree leans on, directly or not.
+
+    Args:
+        tree: The tree.
+        rules: The rules of predicates by name.
+    """
+    found: set[str] = set()
+    waiting = [tree]
+    while waiting:
+        for name in map(str, called(waiting.pop())):
+            if name not in found:
+                found.add(name)
+                waiting.append(rules.get(name, []))
+    return found

@@ -5,14 +5,14 @@ from __future__ import annotations
 import re
 from typing import TYPE_CHECKING, Any
 
-from logical_robots_tui.mind.compiling import complaints
+from logical_robots_tui.mind.checking import error_messages
 from logical_robots_tui.mind.compiling.rules import TRUTHS
 from logical_robots_tui.mind.diagnostics import ProgramError
 from logical_robots_tui.mind.sqlite.stored import to_json
 
 if TYPE_CHECKING:
     from logical_robots_tui.mind.compiling.rules import Rule
-    from logical_robots_tui.mind.text import Prepared
+    from logical_robots_tui.mind.source_text import Prepared
 
 __all__ = ["TYPES", "spell_out"]
 
@@ -154,7 +154,7 @@ def _parts(text: str) -> list[str]:
 
 
 def _no_type(text: str, source: Prepared) -> Any:
-    return complaints.at_word(
+    return error_messages.at_word(
         "TryCast",
         text,
         source,

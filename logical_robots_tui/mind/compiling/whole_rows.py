@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from logical_robots_tui.mind.compiling.parameters import filled_in
+from logical_robots_tui.mind.checking.parameters import filled_in
 from logical_robots_tui.mind.compiling.rules import (
     VALUE,
     fields,

@@ -24,22 +24,22 @@ from time import process_time
 from typing import IO, TYPE_CHECKING, Any
 
 from logical_robots_tui.garbage import collect_seldom
+from logical_robots_tui.mind.checking.robot_rule import MAIN
+from logical_robots_tui.mind.clauses.decomposition import take_apart
 from logical_robots_tui.mind.compiling import compiler
 from logical_robots_tui.mind.compiling.questions import compile_question
-from logical_robots_tui.mind.compiling.robot_rule import MAIN
 from logical_robots_tui.mind.diagnosis.checkup import check_up
-from logical_robots_tui.mind.diagnostics import Diagnostic, ProgramError
+from logical_robots_tui.mind.diagnostics import Diagnostic, ProgramError, printable
 from logical_robots_tui.mind.failures import in_plain_words
-from logical_robots_tui.mind.plain import printable
 from logical_robots_tui.mind.sqlite.database import Database
 from logical_robots_tui.mind.sqlite.filling import WHOLE_RAY
 from logical_robots_tui.mind.sqlite.layouts import COLUMNS_LAYOUT
 from logical_robots_tui.mind.tuning import Known, tune, tune_all
-from logical_robots_tui.mind.why.taking_apart import take_apart
 
 if TYPE_CHECKING:
+    from logical_robots_tui.mind.compilation import Report
     from logical_robots_tui.mind.diagnosis.sites import Checkup
-    from logical_robots_tui.mind.program import Program, Question, Report, Tuned
+    from logical_robots_tui.mind.program import Program, Question, Tuned
     from logical_robots_tui.mind.why.probing import Probing
 
 __all__ = ["main"]

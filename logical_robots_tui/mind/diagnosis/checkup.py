@@ -5,25 +5,26 @@ from __future__ import annotations
 from contextlib import suppress
 from typing import TYPE_CHECKING
 
-from logical_robots_tui.mind.compiling import complaints
+from logical_robots_tui.mind.checking import error_messages
+from logical_robots_tui.mind.checking.robot_rule import MAIN
+from logical_robots_tui.mind.clauses import trees
+from logical_robots_tui.mind.clauses.functors import made_from
+from logical_robots_tui.mind.clauses.spans import span_of
 from logical_robots_tui.mind.compiling.compiler import compiled_rules, read_rules
-from logical_robots_tui.mind.compiling.robot_rule import MAIN
-from logical_robots_tui.mind.compiling.rules import VALUE, called, head_name, heads, value_of
+from logical_robots_tui.mind.compiling.rules import VALUE, head_name, heads, reached, value_of
 from logical_robots_tui.mind.diagnosis.expressions import text_of
 from logical_robots_tui.mind.diagnosis.memory import texts_of, written_fields
 from logical_robots_tui.mind.diagnosis.sites import Checkup, RuleSite
 from logical_robots_tui.mind.diagnosis.tracing import Tracer
 from logical_robots_tui.mind.program import Program
 from logical_robots_tui.mind.tuning import tune_all
-from logical_robots_tui.mind.why import trees
-from logical_robots_tui.mind.why.spans import span_of
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
 
     from logical_robots_tui.mind.compiling.rules import Rule
     from logical_robots_tui.mind.diagnosis.sites import Probe, Span
-    from logical_robots_tui.mind.text import Prepared
+    from logical_robots_tui.mind.source_text import Prepared
 
 __all__ = ["check_up"]
 
@@ -52,7 +53,7 @@ def check_up(
     functions |= {name for name, mine in plain.items() if _is_constant(mine)}
     rules = [(name, rule) for name, mine in plain.items() for rule in mine]
     tracer = Tracer(text, source, plain, functions, [rule for _, rule in rules])
-    needed = _reach(MAIN, own) | {MAIN}
+    needed = reached(own[MAIN], own) | {MAIN}
     for name, rule in rules:
         if name in needed and name not in functions:
             tracer.rule(rule, tells_robot=name == MAIN)
@@ -63,7 +64,7 @@ def check_up(
     probes: list[Probe] = []
     statements: dict[str, str] = {}
     for name, (_, probe) in asked.items():
-        with suppress(*complaints.COMPLAINTS):
+        with suppress(*error_messages.COMPLAINTS):
             sql = compiled.FormattedPredicateSql(names[name]).rstrip().removesuffix(";")
             if is_quick(sql, 0):
                 probes.append(probe)
@@ -129,22 +130,22 @@ def _trace_what_is_made(
     plain: Mapping[str, list[Rule]],
     needed: set[str],
     functions: frozenset[str],
-) -> dict[str, tuple[str, dict[str | int, Rule]]]:
+) -> dict[str, tuple[str, dict[str, Rule]]]:
     """Trace the rules of predicates made with ``:=``, with what is filled in there.
 
     Returns:
         By name of a probe the predicate that it is about, and what is to be filled in.
     """
-    fillings: dict[str, tuple[str, dict[str | int, Rule]]] = {}
-    made = {name: step for name, mine in own.items() if (step := _made(name, mine[0]))}
+    fillings: dict[str, tuple[str, dict[str, Rule]]] = {}
+    made = {n: made_from(rules[0]) for n, rules in own.items() if head_name(rules[0]) == "@Make"}
     for name, (base, given) in made.items():
         if name not in needed:
             continue
         tracer.within = name
         before = set(tracer.probes)
-        changed = frozenset(map(str, given))
-        for other in sorted({base, *_reach(base, own)}):
-            if other in plain and other not in functions and _reach(other, own) & changed:
+        changed = given.keys()
+        for other in sorted({base, *reached(own.get(base, []), own)}):
+            if other in plain and other not in functions and reached(plain[other], own) & changed:
                 for rule in plain[other]:
                     tracer.rule(rule, tells_robot=False)
         fillings |= dict.fromkeys(tracer.probes.keys() - before, (name, given))
@@ -154,7 +155,7 @@ def _trace_what_is_made(
 
 def _filled_in(
     asked: Mapping[str, tuple[Rule, Probe]],
-    fillings: Mapping[str, tuple[str, dict[str | int, Rule]]],
+    fillings: Mapping[str, tuple[str, dict[str, Rule]]],
     own: Mapping[str, list[Rule]],
 ) -> tuple[dict[str, str], list[Rule]]:
     """By name of a probe what to ask for it, and the rules that make that."""
@@ -162,35 +163,9 @@ def _filled_in(
     makes = []
     for name, (rule, _) in asked.items():
         within, given = fillings.get(name, ("", {}))
-        reach = _reach_of(rule, own)
-        columns = {field: value for field, value in given.items() if str(field) in reach}
+        reach = reached(rule, own)
+        columns = {field: value for field, value in given.items() if field in reach}
         if columns:
             names[name] = f"{name}_{within}"
             makes.append(trees.make(names[name], name, columns))
     return names, makes
-
-
-def _made(name: str, rule: Rule) -> tuple[str, dict[str | int, Rule]] | None:
-    """What a predicate is made from with ``:=``, and what is filled in; None if it isn't."""
-    if head_name(rule) != "@Make":
-        return None
-    _, base, given = (value_of(fv) or {} for fv in rule["head"]["record"]["field_value"])
-    fields = given["record"]["field_value"]
-    columns = {fv["field"]: value for fv in fields if (value := value_of(fv))}
-    return str(base["literal"]["the_predicate"]["predicate_name"]), columns
-
-
-def _reach(name: str, own: Mapping[str, list[Rule]]) -> set[str]:
-    """Names of the predicates that a predicate leans on, directly or not."""
-    return {found for rule in own.get(name, ()) for found in _reach_of(rule, own)}
-
-
-def _reach_of(rule: Rule, own: Mapping[str, list[Rule]]) -> set[str]:
-    found: set[str] = set()
-    waiting = list(map(str, called(rule)))
-    while waiting:
-        name = waiting.pop()
-        if name not in found:
-            found.add(name)
-            waiting += map(str, called(own.get(name, [])))
-    return found

@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING, Any
 
 from logica.parser_py import parse
 
+from logical_robots_tui.mind.clauses import trees
 from logical_robots_tui.mind.compiling.rules import COMPARISONS, VALUE, value_of
-from logical_robots_tui.mind.why import trees
 
 if TYPE_CHECKING:
     from collections.abc import Container, Iterator, Mapping, Sequence

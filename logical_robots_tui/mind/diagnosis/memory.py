@@ -4,19 +4,19 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from logical_robots_tui.mind.compiling.robot_rule import MAIN
+from logical_robots_tui.mind.checking.robot_rule import MAIN
+from logical_robots_tui.mind.clauses.scopes import flat
+from logical_robots_tui.mind.clauses.spans import span_of
 from logical_robots_tui.mind.compiling.rules import COMPARISONS, VALUE, nodes, value_of
 from logical_robots_tui.mind.diagnosis.expressions import operands, text_of
 from logical_robots_tui.mind.diagnosis.sites import Field
 from logical_robots_tui.mind.program import INPUTS
-from logical_robots_tui.mind.why.scopes import flat
-from logical_robots_tui.mind.why.spans import span_of
 
 if TYPE_CHECKING:
     from collections.abc import Container, Iterable, Iterator, Mapping
 
     from logical_robots_tui.mind.compiling.rules import Rule
-    from logical_robots_tui.mind.text import Prepared
+    from logical_robots_tui.mind.source_text import Prepared
 
 __all__ = ["texts_of", "written_fields"]
 

@@ -7,12 +7,11 @@ import re
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Literal
 
-from logical_robots_tui.mind.close import closest, distance
-from logical_robots_tui.mind.compilation import check_up
 from logical_robots_tui.mind.diagnosis.counting import Tally
-from logical_robots_tui.mind.diagnosis.sites import TESTS, Span
+from logical_robots_tui.mind.diagnosis.sites import TESTS, Span, check_up
 from logical_robots_tui.mind.diagnostics import ProgramError, QueryError
 from logical_robots_tui.mind.mind import Mind
+from logical_robots_tui.mind.similar_names import closest, distance
 
 if TYPE_CHECKING:
     import threading

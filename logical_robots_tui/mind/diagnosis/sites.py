@@ -2,13 +2,20 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import Literal
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Literal
 
+from logical_robots_tui.mind.compilation import compiled
+from logical_robots_tui.mind.diagnostics import ProgramError, QueryError
 from logical_robots_tui.mind.program import Program  # noqa: TC001 - `record` reads the hint
 from logical_robots_tui.mind.why.probing import Span
 
-__all__ = ["TESTS", "Checkup", "Column", "Field", "Probe", "RuleSite", "Site", "Span"]
+if TYPE_CHECKING:
+    import threading
+
+    from logical_robots_tui.mind.limits import Limits
+
+__all__ = ["TESTS", "Checkup", "Column", "Field", "Probe", "RuleSite", "Site", "Span", "check_up"]
 
 TESTS = ("condition", "denial", "branch", "operand")
 """Sites of these kinds are conditions."""
@@ -167,3 +174,27 @@ class Checkup:
     writes_all: bool = False
     texts: tuple[Field, ...] = ()
     left_out: int = 0
+
+
+def check_up(
+    program: Program, *, stop: threading.Event | None = None, limits: Limits | None = None
+) -> Checkup:
+    """Make a program ready to be watched; what was made ready before is at hand. Blocks.
+
+    Args:
+        program: The program.
+        stop: Set it from another thread to give up.
+        limits: Bounds on compiling.
+
+    Raises:
+        QueryError: It is too entangled for that.
+        Stopped: `stop` was set.
+    """
+    functions = [p.name for p in program.predicates if p.is_function]
+    request = {"text": program.text, "checkup": functions}
+    try:
+        found = compiled(request, Checkup, stop=stop, limits=limits)
+    except ProgramError as error:
+        raise QueryError(f"The program can't be watched: {error}") from None
+    asked = replace(found.program, memory=program.memory, sensor=program.sensor)
+    return replace(found, program=asked)

@@ -5,17 +5,17 @@ from __future__ import annotations
 from collections import deque
 from typing import TYPE_CHECKING, Any
 
+from logical_robots_tui.mind.clauses.scopes import names
+from logical_robots_tui.mind.clauses.spans import span_of
 from logical_robots_tui.mind.compiling.rules import VALUE, called, nodes, value_of
 from logical_robots_tui.mind.diagnosis.expressions import equated, parameters
-from logical_robots_tui.mind.why.scopes import names
-from logical_robots_tui.mind.why.spans import span_of
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping
 
     from logical_robots_tui.mind.compiling.rules import Rule
     from logical_robots_tui.mind.diagnosis.sites import Span
-    from logical_robots_tui.mind.text import Prepared
+    from logical_robots_tui.mind.source_text import Prepared
 
 __all__ = ["Sources"]
 

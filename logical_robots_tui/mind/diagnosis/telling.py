@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from logical_robots_tui.mind.close import closest, distance
 from logical_robots_tui.mind.diagnosis.counting import is_always_true
 from logical_robots_tui.mind.diagnosis.finding import Finding
 from logical_robots_tui.mind.diagnosis.sites import TESTS
+from logical_robots_tui.mind.similar_names import closest, distance
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator

@@ -8,6 +8,15 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
+from logical_robots_tui.mind.clauses import trees
+from logical_robots_tui.mind.clauses.scopes import (
+    EVERY_COLUMN,
+    Scope,
+    column_name,
+    flat,
+    in_order,
+    names,
+)
 from logical_robots_tui.mind.compiling.rules import VALUE, value_of
 from logical_robots_tui.mind.diagnosis.expressions import (
     as_expression,
@@ -19,15 +28,6 @@ from logical_robots_tui.mind.diagnosis.expressions import (
 from logical_robots_tui.mind.diagnosis.values import ValueTracing, head_value
 from logical_robots_tui.mind.diagnosis.watching import At, Segment, Trail
 from logical_robots_tui.mind.program import INPUTS
-from logical_robots_tui.mind.why import trees
-from logical_robots_tui.mind.why.scopes import (
-    EVERY_COLUMN,
-    Scope,
-    column_name,
-    flat,
-    in_order,
-    names,
-)
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence

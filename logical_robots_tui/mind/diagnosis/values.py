@@ -9,6 +9,8 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
+from logical_robots_tui.mind.clauses import trees
+from logical_robots_tui.mind.clauses.scopes import EVERY_COLUMN, Scope, column_name, flat, names
 from logical_robots_tui.mind.compiling.rules import CONDITIONS, JUNCTIONS, VALUE, value_of
 from logical_robots_tui.mind.diagnosis.expressions import (
     ORDERING,
@@ -23,8 +25,6 @@ from logical_robots_tui.mind.diagnosis.expressions import (
 )
 from logical_robots_tui.mind.diagnosis.sites import Field
 from logical_robots_tui.mind.diagnosis.watching import At, Stands, Watching
-from logical_robots_tui.mind.why import trees
-from logical_robots_tui.mind.why.scopes import EVERY_COLUMN, Scope, column_name, flat, names
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence

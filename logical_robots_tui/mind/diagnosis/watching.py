@@ -5,18 +5,18 @@ from __future__ import annotations
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any, Literal, TypeAlias
 
+from logical_robots_tui.mind.clauses.spans import span_of
 from logical_robots_tui.mind.diagnosis.expressions import as_part, counted, filled
 from logical_robots_tui.mind.diagnosis.sites import TESTS, Column, Field, Probe, Site, Span
 from logical_robots_tui.mind.diagnosis.sources import Sources
 from logical_robots_tui.mind.program import INPUTS
-from logical_robots_tui.mind.why.spans import span_of
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
+    from logical_robots_tui.mind.clauses.scopes import Scope
     from logical_robots_tui.mind.compiling.rules import Rule
-    from logical_robots_tui.mind.text import Prepared
-    from logical_robots_tui.mind.why.scopes import Scope
+    from logical_robots_tui.mind.source_text import Prepared
 
 __all__ = ["PROBE", "At", "Segment", "Stands", "Trail", "Watching"]
 

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from logical_robots_tui.mind.sqlite.watch import STEPS_OF_A_CALL
+from logical_robots_tui.mind.sqlite.budget import STEPS_OF_A_CALL
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from logical_robots_tui.mind.sqlite.watch import Work
+    from logical_robots_tui.mind.sqlite.budget import Work
 
 __all__ = [
     "MAX_ITEMS",

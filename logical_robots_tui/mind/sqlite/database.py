@@ -9,12 +9,12 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 
 from logical_robots_tui.mind.diagnostics import Stopped
 from logical_robots_tui.mind.limits import Limits
-from logical_robots_tui.mind.sqlite import functions
 from logical_robots_tui.mind.sqlite.allowed import BUILT_IN, NAMED_QUERY
 from logical_robots_tui.mind.sqlite.bounds import MAX_ITEMS, counted
+from logical_robots_tui.mind.sqlite.budget import STEPS_AT_ONCE, Work
+from logical_robots_tui.mind.sqlite.functions import registry
 from logical_robots_tui.mind.sqlite.layouts import PLAIN_LAYOUT
-from logical_robots_tui.mind.sqlite.moment import Within
-from logical_robots_tui.mind.sqlite.watch import STEPS_AT_ONCE, Work
+from logical_robots_tui.mind.sqlite.moment import LONG, Within
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Sequence
@@ -52,6 +52,8 @@ _SQLITE_LIMITS = {
     sqlite3.SQLITE_LIMIT_WORKER_THREADS: 0,
 }
 
+_MANY = 100  # rows from which on it may take a while to read them
+
 _DELETE = "DELETE FROM "
 
 _HALTED_LENGTH = 30  # no text longer than this can be made by a query that is to end
@@ -88,7 +90,7 @@ class Database:
         self._work = Work(self._halt)
         self._numbers = count()
         self._connection.set_progress_handler(self._work.count, STEPS_AT_ONCE)
-        functions.install(self._connection, self._work)
+        registry.install(self._connection, self._work)
         self._connection.executescript(
             f"""
             PRAGMA trusted_schema = OFF;
@@ -196,7 +198,9 @@ class Database:
         work = self._work
         work.begin(budget, stop)
         try:
-            return self._fetch(sql, parameters, most)
+            answer = self._fetch(sql, parameters, most)
+            within.is_much = self._bytes > LONG or len(answer[1]) > _MANY
+            return answer
         except (sqlite3.Error, MemoryError) as error:
             if work.halted and work.stopped:
                 raise Stopped("The program was stopped while it was thinking.") from None
@@ -322,7 +326,7 @@ class Database:
                 return sqlite3.SQLITE_OK
         if action == sqlite3.SQLITE_FUNCTION and second is not None:
             name = second.lower()
-            if name in BUILT_IN or name in functions.NAMES or name in self._offered:
+            if name in BUILT_IN or name in registry.NAMES or name in self._offered:
                 return sqlite3.SQLITE_OK
         return sqlite3.SQLITE_DENY
 

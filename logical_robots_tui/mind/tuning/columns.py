@@ -6,10 +6,15 @@ their numbers, so that one load serves the thoughts of all.
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 from sqlglot import exp
 
 from logical_robots_tui.mind.sqlite.filling import KINDS, RAYS
 from logical_robots_tui.mind.tuning import sql
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
 
 __all__ = [
     "RAY_FIELDS",
@@ -126,18 +131,19 @@ def bound_to_viewer(tree: exp.Expr) -> None:
             )
 
 
-def read_by(tree: exp.Expr) -> dict[str, tuple[str, ...]]:
-    """The columns that a query reads of each input and each table of rays, beside ``id``."""
+def read_by(trees: Iterable[exp.Expr]) -> dict[str, tuple[str, ...]]:
+    """The columns that queries read of each input and each table of rays, beside ``id``."""
     read: dict[str, set[str]] = {}
-    for table in tree.find_all(exp.Table):
-        name = TABLES.get(sql.table_name(table))
-        if name is not None:
-            read.setdefault(name, set())
-    for column in tree.find_all(exp.Column):
-        found = sql.source(column)
-        name = TABLES.get(sql.table_name(found[1])) if found is not None else None
-        if name is not None and column.name.lower() != "id":
-            read[name].add(column.name.lower())
+    for tree in trees:
+        for table in tree.find_all(exp.Table):
+            name = TABLES.get(sql.table_name(table))
+            if name is not None:
+                read.setdefault(name, set())
+        for column in tree.find_all(exp.Column):
+            found = sql.source(column)
+            name = TABLES.get(sql.table_name(found[1])) if found is not None else None
+            if name is not None and column.name.lower() != "id":
+                read[name].add(column.name.lower())
     return {name: tuple(sorted(columns)) for name, columns in read.items()}
 
 

@@ -14,7 +14,7 @@ from sqlglot import exp
 
 from logical_robots_tui.mind.sqlite.filling import KINDS
 from logical_robots_tui.mind.tuning import sql
-from logical_robots_tui.mind.tuning.often import is_looked_up
+from logical_robots_tui.mind.tuning.materializing import is_looked_up
 
 if TYPE_CHECKING:
     from collections.abc import Set as AbstractSet

@@ -12,7 +12,7 @@ from logical_robots_tui.mind.sqlite.remembered import (
     MEMORY_FIELDS,
     spelled_item,
 )
-from logical_robots_tui.mind.tuning import notes, sql
+from logical_robots_tui.mind.tuning import json, sql
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, MutableMapping
@@ -54,7 +54,7 @@ def items_as_rows(
             assert call is not None
             column = known[sql.extracted(call).removeprefix("$.")]
             taken = exp.column(column, alias)
-            call.replace(notes.noted(taken, call, is_result=True))
+            call.replace(json.remarked(taken, call, is_result=True))
         place = MEMORY_FIELDS.index(items.name)
         read |= {spelled_item(known[key], place, by_column[items.name], key) for key in keys}
         _read_items(select, table, items.table, place)

@@ -1,17 +1,35 @@
-"""Values in JSON: taken out again where no JSON is needed, and written without a call of Python.
+"""Values in JSON: taken out where no JSON is needed, written without a call of Python, marked.
 
 A value in a record is written with all of its digits, and a truth as a word (`typed/changes.py`).
+SQLite marks a text that it made as a record or a list. A value that passes through a query of its
+own loses that mark; put into a record, it would be an escaped text there. So it is marked as JSON
+once more, where that makes a difference.
 """
 
 from __future__ import annotations
 
 from sqlglot import exp
 
-from logical_robots_tui.mind.tuning import notes, sql
+from logical_robots_tui.mind.sqlite.remembered import ITEM_FIELDS, MEMORY_FIELDS
+from logical_robots_tui.mind.tuning import columns, sql
 
-__all__ = ["native_numbers", "taken_out", "truth", "truth_in"]
+__all__ = [
+    "is_plain",
+    "is_stored",
+    "marked",
+    "native_numbers",
+    "remarked",
+    "taken_out",
+    "truth",
+    "truth_in",
+]
 
+_CHEAP = frozenset({"abs", "atan2", "cos", "sin", "sqrt"})
 _WRITTEN = frozenset({"real_as_json", "value_as_json"})
+_MAKES_JSON = frozenset({"json_array", "json_object", "json_quote"})
+_COLLECTS_JSON = frozenset({"json_group_array", "json_group_object"})
+_UNPLAIN = frozenset({"memory", "sensor", "value", *MEMORY_FIELDS, *ITEM_FIELDS})
+_PASSES_ON = frozenset({"coalesce", "iif", "if", "ifnull", "nullif", "min", "max", "any_value"})
 
 
 def taken_out(value: exp.Expr) -> exp.Expr:
@@ -54,12 +72,18 @@ def native_numbers(tree: exp.Expr) -> None:
         name = sql.call_name(call)
         if name == "real_as_json":
             number = call.expressions[0]
-            if not number.find(exp.Anonymous, exp.Query):
+            if _is_cheap(number):
                 call.replace(_digits_or_null(number))
         elif name == "value_as_json" and isinstance(call.expressions[0], exp.Column):
             outer = call.parent
             assert outer is not None
             outer.replace(_as_it_is(call.expressions[0]))
+
+
+def _is_cheap(number: exp.Expr) -> bool:
+    """Whether SQLite computes a number twice in less time than a call of Python takes."""
+    calls = number.find_all(exp.Anonymous)
+    return not number.find(exp.Query) and all(sql.call_name(call) in _CHEAP for call in calls)
 
 
 def _digits(number: exp.Expr) -> exp.Expr:
@@ -75,9 +99,93 @@ def _digits_or_null(number: exp.Expr) -> exp.Expr:
 def _as_it_is(value: exp.Column) -> exp.Expr:
     """A value for JSON, of which only SQLite knows whether it is a number or a text."""
     kind = exp.Anonymous(this="TYPEOF", expressions=[value.copy()])
+    is_real = exp.EQ(this=kind, expression=exp.Literal.string("real"))
+    # Texts come after all numbers; to compare is quicker than to ask for the type.
+    is_text = exp.GTE(this=value.copy(), expression=exp.Literal.string(""))
     real = exp.Anonymous(this="JSON", expressions=[_digits(value)])
     ifs = [
-        exp.If(this=exp.Literal.string("real"), true=real),
-        exp.If(this=exp.Literal.string("text"), true=notes.marked(value.copy(), value.copy())),
+        exp.If(this=is_text, true=marked(value.copy(), value.copy())),
+        exp.If(this=is_real, true=real),
     ]
-    return exp.Case(this=kind, ifs=ifs, default=value.copy())
+    return exp.Case(ifs=ifs, default=value.copy())
+
+
+def is_plain(node: exp.Expr) -> bool:
+    """Whether a value is certainly no record and no list."""
+    if isinstance(node, exp.Paren):
+        return is_plain(node.this)
+    if isinstance(node, exp.Subquery) and isinstance(node.this, exp.Select):
+        only = node.this.expressions
+        return len(only) == 1 and is_plain(only[0])
+    if isinstance(node, exp.Alias):
+        return is_plain(node.this)
+    if isinstance(node, exp.Case):
+        arms = [branch.args["true"] for branch in node.args["ifs"]]
+        default = node.args.get("default")
+        return all(map(is_plain, [*arms, *([default] if default is not None else [])]))
+    if isinstance(node, exp.Column):
+        found = sql.source(node)
+        return found is not None and _is_plain_column(node, found[1])
+    if isinstance(node, exp.Anonymous):
+        name = sql.call_name(node)
+        if name in _PASSES_ON:
+            return all(map(is_plain, node.expressions))
+        return name in {"sum", "avg", "count", "total", "divide", "modulo", "abs", "sqrt"}
+    return isinstance(node, exp.Binary | exp.Not | exp.Neg | exp.Literal | exp.Null)
+
+
+def _is_plain_column(column: exp.Column, table: exp.Expr) -> bool:
+    """Whether a column holds numbers and plain text only."""
+    if isinstance(table, exp.Subquery) and isinstance(table.this, exp.Select):
+        for made in table.this.expressions:
+            if made.alias_or_name.lower() == column.name.lower():
+                return is_plain(made)
+    return is_stored(table) and column.name.lower() not in _UNPLAIN
+
+
+def _is_noticed(node: exp.Expr, is_result: bool) -> bool:
+    """Whether it makes a difference that a value is marked as a record or a list."""
+    while True:
+        parent = node.parent
+        if isinstance(parent, exp.Anonymous):
+            name = sql.call_name(parent)
+            if name in _MAKES_JSON or name in _COLLECTS_JSON:
+                return True
+            if name not in _PASSES_ON:
+                return False
+        elif isinstance(parent, exp.If):
+            if parent.this is node:
+                return False
+        elif isinstance(parent, exp.Select):
+            if isinstance(parent.parent, exp.Subquery) and not isinstance(
+                parent.parent.parent, exp.From | exp.Join
+            ):
+                node = parent
+                parent = parent.parent
+            else:
+                return not is_result
+        elif not isinstance(parent, exp.Case | exp.Paren | exp.Alias | exp.Subquery):
+            return False
+        node = parent
+
+
+def remarked(value: exp.Column, place: exp.Expr, *, is_result: bool) -> exp.Expr:
+    """A value that is marked again as the record or list that it is, where that is noticed."""
+    return marked(value, value) if _is_noticed(place, is_result) else value
+
+
+def marked(value: exp.Column, otherwise: exp.Expr) -> exp.Expr:
+    """A value as JSON if it is the text of a record or a list, or else another expression."""
+    begins = exp.Anonymous(
+        this="SUBSTR", expressions=[value.copy(), exp.Literal.number(1), exp.Literal.number(1)]
+    )
+    brackets = [exp.Literal.string("{"), exp.Literal.string("[")]
+    valid = exp.Anonymous(this="JSON_VALID", expressions=[value.copy()])
+    as_json = exp.Anonymous(this="JSON", expressions=[value.copy()])
+    test = exp.And(this=exp.In(this=begins, expressions=brackets), expression=valid)
+    return exp.Case(ifs=[exp.If(this=test, true=as_json)], default=otherwise)
+
+
+def is_stored(table: exp.Expr) -> bool:
+    """Whether a source is a table, in which no value has the note anyway."""
+    return sql.table_name(table) in columns.TABLES

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from sqlglot import exp
 
-from logical_robots_tui.mind.tuning import notes, sql
+from logical_robots_tui.mind.tuning import json, sql
 
 __all__ = ["native_choice", "native_division"]
 
@@ -42,7 +42,7 @@ def native_choice(tree: exp.Expr) -> None:
         native = _CHOICES.get(sql.call_name(call))
         if native is None or len(call.expressions) != 2:
             continue
-        if not all(map(notes.is_plain, call.expressions)):
+        if not all(map(json.is_plain, call.expressions)):
             continue
         literals = [value for value in call.expressions if isinstance(value, exp.Literal)]
         if not literals:

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any, Protocol
 
+from logical_robots_tui.mind.sqlite.budget import STEPS_OF_A_CALL
 from logical_robots_tui.mind.sqlite.stored import from_sql, to_sql
-from logical_robots_tui.mind.sqlite.watch import STEPS_OF_A_CALL
 from logical_robots_tui.mind.why.probing import with_given
 
 if TYPE_CHECKING:

@@ -13,14 +13,14 @@ from logical_robots_tui.tui.theme.themes import INK
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
-    from logical_robots_tui.mind import Machinery
+    from logical_robots_tui.mind import QueryPlan
 
 __all__ = ["machinery_text"]
 
 _BAR = 24  # columns of the longest bar
 
 
-def machinery_text(found: Sequence[Machinery], predicate: str) -> Static:
+def machinery_text(found: Sequence[QueryPlan], predicate: str) -> Static:
     """How long each predicate takes, and the SQL and plan of one of them.
 
     Args:
@@ -31,7 +31,7 @@ def machinery_text(found: Sequence[Machinery], predicate: str) -> Static:
     return Static(Content("\n").join([*_times(found, chosen), *_in_full(chosen)]))
 
 
-def _times(found: Sequence[Machinery], chosen: Machinery) -> Iterator[Content]:
+def _times(found: Sequence[QueryPlan], chosen: QueryPlan) -> Iterator[Content]:
     yield Content.styled("Milliseconds, including dependencies", f"bold {INK.title}")
     longest = max(each.milliseconds for each in found) or 1.0
     for each in found:
@@ -43,7 +43,7 @@ def _times(found: Sequence[Machinery], chosen: Machinery) -> Iterator[Content]:
         )
 
 
-def _in_full(chosen: Machinery) -> Iterator[Content]:
+def _in_full(chosen: QueryPlan) -> Iterator[Content]:
     name = one_line(chosen.predicate)
     yield from _titled(f"SQLite's plan for {name}", chosen.plan, INK.record)
     if chosen.tuned:

@@ -12,7 +12,7 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from logical_robots_tui.game import Frame, Inquiry, Pin, Reading
-    from logical_robots_tui.mind import Ask, Explanation, Machinery, Program, Proof
+    from logical_robots_tui.mind import Ask, Explanation, Program, Proof, QueryPlan
     from logical_robots_tui.mind.diagnosis.nearest import Suggestion
     from logical_robots_tui.tui.app.session import Session
     from logical_robots_tui.world import Level
@@ -137,7 +137,7 @@ class Questions:
         """The values of pinned expressions at a frame."""
         return await self._inquire().readings(self.program, frame, pins)
 
-    async def machinery(self, frame: Frame) -> list[Machinery]:
+    async def machinery(self, frame: Frame) -> list[QueryPlan]:
         """How each predicate is computed at a frame, the slowest first."""
         return await self._inquire().machinery(self.program, frame)
 

@@ -16,9 +16,9 @@ from logica.compiler import dialects, expr_translate, universe
 from logica.parser_py import parse
 from logica.type_inference.research import reference_algebra, types_of_builtins
 
-from logical_robots_tui.mind.compiling import quicker
+from logical_robots_tui.mind.compiling import package_patches
 from logical_robots_tui.mind.compiling.rules import nodes
-from logical_robots_tui.mind.text import INNER_QUOTE, prepare
+from logical_robots_tui.mind.source_text import INNER_QUOTE, prepare
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -162,7 +162,7 @@ class _Head(dialects.DuckDB):  # type: ignore[misc]  # the package has no types
         return {**super().BuiltInFunctions(), "Log": "LN(%s)"}
 
 
-quicker.install()  # the same SQL in a third of the time, as tests/mind/test_quicker.py shows
+package_patches.install()  # the same SQL in a third of the time, see test_package_patches.py
 
 # The release that is installed here has no TryCast; the development head, which the platform uses,
 # takes the type from the inference.

@@ -11,10 +11,10 @@ from typing import TYPE_CHECKING
 import pytest
 
 from logical_robots_tui.mind import Limits
-from logical_robots_tui.mind.sqlite import functions
 from logical_robots_tui.mind.sqlite.allowed import BUILT_IN
 from logical_robots_tui.mind.sqlite.bounds import MAX_ITEMS, MAX_TEXT
 from logical_robots_tui.mind.sqlite.database import Database, TooMuchError
+from logical_robots_tui.mind.sqlite.functions import registry
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -61,7 +61,7 @@ def database() -> Iterator[Database]:
 
 
 @pytest.mark.sampled
-@pytest.mark.parametrize("name", sorted(BUILT_IN | functions.NAMES))
+@pytest.mark.parametrize("name", sorted(BUILT_IN | registry.NAMES))
 def test_no_call_takes_long(name: str, database: Database) -> None:
     impossible = set()
     for arguments in ARGUMENTS:

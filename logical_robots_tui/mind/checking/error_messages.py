@@ -1,0 +1,293 @@
+"""What the `logica` package complains about, told in plain words with its place in the text."""
+
+from __future__ import annotations
+
+import re
+from typing import TYPE_CHECKING
+
+from logica.compiler import functors, rule_translate
+from logica.parser_py import parse
+
+from logical_robots_tui.mind.similar_names import closest
+from logical_robots_tui.mind.source_text import Prepared, diagnostic_at
+
+if TYPE_CHECKING:
+    from logical_robots_tui.mind.diagnostics import Diagnostic
+
+__all__ = [
+    "COMPLAINTS",
+    "FUNCTION",
+    "at_word",
+    "explain",
+    "is_function",
+    "plain_message",
+    "unassigned",
+]
+
+COMPLAINTS = (
+    parse.ParsingException,
+    rule_translate.RuleCompileException,
+    functors.FunctorError,
+    AssertionError,
+    KeyError,
+    TypeError,
+    IndexError,
+    AttributeError,
+    ValueError,
+    RuntimeError,
+)
+"""What the package raises about a program that it can't compile; it does not keep to its own."""
+
+FUNCTION = "{} is a function of its arguments; it has no rows of its own."
+OPEN = "{} leans on {}, which is left open for := to fill in; it has no rows of its own."
+
+_NO_CONDITION = "this is not a condition"
+_UNREAD = (
+    _NO_CONDITION,
+    "this is not an expression",
+    "this is not a predicate with arguments",
+    "this 'if' can't be read",
+)
+_FIELD = re.compile(r"[a-z_]\w*(\.[a-z_]\w*)*")
+
+_ANSI = re.compile(r"\x1b\[[0-9;]*m")
+_EMPHASISED = re.compile(r"\x1b\[1m(.*?)\x1b\[0m", re.DOTALL)
+_UNASSIGNED = re.compile(r"no way to assign variables: ([^.]*)")
+_OWN = (parse.ParsingException, rule_translate.RuleCompileException, functors.FunctorError)
+
+
+def explain(
+    error: BaseException, text: str, source: Prepared, within: tuple[int, int] | None = None
+) -> Diagnostic:
+    """The diagnostic for an exception of the package.
+
+    Args:
+        error: The exception.
+        text: The program.
+        source: The same, prepared.
+        within: Start and end of the statement that it is about, if that is known.
+    """
+    start, end = within or _rule(error, source)
+    if isinstance(error, RecursionError) or isinstance((error.args or (None,))[0], RecursionError):
+        hint = "Give parts of it names of their own."
+        return diagnostic_at(text, start, 0, "the program is nested too deeply", hint)
+    if names := unassigned(error):
+        return _without_value(names, text, source, start, end)
+    message = plain_message(error)
+    at, length = _place(error, source, start, end)
+    hint = _hint(message)
+    for sign, what in _AT_SIGN.items():
+        where = source.text if sign == "${" else source.skeleton
+        if message.startswith(what) and (found := where.find(sign, at, end)) >= 0:
+            again = where.find(sign, found + 1, end) if sign == ":-" else found
+            at, length = max(found, again), len(sign)
+    if "'" in source.skeleton[at : at + length]:
+        hint = 'Texts stand in double quotes: "like this".'
+    elif message == _NO_CONDITION and _FIELD.fullmatch(value := text[at : at + length].strip()):
+        hint = f"A value alone is no condition: write {value} == true, or name it: x = {value}."
+    elif message in _UNREAD and (known := _foreign(source.skeleton[at : at + length])):
+        hint = known
+    elif (made := source.skeleton.find(":=", start, end)) >= 0 and ":-" in source.text[start:made]:
+        at, length, message = made, 2, "':=' can't stand in the body of a rule"
+        hint = "Write '=' for a value; ':=' makes a predicate from another."
+    return diagnostic_at(text, at, length, message, hint)
+
+
+def at_word(name: str, text: str, source: Prepared, message: str, hint: str) -> Diagnostic:
+    """A diagnostic at the first mention of a name."""
+    found = re.search(rf"(?<![\w@]){re.escape(name)}(?!\w)", source.skeleton)
+    return diagnostic_at(text, found.start() if found else 0, len(name), message, hint)
+
+
+def plain_message(error: BaseException) -> str:
+    """The package's message without colours, in one line."""
+    if not isinstance(error, _OWN):
+        return "Logica can't compile this"
+    message = _plain_text(error)
+    for pattern, plain in _PLAIN:
+        if found := re.search(pattern, message):
+            return found.expand(plain)
+    return message[:1].lower() + message[1:300]
+
+
+def unassigned(error: BaseException) -> list[str]:
+    """The variables of which the package says that they have no value."""
+    found = _UNASSIGNED.search(_plain_text(error))
+    return [n.split(" in rule for ")[0] for n in found.group(1).split(", ")] if found else []
+
+
+def is_function(error: BaseException) -> bool:
+    """Whether the package complains only that arguments are missing."""
+    return bool(unassigned(error)) or "not passed a required argument" in str(error)
+
+
+def _plain_text(error: BaseException) -> str:
+    return " ".join(_ANSI.sub("", str(error)).split()).rstrip(".")
+
+
+def _without_value(
+    names: list[str], text: str, source: Prepared, start: int, end: int
+) -> Diagnostic:
+    """The diagnostic for variables without a value: those mentioned once are the cause."""
+    rule = source.skeleton[start:end]
+    culprits = [name for name in names if len(_mentions(name, rule)) == 1] or names
+    what = " and ".join(culprits) + (" is" if len(culprits) == 1 else " are")
+    message = f"nothing says what {what}"
+    others = {*re.findall(r"(?<![\w.`@])[a-z_]\w*(?![\w(])", rule)} - {*names} - _WORDS
+    close = closest(culprits[0], others)
+    places = _mentions(culprits[0], rule) or [0]
+    hint = f"Did you mean {close}?" if close else _hint(message)
+    return diagnostic_at(text, start + places[0], len(culprits[0]), message, hint)
+
+
+def _mentions(name: str, rule: str) -> list[int]:
+    pattern = rf"(?<![\w.]){re.escape(name)}(?!\w|\s*:(?!-|\s*[,)}}]))"
+    return [found.start() for found in re.finditer(pattern, rule)]
+
+
+_AT_SIGN = {":-": "there are two ':-'", "|": "'|' can't stand", "${": "a text can't hold"}
+"""What is better shown at the sign that it speaks of."""
+
+_WORDS = frozenset({"if", "then", "else", "in", "is", "not", "distinct", "null", "true", "false"})
+
+_PLAIN = (
+    (r"^Could not parse expression", "this is not an expression"),
+    (r"^Could not parse proposition", _NO_CONDITION),
+    (r"^Could not parse predicate call", "this is not a predicate with arguments"),
+    (r"^Found no call in rule head", "a rule starts with a predicate such as Robot(...)"),
+    (r"^Too many :-", "there are two ':-' in one rule; is a ';' missing before the second?"),
+    (r"should have been split by :- ", "there are two ':-' here"),
+    (r"^Unexpected :- in record", "a ':-' can't stand between parentheses"),
+    (r"^Can not parse rule head|^Too many distinct", "the head of this rule can't be understood"),
+    (r"^Denotation (\w+) should go last", r"the word \1 comes last in the head"),
+    (r"split by (else|then)", "this 'if' can't be read"),
+    (r"^If-then-else clause", "an 'if' gives a value; it is not a condition"),
+    (r"split by =", "this needs exactly one '='"),
+    (r"split by : in", "more than one value stands here"),
+    (r"^Aggregating predicate must be", "a head that aggregates needs the word distinct"),
+    (r"^Aggregation of fields is only", "only the head of a rule can aggregate with '?'"),
+    (r"^Aggregated fields have to", "what is aggregated needs a name before the '?'"),
+    (r"^Unexpected text in the head", "this does not belong in the head of a rule"),
+    (r"^Too many '=' in predicate", "there is more than one '=' in the head of this rule"),
+    (r"^Variables starting with x_", "names of variables can't start with x_"),
+    (r"^Record fields may not start", "names of fields start with a small letter"),
+    (r"^Backticks in variable", "give this column a variable"),
+    (r"^Positional argument can not", "arguments without a name come before those with one"),
+    (r"^Field \.\.<rest_of> must", "'..' comes last"),
+    (r"^Field \.\.<rest_of> in record", "'..' can't stand in a record"),
+    (r"^Subscript must be", "names of fields are lower case"),
+    (r"^Array subscription must", "an index is a number, without a name"),
+    (r"^Negation", "'~' stands before what it denies"),
+    (r"^Incorrect syntax for functor", "this is not a predicate made from another"),
+    (r"^Disjunction is disallowed", "'|' can't stand in an aggregate or a negation"),
+    (r"^Tables with no columns", "a predicate needs at least one column"),
+    (r"circular dependency of In", "these lists depend on each other in a circle"),
+    (r"^Could not create record", "a whole row can't be used as a value"),
+    (r"^Built-in function (\S+) takes", r"\1 has the wrong number of arguments"),
+    (r"^Unsupported supposedly built-in function: (\S+)", r"\1 can't be used as a function"),
+    (r"^Expected field (\S+) missing in a record", r"not all branches of this 'if' have \1"),
+    (r"^Predicate (\S+) was proven", r"the recursion of \1 has nothing to start from"),
+    (r"^All rules contain nil for predicate", "this recursion has nothing to start from"),
+    (r"^Failed to eliminate recursion of (\S+)", r"\1 can't be recursive in this way"),
+    (r"^Functor (\S+) is applied to arguments (\S+),", r"\1 does not use \2"),
+    (r"^Rules for (\S+) when making", r"there is no predicate \1 to make this from"),
+    (r"^Could not resolve Make", "these predicates are made from each other in a circle"),
+    (r"^Bad functor call", "this is not a predicate made from another"),
+    (r"^Signature differs for bodies of ([^\s.]+)", r"the rules of \1 aggregate differently"),
+    (r"^Inconsistency in distinct", "some rules of this predicate are distinct and some are not"),
+    (r"^Either all rules of a", "some rules of this predicate are distinct and some are not"),
+    (r"^Parameters .* are undefined", "a text can't hold ${...}"),
+    (r"^Cast must have", "Cast needs a value and the name of a type in quotes"),
+    (r"^Unspecified flag: (\S+)", r"there is no flag \1"),
+    (r"^Annotation (\S+) must be applied to an existing predicate.*predicate (\S+)$",
+     r"\1 speaks of \2, which is not defined"),
+    (r"Bad annotation|annotation", "this annotation can't be understood"),
+)  # fmt: skip
+
+_HINTS = (
+    (r"nothing says what", "Give it a value in the body, or take it from a predicate."),
+    (r"^this is not an? (expression|condition)", "Look for a missing comma, quote or operator."),
+    (r"not a predicate with arguments", "Rules and facts start with a name: Robot(...)."),
+    (r"'if' can't be read", "Put it in parentheses: x = (if a < b then c else d)."),
+    (r"'if' gives a value", "Write x = (if a < b then c else d), or join conditions with ','."),
+    (r"more than one value", "A comma or a ';' seems to be missing."),
+    (r"belong in the head", "Is a ';' missing before it?"),
+    (r"needs the word distinct", "Write it between the head and ':-'."),
+    (r"distinct and some", "Write distinct in all of its heads, or in none."),
+    (r"can't compile this", "Take away what you added last to find what it stumbles over."),
+    (r"missing before|two ':-'", "Rules end with ';'."),
+    (r"between parentheses", "Aggregates take braces: Sum{x :- Item(x)}."),
+    (r"starts with a predicate", "Names of predicates start with a capital letter."),
+    (r"fields start with a small|fields are lower", "Write it with small letters and '_'."),
+    (r"can't start with x_", "Choose another name."),
+    (r"without a name come before", "Name all that follow, or move this one to the front."),
+    (r"only the head|aggregated needs a name", "Heads aggregate like this: P(x, best? Max= v)."),
+    (r"made from another", "Write New := Old(Used: Other);"),
+    (r"in an aggregate or a negation", "Give the alternatives a predicate of their own."),
+    (r"nothing to start from", "Add a rule of it that does not mention itself."),
+    (r"can't be recursive", "Recursion goes through predicates, not through functions."),
+    (r"exactly one '='", "Heads aggregate like this: P(x, best? Max= v)."),
+    (r"whole row", "Name the columns that you need."),
+    (r"at least one column", "Give it an argument or a value."),
+    (r"not all branches", "Give every branch the same fields."),
+    (r"aggregate differently", "Use the same aggregate in all of them."),
+    (r"does not use", "Name a predicate that its rules mention."),
+    (r"more than one '='", "A head has one value: F(x) = y :- ..."),
+    (r"a text can't hold", "Write '$' and '{' apart."),
+    (r"'~' stands before", "Write ~P(x) or ~(a == b)."),
+    (r"comes last", "Move it to the end."),
+    (r"annotation can't", "For example: @Recursive(P, 50); @OrderBy(P, \"col0\"); @Limit(P, 3);"),
+    (r"there is no flag", 'Say what it is: @DefineFlag("name", "value");'),
+    (r"which is not defined", "Define it, or remove the annotation."),
+)  # fmt: skip
+
+
+_FOREIGN = (
+    (r"\A(//|--|/\*)", "Comments begin with '#'."),
+    (r"\n(?P<next>[A-Z@]\w*)", "Rules end with ';'. Is one missing before {next}?"),
+    (r"\A(?=.*\bthen\b)(?!.*\belse\b)", "Every 'if' needs an 'else': (if a < b then c else d)."),
+    (r"(?<!\bis )\bnot\b", "Write ~(a == b) or ~P(x) for what is not so."),
+    (r"\band\b", "Write ',' between conditions, and '&&' within an expression."),
+    (r"\bor\b", "Write '|' between conditions, and '||' within an expression."),
+)
+"""What other languages write, or what was forgotten, in a piece of text that can't be read."""
+
+
+def _foreign(piece: str) -> str:
+    for pattern, hint in _FOREIGN:
+        if found := re.search(pattern, piece, re.DOTALL):
+            return hint.format(**found.groupdict())
+    return ""
+
+
+def _hint(message: str) -> str:
+    return next((hint for pattern, hint in _HINTS if re.search(pattern, message)), "")
+
+
+def _rule(error: BaseException, source: Prepared) -> tuple[int, int]:
+    """Start and end of the rule that an exception of the compiler is about."""
+    rule = getattr(error, "rule_str", "")
+    if isinstance(rule, parse.HeritageAwareString) and rule.heritage == source.text:
+        return rule.start, rule.stop
+    at = source.text.find(str(rule)) if rule else -1
+    if at >= 0:
+        return at, at + len(str(rule))
+    if isinstance(error, functors.FunctorError):
+        at = max(0, source.skeleton.find(str(error.functor_name)))
+        return at, at + len(str(error.functor_name))
+    return 0, len(source.text)
+
+
+def _place(error: BaseException, source: Prepared, start: int, end: int) -> tuple[int, int]:
+    """Offset and length of what an exception is about."""
+    location = getattr(error, "location", None)
+    if isinstance(location, parse.HeritageAwareString) and location.heritage == source.text:
+        at, stop = location.start, location.stop
+        while at < stop and source.text[at].isspace():
+            at += 1
+        return at, max(1, stop - at)
+    names = [n for group in _EMPHASISED.findall(str(error)) for n in group.split(", ")]
+    for name in names:
+        if found := re.search(rf"(?<!\w){re.escape(name)}(?!\w)", source.skeleton[start:end]):
+            return start + found.start(), len(name)
+    return start, 1

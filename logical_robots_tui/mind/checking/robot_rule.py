@@ -1,0 +1,102 @@
+"""What the rule for `Robot` must give: a name, a desire with two engines, a memory."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from logical_robots_tui.mind.checking.shapes import Record
+from logical_robots_tui.mind.compiling.rules import fields, heads, nodes
+from logical_robots_tui.mind.similar_names import closest
+from logical_robots_tui.mind.source_text import diagnostic_at, diagnostic_for
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Iterator
+
+    from logical_robots_tui.mind.checking.inference import Inference
+    from logical_robots_tui.mind.compiling.rules import Rule
+    from logical_robots_tui.mind.diagnostics import Diagnostic
+
+__all__ = ["MAIN", "engines", "main_predicate"]
+
+MAIN = "Robot"
+_ENGINES = ("left_engine", "right_engine")
+_COLUMNS = ("robot_name", "desire", "memory")
+_EXAMPLE = (
+    'Add Robot(robot_name:, desire: {left_engine: 1, right_engine: 1}, memory: "") '
+    ":- Sensor(robot_name:);"
+)
+
+
+def main_predicate(rules: list[Rule], text: str) -> Iterator[Diagnostic]:
+    """What is missing in the heads of `Robot`, or that there is none."""
+    found = heads(rules).get(MAIN, [])
+    if not found:
+        message = "there is no Robot predicate"
+        close = next((n for n in heads(rules) if n.lower() == MAIN.lower()), "")
+        if close:
+            yield diagnostic_for(text, close, message, f"Write {MAIN} instead of {close}.")
+        else:
+            yield diagnostic_at(text, 0, 0, message, _EXAMPLE)
+    for rule in found:
+        head = rule["head"]
+        columns = fields(head["record"])
+        if head["predicate_name"] != MAIN or "*" in columns:
+            continue
+        others = [c for c in columns if isinstance(c, str) and c not in _COLUMNS]
+        for column in _COLUMNS:
+            if column not in columns:
+                yield _missing(head["predicate_name"], column, others, text)
+
+
+def engines(rules: list[Rule], inference: Inference, text: str) -> Iterator[Diagnostic]:
+    """Engines whose names are misspelt or missing in a desire."""
+    literals = [
+        [name for name in fields(node["record"]) if isinstance(name, str)]
+        for node in nodes(rules)
+        if "field_value" in node.get("record", {}) and "predicate_name" not in node
+    ]
+    desires = [
+        shape.names for shape in inference.column(MAIN, "desire") if isinstance(shape, Record)
+    ]
+    problems: dict[tuple[int, int], Diagnostic] = {}
+    for names in literals:
+        if set(names) & set(_ENGINES) and "*" not in names:
+            problems |= _by_place(_misspelt(names, text))
+    for desire in desires:
+        names = list(desire)
+        if found := _by_place(_misspelt(names, text, 0.5)):
+            problems |= found
+        elif names:
+            for engine in sorted(set(_ENGINES) - set(names)):
+                message = f"this desire has no {engine}; that engine will stand still"
+                hint = f"Add {engine}: with a number from -1 to 1."
+                problem = diagnostic_for(text, names[0], message, hint, "warning")
+                problems.setdefault((problem.line, problem.column), problem)
+    yield from problems.values()
+
+
+def _by_place(problems: Iterable[Diagnostic]) -> dict[tuple[int, int], Diagnostic]:
+    return {(p.line, p.column): p for p in problems}
+
+
+def _misspelt(names: Iterable[str], text: str, cutoff: float = 0.76) -> Iterator[Diagnostic]:
+    """Fields that are meant to be an engine which the record lacks."""
+    missing = set(_ENGINES) - set(names)
+    for name in names:
+        meant = closest(name, missing, cutoff)
+        if meant and name not in _ENGINES:
+            message = f"there is no engine {name}; this would be ignored"
+            yield diagnostic_for(text, name, message, f"Did you mean {meant}?")
+
+
+def _missing(robot: str, column: str, others: list[str], text: str) -> Diagnostic:
+    close = next((other for other in others if closest(other, [column], 0.5)), "")
+    if close:
+        message = f"Robot has no {column}"
+        return diagnostic_for(text, close, message, f"Write {column} instead of {close}.")
+    if column == "memory":
+        message = "Robot has no memory; it will never change"
+        hint = 'Add memory: with anything to remember, or memory: "".'
+        return diagnostic_for(text, robot, message, hint, "warning")
+    hint = "Its columns are robot_name:, desire: and memory:."
+    return diagnostic_for(text, robot, f"Robot has no {column}", hint)

@@ -1,0 +1,288 @@
+"""A predicate's rules taken apart and compiled. In the compile process.
+
+The predicates that a rule calls are tables for its queries, filled with the rows that they have at
+the moment in question: so what is told of a rule is true of just these rows.
+"""
+
+from __future__ import annotations
+
+import re
+from typing import TYPE_CHECKING
+
+from logical_robots_tui.mind.checking import error_messages
+from logical_robots_tui.mind.clauses import trees
+from logical_robots_tui.mind.clauses.bodies import Names, head_of
+from logical_robots_tui.mind.clauses.functors import expand, rename
+from logical_robots_tui.mind.clauses.normal_form import Builder
+from logical_robots_tui.mind.clauses.scopes import Scope, combines, flat, in_order, names
+from logical_robots_tui.mind.compiling.compiler import compiled_rules, read_rules
+from logical_robots_tui.mind.compiling.package_patches import deep_copy
+from logical_robots_tui.mind.compiling.rules import VALUE, called, head_name
+from logical_robots_tui.mind.program import INPUTS
+from logical_robots_tui.mind.why.probing import (
+    DECIDED_BY_ONE,
+    GIVEN,
+    LOWER,
+    ROWS,
+    Probing,
+    RuleParts,
+    with_given,
+)
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Collection, Mapping
+
+    from logical_robots_tui.mind.clauses.functors import Expanded
+    from logical_robots_tui.mind.compiling.rules import Rule
+    from logical_robots_tui.mind.source_text import Prepared
+
+__all__ = ["take_apart"]
+
+_ALL = "WhyAll"
+_GIVEN_COLUMN = re.compile(rf"\b{GIVEN}\.g(\d+)\b")
+
+
+def take_apart(
+    text: str,
+    predicate: str,
+    within: str,
+    with_rows: Collection[str],
+    is_quick: Callable[[str, int], bool],
+    define: Callable[[str, tuple[str, ...]], None],
+) -> Probing:
+    """Take the rules of a predicate apart.
+
+    Args:
+        text: A program that can be compiled.
+        predicate: One of its own predicates.
+        within: A predicate made with ``:=`` in whose copy of the rules it is asked, or "".
+        with_rows: Names of those that have rows of their own.
+        is_quick: Whether SQLite prepares a query with so many parameters without much ado.
+        define: Makes a table that these queries read.
+    """
+    source, raw = read_rules(text)
+    expanded = expand(raw)
+    name = expanded.name_of(predicate, within)
+    functions = _functions(expanded, with_rows)
+    circle = _circle(name, expanded)
+    tables = {
+        each: f"{LOWER if each in circle else ROWS}{each}"
+        for each in expanded.rules
+        if each not in functions
+    }
+    builder = Builder(text, source, Names(functions, tables, expanded.origins))
+    rules = expanded.rules.get(name, [])
+    given = tuple(functions.get(name, ()))
+    parts = tuple(_rule(rule, given, builder) for rule in rules)
+    columns = _columns(rules)
+    if given:
+        builder.probes[_ALL] = _all(name, columns, given)
+    read = {each: tables[each] for each in _read(name, expanded, functions) if each in tables}
+    for each, table in read.items():
+        define(table, _columns(expanded.rules[each]))
+    compiled = _compiled(builder.probes, expanded, functions, tables, text, source)
+
+    return Probing(
+        predicate,
+        within,
+        name,
+        expanded.bases.get(name, ""),
+        columns,
+        given,
+        any("distinct_denoted" in rule for rule in rules),
+        parts,
+        {probe: sql for probe, sql in compiled.items() if is_quick(*_prepared(sql))},
+        _ALL if given else "",
+        read,
+        _sources({*read, *(() if given else (name,))} - {*with_rows}, expanded, text, source),
+        {each: expanded.origins.get(each, (each, "")) for each in sorted(circle)},
+        _is_founded(circle, expanded, functions),
+    )
+
+
+def _columns(rules: list[Rule]) -> tuple[str, ...]:
+    return tuple(dict.fromkeys(c for rule in rules for part in head_of(rule) for c in part))
+
+
+def _prepared(sql: str) -> tuple[str, int]:
+    """A query as it is asked, and how many parameters it has then, at the least."""
+    number = 1 + max((int(found) for found in _GIVEN_COLUMN.findall(sql)), default=-1)
+    return with_given(sql, number), number
+
+
+def _rule(rule: Rule, given: tuple[str, ...], builder: Builder) -> RuleParts:
+    head, collected = head_of(rule)
+    body = flat(rule.get("body"))
+    variables: dict[str, Rule] = {}
+    checks = []
+    for number, column in enumerate(given):
+        value = head[column]
+        if "variable" not in value or value in variables.values():
+            variables[f"g{number}"] = trees.variable(f"why_given_{number}")
+            checks.append(trees.equal(variables[f"g{number}"], value))
+        else:
+            variables[f"g{number}"] = value
+    clauses = builder.clauses([*checks, *body], head, collected, variables)
+    return RuleParts(builder.span(rule), clauses)
+
+
+def _all(name: str, columns: tuple[str, ...], given: tuple[str, ...]) -> Rule:
+    """The rule for the rows of a function."""
+    variables = {column: trees.variable(f"why_{i}") for i, column in enumerate(columns)}
+    taken = {f"g{i}": variables[column] for i, column in enumerate(given)}
+    named = {_field(column): value for column, value in variables.items()}
+    body = [trees.asked(GIVEN, dict(taken)), trees.asked(name, named)]
+    places = {f"c{i}": value for i, value in enumerate(variables.values())}
+    return trees.rule(_ALL, dict(places), body, _ALL)
+
+
+def _field(column: str) -> str | int:
+    return int(column[3:]) if column.startswith("col") and column[3:].isdigit() else column
+
+
+def _read(name: str, expanded: Expanded, functions: Collection[str]) -> set[str]:
+    """The predicates whose rows the rules of one read, also through functions."""
+    found: set[str] = set()
+    waiting = [name]
+    while waiting:
+        for other in map(str, called(expanded.rules.get(waiting.pop(), []))):
+            if other not in found:
+                found.add(other)
+                waiting += [other] if other in functions else []
+    return found
+
+
+# -- which are functions -------------------------------------------------------------------------
+
+
+def _functions(expanded: Expanded, with_rows: Collection[str]) -> dict[str, tuple[str, ...]]:
+    """By name of a predicate that has rows only for given arguments the columns to give."""
+    found: dict[str, tuple[str, ...]] = {}
+    named = {*expanded.rules} - {*expanded.origins}
+    grew = True
+    while grew:
+        grew = False
+        for name, rules in expanded.rules.items():
+            if name in found or name in with_rows:
+                continue
+            needed = _needed(rules, found)
+            if not needed and name in named:
+                needed = tuple(c for c in head_of(rules[0])[0] if c != VALUE)
+            if needed:
+                found[name] = needed
+                grew = True
+    return found
+
+
+def _needed(rules: list[Rule], functions: Mapping[str, tuple[str, ...]]) -> tuple[str, ...]:
+    """The columns without which some rule has no rows, one after the other."""
+    needed: list[str] = []
+    columns = [column for column in head_of(rules[0])[0] if column != VALUE]
+    for column in columns:
+        if all(not _open(rule, needed, functions) for rule in rules):
+            break
+        if any(column in _open(rule, needed, functions) for rule in rules):
+            needed.append(column)
+    return tuple(needed)
+
+
+def _open(rule: Rule, given: list[str], functions: Mapping[str, tuple[str, ...]]) -> set[str]:
+    """The columns whose values are not known; all of them, if the body can't be asked."""
+    head, body = head_of(rule)[0], flat(rule.get("body"))
+    variables = frozenset[str]().union(*map(names, [*body, *head.values()]))
+    known = frozenset[str]().union(*(names(head[column]) for column in given if column in head))
+    calls = [{"predicate": call} for call in _value_calls([*body, *head.values()])]
+    ordered, left = in_order([*body, *calls], Scope(functions, variables), known)
+    after = ordered[-1][1] if ordered else known
+    lacking = {column for column, value in head.items() if not names(value) <= after}
+    return lacking or ({*head} - {*given} if left else set())
+
+
+def _value_calls(tree: object) -> list[Rule]:
+    """The calls in expressions, outside of aggregates."""
+    found: list[Rule] = []
+    waiting = [tree]
+    while waiting:
+        node = waiting.pop()
+        if isinstance(node, list):
+            waiting.extend(node)
+        elif isinstance(node, dict) and "combine" not in node:
+            if isinstance(node.get("call"), dict):
+                found.append(node["call"])
+            waiting.extend(node.values())
+    return found
+
+
+# -- recursion -----------------------------------------------------------------------------------
+
+
+def _circle(name: str, expanded: Expanded) -> set[str]:
+    """The predicates that call each other in a circle with one; none if there is no circle."""
+    reach = expanded.reach(name)
+    if name not in reach:
+        return set()
+    return {each for each in reach if each in expanded.rules and name in expanded.reach(each)}
+
+
+def _is_founded(
+    circle: set[str], expanded: Expanded, functions: Mapping[str, Collection[str]]
+) -> bool:
+    """Whether rows of a recursion can be told from rows that were there before.
+
+    Not where a step needs all rows of the one before: a denial, an aggregate over them in a body,
+    or a sum in a head.
+    """
+    for name in circle:
+        for rule in expanded.rules[name]:
+            if name in functions:
+                return False
+            if any(str(called_name) in circle for c in combines(rule) for called_name in called(c)):
+                return False
+            for aggregation in head_of(rule)[1].values():
+                if str(aggregation["operator"]) not in DECIDED_BY_ONE:
+                    return False
+    return True
+
+
+# -- SQL -----------------------------------------------------------------------------------------
+
+
+def _compiled(
+    probes: Mapping[str, Rule],
+    expanded: Expanded,
+    functions: Mapping[str, Collection[str]],
+    tables: Mapping[str, str],
+    text: str,
+    source: Prepared,
+) -> dict[str, str]:
+    """SQL by name of a query; predicates that are no functions are tables."""
+    own = [deep_copy(rule) for name in functions for rule in expanded.rules[name]]
+    flags = [deep_copy(rule) for rule in expanded.others if head_name(rule) == "@DefineFlag"]
+    rules = [*own, *flags, *probes.values()]
+    for rule in rules:
+        rename(rule, tables)
+    return _statements([*probes], rules, text, source)
+
+
+def _sources(
+    wanted: Collection[str], expanded: Expanded, text: str, source: Prepared
+) -> dict[str, str]:
+    """SQL for the rows of copies that ``:=`` has made."""
+    copies = sorted(name for name in wanted if name in expanded.rules and name not in INPUTS)
+    if not copies:
+        return {}
+    rules = [deep_copy(rule) for own in expanded.rules.values() for rule in own]
+    return _statements(copies, [*deep_copy(expanded.others), *rules], text, source)
+
+
+def _statements(
+    wanted: list[str], rules: list[Rule], text: str, source: Prepared
+) -> dict[str, str]:
+    compiled = compiled_rules(rules, text, source)
+    found = {}
+    for name in wanted:
+        try:
+            found[name] = compiled.FormattedPredicateSql(name).rstrip().removesuffix(";")
+        except error_messages.COMPLAINTS:
+            continue  # what can't be asked alone is told to be so
+    return found

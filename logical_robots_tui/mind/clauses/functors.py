@@ -1,0 +1,161 @@
+"""Predicates made with ``:=``, written out as rules of their own. In the compile process."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any
+
+from logical_robots_tui.mind.clauses import trees
+from logical_robots_tui.mind.compiling.package_patches import deep_copy
+from logical_robots_tui.mind.compiling.rules import head_name, heads, reached, subject, value_of
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Mapping
+
+    from logical_robots_tui.mind.compiling.rules import Rule
+
+__all__ = ["Expanded", "expand", "made_from", "recursions_written_out", "rename"]
+
+
+@dataclass(frozen=True, slots=True)
+class Expanded:
+    """The rules of a program without any ``:=``.
+
+    Attributes:
+        rules: By name of a predicate its rules, also of the copies that ``:=`` makes.
+        others: Annotations.
+        names: By what is asked for, a predicate and the made one in whose copy it stands, the
+            name of the copy.
+        origins: The same the other way round.
+        bases: By name of a made predicate the one that it is made from in the end.
+    """
+
+    rules: dict[str, list[Rule]]
+    others: list[Rule]
+    names: dict[tuple[str, str], str] = field(default_factory=dict)
+    origins: dict[str, tuple[str, str]] = field(default_factory=dict)
+    bases: dict[str, str] = field(default_factory=dict)
+
+    def name_of(self, predicate: str, within: str) -> str:
+        """The name of a predicate, or of its copy in a made one."""
+        return self.names.get((predicate, within), predicate)
+
+    def reach(self, name: str) -> set[str]:
+        """Names of the predicates that one leans on, directly or not."""
+        return reached(self.rules.get(name, []), self.rules)
+
+
+def expand(raw: Iterable[Rule]) -> Expanded:
+    """Write out what is made with ``:=``.
+
+    Args:
+        raw: The rules of a program that can be compiled, as written.
+    """
+    raw = list(raw)
+    own = heads(raw)
+    makes = {name: rules[0] for name, rules in own.items() if head_name(rules[0]) == "@Make"}
+    expanded = Expanded(
+        {name: rules for name, rules in own.items() if name not in makes},
+        [rule for rule in raw if head_name(rule).startswith("@") and head_name(rule) != "@Make"],
+    )
+    waiting = dict(makes)
+    while waiting:
+        ready = [name for name, make in waiting.items() if _is_ready(make, waiting, expanded)]
+        for name in ready or list(waiting):
+            _make(name, waiting.pop(name), expanded)
+    return expanded
+
+
+def recursions_written_out(raw: list[Rule]) -> list[Rule]:
+    """The rules with all ``:=`` written out, if one makes a recursive predicate, else as they are.
+
+    For a recursion that the package makes, it has to unroll.
+
+    Args:
+        raw: The rules of a program, as written.
+    """
+    if not any(head_name(rule) == "@Make" for rule in raw):
+        return raw
+    expanded = expand(raw)
+    made = {name: expanded.bases[name] for name in expanded.bases}
+    made |= {copy: original for copy, (original, _) in expanded.origins.items()}
+    if not any(name in expanded.reach(name) for name in made):
+        return raw
+    rules = list(expanded.others)
+    for name, original in made.items():
+        for other in expanded.others:
+            if subject(other) == original:
+                copied = deep_copy(other)
+                rename(copied, {original: name})
+                rules.append(copied)
+    return [*rules, *(rule for own in expanded.rules.values() for rule in own)]
+
+
+def _is_ready(make: Rule, waiting: Mapping[str, Rule], expanded: Expanded) -> bool:
+    base, given = made_from(make)
+    needed = {base, *expanded.reach(base)}
+    for value in given.values():
+        name = _named(value)
+        needed |= {name, *expanded.reach(name)} if name else set()
+    return not needed & waiting.keys()
+
+
+def _make(name: str, make: Rule, expanded: Expanded) -> None:
+    base, given = made_from(make)
+    filled = {}
+    for number, (argument, value) in enumerate(given.items()):
+        filled[argument] = _named(value) or f"{name}_given{number}"
+        if not _named(value):
+            constant = trees.rule(filled[argument], {"logica_value": value}, (), name)
+            expanded.rules[filled[argument]] = [constant]
+    reached = {base, *expanded.reach(base)}
+    touched = {p for p in reached - filled.keys() if expanded.reach(p) & filled.keys()} | {base}
+    copies = {p: f"{p}_in_{name}" for p in touched if p in expanded.rules} | {base: name}
+    # Plain texts: the name of a rule that was copied does not stand where the copy was ordered.
+    renaming = {f"{old}": f"{new}" for old, new in {**copies, **filled}.items()}
+    for original, copy in copies.items():
+        rules = deep_copy(expanded.rules.get(original, []))
+        for rule in rules:
+            rule["head"]["predicate_name"] = f"{copy}"
+            rename(rule, renaming)
+        expanded.rules[copy] = rules
+        if copy != name:
+            first = expanded.origins.get(original, (original, ""))[0]
+            expanded.names[first, name] = copy
+            expanded.origins[copy] = first, name
+    expanded.bases[name] = expanded.bases.get(base, base)
+
+
+def rename(tree: Any, names: Mapping[str, str]) -> None:
+    """Give the predicates that a syntax tree mentions other names, in place."""
+    waiting = [tree]
+    while waiting:
+        node = waiting.pop()
+        if isinstance(node, dict):
+            for key in ("call", "predicate", "the_predicate"):
+                inner = node.get(key)
+                if isinstance(inner, dict) and inner.get("predicate_name") in names:
+                    # What was written knows where it stands.
+                    inner.setdefault("written", inner["predicate_name"])
+                    inner["predicate_name"] = names[str(inner["predicate_name"])]
+            if isinstance(node.get("operator"), str) and node["operator"] in names:
+                node["operator"] = names[node["operator"]]
+            waiting.extend(node.values())
+        elif isinstance(node, list):
+            waiting.extend(node)
+
+
+def made_from(make: Rule) -> tuple[str, dict[str, Rule]]:
+    """What a rule of ``@Make`` makes a predicate from, and what is filled in, by name."""
+    first, second, third = map(value_of, make["head"]["record"]["field_value"][:3])
+    assert first is not None
+    assert second is not None
+    assert third is not None
+    base = str(second["literal"]["the_predicate"]["predicate_name"])
+    given = {str(f["field"]): value_of(f) for f in third["record"]["field_value"]}
+    return base, {name: value for name, value in given.items() if value is not None}
+
+
+def _named(value: Rule) -> str:
+    """The predicate that an expression names, or ""."""
+    return str(value.get("literal", {}).get("the_predicate", {}).get("predicate_name", ""))

@@ -1,0 +1,173 @@
+"""Which variables a part of a rule needs, and which it gives a value. In the compile process."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from logica.compiler import rule_translate
+
+from logical_robots_tui.mind.checking import builtins
+
+if TYPE_CHECKING:
+    from collections.abc import Container, Iterable, Iterator, Mapping
+
+    from logical_robots_tui.mind.compiling.rules import Rule
+
+__all__ = ["EVERY_COLUMN", "Scope", "column_name", "combines", "flat", "in_order", "names"]
+
+
+class _EveryColumn:
+    """What contains the name of every column."""
+
+    def __contains__(self, column: object) -> bool:
+        return True
+
+
+EVERY_COLUMN = _EveryColumn()
+"""The columns to give to a function of which nobody knows which it needs."""
+
+
+def column_name(field: str | int) -> str:
+    """The column that a field of a head or a call is: those by position are col0, col1 ..."""
+    return f"col{field}" if isinstance(field, int) else str(field)
+
+
+def names(tree: Any, *, inside: bool = False) -> frozenset[str]:
+    """Names of the variables in a syntax tree.
+
+    Args:
+        tree: The tree.
+        inside: Whether to look into aggregates and what is denied, too.
+    """
+    return frozenset(map(str, rule_translate.AllMentionedVariables(tree, inside)))
+
+
+def flat(body: Rule | None) -> list[Rule]:
+    """The parts of a body, side by side."""
+    if body is None:
+        return []
+    if "conjunction" not in body:
+        return [body]
+    return [part for conjunct in body["conjunction"]["conjunct"] for part in flat(conjunct)]
+
+
+class Scope:
+    """The variables of a body, seen from within and from without.
+
+    Args:
+        functions: By name of a predicate that has rows only for given arguments the columns that
+            have to be given.
+        variables: Variables that are meant where they are mentioned inside aggregates.
+    """
+
+    def __init__(self, functions: Mapping[str, Container[str]], variables: Iterable[str]) -> None:
+        self.functions = functions
+        self.variables = frozenset(variables)
+
+    def mentioned(self, tree: Any) -> frozenset[str]:
+        """The variables of this scope that a syntax tree mentions, at any depth."""
+        return names(tree) | (names(tree, inside=True) & self.variables)
+
+    def gives(self, part: Rule, known: frozenset[str]) -> frozenset[str] | None:
+        """The variables that have a value after a part, or None if it can't be asked yet.
+
+        Args:
+            part: The part.
+            known: The variables that have a value before it.
+        """
+        if "disjunction" in part:
+            return self._choice(part, known)
+        if "inclusion" in part:
+            element, of = part["inclusion"]["element"], part["inclusion"]["list"]
+            return self._matched(element, known) if self.mentioned(of) <= known else None
+        pair = _equated(part)
+        if pair is not None:
+            return self._equal(*pair, known)
+        call = part.get("predicate", {})
+        name = str(call.get("predicate_name", ""))
+        if name not in self.functions and (builtins.is_built_in(name) or not name[:1].isalpha()):
+            return known if self.mentioned(part) <= known else None
+        needed = self.functions.get(name, ())
+        found = known
+        for argument in call["record"]["field_value"]:
+            value = argument["value"]["expression"]
+            if column_name(argument["field"]) in needed and not self.mentioned(value) <= known:
+                return None
+            matched = self._matched(value, found)
+            if matched is None:
+                return None
+            found = matched
+        return found
+
+    def _matched(self, pattern: Rule, known: frozenset[str]) -> frozenset[str] | None:
+        """After a value is matched with a pattern."""
+        if "variable" in pattern:
+            return known | {str(pattern["variable"]["var_name"])}
+        return known if self.mentioned(pattern) <= known else None
+
+    def _equal(self, left: Rule, right: Rule, known: frozenset[str]) -> frozenset[str] | None:
+        for pattern, value in ((left, right), (right, left)):
+            if self.mentioned(value) <= known:
+                fields = pattern.get("record", {}).get("field_value", ())
+                patterns = [f["value"].get("expression", {}) for f in fields] or [pattern]
+                found: frozenset[str] | None = known
+                for each in patterns:
+                    found = None if found is None else self._matched(each, found)
+                if found is not None:
+                    return found
+        return None
+
+    def _choice(self, part: Rule, known: frozenset[str]) -> frozenset[str] | None:
+        found = []
+        for branch in part["disjunction"]["disjunct"]:
+            ordered, left = in_order(flat(branch), self, known)
+            if left:
+                return None
+            found.append(ordered[-1][1] if ordered else known)
+        return frozenset.intersection(*found)
+
+
+def in_order(
+    parts: Iterable[Rule], scope: Scope, known: frozenset[str]
+) -> tuple[list[tuple[Rule, frozenset[str]]], list[Rule]]:
+    """Parts in an order in which each can be asked, that of the text as far as possible.
+
+    Returns:
+        The parts, each with the variables that have a value after it; and those for which what
+        they need is never known.
+    """
+    waiting = list(parts)
+    ordered: list[tuple[Rule, frozenset[str]]] = []
+    while waiting:
+        for part in waiting:
+            found = scope.gives(part, known)
+            if found is not None:
+                waiting.remove(part)
+                ordered.append((part, found))
+                known = found
+                break
+        else:
+            break
+    return ordered, waiting
+
+
+def _equated(part: Rule) -> tuple[Rule, Rule] | None:
+    """The two sides of an equation, or None if a part is not one."""
+    if "unification" in part:
+        pair = part["unification"]
+        return pair["left_hand_side"], pair["right_hand_side"]
+    if part.get("predicate", {}).get("predicate_name") == "=":
+        left, right = part["predicate"]["record"]["field_value"]
+        return left["value"]["expression"], right["value"]["expression"]
+    return None
+
+
+def combines(tree: Any) -> Iterator[Rule]:
+    """The aggregates in a syntax tree, not those inside of others."""
+    waiting = [tree]
+    while waiting:
+        node = waiting.pop()
+        if isinstance(node, dict) and "combine" in node:
+            yield node["combine"]
+        elif isinstance(node, dict | list):
+            waiting.extend(reversed(list(node.values() if isinstance(node, dict) else node)))

@@ -1,0 +1,78 @@
+"""Pieces of syntax trees, as the `logica` package's parser makes them. In the compile process."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from logica.parser_py import parse
+
+from logical_robots_tui.mind.compiling.package_patches import deep_copy
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Mapping
+
+    from logical_robots_tui.mind.compiling.rules import Rule
+
+__all__ = ["asked", "equal", "make", "number", "rule", "variable"]
+
+
+def variable(name: str) -> Rule:
+    """A variable."""
+    return {"variable": {"var_name": name}}
+
+
+def number(text: str) -> Rule:
+    """A number."""
+    return {"literal": {"the_number": {"number": text}}}
+
+
+def asked(predicate: str, columns: Mapping[Any, Rule]) -> Rule:
+    """A call of a predicate, as part of a body."""
+    return {"predicate": {"predicate_name": predicate, "record": _record(columns)}}
+
+
+def equal(left: Rule, right: Rule) -> Rule:
+    """An equation, as part of a body."""
+    return {"unification": {"left_hand_side": left, "right_hand_side": right}}
+
+
+def rule(name: str, columns: Mapping[Any, Rule], body: Iterable[Rule], text: str) -> Rule:
+    """A rule; each of its parts is copied, so that none stands in two places.
+
+    Args:
+        name: The predicate that it defines.
+        columns: The expressions of its head.
+        body: The parts of its body.
+        text: What to call it in a complaint.
+    """
+    found: Rule = {
+        "head": {
+            "predicate_name": name,
+            "record": _record({field: deep_copy(value) for field, value in columns.items()}),
+        },
+        "full_text": parse.HeritageAwareString(text),
+    }
+    if conjuncts := [deep_copy(part) for part in body]:
+        found["body"] = {"conjunction": {"conjunct": conjuncts}}
+    return found
+
+
+def make(name: str, base: str, given: Mapping[Any, Rule]) -> Rule:
+    """A rule that makes a predicate from another, with ``:=``.
+
+    Args:
+        name: The new predicate.
+        base: What it is made from.
+        given: What is filled in, by the names of what is left open.
+    """
+    predicates = [{"literal": {"the_predicate": {"predicate_name": each}}} for each in (name, base)]
+    columns: dict[str | int, Rule] = dict(enumerate([*predicates, {"record": _record(given)}]))
+    return rule("@Make", columns, (), name)
+
+
+def _record(columns: Mapping[Any, Rule]) -> Rule:
+    return {
+        "field_value": [
+            {"field": name, "value": {"expression": value}} for name, value in columns.items()
+        ]
+    }

@@ -1,0 +1,169 @@
+"""Bounding work: steps decide when a query ends, and a thread guards whoever waits for it."""
+
+from __future__ import annotations
+
+import os
+import threading
+from time import process_time
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+__all__ = ["STEPS_AT_ONCE", "STEPS_OF_A_CALL", "Budget", "Work"]
+
+STEPS_AT_ONCE = 20_000
+"""Steps of SQLite's virtual machine that are counted together: a fifth of a millisecond or more."""
+
+STEPS_OF_A_CALL = 10
+"""What a call of a function of ours counts for, and one more for each character."""
+
+_UNCOUNTED = 2**62  # steps of what we do ourselves
+_LOOK_SECONDS = 0.02
+_QUIET_LOOKS = 50  # the thread goes to sleep when it has seen nothing to do for this long
+
+
+class Budget:
+    """What several evaluations may use up together.
+
+    The steps are the same on every machine, at every load. The seconds are a guard only.
+
+    Args:
+        steps: Of SQLite's virtual machine, with calls of functions and characters counted in.
+        seconds: Of a processor that this process may take meanwhile.
+
+    Attributes:
+        steps: How many are left; negative when it took too many.
+        is_late: Whether the seconds ended it.
+    """
+
+    __slots__ = ("is_late", "seconds", "steps")
+
+    def __init__(self, steps: int, seconds: float) -> None:
+        self.steps = steps
+        self.seconds = seconds
+        self.is_late = False
+
+
+class Work:
+    """Something that can be under way, and be halted from outside.
+
+    Args:
+        halt: Ends the work; called in another thread, again and again until the work has ended.
+
+    Attributes:
+        steps: How many are left to it.
+        halted: Whether the work was told to end since it last began.
+    """
+
+    __slots__ = ("_budget", "_halt", "_stop", "halted", "steps")
+
+    def __init__(self, halt: Callable[[], None]) -> None:
+        self._halt = halt
+        self._budget = Budget(0, 0.0)
+        self._stop: threading.Event | None = None
+        self.steps = _UNCOUNTED
+        self.halted = False
+
+    def begin(self, budget: Budget, stop: threading.Event | None) -> None:
+        """Start watching.
+
+        Args:
+            budget: What it may use up.
+            stop: Halts the work when it is set.
+        """
+        self._budget = budget
+        self._stop = stop
+        self.steps = budget.steps
+        self.halted = False
+        _watcher.add(self)
+
+    def end(self) -> None:
+        """Stop watching; when this returns, the work is not halted any more."""
+        _watcher.remove(self)
+        self._budget.steps, self.steps = self.steps, _UNCOUNTED
+
+    @property
+    def stopped(self) -> bool:
+        """Whether somebody asked for the end, as opposed to the budget being used up."""
+        return self._stop is not None and self._stop.is_set()
+
+    @property
+    def is_over(self) -> bool:
+        """Whether the work is to end, or used up its steps."""
+        return self.halted or self.steps < 0
+
+    def count(self) -> bool:
+        """Count some steps of the virtual machine, and say whether it is to end."""
+        self.steps -= STEPS_AT_ONCE
+        return self.steps < 0
+
+    def look(self, seconds: float) -> None:
+        """Halt the work if that is due, so many seconds of a processor after the last look."""
+        self._budget.seconds -= seconds
+        if self._budget.seconds < 0:
+            self._budget.is_late = True
+        if self.stopped or self._budget.is_late:
+            self.halted = True
+            self._halt()
+
+
+class _Watcher:
+    """The thread and what it looks after."""
+
+    def __init__(self) -> None:
+        self.start_anew()
+
+    def start_anew(self) -> None:
+        """Forget the thread and all work, as a fork must: it has the lock but not the thread."""
+        self._works: set[Work] = set()
+        self._lock = threading.Lock()
+        self._awake = threading.Event()
+        self._never = threading.Event()
+        self._thread: threading.Thread | None = None
+        self._looks = False  # whether the thread is alive and awake
+
+    def add(self, work: Work) -> None:
+        with self._lock:
+            self._works.add(work)
+            if not self._looks:
+                self._wake()
+
+    def remove(self, work: Work) -> None:
+        with self._lock:
+            self._works.discard(work)
+
+    def _wake(self) -> None:
+        self._awake.set()
+        self._looks = True
+        if self._thread is None or not self._thread.is_alive():
+            self._thread = threading.Thread(
+                target=self._run, name="logical-robots-watch", daemon=True
+            )
+            self._thread.start()
+
+    def _run(self) -> None:
+        try:
+            self._look()
+        finally:
+            self._looks = False
+
+    def _look(self) -> None:
+        quiet = 0
+        last = process_time()
+        while self._awake.wait():
+            now = process_time()
+            with self._lock:
+                quiet = 0 if self._works else quiet + 1
+                for work in self._works:
+                    work.look(now - last)
+                if quiet > _QUIET_LOOKS:
+                    quiet = 0
+                    self._looks = False
+                    self._awake.clear()
+            last = now
+            self._never.wait(_LOOK_SECONDS)
+
+
+_watcher = _Watcher()
+os.register_at_fork(after_in_child=_watcher.start_anew)

@@ -1,0 +1,1 @@
+"""The SQL functions that programs may call, in Python; `registry` lists them."""

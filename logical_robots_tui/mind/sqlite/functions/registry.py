@@ -1,0 +1,273 @@
+"""The SQL functions that compiled programs call and SQLite lacks. Null in, null out.
+
+Lists and records are JSON text inside SQLite. Nothing here reads or writes anything outside it.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import math
+import sqlite3
+from functools import partial
+from typing import TYPE_CHECKING, Any
+
+from logical_robots_tui.mind.sqlite.bounds import (
+    MAX_RANGE,
+    check_items,
+    check_text,
+    counted,
+    guarded,
+)
+from logical_robots_tui.mind.sqlite.functions import texts
+from logical_robots_tui.mind.sqlite.functions.aggregates import AGGREGATES
+from logical_robots_tui.mind.sqlite.functions.casting import to_text, try_cast, try_cast_like
+from logical_robots_tui.mind.sqlite.functions.order import (
+    compared,
+    in_json,
+    in_order,
+    order_of_scalar,
+)
+from logical_robots_tui.mind.sqlite.functions.replaced import REPLACED
+from logical_robots_tui.mind.sqlite.functions.values import (
+    Scalar,
+    element,
+    list_in,
+    real_as_json,
+    value_as_json,
+)
+from logical_robots_tui.mind.sqlite.stored import to_json
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from logical_robots_tui.mind.sqlite.budget import Work
+
+__all__ = ["NAMES", "install"]
+
+_MOST_COMPARED = 16  # arguments of Least and Greatest
+
+
+def _present(values: tuple[Scalar, ...]) -> list[Scalar]:
+    return [v for v in values if v is not None]
+
+
+def _divide(left: float, right: float) -> float | None:
+    """Real division; a number over zero is infinite, as on DuckDB, and zero over zero is null."""
+    if right:
+        return left * 1.0 / (right * 1.0)  # as SQLite and DuckDB do with large whole numbers
+    return math.copysign(math.inf, left) * math.copysign(1, right) if left else None
+
+
+def _modulo(left: float, right: float) -> float | None:
+    """The remainder with the sign of the dividend, whole and exact if both are whole."""
+    if not right:
+        return None
+    if isinstance(left, int) and isinstance(right, int):
+        remainder = abs(left) % abs(right)
+        return remainder if left >= 0 else -remainder
+    return _finite(lambda: math.fmod(left, right))
+
+
+def _concatenate(left: Scalar, right: Scalar) -> str:
+    """`++`: two lists make a list, everything else a text."""
+    if _islist_in(left) and _islist_in(right):
+        return _concat(left, right)
+    return _text(left) + _text(right)
+
+
+def _islist_in(value: Scalar) -> bool:
+    return isinstance(value, str) and value[:1] == "[" and isinstance(element(value), list)
+
+
+def _unique(items: Scalar) -> str:
+    return to_json(in_order({to_json(i): i for i in list_in(items)}.values()))
+
+
+def _join(items: Scalar, separator: str) -> str:
+    texts = [_text(i) for i in list_in(items) if i is not None]
+    check_text(len(separator) * len(texts))
+    return separator.join(texts)
+
+
+def _text(value: Any) -> str:
+    if isinstance(value, bool):
+        return "true" if value else "false"
+    return value if isinstance(value, str) else to_json(value)
+
+
+def _split(text: str, separator: str) -> str:
+    check_items(text.count(separator))
+    return to_json(text.split(separator) if separator else list(text))
+
+
+def _sort(items: Scalar) -> str:
+    return to_json(in_order(list_in(items)))
+
+
+def _concat(left: Scalar, right: Scalar) -> str:
+    return to_json(list_in(left) + list_in(right))
+
+
+def _range(count: float) -> str:
+    check_items(count, MAX_RANGE)
+    return to_json(list(range(int(count))))
+
+
+def _hash(value: Scalar) -> int:
+    digest = hashlib.blake2b(_text(value).encode(), digest_size=8).digest()
+    return int.from_bytes(digest, "big") >> 1
+
+
+def _record_as_json(record: Scalar) -> str:
+    return to_json(element(record))
+
+
+def _assemble(pairs: Scalar) -> str:
+    return to_json({str(p["arg"]): p["value"] for p in list_in(pairs)})
+
+
+def _has(items: Scalar, wanted: Scalar) -> int:
+    value = element(wanted)
+    return int(any(not in_json(item, value) for item in list_in(items)))
+
+
+def _disassemble(record: Scalar) -> str:
+    fields = json.loads(record) if isinstance(record, str) else {}
+    return to_json([{"arg": k, "value": v} for k, v in fields.items()])
+
+
+def _power(base: float, exponent: float) -> float | None:
+    return _finite(lambda: math.pow(base, exponent))
+
+
+def _finite(compute: Callable[[], float]) -> float | None:
+    """The number, or null where mathematics has none."""
+    try:
+        return compute()
+    except (ValueError, OverflowError):
+        return None
+
+
+def _unary(function: Callable[[float], float]) -> Callable[[float], float | None]:
+    return lambda x: _finite(lambda: function(x))
+
+
+_FUNCTIONS: dict[str, tuple[int, Callable[..., Any]]] = {
+    "join_list": (2, _join),
+    "split_text": (2, _split),
+    "sort_list": (1, _sort),
+    "concat_two_lists": (2, _concat),
+    "number_range": (1, _range),
+    "natural_hash": (1, _hash),
+    "record_as_json": (1, _record_as_json),
+    "assemble_record": (1, _assemble),
+    "disassemble_record": (1, _disassemble),
+    "compare_values": (2, compared),
+    "concatenate": (2, _concatenate),
+    "decimal_to_text": (2, texts.decimal_to_text),
+    "divide": (2, _divide),
+    "ends_with": (2, lambda text, end: int(text.endswith(end))),
+    "modulo": (2, _modulo),
+    "reverse": (1, lambda text: text[::-1]),
+    "list_has": (2, _has),
+    "lower_text": (1, texts.lower),
+    "round_to": (2, texts.round_to),
+    "starts_with": (2, lambda text, start: int(text.startswith(start))),
+    "to_text": (1, to_text),
+    "truth_to_text": (1, lambda truth: "true" if truth else "false"),
+    "try_cast": (2, try_cast),
+    "try_cast_like": (2, try_cast_like),
+    "unicode_of": (1, lambda text: ord(text[0]) if text else 0),
+    "unique_list": (1, _unique),
+    "upper_text": (1, texts.upper),
+}
+
+_NULL_MEANS_ABSENT: dict[str, tuple[int, Callable[..., Any]]] = {
+    "greatest": (-1, lambda *values: max(_present(values), key=order_of_scalar, default=None)),
+    "least": (-1, lambda *values: min(_present(values), key=order_of_scalar, default=None)),
+}
+"""Functions that pass over null instead of giving it back."""
+
+_QUICK: dict[str, Callable[..., Any]] = {
+    "real_as_json": real_as_json,
+    "value_as_json": value_as_json,
+}
+"""Functions of one argument that see to nulls and long texts themselves, for they are many."""
+
+_OF_ANY_NUMBER: dict[str, Callable[..., Any]] = {"formatted": texts.formatted}
+"""Functions of one argument and more."""
+
+_MATHS: dict[str, tuple[int, Callable[..., Any]]] = {
+    "acos": (1, _unary(math.acos)),
+    "asin": (1, _unary(math.asin)),
+    "atan": (1, _unary(math.atan)),
+    "atan2": (2, math.atan2),
+    "ceil": (1, math.ceil),
+    "ceiling": (1, math.ceil),
+    "cos": (1, _unary(math.cos)),
+    "degrees": (1, math.degrees),
+    "exp": (1, _unary(math.exp)),
+    "floor": (1, math.floor),
+    "ln": (1, _unary(math.log)),
+    "log": (1, _unary(math.log10)),
+    "log10": (1, _unary(math.log10)),
+    "mod": (2, lambda a, b: math.fmod(a, b) if b else None),
+    "pi": (0, lambda: math.pi),
+    "pow": (2, _power),
+    "power": (2, _power),
+    "radians": (1, math.radians),
+    "sin": (1, _unary(math.sin)),
+    "sqrt": (1, _unary(math.sqrt)),
+    "tan": (1, _unary(math.tan)),
+}
+"""What SQLite has only where it was built with mathematical functions."""
+
+
+NAMES = frozenset(
+    {*_FUNCTIONS, *_NULL_MEANS_ABSENT, *_OF_ANY_NUMBER, *_QUICK, *_MATHS, *AGGREGATES, *REPLACED}
+)
+"""Names of all functions of this module, in lower case as SQLite's authorizer tells them."""
+
+
+def install(connection: sqlite3.Connection, work: Work | None = None) -> None:
+    """Give a connection all functions of this module, and mathematics if it has none.
+
+    Args:
+        connection: An open connection.
+        work: What the functions will be called for; when it is halted, they fail.
+    """
+    functions = dict(_FUNCTIONS)
+    for name, (arity, function) in _MATHS.items():
+        try:
+            arguments = ",".join(["1"] * arity)
+            connection.execute(f"SELECT {name}({arguments})").fetchone()
+        except sqlite3.OperationalError:
+            functions[name] = (arity, function)
+
+    def create(name: str, arity: int, function: Callable[..., Any], *, null_safe: bool) -> None:
+        safe = guarded(function, work, null_safe=null_safe)
+        connection.create_function(name, arity, safe, deterministic=True)
+
+    for name, (arity, function) in functions.items():
+        create(name, arity, function, null_safe=True)
+    for name, (arities, function) in REPLACED.items():
+        for arity in arities:
+            create(name, arity, function, null_safe=True)
+    for name, (_, function) in _NULL_MEANS_ABSENT.items():
+        for arity in range(1, _MOST_COMPARED + 1):
+            create(name, arity, function, null_safe=False)
+    for name, function in _QUICK.items():
+        connection.create_function(name, 1, function, deterministic=True)
+    for name, function in _OF_ANY_NUMBER.items():
+        create(name, -1, function, null_safe=True)
+    for name, (arity, aggregate) in AGGREGATES.items():
+        counting = aggregate if work is None else partial(_counting, aggregate, work)
+        connection.create_aggregate(name, arity, counting)
+
+
+def _counting(aggregate: type[Any], work: Work) -> Any:
+    """An aggregate whose steps are steps of some work."""
+    made = aggregate()
+    made.step = counted(made.step, work)
+    return made

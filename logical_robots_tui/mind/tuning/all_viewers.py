@@ -1,0 +1,262 @@
+"""One query for the thoughts of all robots, instead of one query a robot.
+
+A tuned query has bounds for the rows that its viewer sees. Where each robot sees its own sensor
+alone, the number of the viewer is that of its sensor row. So the query can be asked for all
+viewers at once: every named query carries the number of the viewer that its rows are for, and
+what is computed from several of them takes rows of the same viewer together. A subquery that is
+computed for each viewer anyway takes the viewer's rows of what it reads; what nothing else reads is
+written into it, with the viewer's bounds.
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from typing import TYPE_CHECKING
+
+from sqlglot import exp
+
+from logical_robots_tui.mind.tuning import sql
+from logical_robots_tui.mind.tuning.materializing import asked_often
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+__all__ = ["for_all_viewers"]
+
+_VIEWER = "t_0_viewer"
+_EVERYBODY = "t_0_everybody"
+
+_UNUSUAL = ("having", "order", "limit", "offset", "windows")
+
+
+def for_all_viewers(tree: exp.Query, *, alike: bool = False) -> exp.Query | None:
+    """The same query for all viewers, or None if it can't be made.
+
+    Args:
+        tree: A tuned query of one viewer; it isn't changed.
+        alike: Whether all viewers see the same memories, so that what is computed from nothing
+            else is computed once for all.
+
+    Returns:
+        A query with one more column, the last, for the number of the viewer. Its parameters are
+        the numbers of the first and the last row of ``Sensor``; of the first and the last row of
+        ``Memory`` that viewer 0 sees; and how much further those of the next viewer begin, which
+        is not asked for where they are alike.
+    """
+    if not isinstance(tree, exp.Select):
+        return None
+    tree = tree.copy()
+    try:
+        return tree if _Lifting(tree, alike=alike).lift(tree) else None
+    except _UnsuitableError:
+        return None
+
+
+class _UnsuitableError(Exception):
+    """This query can't be asked for all viewers at once."""
+
+
+class _Lifting:
+    """Adds the viewer to a query, its named queries first."""
+
+    def __init__(self, tree: exp.Query, *, alike: bool) -> None:
+        self._bounds = ("?1",) if alike else ("?1", "?3")
+        # Named queries that depend on the viewer, as they were.
+        self._dependent: dict[str, exp.Expr] = {}
+        self._mentions = Counter(table.name for table in tree.find_all(exp.Table))
+        self._often = asked_often(tree)
+
+    def lift(self, query: exp.Expr, *, must: bool = False) -> bool:
+        """Add the viewer as last column.
+
+        Args:
+            query: The query; changed in place.
+            must: Whether to do so even if the query is the same for all viewers.
+
+        Returns:
+            Whether the viewer was added.
+        """
+        if isinstance(query, exp.Subquery):
+            return self.lift(query.this, must=must)
+        if isinstance(query, exp.Union):
+            return self._lift_union(query, must=must)
+        if not isinstance(query, exp.Select):
+            raise _UnsuitableError
+        named = query.args.get("with_")
+        query.set("with_", None)
+        for one in named.expressions if named else ():
+            before = one.this.copy()
+            if self.lift(one.this):
+                self._dependent[one.alias] = before
+        if query.is_star:
+            lifted = self._lift_all_columns(query, must=must)
+        else:
+            lifted = self._lift_select(query, must=must)
+        if named is not None:
+            used = {table.name for table in query.find_all(exp.Table)}
+            for one in reversed(named.expressions):
+                if one.alias in used:
+                    used |= {table.name for table in one.this.find_all(exp.Table)}
+            named.set("expressions", [one for one in named.expressions if one.alias in used])
+            query.set("with_", named if named.expressions else None)
+        return lifted
+
+    def _lift_union(self, union: exp.Union, *, must: bool) -> bool:
+        if any(union.args.get(part) for part in ("with_", *_UNUSUAL)):
+            raise _UnsuitableError
+        arms = (union.this, union.expression)
+        lifted = [self.lift(arm, must=must) for arm in arms]
+        if any(lifted):
+            for arm, done in zip(arms, lifted, strict=True):
+                if not done:
+                    self.lift(arm, must=True)
+        return any(lifted)
+
+    def _lift_all_columns(self, select: exp.Select, *, must: bool) -> bool:
+        """Lift ``SELECT * FROM (...)``: the viewer is among the columns of what is read."""
+        sources = list(sql.sources(select).values())
+        others = ("where", "group", "joins", "distinct", *_UNUSUAL)
+        if len(sources) != 1 or any(select.args.get(part) for part in others):
+            raise _UnsuitableError
+        (only,) = sources
+        if isinstance(only, exp.Subquery):
+            return self.lift(only.this, must=must)
+        if must and not self._is_lifted(only):
+            raise _UnsuitableError
+        return self._is_lifted(only)
+
+    def _lift_select(self, select: exp.Select, *, must: bool) -> bool:
+        if not select.args.get("group") and any(map(sql.own_aggregates, select.expressions)):
+            bound = any(map(self._is_bound, select.find_all(exp.Between)))
+            if not must and not bound and not self._depends(select):
+                return False
+            _give_row_to_each(select)
+            if len(select.expressions) > 1:  # what they read is better computed once
+                self._mentions.update(table.name for table in select.find_all(exp.Table))
+        sources = sql.sources(select)
+        told = {name: viewer for name, t in sources.items() if (viewer := self._told(name, t))}
+        if not told:
+            if not must and not self._depends(select):
+                return False
+            _read_everybody(select)
+            told = {_EVERYBODY: exp.column("id", _EVERYBODY)}
+        if any(select.args.get(part) for part in _UNUSUAL):
+            raise _UnsuitableError
+        group = select.args.get("group")
+        sensors = (name for name in told if sql.table_name(sources.get(name)) == "sensor")
+        leader = next(sensors, next(iter(told)))
+        viewer = told.pop(leader)
+        self._bind(select, leader, viewer)
+        for other in told.values():
+            sql.restrict(select, exp.EQ(this=other, expression=viewer.copy()))
+        if group is not None:
+            group.append("expressions", viewer.copy())
+        select.append("expressions", exp.alias_(viewer.copy(), _VIEWER))
+        return True
+
+    def _told(self, name: str, table: exp.Expr) -> exp.Column | None:
+        """The column of a source that is its viewer, or None if it has none."""
+        if sql.table_name(table) == "sensor":
+            return exp.column("id", name)
+        if self._is_lifted(table) or (isinstance(table, exp.Subquery) and self.lift(table)):
+            return exp.column(_VIEWER, name)
+        return None
+
+    def _is_lifted(self, table: exp.Expr) -> bool:
+        return isinstance(table, exp.Table) and table.name in self._dependent
+
+    def _depends(self, select: exp.Select) -> bool:
+        """Whether anything below a select is not the same for all viewers."""
+        return any(True for _ in self._bounds_in(select)) or any(
+            self._is_lifted(table) for table in select.find_all(exp.Table)
+        )
+
+    def _bounds_in(self, select: exp.Select) -> Iterator[exp.Between]:
+        """The viewer's bounds in a select, but not in the queries that it reads from."""
+        for node in select.find_all(exp.Between):
+            if self._is_bound(node) and not _is_read_by(node, select):
+                yield node
+
+    def _is_bound(self, node: exp.Between) -> bool:
+        return isinstance(node.args["low"], exp.Var) and node.args["low"].name in self._bounds
+
+    def _bind(self, select: exp.Select, leader: str, viewer: exp.Column) -> None:
+        """Let all that a select computes see what the viewer sees."""
+        for bounds in list(self._bounds_in(select)):
+            if bounds.this.table != leader or sql.nearest_select(bounds) is not select:
+                _narrow(bounds, viewer)
+        for inner in list(select.find_all(exp.Select)):
+            if inner is not select and not _is_read_by(inner, select):
+                self._write_out(inner, viewer)
+
+    def _write_out(self, select: exp.Select, viewer: exp.Column) -> None:
+        """Write the named queries that a select reads into it, where they depend on the viewer."""
+        sources = sql.sources(select)
+        if viewer.table in sources:
+            raise _UnsuitableError  # here the name means something else
+        for name, table in sources.items():
+            if not self._is_lifted(table):
+                continue
+            if self._mentions[table.name] > 1 or table.name in self._often:
+                theirs = exp.column(_VIEWER, name)
+                sql.restrict(select, exp.EQ(this=theirs, expression=viewer.copy()))
+                continue
+            body = self._dependent[table.name].copy()
+            alias = exp.TableAlias(this=exp.to_identifier(name))
+            table.replace(exp.Subquery(this=body, alias=alias))
+            for bounds in list(body.find_all(exp.Between)):
+                if self._is_bound(bounds):
+                    _narrow(bounds, viewer)
+            for inner in list(body.find_all(exp.Select)):
+                self._write_out(inner, viewer)
+
+
+def _give_row_to_each(select: exp.Select) -> None:
+    """Let a select that aggregates all its rows be a value, for there is one for each viewer.
+
+    Grouped by viewer, there would be none for a viewer without rows.
+    """
+    if select.args.get("distinct") or not all(item.alias for item in select.expressions):
+        raise _UnsuitableError
+    values = []
+    for item in select.expressions:
+        alone = exp.Select(expressions=[item.copy()])
+        for part in ("from_", "joins", "where"):
+            if (found := select.args.get(part)) is not None:
+                alone.set(part, [one.copy() for one in found] if part == "joins" else found.copy())
+        values.append(exp.Alias(this=exp.Subquery(this=alone), alias=item.args["alias"].copy()))
+    select.set("expressions", values)
+    for part in ("from_", "joins", "where"):
+        select.set(part, None)
+
+
+def _narrow(bounds: exp.Between, viewer: exp.Column) -> None:
+    """Turn the bounds of a viewer into those of a viewer whose number is known."""
+    for side in ("low", "high"):
+        bound = bounds.args[side]
+        if bound.name in ("?1", "?2"):
+            bounds.set(side, viewer.copy())
+        else:
+            further = exp.Mul(this=viewer.copy(), expression=exp.Var(this="?5"))
+            bounds.set(side, exp.Add(this=further, expression=bound.copy()))
+
+
+def _read_everybody(select: exp.Select) -> None:
+    """Let a select read the viewers from their sensors, before all else."""
+    items = [exp.alias_(exp.to_table("Sensor"), _EVERYBODY, table=True)]
+    items += sql.sources(select).values()
+    first, *rest = items
+    select.set("from_", exp.From(this=first))
+    select.set("joins", [exp.Join(this=item, kind="CROSS") for item in rest])
+    low, high = exp.Var(this="?1"), exp.Var(this="?2")
+    sql.restrict(select, exp.Between(this=exp.column("id", _EVERYBODY), low=low, high=high))
+
+
+def _is_read_by(node: exp.Expr, select: exp.Select) -> bool:
+    """Whether a node stands in one of the queries that a select reads from."""
+    parent = node.parent
+    while parent is not None and parent is not select:
+        if isinstance(parent, exp.From | exp.Join) and parent.parent is select:
+            return True
+        parent = parent.parent
+    return False

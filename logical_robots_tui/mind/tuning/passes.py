@@ -1,0 +1,170 @@
+"""The passes that rewrite a query, in their order; each may be left out but those that must be."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from logical_robots_tui.mind.tuning import (
+    aggregates,
+    columns,
+    common_subexpressions,
+    indexes,
+    json,
+    late_rays,
+    materializing,
+    native,
+)
+from logical_robots_tui.mind.tuning.all_viewers import for_all_viewers
+from logical_robots_tui.mind.tuning.items import items_as_rows
+from logical_robots_tui.mind.tuning.memories import memory_fields_as_columns
+from logical_robots_tui.mind.tuning.pairs import pairs_as_columns
+from logical_robots_tui.mind.tuning.records import records_as_columns
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from sqlglot import exp
+
+    from logical_robots_tui.mind.tuning.memories import Known
+
+__all__ = ["PASSES", "Pass", "Rewriting"]
+
+
+@dataclass(slots=True)
+class Rewriting:
+    """A query between two passes.
+
+    Attributes:
+        tree: The query of one viewer.
+        known: Columns for fields of memories, the same for all queries of a program; added to.
+        is_for_all: Whether one for all viewers at once is wanted as well.
+        is_by_name: Whether many robots may look up memories by name.
+        result: As `records_as_columns` gives it.
+        items: As `items_as_rows` gives it.
+        together: The query for all viewers at once.
+        alike: The same where all viewers see the same memories.
+        crowd: The queries as they are for many robots, where these are others.
+    """
+
+    tree: exp.Query
+    known: Known
+    is_for_all: bool = False
+    is_by_name: bool = False
+    result: tuple[tuple[str, tuple[str, ...]], ...] = ()
+    items: tuple[str, ...] = ()
+    together: exp.Query | None = None
+    alike: exp.Query | None = None
+    crowd: tuple[exp.Query | None, ...] = ()
+
+    @property
+    def queries(self) -> tuple[exp.Query | None, ...]:
+        """The query of one viewer and those for all viewers."""
+        return self.tree, self.together, self.alike
+
+    def keep_for_crowd(self) -> tuple[exp.Query | None, ...]:
+        """The queries for many robots, which go their own way from now on."""
+        if not self.crowd:
+            self.crowd = tuple(None if query is None else query.copy() for query in self.queries)
+        return self.crowd
+
+
+@dataclass(frozen=True, slots=True)
+class Pass:
+    """One step of rewriting.
+
+    Attributes:
+        name: In lower case with hyphens, as `docs/speed.md` lists it.
+        apply: Does it.
+        after: Names of the passes that it has to come after.
+        must: Whether the query would mean something else without it.
+    """
+
+    name: str
+    apply: Callable[[Rewriting], None]
+    after: tuple[str, ...] = ()
+    must: bool = False
+
+
+def _on_tree(change: Callable[[exp.Query], None]) -> Callable[[Rewriting], None]:
+    return lambda work: change(work.tree)
+
+
+def _on_each(change: Callable[[exp.Query], None]) -> Callable[[Rewriting], None]:
+    def apply(work: Rewriting) -> None:
+        for query in filter(None, work.queries):
+            change(query)
+
+    return apply
+
+
+def _memory_columns(work: Rewriting) -> None:
+    memory_fields_as_columns(work.tree, work.known.fields)
+
+
+def _item_rows(work: Rewriting) -> None:
+    work.items = items_as_rows(work.tree, work.known.fields, work.known.items)
+
+
+def _result_columns(work: Rewriting) -> None:
+    work.result = records_as_columns(work.tree)
+
+
+def _all_viewers(work: Rewriting) -> None:
+    if work.is_for_all:
+        work.together = for_all_viewers(work.tree)
+        work.alike = for_all_viewers(work.tree, alike=True)
+
+
+def _materialized_by_robot(work: Rewriting) -> None:
+    # The query of one viewer is asked once where all see everything.
+    materializing.computed_once(work.tree, by_robots=True)
+
+
+def _memory_by_name(work: Rewriting) -> None:
+    if work.is_by_name:
+        for query in filter(None, work.keep_for_crowd()):
+            indexes.memories_by_name(query)
+
+
+def _list_indexes(work: Rewriting) -> None:
+    work.keep_for_crowd()
+    for query in filter(None, work.queries):
+        indexes.indexed_where_lists_are_joined(query)
+
+
+PASSES = (
+    Pass("self-joins", _on_tree(columns.one_alias_per_robot)),
+    Pass("ray-rows", _on_tree(columns.rays_as_rows)),
+    Pass("sensor-columns", _on_tree(columns.sensor_fields_as_columns), after=("ray-rows",)),
+    Pass("viewer-bounds", _on_tree(columns.bound_to_viewer), after=("self-joins",), must=True),
+    Pass("arg-min-pairs", _on_tree(pairs_as_columns)),
+    Pass("memory-columns", _memory_columns, after=("arg-min-pairs",)),
+    Pass("item-rows", _item_rows, after=("memory-columns",)),
+    Pass("grouped-arg-min", _on_tree(aggregates.grouped_arg_min)),
+    Pass("untangled-aggregates", _on_tree(aggregates.untangled)),
+    Pass("arg-min", _on_tree(aggregates.native_arg_min), after=("untangled-aggregates",)),
+    Pass("result-columns", _result_columns),
+    Pass(
+        "common-subexpressions",
+        _on_tree(common_subexpressions.shared),
+        after=("ray-rows", "sensor-columns", "memory-columns", "result-columns"),
+    ),
+    Pass("materialized", _on_tree(materializing.computed_once), after=("common-subexpressions",)),
+    Pass("division", _on_tree(native.native_division)),
+    Pass("numbers", _on_tree(json.native_numbers), after=("result-columns",)),
+    Pass("all-viewers", _all_viewers, after=("viewer-bounds", "materialized", "numbers")),
+    Pass("materialized-by-robot", _materialized_by_robot, after=("all-viewers",)),
+    Pass(
+        "coroutines",
+        _on_each(common_subexpressions.rows_as_they_come),
+        after=("common-subexpressions", "all-viewers"),
+    ),
+    Pass("choice", _on_each(native.native_choice)),
+    Pass("late-rays", _on_each(late_rays.whole_rays_when_wanted), after=("ray-rows",)),
+    Pass("lookups", _on_each(materializing.looked_up), after=("materialized-by-robot",)),
+    Pass("range-scans", _on_each(indexes.found_by_number), after=("ray-rows", "item-rows")),
+    Pass("memory-by-name", _memory_by_name),
+    Pass("list-indexes", _list_indexes, after=("lookups", "range-scans", "memory-by-name")),
+)
+"""What is computed often is not looked for before all of it stands in its final words."""

@@ -1,0 +1,75 @@
+"""Frozen dataclasses out of JSON, every type checked."""
+
+from __future__ import annotations
+
+import types
+from collections.abc import Mapping, Sequence
+from dataclasses import MISSING, fields, is_dataclass
+from functools import cache
+from typing import Any, Literal, TypeVar, Union, get_args, get_origin, get_type_hints
+
+__all__ = ["record"]
+
+T = TypeVar("T")
+
+
+def record(kind: type[T], data: Any) -> T:
+    """A dataclass from what `dataclasses.asdict` made of it, after a journey through JSON.
+
+    Its module has to import the types of its fields, but Mapping and Sequence, when it is run.
+
+    Raises:
+        ValueError: A field is missing, unknown or of another type.
+    """
+    value: T = _checked(kind, data, kind.__name__)
+    return value
+
+
+@cache
+def _hints(kind: type) -> dict[str, Any]:
+    return get_type_hints(kind, localns={"Mapping": Mapping, "Sequence": Sequence})
+
+
+def _checked(wanted: Any, data: Any, where: str) -> Any:
+    origin, arguments = get_origin(wanted), get_args(wanted)
+    if is_dataclass(wanted):
+        return _dataclass(wanted, data, where)
+    if origin is Literal:
+        if data in arguments:
+            return data
+    elif origin in (Union, types.UnionType):
+        for argument in arguments:
+            try:
+                return _checked(argument, data, where)
+            except ValueError:
+                continue
+    elif origin is tuple and isinstance(data, list):
+        if arguments[1:] == (...,):
+            return tuple(_checked(arguments[0], item, where) for item in data)
+        if len(arguments) == len(data):
+            pairs = zip(arguments, data, strict=True)
+            return tuple(_checked(argument, item, where) for argument, item in pairs)
+    elif origin in (Mapping, dict) and isinstance(data, dict):
+        return {key: _checked(arguments[1], item, where) for key, item in data.items()}
+    elif wanted is float and type(data) is int:
+        return float(data)
+    elif isinstance(wanted, type) and type(data) is wanted:
+        return data
+    raise ValueError(f"{where} is not {wanted}")
+
+
+def _dataclass(wanted: Any, data: Any, where: str) -> Any:
+    if not isinstance(data, dict):
+        raise ValueError(f"{where} is not a record")
+    hints = _hints(wanted)
+    known = {field.name: field for field in fields(wanted)}
+    needed = {
+        name
+        for name, field in known.items()
+        if field.default is MISSING and field.default_factory is MISSING
+    }
+    if not needed <= data.keys() <= known.keys():
+        raise ValueError(f"{where} has other fields than {wanted.__name__}")
+    return wanted(
+        **{name: _checked(hints[name], value, f"{where}.{name}") for name, value in data.items()}
+    )

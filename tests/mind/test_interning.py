@@ -1,0 +1,79 @@
+"""What nobody changes: records and lists stay the same objects, and that makes no difference."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from logical_robots_tui.mind import Mind, Program
+from logical_robots_tui.mind.sqlite.interning import Sizes
+from logical_robots_tui.mind.sqlite.stored import size_of
+from tests.mind.rows import ROBOT, row
+from tests.mind.test_tuning_memories import TOLD, memory, odd, roads
+
+
+@pytest.mark.parametrize("visible", ["seen", "all"])
+def test_lists_that_stayed_the_same_objects_count_as_they_would_anew(visible: Any) -> None:
+    program = Program.compile(TOLD)
+    lasting, fresh = (Mind(program, memory=visible, frozen=frozen) for frozen in (True, False))
+    robots = [row("Ada", sees={3: (40, "robot", "Cy")}), row("Bo"), row("Cy")]
+    some = st.integers(0, 3)
+    moments = st.lists(
+        st.tuples(st.integers(1, 3), st.lists(st.tuples(some, some), min_size=3, max_size=3)),
+        min_size=2,
+        max_size=6,
+    )
+
+    @settings(max_examples=min(60, settings().max_examples), deadline=None)
+    @given(st.lists(roads | roads | odd, min_size=4, max_size=4), moments)
+    def same(lists: list[Any], moments: list[tuple[int, list[tuple[int, int]]]]) -> None:
+        for count, chosen in moments:
+            memories: dict[str, Any] = {
+                name: {"report": lists[report], "roads": lists[roads]}
+                for name, (report, roads) in zip(("Ada", "Bo", "Cy"), chosen, strict=True)
+            }
+            rows = robots[-count:]
+            assert lasting.think(rows, memories) == fresh.think(rows, memories)
+
+    try:
+        same()
+    finally:
+        lasting.close()
+        fresh.close()
+
+
+def test_a_value_of_the_same_text_is_the_same_object_where_nobody_changes_it() -> None:
+    program = Program.compile(f"{ROBOT} m = {{all: Range(60), n: sensor.clock}};")
+    for frozen in (True, False):
+        mind = Mind(program, frozen=frozen)
+        found: list[Any] = [
+            decision.memory
+            for clock in (1, 2)
+            for decision in mind.think([row("Ada", clock=clock), row("Bo", clock=clock)], {})
+        ]
+        mind.close()
+        assert [memory["n"] for memory in found] == [1, 1, 2, 2]
+        assert all(memory["all"] == list(range(60)) for memory in found)
+        assert (len({id(memory["all"]) for memory in found}) == 1) == frozen
+
+
+@given(st.lists(memory, min_size=1, max_size=3))
+def test_a_memory_has_the_same_size_however_often_it_is_asked_for(memories: list[Any]) -> None:
+    sizes = Sizes()
+    for _ in range(3):
+        assert [sizes.of(each) for each in memories] == [size_of(each) for each in memories]
+        sizes.next_moment()
+
+
+def test_equal_numbers_in_memories_are_told_apart() -> None:
+    program = Program.compile(f"{ROBOT} Memory(robot_name:, memory:), m = {{n: memory.n}};")
+    mind = Mind(program)
+    for n in (0, 0.0, -0.0, False, 0, 1, True, 1.0, None, "1", 1):
+        fresh = Mind(program)
+        rows, memories = [row("Ada")], {"Ada": {"n": n}}
+        assert repr(mind.think(rows, memories)) == repr(fresh.think(rows, memories))
+        fresh.close()
+    mind.close()

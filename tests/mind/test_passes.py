@@ -1,0 +1,139 @@
+"""Each pass that rewrites queries may be left out: robots decide the same."""
+
+from __future__ import annotations
+
+from contextlib import closing
+from dataclasses import asdict, replace
+from functools import cache
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import pytest
+
+from logical_robots_tui.game import list_programs, load_program
+from logical_robots_tui.mind import Mind, Program
+from logical_robots_tui.mind.tuning import tune_all
+from logical_robots_tui.mind.tuning.passes import PASSES
+from logical_robots_tui.world import World, list_levels, load_level
+from tests.mind.differential.comparing import MEMORIES, ROWS
+from tests.mind.differential.corpus import CASES
+from tests.mind.differential.whole_programs import MOMENTS, PROGRAMS
+from tests.mind.rows import ROBOT, nearly_same
+
+if TYPE_CHECKING:
+    from collections.abc import Collection, Mapping, Sequence
+
+    from logical_robots_tui.values import SensorRow, Value
+
+    Moment = tuple[Sequence[SensorRow], Mapping[str, Value]]
+
+PAGE = Path(__file__).parents[2] / "docs" / "speed.md"
+
+OPTIONAL = [each.name for each in PASSES if not each.must]
+LEFT_OUT: list[Collection[str]] = [*({name} for name in OPTIONAL), OPTIONAL]
+"""Each pass alone, and all of them together."""
+
+LEVELS = {
+    name: level.name
+    for level in map(load_level, list_levels())
+    for name in (level.starter, level.solution)
+}
+FREE_PROGRAMS_RUN_IN = "02-open-space"
+TICKS = (1, 9, 30)
+
+
+@cache
+def in_its_level(name: str) -> tuple[Program, list[Moment], dict[str, Any]]:
+    """A shipped program, some moments of it in its level, and who sees what there."""
+    level = load_level(LEVELS.get(name, FREE_PROGRAMS_RUN_IN))
+    visible = asdict(level.visibility)
+    program = Program.compile(load_program(name).text)
+    world = World(level)
+    memories: dict[str, Value] = {}
+    moments: list[Moment] = []
+    with closing(Mind(program, **visible)) as mind:
+        for tick in range(1, max(TICKS) + 1):
+            rows = world.sense()
+            if tick in TICKS:
+                moments.append((rows, memories))
+            decisions = mind.think(rows, memories)
+            world.act({d.robot_name: d.desire for d in decisions if d.desire is not None})
+            memories = {d.robot_name: d.memory for d in decisions}
+    return program, moments, visible
+
+
+def decided(program: Program, moments: list[Moment], **options: Any) -> list[Any]:
+    with closing(Mind(program, **options)) as mind:
+        return [
+            [asdict(replace(decision, weight=0)) for decision in mind.think(rows, memories)]
+            for rows, memories in moments
+        ]
+
+
+def check(
+    program: Program, moments: list[Moment], sets: list[Collection[str]], **visible: Any
+) -> None:
+    """Compare decisions without passes with those of the SQL as it was generated."""
+    expected = decided(program, moments, plain=True, **visible)
+    for without in sets:
+        tuned = tune_all({"Robot": program.statements["Robot"]}, without=without)
+        assert ("Robot" in tuned) == ("Robot" in program.tuned)
+        left = replace(program, tuned=tuned)
+        assert nearly_same(decided(left, moments, **visible), expected), f"without {without}"
+
+
+def test_each_pass_comes_after_those_that_it_needs_and_is_documented() -> None:
+    names = [each.name for each in PASSES]
+    assert len(set(names)) == len(names)
+    for number, each in enumerate(PASSES):
+        assert set(each.after) <= set(names[:number])
+        assert f"`{each.name}`" in PAGE.read_text(encoding="utf-8")
+
+
+@pytest.mark.parametrize(("number", "name"), [*enumerate(list_programs())])
+def test_a_shipped_program_decides_the_same_without_some_passes(number: int, name: str) -> None:
+    program, moments, visible = in_its_level(name)
+    check(program, moments, LEFT_OUT[number % 10 :: 10], **visible)
+
+
+@pytest.mark.proof
+@pytest.mark.parametrize("name", list_programs())
+def test_a_shipped_program_decides_the_same_without_any_pass(name: str) -> None:
+    program, moments, visible = in_its_level(name)
+    check(program, moments, LEFT_OUT, **visible)
+
+
+CASE_TEXTS = [
+    f"{rules}\n{ROBOT}Memory(robot_name:, memory:), m = ({value});" for _, rules, value in CASES
+]
+
+
+def check_case(text: str) -> None:
+    check(Program.compile(text), [(ROWS, MEMORIES)], LEFT_OUT)
+
+
+def check_whole(title: str, sets: list[Collection[str]]) -> None:
+    moments: list[Moment] = [(moment["rows"], MEMORIES) for moment in MOMENTS[::3]]
+    check(Program.compile(PROGRAMS[title]), moments, sets, memory="all")
+
+
+@pytest.mark.parametrize("text", CASE_TEXTS[::10])
+def test_a_construct_means_the_same_without_any_pass(text: str) -> None:
+    check_case(text)
+
+
+@pytest.mark.proof
+@pytest.mark.parametrize("text", [t for n, t in enumerate(CASE_TEXTS) if n % 10])
+def test_every_construct_means_the_same_without_any_pass(text: str) -> None:
+    check_case(text)
+
+
+@pytest.mark.parametrize(("number", "title"), [*enumerate(PROGRAMS)][::10])
+def test_a_whole_program_decides_the_same_without_some_passes(number: int, title: str) -> None:
+    check_whole(title, LEFT_OUT[number // 10 % 10 :: 10])
+
+
+@pytest.mark.proof
+@pytest.mark.parametrize("title", PROGRAMS)
+def test_every_whole_program_decides_the_same_without_any_pass(title: str) -> None:
+    check_whole(title, LEFT_OUT)

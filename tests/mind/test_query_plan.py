@@ -1,0 +1,34 @@
+"""How a predicate is computed: its SQL, the plan, the time."""
+
+from __future__ import annotations
+
+from contextlib import closing
+
+import pytest
+
+from logical_robots_tui.mind import Mind, Program, QueryError
+from logical_robots_tui.mind.table import plan_lines
+from tests.mind.rows import PAPER, row
+
+
+@pytest.mark.parametrize("plain", [False, True])
+def test_the_sql_and_the_plan_are_those_of_what_is_run(plain: bool) -> None:
+    with closing(Mind(Program.compile(PAPER), plain=plain)) as mind:
+        found = mind.query_plan("Robot", [row("Ada")], {})
+    assert bool(found.tuned) is not plain
+    assert "SELECT" in found.generated
+    assert any("Sensor" in line for line in found.plan)
+    assert found.milliseconds > 0
+
+
+def test_steps_of_a_plan_are_indented() -> None:
+    rows = [(2, 0, 0, "outer"), (5, 2, 0, "inner"), (7, 0, 0, "next")]
+    assert plan_lines(rows) == ("outer", "  inner", "next")
+
+
+def test_a_function_and_an_input_have_no_plan() -> None:
+    with closing(Mind(Program.compile(PAPER))) as mind:
+        with pytest.raises(QueryError, match="function of its arguments"):
+            mind.query_plan("FreedomMotion", [row("Ada")], {})
+        with pytest.raises(QueryError):
+            mind.query_plan("Sensor", [row("Ada")], {})

@@ -1,0 +1,73 @@
+"""Predicates that are asked row by row of others are computed once, and mean the same."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import pytest
+
+from logical_robots_tui.mind import Mind, Program
+from tests.mind.rows import ROBOT, row, think
+
+GAPS = f"""
+Pair(robot_name:, left: r.angle, right: q.angle) :-
+  Sensor(robot_name:, sensor:), r in sensor.radar, q in sensor.radar, r.angle > q.angle;
+Blocked(robot_name:, left:, right:) distinct :-
+  Pair(robot_name:, left:, right:), Sensor(robot_name:, sensor:), r in sensor.radar,
+  r.distance < 60, r.angle <= left, r.angle >= right;
+Gap(robot_name:, middle? ArgMax= (left + right) / 2 -> left - right) distinct :-
+  Pair(robot_name:, left:, right:), ~Blocked(robot_name:, left:, right:);
+{ROBOT} m = Max{{g :- Gap(robot_name:, middle: g)}};
+"""
+"""The widest gap between what is near: for each pair of rays it is asked what is between them."""
+
+
+def looking(count: int) -> list[Any]:
+    """Robots that see something near at two places, each at others."""
+    near = (20, "wall", "wall")
+    return [row(f"R{n}", sees={n % 9: near, 12 + n % 17: near}) for n in range(count)]
+
+
+@pytest.mark.parametrize("visible", ["own", "seen", "all"])
+@pytest.mark.parametrize("robots", [1, 3])
+def test_gaps_are_found_as_the_plain_way_finds_them(visible: Any, robots: int) -> None:
+    found = think(GAPS, looking(robots), {}, memory=visible)
+    assert len({decision.memory for decision in found}) == robots
+    assert not [decision.notices for decision in found if decision.notices]
+
+
+@pytest.mark.parametrize("robots", [3, 33])
+def test_a_query_that_is_asked_for_each_pair_is_computed_once(robots: int) -> None:
+    program = Program.compile(GAPS)
+    mind = Mind(program)
+    plan = mind.query_plan("Robot", looking(robots), {}).plan
+    mind.close()
+    assert [line for line in plan if "MATERIALIZE" in line and "Blocked" in line]
+    (asked,) = [line for line in plan if "SEARCH" in line and "Blocked" in line]
+    assert "AUTOMATIC COVERING INDEX" in asked
+    for text in (program.tuned["Robot"].together, *program.tuned["Robot"].crowd):
+        assert text.count("Blocked AS MATERIALIZED") == 1
+
+
+def test_each_robot_of_a_crowd_has_its_own_gaps() -> None:
+    crowd = looking(33)
+    program = Program.compile(GAPS)
+    mind = Mind(program)
+    together = mind.think(crowd, {})
+    assert together == [mind.think([one], {})[0] for one in crowd]
+    mind.close()
+
+
+def test_a_query_that_is_asked_once_a_robot_is_computed_once_where_all_see_everything() -> None:
+    text = f"""
+    Near(robot_name:, distance? Min= r.distance) distinct :-
+      Sensor(robot_name:, sensor:), r in sensor.radar;
+    {ROBOT} m = Max{{d :- Near(robot_name:, distance: d)}};
+    """
+    robot = Program.compile(text).tuned["Robot"]
+    assert "Near AS MATERIALIZED" in robot.sql
+    assert "Near AS MATERIALIZED" not in robot.together
+    for sql in (robot.sql, robot.together):
+        assert "JSON_EACH" not in sql
+    found = think(text, looking(7), {}, memory="all", sensor="all")
+    assert [decision.memory for decision in found] == [20] * 7
