@@ -6,8 +6,7 @@ Every change keeps the length of the text, so that offsets are valid in the play
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING, Literal, NamedTuple
 
 from logical_robots_tui.mind.diagnostics import Diagnostic
 
@@ -26,9 +25,8 @@ INNER_QUOTE = "\ue022"
 """The parser's replacement for a double quote in a single-quoted text."""
 
 
-@dataclass(frozen=True, slots=True)
-class Prepared:
-    """A program's text prepared for the parser.
+class Prepared(NamedTuple):
+    """A program's text made ready for the parser.
 
     Attributes:
         text: The text, of the same length, without comments, with ``Name {`` as ``Name{ ``, and

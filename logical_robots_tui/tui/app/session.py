@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
@@ -305,14 +304,14 @@ class Session:
         except ProgramError as error:
             if self.movement.kind == "awaiting":
                 self.movement = Movement()
-            self.state = replace(self.state, phase="mistake", mistakes=error.diagnostics)
+            self.state = self.state._replace(phase="mistake", mistakes=error.diagnostics)
             self._changed()
             return
         self._use(program)
 
     def _compiled(self, text: str, done: int, of_all: int) -> None:
         if self.state.phase == "compiling" and self.state.tried == text:
-            self.state = replace(self.state, compiled=(done, of_all))
+            self.state = self.state._replace(compiled=(done, of_all))
             self._changed()
 
     def _use(self, program: Program) -> None:
