@@ -63,38 +63,34 @@ def counted(function: Callable[..., Any], work: Work) -> Callable[..., Any]:
             if argument.__class__ is str:
                 steps += len(argument)
         work.steps -= steps
-        if work.is_over:
+        if work.halted or work.steps < 0:
             raise TooLargeError("the thought is to end")
         return function(*arguments)
 
     return counted_function
 
 
-def guarded(
-    function: Callable[..., Any], work: Work | None, *, null_safe: bool
-) -> Callable[..., Any]:
+def guarded(function: Callable[..., Any], work: Work, *, null_safe: bool) -> Callable[..., Any]:
     """A function that ends when the work does and refuses lists that would take it long.
 
     Its calls and the characters that pass through it count as steps of the work.
 
     Args:
         function: Python function of SQLite values.
-        work: What it is part of, if that can be halted.
+        work: What it is part of.
         null_safe: Whether null arguments give null without a call.
     """
 
     def guarded_function(*arguments: Any) -> Any:
         steps = STEPS_OF_A_CALL
         for argument in arguments:
-            if argument is None:
-                if null_safe:
-                    return None
-            elif argument.__class__ is str:
-                steps += len(argument)
-                if len(argument) > _SHORT:
+            if argument.__class__ is str:
+                length = len(argument)
+                steps += length
+                if length > _SHORT:
                     check_long(argument)
-        if work is None:
-            return function(*arguments)
+            elif argument is None and null_safe:
+                return None
         work.steps -= steps
         if work.halted or work.steps < 0:
             raise TooLargeError("the thought is to end")
