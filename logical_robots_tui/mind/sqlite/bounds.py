@@ -63,38 +63,34 @@ def counted(function: Callable[..., Any], work: Work) -> Callable[..., Any]:
             if argument.__class__ is str:
                 steps += len(argument)
         work.steps -= steps
-        if work.is_over:
+        if work.halted or work.steps < 0:
             raise TooLargeError("the think was halted")
         return function(*arguments)
 
     return counted_function
 
 
-def guarded(
-    function: Callable[..., Any], work: Work | None, *, null_safe: bool
-) -> Callable[..., Any]:
+def guarded(function: Callable[..., Any], work: Work, *, null_safe: bool) -> Callable[..., Any]:
     """Return a function that stops when the work is halted, and refuses lists that would take long.
 
     Its calls and the characters of its arguments and result count as steps of the work.
 
     Args:
         function: A Python function of SQLite values.
-        work: The work that it belongs to, if that can be halted.
+        work: The work that it belongs to.
         null_safe: Whether null arguments give null without a call.
     """
 
     def guarded_function(*arguments: Any) -> Any:
         steps = STEPS_OF_A_CALL
         for argument in arguments:
-            if argument is None:
-                if null_safe:
-                    return None
-            elif argument.__class__ is str:
-                steps += len(argument)
-                if len(argument) > _SHORT:
+            if argument.__class__ is str:
+                length = len(argument)
+                steps += length
+                if length > _SHORT:
                     check_long(argument)
-        if work is None:
-            return function(*arguments)
+            elif argument is None and null_safe:
+                return None
         work.steps -= steps
         if work.halted or work.steps < 0:
             raise TooLargeError("the think was halted")

@@ -124,8 +124,8 @@ class TunedTables:
         self._filled: dict[str, tuple[str, ...]] = {}
         # By table, the columns that were read of this moment and of the previous one, to fill a
         # table once for all readers.
-        self._read: dict[str, tuple[str, ...]] = {}
-        self._read_before: dict[str, tuple[str, ...]] = {}
+        self._read: list[Mapping[str, tuple[str, ...]]] = []
+        self._read_before: list[Mapping[str, tuple[str, ...]]] = []
         # By table, the same for tables whose rows have the same numbers, or None.
         self._numbers: dict[str, tuple[object, ...] | None] = {}
 
@@ -181,23 +181,23 @@ class TunedTables:
                 self._change_size()
             self._forget_all_but_names(moment)
             self._moment = moment
-            self._read_before, self._read = self._read, {}
+            self._read_before, self._read = self._read, [wanted]
+        elif not any(read is wanted for read in self._read):
+            self._read.append(wanted)
         filled = self._filled
+        before = self._read_before
         try:
             for table, names in wanted.items():
                 there = filled.get(table)
-                read = self._read.get(table)
-                if read is not names:
-                    self._read[table] = names if read is None else _both(read, names)
                 if there is not None:
                     if there is names or set(names) <= set(there):
                         continue
                     names = _both(there, names)
                     del filled[table]
                 else:
-                    before = self._read_before.get(table)
-                    if before is not None and before is not names:
-                        names = _both(names, before)
+                    for read in before:
+                        if read is not wanted:
+                            names = _both(names, read.get(table, names))
                 if table == "Item":
                     self._lists.fill(self._database, moment, names)
                 elif table == "Ray":

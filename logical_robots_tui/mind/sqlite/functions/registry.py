@@ -19,6 +19,7 @@ from logical_robots_tui.mind.sqlite.bounds import (
     counted,
     guarded,
 )
+from logical_robots_tui.mind.sqlite.budget import Work
 from logical_robots_tui.mind.sqlite.functions import texts
 from logical_robots_tui.mind.sqlite.functions.aggregates import AGGREGATES
 from logical_robots_tui.mind.sqlite.functions.casting import to_text, try_cast, try_cast_like
@@ -40,8 +41,6 @@ from logical_robots_tui.mind.sqlite.stored import to_json
 
 if TYPE_CHECKING:
     from collections.abc import Callable
-
-    from logical_robots_tui.mind.sqlite.budget import Work
 
 __all__ = ["NAMES", "install"]
 
@@ -237,6 +236,7 @@ def install(connection: sqlite3.Connection, work: Work | None = None) -> None:
         connection: An open connection.
         work: The work that calls the functions; they fail when it is halted.
     """
+    work = work or Work(lambda: None)
     functions = dict(_FUNCTIONS)
     for name, (arity, function) in _MATHS.items():
         try:
@@ -262,8 +262,7 @@ def install(connection: sqlite3.Connection, work: Work | None = None) -> None:
     for name, function in _OF_ANY_NUMBER.items():
         create(name, -1, function, null_safe=True)
     for name, (arity, aggregate) in AGGREGATES.items():
-        counting = aggregate if work is None else partial(_counting, aggregate, work)
-        connection.create_aggregate(name, arity, counting)
+        connection.create_aggregate(name, arity, partial(_counting, aggregate, work))
 
 
 def _counting(aggregate: type[Any], work: Work) -> Any:
