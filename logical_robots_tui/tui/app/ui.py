@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from textual.screen import Screen
     from textual.worker import Worker
 
-__all__ = ["ScreenUi", "Spawn", "Ui", "Work", "in_background", "nothing"]
+__all__ = ["ScreenUi", "Spawn", "Ui", "Work", "in_background"]
 
 Result = TypeVar("Result")
 
@@ -50,10 +50,6 @@ class Ui(Protocol):
 
     async def ask(self, dialog: Screen[Result]) -> Result | None:
         """Show a dialog and return what it gives; only for work in the background."""
-
-
-async def nothing() -> None:
-    """Take the place of work that is to end."""
 
 
 def in_background(
