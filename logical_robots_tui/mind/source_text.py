@@ -26,7 +26,7 @@ INNER_QUOTE = "\ue022"
 
 
 class Prepared(NamedTuple):
-    """A program's text made ready for the parser.
+    """A program's text prepared for the parser.
 
     Attributes:
         text: The text, of the same length, without comments, with ``Name {`` as ``Name{ ``, and

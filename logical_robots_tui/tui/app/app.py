@@ -117,7 +117,7 @@ class LogicalRobotsApp(SparingApp, inherit_bindings=False):
 
     def refresh_css(self, animate: bool = True) -> None:
         """Work out all styles again; before the first picture, only take the theme's colours."""
-        if self.is_running:
+        if self.screen_stack:
             super().refresh_css(animate)
         else:
             self.stylesheet.set_variables(self.get_css_variables())

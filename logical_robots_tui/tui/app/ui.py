@@ -9,7 +9,7 @@ if TYPE_CHECKING:
 
     from textual.screen import Screen
 
-__all__ = ["Spawn", "Ui", "Work", "nothing"]
+__all__ = ["Spawn", "Ui", "Work"]
 
 Result = TypeVar("Result")
 
@@ -43,7 +43,3 @@ class Ui(Protocol):
 
     async def ask(self, dialog: Screen[Result]) -> Result | None:
         """Show a dialog and return what it gives; only for work in the background."""
-
-
-async def nothing() -> None:
-    """Take the place of work that is to end."""
