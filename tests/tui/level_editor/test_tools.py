@@ -12,7 +12,7 @@ from logical_robots_tui.editing.things import Ref
 from logical_robots_tui.tui.layout.command_bar import CommandBar
 from logical_robots_tui.tui.level_editor.panel import InfoLine, ToolLine
 from logical_robots_tui.tui.level_editor.tools import Tool
-from tests.tui.editing.conftest import studio
+from tests.tui.level_editor.conftest import studio
 
 if TYPE_CHECKING:
     from pathlib import Path

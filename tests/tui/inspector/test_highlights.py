@@ -10,7 +10,7 @@ from logical_robots_tui.mind import Node
 from logical_robots_tui.tui.inspector.highlights import sight
 from logical_robots_tui.tui.labyrinth.drawing.glyphs import Highlight
 from logical_robots_tui.world import Robot
-from tests.tui.drawing.scenes import room, start
+from tests.tui.labyrinth.drawing.scenes import room, start
 
 FRAME = start(room(robots=(Robot("Ann", 60, 100), Robot("Bob", 300, 150, 2.0))))
 RADAR = {row["robot_name"]: row["sensor"]["radar"] for row in FRAME.sensors}

@@ -21,7 +21,7 @@ from logical_robots_tui.tui.program.controller import edited
 from logical_robots_tui.tui.program.text_operations import find_after, rename
 from tests.terminal import Terminal
 from tests.tui.conftest import PAPER, STILL, WRONG, opened
-from tests.tui.test_program_pane import ODD
+from tests.tui.program.test_pane import ODD
 
 if TYPE_CHECKING:
     from pathlib import Path

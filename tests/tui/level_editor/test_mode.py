@@ -16,7 +16,7 @@ from logical_robots_tui.tui.level_editor.forms import FindingList, LevelForm, Th
 from logical_robots_tui.tui.library.level_screen import LevelScreen
 from logical_robots_tui.world import Visibility, load_level
 from tests.tui.conftest import STILL, opened
-from tests.tui.editing.conftest import ROOM, studio
+from tests.tui.level_editor.conftest import ROOM, studio
 from tests.waiting import PATIENCE
 
 if TYPE_CHECKING:

@@ -14,7 +14,7 @@ from textual import events
 from logical_robots_tui.tui.labyrinth.camera import ZOOMS, Camera, Sight
 from logical_robots_tui.tui.labyrinth.drawing import Viewport
 from tests.tui.conftest import opened
-from tests.tui.drawing.scenes import room
+from tests.tui.labyrinth.drawing.scenes import room
 
 if TYPE_CHECKING:
     from pathlib import Path

@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from logical_robots_tui.tui.labyrinth.drawing import DARK, LIGHT, Drawing, Look, Palette
 from logical_robots_tui.tui.labyrinth.drawing.robot_view import draw_senses, tiles
 from logical_robots_tui.world import Beacon, Robot
-from tests.tui.drawing.scenes import room, run, start
+from tests.tui.labyrinth.drawing.scenes import room, run, start
 
 ROBOTS = (Robot("Ann", 100, 100, 0.3, "red"), Robot("Bob", 200, 100, 2.0))
 LEVEL = room(robots=ROBOTS, beacons=(Beacon("lamp", 160, 130),))

@@ -12,7 +12,7 @@ from logical_robots_tui.tui.labyrinth.camera import Camera, Sight
 from logical_robots_tui.tui.labyrinth.drawing import LIGHT, Drawing
 from logical_robots_tui.tui.labyrinth.view import LabyrinthView
 from logical_robots_tui.world import Beacon, Level, Robot
-from tests.tui.drawing.scenes import room, run, start, with_robot
+from tests.tui.labyrinth.drawing.scenes import room, run, start, with_robot
 
 if TYPE_CHECKING:
     from textual.geometry import Region

@@ -7,7 +7,15 @@ from logical_robots_tui.tui.labyrinth.drawing import DARK, LIGHT, Drawing, Palet
 from logical_robots_tui.tui.labyrinth.drawing.ground import WallTable
 from logical_robots_tui.tui.labyrinth.drawing.viewport import Floats, Raster
 from logical_robots_tui.world import Area, Beacon
-from tests.tui.drawing.scenes import BARE, Drawn, apart, contrast, room, start, with_active
+from tests.tui.labyrinth.drawing.scenes import (
+    BARE,
+    Drawn,
+    apart,
+    contrast,
+    room,
+    start,
+    with_active,
+)
 
 ASCII = replace(BARE, drawing=Drawing.ASCII)
 

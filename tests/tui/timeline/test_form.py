@@ -14,7 +14,7 @@ from logical_robots_tui.tui.inspector.pages.watch import WatchView
 from logical_robots_tui.tui.timeline.breakpoints import BreakpointList
 from logical_robots_tui.tui.timeline.form import BreakpointForm
 from logical_robots_tui.tui.timeline.prompts import QuestionPrompt
-from tests.tui.timeline.test_travelling import playing, run_to
+from tests.tui.timeline.test_widget import playing, run_to
 
 if TYPE_CHECKING:
     from pathlib import Path

@@ -13,7 +13,7 @@ from logical_robots_tui.tui.labyrinth.drawing import Drawing, Look, Picture, Vie
 from logical_robots_tui.tui.labyrinth.drawing.ground import WallTable
 from logical_robots_tui.tui.labyrinth.drawing.viewport import Raster
 from logical_robots_tui.world import Area, Beacon, Level, Robot
-from tests.tui.drawing.scenes import room, start
+from tests.tui.labyrinth.drawing.scenes import room, start
 
 HALL = room(
     robots=(Robot("Ada", 60, 60), Robot("Bo", 210, 120)),

@@ -13,7 +13,7 @@ from logical_robots_tui.tui.labyrinth.drawing.dots import BLOCKS
 from logical_robots_tui.tui.labyrinth.drawing.thin_lines import Traces
 from logical_robots_tui.values import Desire
 from logical_robots_tui.world import Area, Beacon, Robot
-from tests.tui.drawing.scenes import Drawn, room, run, start, with_active
+from tests.tui.labyrinth.drawing.scenes import Drawn, room, run, start, with_active
 
 if TYPE_CHECKING:
     from logical_robots_tui.game.frame import Frame

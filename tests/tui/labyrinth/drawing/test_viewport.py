@@ -1,7 +1,7 @@
 import pytest
 
 from logical_robots_tui.tui.labyrinth.drawing import Viewport
-from tests.tui.drawing.scenes import BARE, Drawn, apart, room
+from tests.tui.labyrinth.drawing.scenes import BARE, Drawn, apart, room
 
 
 def test_a_square_map_takes_twice_as_many_columns_as_rows() -> None:

@@ -6,7 +6,7 @@ from rich.cells import cell_len
 from logical_robots_tui.tui.labyrinth.drawing import Look
 from logical_robots_tui.tui.labyrinth.drawing.name_labels import fit_name
 from logical_robots_tui.world import Area, Beacon, Robot
-from tests.tui.drawing.scenes import BARE, Drawn, room, start, with_robot
+from tests.tui.labyrinth.drawing.scenes import BARE, Drawn, room, start, with_robot
 
 NAMES = replace(BARE, names=True)
 

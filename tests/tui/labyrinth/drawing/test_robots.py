@@ -6,7 +6,7 @@ import pytest
 from logical_robots_tui.tui.labyrinth.drawing import DARK, Drawing, Viewport
 from logical_robots_tui.tui.labyrinth.drawing.palette import luminance
 from logical_robots_tui.world import Level, Robot
-from tests.tui.drawing.scenes import BARE, Drawn, apart, room, start, with_robot
+from tests.tui.labyrinth.drawing.scenes import BARE, Drawn, apart, room, start, with_robot
 
 FAR = 1200, 600
 """Map units of a level in which a robot is about a cell."""

@@ -12,7 +12,7 @@ from logical_robots_tui.tui.labyrinth.drawing import Cells, Drawing, Look, Pictu
 from logical_robots_tui.tui.labyrinth.drawing.glyphs import Highlight
 from logical_robots_tui.tui.labyrinth.drawing.robot_view import draw_senses
 from logical_robots_tui.world import Robot
-from tests.tui.drawing.scenes import room, start
+from tests.tui.labyrinth.drawing.scenes import room, start
 
 LEVEL = room(robots=(Robot("Ann", 60, 100, 0.0, "red"), Robot("Bob", 300, 150, 2.0)))
 FRAME = start(LEVEL)

@@ -6,7 +6,16 @@ import pytest
 from logical_robots_tui.game.frame import Frame
 from logical_robots_tui.tui.labyrinth.drawing import DARK, LIGHT, Drawing, Look, Palette, Viewport
 from logical_robots_tui.world import Beacon, Level, Robot
-from tests.tui.drawing.scenes import BARE, Drawn, apart, contrast, room, seeing, start, with_robot
+from tests.tui.labyrinth.drawing.scenes import (
+    BARE,
+    Drawn,
+    apart,
+    contrast,
+    room,
+    seeing,
+    start,
+    with_robot,
+)
 
 RAYS = replace(BARE, rays=True)
 MARKS = replace(BARE, marks=True)

@@ -22,7 +22,7 @@ from logical_robots_tui.world import (
     RobotState,
     WorldState,
 )
-from tests.tui.drawing.scenes import room, run, seeing
+from tests.tui.labyrinth.drawing.scenes import room, run, seeing
 
 _numbers = st.one_of(
     st.floats(-300, 600), st.sampled_from((math.nan, math.inf, -math.inf, 1e300, 0.0))
