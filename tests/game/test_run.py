@@ -3,14 +3,11 @@
 from __future__ import annotations
 
 import asyncio
-import hashlib
-import json
 import os
 import subprocess
 import sys
-import zlib
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import pytest
 
@@ -24,7 +21,6 @@ from tests.game.playing import BACKWARDS, COUNTER, hall
 from tests.waiting import PATIENCE
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
     from pathlib import Path
 
     from logical_robots_tui.game import Frame
@@ -127,23 +123,6 @@ async def test_what_ticks_left_behind_is_told_without_sensing_again(
     assert found[-1].driven > found[0].driven > 0
 
 
-async def test_what_ticks_left_behind_is_computed_if_it_is_not_known(
-    level: Level, folder: Path
-) -> None:
-    run = Run(level, Program.compile(COUNTER))
-    expected = await run.moments(0, TICKS)
-    assert [m.after.tick for m in expected] == list(range(TICKS + 1))
-    await run.close()
-    key, pieces, moments = content_of(entry(folder))
-    pieces[1][0][5][0][5][0] = "12"
-    written = [zlib.compress(json.dumps(piece).encode()) for piece in pieces]
-    entry(folder).write_bytes(forged(key, written, moments))
-    again = Run(level, Program.compile(COUNTER))
-    found = await again.moments(0, TICKS)
-    await again.close()
-    assert [(m.after, m.memories) for m in found] == [(m.after, m.memories) for m in expected]
-
-
 async def test_it_is_told_how_far_a_run_has_come(level: Level) -> None:
     told: list[int] = []
     run = Run(level, Program.compile(COUNTER))
@@ -195,128 +174,6 @@ async def test_a_recording_by_other_code_is_not_looked_at(
     await frames(level)
     monkeypatch.setattr(running, "_simulation", lambda: b"as it will be")
     assert await known(level) == 0
-
-
-@pytest.mark.parametrize("part", [0.0, 0.01, 0.3, 0.6, 0.9, 0.9999])
-@pytest.mark.parametrize("damage", ["changed", "cut", "longer"])
-async def test_a_damaged_recording_is_dropped(
-    level: Level, folder: Path, part: float, damage: str
-) -> None:
-    expected = await frames(level)
-    path = entry(folder)
-    content = path.read_bytes()
-    at = int(part * len(content))
-    if damage == "changed":
-        content = content[:at] + bytes([content[at] ^ 1]) + content[at + 1 :]
-    path.write_bytes(content[:at] if damage == "cut" else content + b"more" * (damage == "longer"))
-    assert await frames(level) == expected
-    assert await known(level) == TICKS
-    assert (
-        path.read_bytes()[:64]
-        == hashlib.sha256(path.read_bytes().split(b"\n")[1]).hexdigest().encode()
-    )
-
-
-def forged(key: str, pieces: list[bytes], moments: int) -> bytes:
-    """A file that is as it should be, but for what its pieces hold."""
-    counts = [min(32, moments - first) for first in range(0, moments, 32)]
-    told = [
-        [len(piece), hashlib.sha256(piece).hexdigest(), count]
-        for piece, count in zip(pieces, counts, strict=True)
-    ]
-    line = json.dumps({"key": key, "moments": moments, "pieces": told}).encode()
-    return hashlib.sha256(line).hexdigest().encode() + b"\n" + line + b"\n" + b"".join(pieces)
-
-
-def content_of(path: Path) -> tuple[str, list[Any], int]:
-    """The key, the pieces as data, and the number of moments of a recording."""
-    _, line, rest = path.read_bytes().split(b"\n", 2)
-    index = json.loads(line)
-    pieces = []
-    for length, _, _ in index["pieces"]:
-        pieces.append(json.loads(zlib.decompress(rest[:length])))
-        rest = rest[length:]
-    return index["key"], pieces, index["moments"]
-
-
-def change(at: list[int], value: object) -> Callable[[list[Any]], object]:
-    """Puts a value somewhere into the data of a piece."""
-
-    def put(data: list[Any]) -> None:
-        *way, last = at
-        for step in way:
-            data = data[step]
-        data[last] = value
-
-    return put
-
-
-@pytest.mark.parametrize(
-    "change",
-    [
-        change([0, 0], 99),
-        change([0, 0], "tick"),
-        change([0, 1, 0], "Eve"),
-        change([0, 1], ["Ada"]),
-        change([0, 2], []),
-        change([0, 3, 5], None),
-        change([0, 3, 5, 0], "won"),
-        change([0, 4, 5, 0], [True, ["Eve"]]),
-        change([0, 4, 5, 0], [1, []]),
-        change([0, 4, 5, 0], [True, [[]]]),
-        change([0, 1, 0], []),
-        change([0, 5, 0, 5, 0], "12"),
-        change([0, 5, 0, 5, 0], float("nan")),
-        change([0, 5, 0, 5, 6], 1),
-        change([0, 5, 0, 5], [1]),
-        change([0, 6, 0, 5, 1], ["fast", 1]),
-        change([0, 6, 0, 5, 1], [1]),
-        change([0, 6, 0, 5, 2], [["no kind", "x"]]),
-        change([0, 6, 0, 5, 2], 7),
-        change([0, 6], {}),
-        change([0], None),
-    ],
-)
-async def test_a_false_recording_is_dropped(
-    level: Level, folder: Path, change: Callable[[list[Any]], object]
-) -> None:
-    expected = await frames(level)
-    path = entry(folder)
-    key, pieces, moments = content_of(path)
-    change(pieces[1])
-    written = [zlib.compress(json.dumps(piece).encode()) for piece in pieces]
-    path.write_bytes(forged(key, written, moments))
-    assert await frames(level) == expected
-
-
-@pytest.mark.parametrize(
-    "piece",
-    [
-        b"not packed",
-        zlib.compress(b"[" * 100_000),
-        zlib.compress(b"null"),
-        zlib.compress(b"[" + b"[]," * 20_000_000 + b"[]]", 1),
-    ],
-    ids=["not packed", "deep", "null", "huge"],
-)
-async def test_what_is_no_piece_is_dropped(level: Level, folder: Path, piece: bytes) -> None:
-    expected = await frames(level)
-    path = entry(folder)
-    key, pieces, moments = content_of(path)
-    for at in (0, -1):
-        written = [zlib.compress(json.dumps(each).encode()) for each in pieces]
-        written[at] = piece
-        path.write_bytes(forged(key, written, moments))
-        assert await frames(level) == expected
-
-
-@pytest.mark.parametrize("index", ["{}", "null", "[]", '{"key": 1, "moments": "x", "pieces": 7}'])
-async def test_what_is_no_index_is_dropped(level: Level, folder: Path, index: str) -> None:
-    expected = await frames(level)
-    line = index.encode()
-    entry(folder).write_bytes(hashlib.sha256(line).hexdigest().encode() + b"\n" + line + b"\n")
-    assert await frames(level) == expected
-    assert await known(level) == TICKS
 
 
 async def test_of_a_run_that_is_too_long_the_first_ticks_are_kept(
@@ -433,24 +290,3 @@ def test_many_processes_share_a_run(tmp_path: Path, folder: Path, level: Level) 
     assert len(told) == 1
     assert entry(folder)
     assert asyncio.run(known(level)) == 90
-
-
-async def test_a_piece_is_text(level: Level, folder: Path) -> None:
-    await frames(level)
-    _, (first, *_), _ = content_of(entry(folder))
-    assert first[0][1] == ["Ada", "Bo"]
-
-
-HEAVY = """
-Robot(robot_name:, desire: {left_engine: 1, right_engine: 1},
-      memory: Format("%0900000d", sensor.clock)) :- Sensor(robot_name:, sensor:);
-"""
-
-
-async def test_heavy_ticks_are_kept_in_small_pieces(level: Level, folder: Path) -> None:
-    expected = await frames(level, 20, HEAVY)
-    assert [len(str(memory)) for memory in expected[20].memories.values()] == [900_000] * 2
-    _, pieces, moments = content_of(entry(folder))
-    assert (len(pieces), moments) == (3, 21)
-    assert await known(level, HEAVY) == 20
-    assert await frames(level, 20, HEAVY) == expected

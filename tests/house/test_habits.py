@@ -90,3 +90,21 @@ def test_a_room_is_on_the_map_and_has_few_modules() -> None:
     named = set(re.findall(r"^\| `([a-z_/]+)/` \|", map_, re.MULTILINE))
     rooms = {str(folder.relative_to(package)) for folder in folders if folder != package}
     assert rooms <= named
+
+
+def test_a_file_of_tests_can_be_read_in_one_go() -> None:
+    long = {
+        str(path.relative_to(CHECKOUT)): lines
+        for path in TESTS
+        if path.name.startswith("test_")
+        and (lines := path.read_text(encoding="utf-8").count("\n")) > 400
+    }
+    assert not long
+
+
+def test_the_tests_of_the_screen_have_its_rooms() -> None:
+    rooms, tested = (
+        {path.name for path in (CHECKOUT / folder).iterdir() if (path / "__init__.py").exists()}
+        for folder in ("logical_robots_tui/tui", "tests/tui")
+    )
+    assert rooms == tested

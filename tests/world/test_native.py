@@ -212,7 +212,7 @@ def test_a_battery_that_is_not_used_is_only_reported(tmp_path: Path) -> None:
 
 
 def test_a_lenient_level_may_be_as_odd_as_one_of_the_web_platform(tmp_path: Path) -> None:
-    area = '[[areas]]\nname = "a"\nx = 1\ny = 1\nradius = 5\ngoal_for = ["Zoe"]\non_beacon = "b"\n'
+    area = AREA + 'radius = 5\ngoal_for = ["Zoe"]\non_beacon = "b"\n'
     text = SMALL.replace("x = 15", "x = -5").replace("cell =", "lenient = true\ncell =") + area
     level = load_level(write(tmp_path, text))
     assert level.robots[0].x == -5
@@ -320,6 +320,7 @@ def test_a_bad_value_is_refused_at_its_key(
     assert message in error.message
 
 
+AREA = '[[areas]]\nname = "a"\nx = 1\ny = 1\n'
 BAD_ADDITIONS = [
     (
         '[[robots]]\nname = "Ann"\nx = 20\ny = 15',
@@ -328,29 +329,25 @@ BAD_ADDITIONS = [
     ),
     ('[[beacons]]\nname = "lamp"\nx = 20', "beacons[0].y", '"y" is missing.'),
     ("[[areas]]\nx = 20\ny = 15\nradius = 5", "areas[0].name", '"name" is missing.'),
-    ('[[areas]]\nname = "a"\nx = 1\ny = 1', "areas[0].radius", '"radius" is missing.'),
+    (AREA, "areas[0].radius", '"radius" is missing.'),
+    (AREA + "radius = -2", "areas[0].radius", '"radius" must be 0 or more, not -2.'),
     (
-        '[[areas]]\nname = "a"\nx = 1\ny = 1\nradius = -2',
-        "areas[0].radius",
-        '"radius" must be 0 or more, not -2.',
-    ),
-    (
-        '[[areas]]\nname = "a"\nx = 1\ny = 1\nradius = 5\non_beacon = "lamp"',
+        AREA + 'radius = 5\non_beacon = "lamp"',
         "areas[0].on_beacon",
         'Area "a" is switched by "lamp", but there is no such beacon.',
     ),
     (
-        '[[areas]]\nname = "a"\nx = 1\ny = 1\nradius = 5\noff_beacon = "lamp"',
+        AREA + 'radius = 5\noff_beacon = "lamp"',
         "areas[0].off_beacon",
         'Area "a" is switched by "lamp", but there is no such beacon.',
     ),
     (
-        '[[areas]]\nname = "a"\nx = 1\ny = 1\nradius = 5\ngoal_for = "Ann"',
+        AREA + 'radius = 5\ngoal_for = "Ann"',
         "areas[0].goal_for",
         '"goal_for" must be a list, not text.',
     ),
     (
-        '[[areas]]\nname = "a"\nx = 1\ny = 1\nradius = 5\nsolid = "yes"',
+        AREA + 'radius = 5\nsolid = "yes"',
         "areas[0].solid",
         '"solid" must be true or false, not text.',
     ),
@@ -372,7 +369,7 @@ def test_a_bad_addition_is_refused_at_its_key(
 
 
 def test_a_goal_for_an_unknown_robot_asks_which_one_was_meant(tmp_path: Path) -> None:
-    area = '[[areas]]\nname = "a"\nx = 1\ny = 1\nradius = 5\ngoal_for = ["ann"]\n'
+    area = AREA + 'radius = 5\ngoal_for = ["ann"]\n'
     error = refusal(tmp_path, SMALL + area)
     assert place(error) == "areas[0].goal_for"
     assert error.message == 'Area "a" is a goal for "ann", but there is no such robot.'

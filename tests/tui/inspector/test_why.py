@@ -2,27 +2,19 @@
 
 from __future__ import annotations
 
-import asyncio
-from dataclasses import replace
 from typing import TYPE_CHECKING
 
-import pytest
-
-from logical_robots_tui.mind import Ask, Node
 from logical_robots_tui.tui.inspector.predicate_list import ASK, WHY
-from logical_robots_tui.tui.inspector.questions import Questions
-from logical_robots_tui.tui.inspector.widgets.proof_tree import ProofLine, ProofTree, line_content
 from logical_robots_tui.tui.inspector.widgets.proof_view import WhyView
 from logical_robots_tui.tui.inspector.widgets.value_tree import ValueTree
 from logical_robots_tui.tui.labyrinth.drawing.glyphs import Highlight
 from tests.short import AHEAD
-from tests.tui.conftest import SLOW, opened
+from tests.tui.conftest import opened
 
 if TYPE_CHECKING:
     from pathlib import Path
 
-    from logical_robots_tui.game import Frame
-    from logical_robots_tui.mind import Explanation, Proof
+    from logical_robots_tui.mind import Node
     from tests.tui.conftest import Opened
 
 TALL = (120, 70)
@@ -272,129 +264,6 @@ async def test_it_is_about_the_robot_that_is_chosen(data_dir: Path) -> None:
         assert any(node.values == ("Q",) for node in nodes(game))
 
 
-async def test_a_proof_that_takes_long_says_so_and_can_be_stopped(data_dir: Path) -> None:
-    async with opened(data_dir, text=SLOW) as game:
-        await game.ready()
-        await game.press("w")
-        await game.until(lambda: game.shows("taking the rules of Robot apart"))
-        await game.until(lambda: game.shows("s  esc here stops it"))
-        await game.press("escape")
-        await game.until(lambda: game.shows("Stopped after "))
-        assert view(game).has_focus
-
-
-async def test_the_first_level_is_there_before_the_whole_proof(
-    data_dir: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    is_let, prove = asyncio.Event(), Questions.proof
-
-    async def late(questions: Questions, robot: str, frame: Frame, asked: Ask) -> Proof:
-        await is_let.wait()
-        return await prove(questions, robot, frame, asked)
-
-    monkeypatch.setattr(Questions, "proof", late)
-    async with opened(data_dir, text=TWO_RULES, size=TALL) as game:
-        await asked_why(game)
-        await game.until(lambda: game.shows("Solo: Robot  ") and game.shows("unfolding"))
-        assert CALL in told(game)
-        place = go_to(game, CALL)
-        assert not view(game).is_open(place)
-        await game.press("right")  # which waits for the proof that is on its way
-        await game.until(lambda: view(game).is_open(place))
-        is_let.set()
-        await game.until(lambda: "Speed(d) = 0.5 :- d > 20" in told(game))
-        assert told(game)[told(game).index(CALL) + 1] == "Speed(d) = 0.5 :- d > 20"
-        assert view(game).line is view(game).lines[place]
-        assert not game.shows("unfolding")
-
-
-async def test_while_robots_run_the_first_level_is_enough(data_dir: Path) -> None:
-    async with opened(data_dir, text=TWO_RULES, size=TALL) as game:
-        await asked_why(game)
-        await game.press("space")
-        await game.until(lambda: game.shows("a pause unfolds it"))
-        assert CALL in told(game)
-        assert "Speed(d) = 0.5 :- d > 20" not in told(game)
-        await game.press("space")
-        await game.until(lambda: "Speed(d) = 0.5 :- d > 20" in told(game))
-        assert not game.shows("a pause unfolds it")
-        assert game.shows(f"Why · tick {game.tick}")
-
-
-async def test_unfolding_can_be_stopped_and_goes_on_call_by_call(
-    data_dir: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    prove, asked_for = Questions.proof, list[str]()
-
-    async def never_of_robot(questions: Questions, robot: str, frame: Frame, asked: Ask) -> Proof:
-        asked_for.append(asked.predicate)
-        if asked.predicate == "Robot":
-            await asyncio.Event().wait()
-        return await prove(questions, robot, frame, asked)
-
-    monkeypatch.setattr(Questions, "proof", never_of_robot)
-    async with opened(data_dir, text=TWO_RULES, size=TALL) as game:
-        await asked_why(game)
-        await game.until(lambda: game.shows("unfolding"))
-        await game.press("escape")
-        await game.until(lambda: game.shows("stopped after"))
-        go_to(game, CALL)
-        await game.press("right")
-        await game.until(lambda: "Speed(d) = 0.5 :- d > 20" in told(game))
-        assert asked_for == ["Robot", "Speed"]
-
-
-async def test_two_calls_that_are_opened_at_once_are_both_proved(data_dir: Path) -> None:
-    text = TWO_RULES.replace("d <= 20,", "Close(d), Low(d),")
-    text += "Close(d) :- d <= 20;\nLow(d) :- d <= 30;\n"
-    async with opened(data_dir, text=text, size=TALL) as game:
-        await asked_why(game)
-        await game.until(lambda: "Speed(d) = 0.5 :- d > 20" in told(game))
-        lacking = [
-            Node("call", f"{name}(d)", asked=Ask(name, {"col0": 10})) for name in ("Close", "Low")
-        ]
-        view(game).show([Node("rule", "both", children=tuple(lacking))], anew=True)
-        view(game).open(2)
-        view(game).open(1)
-        await game.until(lambda: any(each.startswith("Close(d) :-") for each in told(game)))
-        await game.until(lambda: any(each.startswith("Low(d) :-") for each in told(game)))
-
-
-async def test_the_cursor_stays_while_a_slow_answer_for_another_tick_is_awaited(
-    data_dir: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    is_let, ask = asyncio.Event(), Questions.why
-    is_let.set()
-
-    async def late(questions: Questions, robot: str, frame: Frame, asked: Ask) -> Explanation:
-        await is_let.wait()
-        return await ask(questions, robot, frame, asked)
-
-    monkeypatch.setattr(Questions, "why", late)
-    async with opened(data_dir, text=TWO_RULES, size=TALL) as game:
-        await asked_why(game)
-        await game.until(lambda: "Speed(d) = 0.5 :- d > 20" in told(game))
-        place = go_to(game, CALL)
-        is_let.clear()
-        await game.press("n")
-        await game.until(lambda: game.shows("taking the rules of Robot apart"))
-        assert not view(game).lines
-        is_let.set()
-        await game.until(lambda: view(game).lines)
-        await game.until(lambda: view(game).line is view(game).lines[place])
-        assert told(game)[place] == CALL
-
-
-async def test_no_old_proof_stands_under_a_new_question(data_dir: Path) -> None:
-    text = SLOW.split("Robot(")[0] + TWO_RULES
-    async with opened(data_dir, text=text) as game:
-        await asked_why(game)
-        game.inspector.inspect("Many")
-        await game.press("w")
-        await game.until(lambda: game.shows("Solo: Many"))
-        assert not any(text.startswith("Robot(") for text in told(game))
-
-
 async def test_of_a_predicate_that_is_inspected(data_dir: Path) -> None:
     text = f"Near(robot_name:) :- Sensor(robot_name:, sensor:), sensor.clock > 5;\n{AHEAD}"
     async with opened(data_dir, text=text, size=TALL) as game:
@@ -410,82 +279,6 @@ async def test_a_function_without_arguments_says_so_in_place(data_dir: Path) -> 
         game.inspector.inspect("Speed")
         await game.press("w")
         await game.until(lambda: game.shows("Speed is a function of col0: give a value for it."))
-
-
-def many(count: int) -> Node:
-    """A rule with so many nodes below it, ten below each."""
-    waiting: list[Node] = [Node("value", f"v{n}", values=(n,)) for n in range(count)]
-    while len(waiting) > 10:
-        waiting = [
-            Node("call", f"c{n}", children=tuple(waiting[n : n + 10]))
-            for n in range(0, len(waiting), 10)
-        ]
-    return Node("rule", "Many(x)", holds=True, children=tuple(waiting))
-
-
-def test_what_is_open_is_what_there_is_room_for() -> None:
-    folds = ProofTree()
-    folds.show([many(1000)], [many(10)], 30)
-    assert 20 < len(folds.lines) <= 30
-    assert folds.is_open(folds.lines[0])
-    assert not folds.is_open(folds.lines[-1]), "the rest is folded"
-
-
-def test_folds_are_exact_wherever_one_opens_and_closes() -> None:
-    folds = ProofTree()
-    folds.show([many(100)], [], 10_000)
-    everything = [line.node for line in folds.lines]
-    assert everything == [node for _, node in many(100).walk()]
-    folds.close(1)
-    assert [line.node for line in folds.lines] == [everything[0], everything[1], *everything[12:]]
-    assert folds.parent(2) == 0
-    folds.open(1)
-    assert [line.node for line in folds.lines] == everything
-    assert folds.parent(5) == 1
-
-
-def test_a_player_s_folds_stay_when_another_tick_has_other_values() -> None:
-    folds = ProofTree()
-    folds.show([many(100)], [], 10_000)
-    folds.close(1)
-    folds.show([replace(many(100), said="gives this row")], [], 10_000)
-    assert not folds.is_open(folds.lines[1])
-    folds.show([many(100)], [], 10_000, anew=True)
-    assert folds.is_open(folds.lines[1])
-
-
-def test_a_proof_that_came_later_stays_when_what_is_above_it_is_folded() -> None:
-    asks = Node("call", "Near(x)", asked=Ask("Near", {"x": 1}))
-    folds = ProofTree()
-    folds.show([Node("rule", "Robot()", children=(asks,))], [], 10)
-    assert folds.lines[1].lacks
-    folds.open(1)
-    folds.unfold(folds.lines[1].key, [Node("rule", "Near(1)")])
-    assert [line.node.text for line in folds.lines] == ["Robot()", "Near(x)", "Near(1)"]
-    folds.close(0)
-    folds.open(0)
-    assert [line.node.text for line in folds.lines] == ["Robot()", "Near(x)", "Near(1)"]
-    assert not folds.lines[1].lacks
-
-
-@pytest.mark.parametrize("width", [53, 80, 200])
-@pytest.mark.parametrize("depth", [0, 9, 150])
-def test_values_that_have_no_room_are_counted(width: int, depth: int) -> None:
-    node = Node("value", "ray.object", values=("wall", "none", "lamp", "gate", "door"), more=7)
-    text = content(node, width, depth)
-    shown = [value for value in node.values if str(value) in text]
-    hidden = len(node.values) - len(shown) + node.more
-    assert f"(and {hidden} more)" in text
-    assert len(text) <= width
-
-
-def test_truths_are_not_numbers() -> None:
-    node = Node("value", "x > 2", values=(1, 0, None), is_truth=True)
-    assert "= true or false or null" in content(node, 80)
-
-
-def content(node: Node, width: int, depth: int = 0) -> str:
-    return line_content(ProofLine(node, depth, 1, (), lacks=False), width, is_open=False).plain
 
 
 async def test_without_a_program_it_says_so(data_dir: Path) -> None:

@@ -1,0 +1,86 @@
+"""The lines of a proof: what is folded, what is open, and what of it has room."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import pytest
+
+from logical_robots_tui.mind import Ask, Node
+from logical_robots_tui.tui.inspector.widgets.proof_tree import ProofLine, ProofTree, line_content
+
+
+def many(count: int) -> Node:
+    """A rule with so many nodes below it, ten below each."""
+    waiting: list[Node] = [Node("value", f"v{n}", values=(n,)) for n in range(count)]
+    while len(waiting) > 10:
+        waiting = [
+            Node("call", f"c{n}", children=tuple(waiting[n : n + 10]))
+            for n in range(0, len(waiting), 10)
+        ]
+    return Node("rule", "Many(x)", holds=True, children=tuple(waiting))
+
+
+def test_what_is_open_is_what_there_is_room_for() -> None:
+    folds = ProofTree()
+    folds.show([many(1000)], [many(10)], 30)
+    assert 20 < len(folds.lines) <= 30
+    assert folds.is_open(folds.lines[0])
+    assert not folds.is_open(folds.lines[-1]), "the rest is folded"
+
+
+def test_folds_are_exact_wherever_one_opens_and_closes() -> None:
+    folds = ProofTree()
+    folds.show([many(100)], [], 10_000)
+    everything = [line.node for line in folds.lines]
+    assert everything == [node for _, node in many(100).walk()]
+    folds.close(1)
+    assert [line.node for line in folds.lines] == [everything[0], everything[1], *everything[12:]]
+    assert folds.parent(2) == 0
+    folds.open(1)
+    assert [line.node for line in folds.lines] == everything
+    assert folds.parent(5) == 1
+
+
+def test_a_player_s_folds_stay_when_another_tick_has_other_values() -> None:
+    folds = ProofTree()
+    folds.show([many(100)], [], 10_000)
+    folds.close(1)
+    folds.show([replace(many(100), said="gives this row")], [], 10_000)
+    assert not folds.is_open(folds.lines[1])
+    folds.show([many(100)], [], 10_000, anew=True)
+    assert folds.is_open(folds.lines[1])
+
+
+def test_a_proof_that_came_later_stays_when_what_is_above_it_is_folded() -> None:
+    asks = Node("call", "Near(x)", asked=Ask("Near", {"x": 1}))
+    folds = ProofTree()
+    folds.show([Node("rule", "Robot()", children=(asks,))], [], 10)
+    assert folds.lines[1].lacks
+    folds.open(1)
+    folds.unfold(folds.lines[1].key, [Node("rule", "Near(1)")])
+    assert [line.node.text for line in folds.lines] == ["Robot()", "Near(x)", "Near(1)"]
+    folds.close(0)
+    folds.open(0)
+    assert [line.node.text for line in folds.lines] == ["Robot()", "Near(x)", "Near(1)"]
+    assert not folds.lines[1].lacks
+
+
+@pytest.mark.parametrize("width", [53, 80, 200])
+@pytest.mark.parametrize("depth", [0, 9, 150])
+def test_values_that_have_no_room_are_counted(width: int, depth: int) -> None:
+    node = Node("value", "ray.object", values=("wall", "none", "lamp", "gate", "door"), more=7)
+    text = content(node, width, depth)
+    shown = [value for value in node.values if str(value) in text]
+    hidden = len(node.values) - len(shown) + node.more
+    assert f"(and {hidden} more)" in text
+    assert len(text) <= width
+
+
+def test_truths_are_not_numbers() -> None:
+    node = Node("value", "x > 2", values=(1, 0, None), is_truth=True)
+    assert "= true or false or null" in content(node, 80)
+
+
+def content(node: Node, width: int, depth: int = 0) -> str:
+    return line_content(ProofLine(node, depth, 1, (), lacks=False), width, is_open=False).plain
