@@ -15,7 +15,7 @@ PIP := $(BIN)/python -m pip --disable-pip-version-check --require-virtualenv
 .DELETE_ON_ERROR:
 .SUFFIXES:
 
-.PHONY: help play test lint check format proof prove bench lock screenshot reference learn debugging measures wheel clean
+.PHONY: help play test lowest lint check format proof prove bench lock screenshot reference learn debugging measures wheel clean
 
 help: ## Show this list
 	@grep -E '^[a-z]+:.*##' $(MAKEFILE_LIST) | sed -E 's/^([a-z]+):.*## (.*)/  make \1\t\2/' | expand -t 20
@@ -25,6 +25,11 @@ play: $(VENV)/.play ## Play; ARGS="play LEVEL" passes arguments on
 
 test: $(VENV)/.dev ## Run the tests on all cores, a quick choice of them or ALL=1; ARGS="-k wall" passes arguments on
 	$(PYTEST) $(ARGS)
+
+lowest: $(VENV)/.dev ## Run the tests of the screen with the lowest Textual, in VENV; it stays there
+	@$(PIP) install --quiet --no-deps \
+		textual==$$(sed -n 's/.*"textual>=\([0-9.]*\),.*/\1/p' pyproject.toml)
+	$(PYTEST) tests/tui tests/snapshots $(ARGS)
 
 lint: $(VENV)/.dev ## Check layout, style, types and which part may use which
 	$(BIN)/python -m ruff format --check .
@@ -78,7 +83,7 @@ lock: $(VENV)/.dev ## Choose newer versions of the dependencies
 	$(LOCK) --group dev --constraint requirements/play.lock --output-file requirements/dev.lock
 
 clean: ## Remove what was built; the next start installs again
-	rm -rf $(VENV) build dist .mypy_cache .ruff_cache .pytest_cache .hypothesis .import_linter_cache
+	rm -rf $(VENV) .venv-* build dist .mypy_cache .ruff_cache .pytest_cache .hypothesis .import_linter_cache
 
 # A stamp is newer than everything it was installed from, so the next start begins at once.
 $(VENV)/.%: requirements/%.lock pyproject.toml | $(VENV)/.python

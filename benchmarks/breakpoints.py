@@ -32,7 +32,7 @@ WATCHED = {
         "Sensor(robot_name:, sensor:), ray in sensor.radar, ray.distance < 3",
     ),
 }
-TICKS = {"12-swarm": 0.1, "06-breadcrumbs": 1}
+TICKS = {"12-swarm": 0.05, "06-breadcrumbs": 0.3}
 """Ticks to run for each unit of effort."""
 
 

@@ -5,10 +5,11 @@ from __future__ import annotations
 import statistics
 import sys
 import tempfile
+from functools import partial
 from time import perf_counter
 from typing import TYPE_CHECKING
 
-from benchmarks.measure import Effort, Measurement
+from benchmarks.measure import Effort, Measurement, repeated
 from tests.terminal import Terminal
 
 if TYPE_CHECKING:
@@ -35,9 +36,9 @@ def first_frame(effort: Effort) -> Iterator[Measurement]:
 
     Each round also measures a minimal Textual app, so that other load on the machine slows both.
     """
-    for size in SIZES:
+    for size in SIZES[: 1 if effort.is_quick else None]:
         subject = f"{size[0]}x{size[1]}"
-        least, picture, ready = zip(*(_round(size) for _ in range(effort.repeats)), strict=True)
+        least, picture, ready = zip(*repeated(effort.repeats, partial(_round, size)), strict=True)
         ratios = [one / other for one, other in zip(picture, least, strict=True)]
         for event, found, unit, required in (
             ("minimal Textual app", least, "ms", ""),

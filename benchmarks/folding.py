@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 from textual.app import App, ComposeResult
 
-from benchmarks.measure import Effort, Measurement
+from benchmarks.measure import Effort, Measurement, repeated
 from logical_robots_tui.mind import Node
 from logical_robots_tui.tui.inspector.widgets.proof_view import WhyView
 from logical_robots_tui.tui.theme.colours import colours_in
@@ -28,8 +28,8 @@ NODES, BESIDE, DEEP = 10_000, 99, 100
 def folding(effort: Effort) -> Iterator[Measurement]:
     """Measure the processor time in milliseconds of actions on a large proof."""
     found: dict[str, list[float]] = {}
-    for _ in range(effort.repeats):
-        for what, milliseconds in asyncio.run(_in_a_view()).items():
+    for once in repeated(effort.repeats, lambda: asyncio.run(_in_a_view())):
+        for what, milliseconds in once.items():
             found.setdefault(what, []).append(milliseconds)
     subject = f"{NODES:,} nodes, {SIZE[0]}x{SIZE[1]}"
     for what, times in found.items():

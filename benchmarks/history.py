@@ -31,8 +31,9 @@ if TYPE_CHECKING:
 __all__ = ["history"]
 
 LARGEST = "10-distributed-mapping"
-TICKS = 3  # to run for each unit of effort
+SHORT, LONG = 1_000, 2_000  # ticks: what is held grows by the same with each, once they are packed
 JUMPS = 60
+QUIET = 0.15  # seconds without output, after which a paused game has nothing more to say
 
 
 def history(effort: Effort) -> Iterator[Measurement]:
@@ -44,7 +45,7 @@ def history(effort: Effort) -> Iterator[Measurement]:
             group.append(measurement)
     for group in found:
         yield from group
-    yield _key_to_screen(effort.ticks // 4)
+    yield _key_to_screen(effort.ticks // 20)
 
 
 def _subjects() -> Iterator[tuple[Level, str, str]]:
@@ -59,7 +60,7 @@ def _subjects() -> Iterator[tuple[Level, str, str]]:
 async def _measure(
     level: Level, program: Program, effort: Effort, required: str
 ) -> list[Measurement]:
-    ticks = max(40, TICKS * effort.ticks // max(1, len(level.robots) // 10))
+    ticks = max(40, effort.ticks // max(1, len(level.robots) // 10))
     game = Game(level, program)
     frames = [game.frame]
     game.listen(frames.append)
@@ -86,18 +87,24 @@ async def _measure(
 
 
 def _megabytes(level: Level, frames: list[Frame], program: Program) -> float:
-    """Return the size of a full history, made of the same ticks repeated under new numbers."""
+    """What a full history holds, by what two short ones hold.
+
+    They are of the ticks that were run, over and over, under new numbers.
+    """
+    held = []
     tracemalloc.start()
     try:
         kept = History(frames[0], level)
-        for tick in range(1, DEFAULT_LENGTH + 1):
+        for tick in range(1, LONG + 1):
             frame = frames[1 + (tick - 1) % (len(frames) - 1)]
             before, after = replace(frame.before, tick=tick - 1), replace(frame.after, tick=tick)
             kept.add(replace(frame, tick=tick, before=before, after=after), program)
-        assert kept.first == 0
-        return tracemalloc.get_traced_memory()[0] / 1e6
+            if tick in (SHORT, LONG):
+                held.append(tracemalloc.get_traced_memory()[0] / 1e6)
     finally:
         tracemalloc.stop()
+    short, long = held
+    return long + (long - short) / (LONG - SHORT) * (DEFAULT_LENGTH - LONG)
 
 
 def _milliseconds(game: Game, ticks: list[int]) -> list[float]:
@@ -123,7 +130,7 @@ def _key_to_screen(presses: int) -> Measurement:
             terminal.wait_for(lambda: _shows(terminal, presses + 100))
             found = []
             for press in range(1, presses + 1):
-                terminal.wait_for_quiet()
+                terminal.wait_for_quiet(QUIET)
                 began = perf_counter()
                 terminal.send("p")
                 there = partial(_shows, terminal, presses + 100 - press)

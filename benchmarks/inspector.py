@@ -22,7 +22,8 @@ __all__ = ["inspector"]
 LARGEST = "10-distributed-mapping"
 SIZE = (120, 40)
 DOWN = "\x1b[B"
-STEPS = 20  # ticks of effort per measured step, for each predicate
+STEPS = 80  # for how many ticks of effort one step is measured, for each predicate
+QUIET = 0.15  # seconds without output, after which a paused game has nothing more to say
 
 
 def inspector(effort: Effort) -> Iterator[Measurement]:
@@ -40,7 +41,7 @@ def inspector(effort: Effort) -> Iterator[Measurement]:
             tick = 0
             for name in ("Why", *names):
                 _go_down_to(terminal, name)
-                for _ in range(max(3, effort.ticks // STEPS)):
+                for _ in range(max(2, effort.ticks // STEPS)):
                     tick += 1
                     found.setdefault(name, []).append(_step(terminal, name, tick))
     subject = f"{SIZE[0]}x{SIZE[1]}, {LARGEST}"
@@ -67,13 +68,13 @@ def _go_down_to(terminal: Terminal, name: str) -> None:
         if re.search(rf"\b{name} · tick", terminal.text):
             return
         terminal.send(DOWN)
-        terminal.wait_for_quiet(0.3)
+        terminal.wait_for_quiet(QUIET)
     raise AssertionError(f"{name} is not in the list")
 
 
 def _step(terminal: Terminal, name: str, tick: int) -> float:
     """Milliseconds from the key to the rows of the next tick."""
-    terminal.wait_for_quiet()
+    terminal.wait_for_quiet(QUIET)
     began = perf_counter()
     terminal.send("n")
     there = rf"\b{name} · tick {tick}\b"

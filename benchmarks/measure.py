@@ -5,12 +5,17 @@ from __future__ import annotations
 import statistics
 from dataclasses import dataclass
 from time import perf_counter
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeVar
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Sequence
 
-__all__ = ["Effort", "Measurement", "median_of", "seconds_for"]
+__all__ = ["Effort", "Measurement", "median_of", "repeated", "seconds_for", "summed_up"]
+
+T = TypeVar("T")
+
+BUDGET = 1.0  # seconds for the repeats of one number
+LEAST = 3  # repeats, however long they take
 
 
 @dataclass(frozen=True, slots=True)
@@ -18,12 +23,14 @@ class Effort:
     """How hard to try.
 
     Attributes:
-        repeats: How often to repeat each measurement.
+        repeats: How often to repeat each measurement; fewer times if one takes long.
         ticks: How many ticks a measurement of a running game takes.
+        is_quick: Whether to leave out what takes long beside another measurement of its kind.
     """
 
     repeats: int
     ticks: int
+    is_quick: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -65,16 +72,31 @@ def median_of(
     *,
     required: str = "",
 ) -> Measurement:
-    """Repeat a measurement and sum it up.
+    """Repeat a measurement and sum it up; after `BUDGET` seconds it is not begun again.
 
     Args:
         group: What kind of number it is.
         subject: What it is measured on.
         unit: Of the number.
-        repeats: How often to measure.
+        repeats: How often to measure at most.
         once: Measures once.
         required: What it must reach, in words.
     """
-    found = [once() for _ in range(repeats)]
+    return summed_up(group, subject, unit, repeated(repeats, once), required=required)
+
+
+def repeated(repeats: int, once: Callable[[], T]) -> list[T]:
+    """Measure so often, but at least `LEAST` times and not much longer than `BUDGET` seconds."""
+    began = perf_counter()
+    found: list[T] = []
+    while len(found) < repeats and (len(found) < LEAST or perf_counter() - began < BUDGET):
+        found.append(once())
+    return found
+
+
+def summed_up(
+    group: str, subject: str, unit: str, found: Sequence[float], *, required: str = ""
+) -> Measurement:
+    """The median of what was found, with the lowest and the highest."""
     median = statistics.median(found)
     return Measurement(group, subject, median, unit, min(found), max(found), required)

@@ -17,9 +17,9 @@ if TYPE_CHECKING:
 
 __all__ = ["proofs"]
 
-MOST_TICKS = 400
-LOOKS = 10  # per run
-ROBOTS = 3  # per look
+MOST_TICKS = 150
+LOOKS = 5  # at each run
+ROBOTS = 3  # at each look
 THINKS = 5
 
 

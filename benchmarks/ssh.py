@@ -32,13 +32,13 @@ __all__ = ["processor", "ssh"]
 
 SIZE = (120, 40)
 SIX_ROBOTS = ("10-distributed-mapping", "distributed-mapping")
-RATES = ((20_000, 300), (64_000, 100))  # bytes per second, longest key latency in ms
-PRESSES = 24
+RATES = ((20_000, 300), (64_000, 100))  # bytes a second, milliseconds that a key may take
+PRESSES = 12
 
 
 def ssh(effort: Effort) -> Iterator[Measurement]:
     """Measure kilobytes per second plain and compressed, and key latency on slow lines."""
-    seconds = effort.ticks / 60
+    seconds = effort.ticks / 150
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         with Server(folder, f"SetEnv LOGICAL_ROBOTS_CACHE_DIR={folder}/cache") as server:
@@ -86,7 +86,7 @@ def _running(server: Server, line: Line, folder: Path, option: str) -> Iterator[
 
 def processor(effort: Effort) -> Iterator[Measurement]:
     """Measure the percentage of a core that a game of ten robots uses, paused and running."""
-    seconds = effort.ticks / 60
+    seconds = effort.ticks / 150
     level, text = halls(1200, 700, robots=10, beacons=56), program_text("steering")
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)

@@ -41,7 +41,7 @@ def swarms(effort: Effort) -> Iterator[Measurement]:
                 "each sees itself only",
                 f"{robots} robots",
                 "x all see all",
-                3 * effort.repeats,
+                2 * effort.repeats,
                 partial(_ratio, own, together, rows, thinks),
                 required="<= 1.3",
             )

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
 __all__ = ["ticks_per_second", "whole_game"]
 
-SECONDS = 0.005  # to run for each unit of effort
+SECONDS = 0.001  # of running for each tick that is to be measured
 REQUIRED = {"01": ">= 2500", "02": ">= 2500", "07": ">= 1000", "10": ">= 400"}
 
 

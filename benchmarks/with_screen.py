@@ -31,7 +31,8 @@ TRAFFIC = (
     ("07-station-management", "station-management", "3 robots", (80, 24), 30),
 )
 """Level, program, robots, screen size, and the most kB per second."""
-SECONDS = 0.01  # to run, for each repeat and unit of effort
+QUIET = 0.5  # seconds without output, after which a paused game has nothing more to say
+SECONDS = 0.0025  # of running, for each repeat and each tick that is to be measured
 
 
 def with_screen(effort: Effort) -> Iterator[Measurement]:
@@ -39,11 +40,11 @@ def with_screen(effort: Effort) -> Iterator[Measurement]:
     level, program = load_level(LEVEL), Program.compile(load_program(PROGRAM).text)
     seconds = SECONDS * effort.ticks
     shares, keys = [], []
-    for _ in range(effort.repeats):
+    for _ in range(min(3, effort.repeats)):
         alone = ticks_per_second(level, program, seconds)
         with _running() as terminal:
             shares.append(100 * _ticks_per_second(terminal, seconds) / alone)
-            keys += _key_milliseconds(terminal, effort.ticks // 4)
+            keys += _key_milliseconds(terminal, max(6, effort.ticks // 25))
     group, subject = "with a screen", f"{SIZE[0]}x{SIZE[1]}, 1 robot, flat out"
     yield Measurement(
         *(group, subject, statistics.median(shares), "% of without"),
@@ -58,17 +59,17 @@ def with_screen(effort: Effort) -> Iterator[Measurement]:
 def traffic(effort: Effort) -> Iterator[Measurement]:
     """Measure the kB per second that a running and a paused game send to the terminal."""
     seconds = SECONDS * effort.ticks
-    for level, program, robots, size, allowed in TRAFFIC:
+    for level, program, robots, size, allowed in TRAFFIC[: 1 if effort.is_quick else None]:
         running, paused = [], []
-        for _ in range(effort.repeats):
-            with _opened(level, program, size) as terminal:
+        with _opened(level, program, size) as terminal:
+            for _ in range(effort.repeats):
                 terminal.send(" ")
                 terminal.wait_for("RUNNING")
                 running.append(_kilobytes_per_second(terminal, seconds))
                 terminal.send(" ")
                 terminal.wait_for("PAUSED")
-                terminal.wait_for_quiet()
-                paused.append(_kilobytes_per_second(terminal, 1.0))
+                terminal.wait_for_quiet(QUIET)
+                paused.append(_kilobytes_per_second(terminal, seconds))
         columns, rows = size
         for state, found, required in (("running", running, allowed), ("paused", paused, 0)):
             yield Measurement(

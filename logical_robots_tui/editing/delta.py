@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass, fields, replace
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from logical_robots_tui.world.bitmaps import PackedBits, changed_box
 from logical_robots_tui.world.level import Level
+from logical_robots_tui.world.walls import PackedBits, changed_box
 
 if TYPE_CHECKING:
     import numpy as np

@@ -7,7 +7,6 @@ from functools import cache
 from itertools import accumulate
 from typing import TYPE_CHECKING, Any, TypeAlias
 
-from logical_robots_tui.mind.diagnostics import Stopped
 from logical_robots_tui.mind.failures import SQLITE_ERRORS, FailureError, failures_in_words
 from logical_robots_tui.mind.program import TRUTH_MARK
 from logical_robots_tui.mind.sqlite.database import TooMuchError, TooSlowError
@@ -29,7 +28,7 @@ if TYPE_CHECKING:
     from logical_robots_tui.mind.sqlite.moment import Moment, View, Within
     from logical_robots_tui.values import Value
 
-__all__ = ["Answer", "Asking", "Explored"]
+__all__ = ["Answer", "Asking"]
 
 _PLAN = "EXPLAIN QUERY PLAN "
 _MOST_TOGETHER = 20_000  # rows for all views from one query
@@ -185,13 +184,13 @@ class Asking:
             columns, rows = self._plain.ask(sql, moment, view, within, parameters)
             return columns, self._read_all(rows, within)
 
-    def explore(self, moment: Moment, view: View, within: Within) -> Explored:
-        """Return one view's data for explanations."""
+    def tables_to_explore(self) -> PlainTables:
+        """Return the plain tables, with the functions that explanations need."""
         if not self._explores:
             self._plain.offer(SAME, same_in_sql, 2)
             self._plain.offer(ALIKE, alike_in_sql, 2)
             self._explores = True
-        return Explored(self, self._plain, moment, view, within)
+        return self._plain
 
     def sql_of(self, predicate: str) -> str:
         """Return the plain query for the rows of a predicate, or "" if it has none."""
@@ -300,74 +299,9 @@ class Asking:
 
     def _read(self, row: Sequence[Any], within: Within) -> list[Value]:
         read, deepest = self._read_value, self._deepest
-        return [v if v.__class__ in _READY else read(v, deepest) for v in within.each(row)]
-
-
-class Explored:
-    """One view's data at a moment, for explanations.
-
-    Args:
-        asking: The databases of the mind.
-        plain: Its plain tables.
-        moment: The moment.
-        view: The view.
-        within: The budget, and the most rows of a predicate.
-    """
-
-    def __init__(
-        self, asking: Asking, plain: PlainTables, moment: Moment, view: View, within: Within
-    ) -> None:
-        self._asking, self._plain = asking, plain
-        self._moment, self._view, self._within = moment, view, within
-
-    def spend(self, steps: int) -> None:
-        """Count work outside of queries, in steps.
-
-        Raises:
-            FailureError: Too many were taken.
-            Stopped: The caller stopped it.
-        """
-        within = self._within
-        within.budget.steps -= steps
-        if within.stop is not None and within.stop.is_set():
-            raise Stopped("The explanation was stopped.")
-        with failures_in_words(within):
-            if within.budget.steps < 0:
-                raise TooSlowError
-
-    def rows(self, predicate: str, sql: str) -> Answer:
-        """Return the columns and rows of a predicate.
-
-        Args:
-            predicate: Its name.
-            sql: A query for them, or "" for the program's.
-
-        Raises:
-            FailureError: The query failed, or there are too many rows.
-        """
-        if not sql and not self._asking.sql_of(predicate):
-            raise FailureError(f"{predicate} can't be computed")
-        if not sql:
-            return self._asking.rows(predicate, self._moment, self._view, self._within)
-        return self._asking.plainly(sql, self._moment, self._view, self._within)
-
-    def load(self, table: str, columns: Sequence[str], rows: Sequence[Sequence[Scalar]]) -> None:
-        """Fill a table that queries may read.
-
-        Raises:
-            FailureError: It takes too much memory.
-        """
-        with failures_in_words(self._within):
-            self._plain.define(table, columns, rows, self._moment, self._view)
-
-    def ask(self, sql: str, parameters: Sequence[Scalar]) -> RawAnswer:
-        """Return the columns and rows of a query, as SQLite returns them.
-
-        Raises:
-            FailureError: It failed.
-        """
-        with failures_in_words(self._within):
-            return self._plain.ask(sql, self._moment, self._view, self._within, parameters)
+        if within.is_much:
+            row = within.each(row)
+        return [v if v.__class__ in _READY else read(v, deepest) for v in row]
 
 
 def _tables(program: Program, limits: Limits, *, frozen: bool) -> TunedTables | None:

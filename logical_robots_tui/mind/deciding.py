@@ -36,10 +36,10 @@ def decide(
     name: str,
     rows: Sequence[Mapping[str, Value]],
     memory: Value,
-    notices: list[Notice],
+    known: Sequence[Notice],
     limits: Limits,
     size_of: Callable[[Value], int],
-    robots: int,
+    heaviest: int,
 ) -> Decision:
     """Return the decision from the rows of `Robot` for one robot; the last of several rows counts.
 
@@ -47,12 +47,12 @@ def decide(
         name: The robot's name.
         rows: Its rows.
         memory: Its memory so far.
-        notices: Notices so far.
+        known: Notices so far.
         limits: Limits for its new memory.
         size_of: Returns the bytes of a memory.
-        robots: The number of robots, which share the space for memories.
+        heaviest: The most bytes of objects in its new memory.
     """
-    notices = list(notices)
+    notices = [*known]
     if not rows:
         if not any(n.kind in ("failed", "late") for n in notices):
             notices.append(Notice("no row", f"Robot has no row for {name}: engines stop."))
@@ -67,13 +67,12 @@ def decide(
         return Decision(name, _desire(row.get("desire"), notices), memory, tuple(notices))
     new = row["memory"]
     size = size_of(new)
-    most = limits.weight_of_each(robots)
     weight = size if isinstance(new, str) else size * HEAVIEST_CHARACTER
     if size > limits.memory_bytes:
         too_much = f"has {size:,} bytes, more than {limits.memory_bytes:,}"
-    elif weight > most and (weight := weight_of(new, most)) > most:
+    elif weight > heaviest and (weight := weight_of(new, heaviest)) > heaviest:
         too_much = (
-            f"takes more than the {most:,} bytes available to each of {robots} robots, "
+            f"takes more than the {heaviest:,} bytes available to each robot, "
             "counting its records and lists"
         )
     else:

@@ -13,7 +13,14 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from logical_robots_tui.values import Value
 
-__all__ = ["HEAVIEST_CHARACTER", "Limits", "check_room", "weight_of", "weight_of_text"]
+__all__ = [
+    "HEAVIEST_CHARACTER",
+    "Limits",
+    "check_room",
+    "is_bounded",
+    "weight_of",
+    "weight_of_text",
+]
 
 
 _LEAST_WEIGHT = 8_000  # also for one of a thousand robots
@@ -122,6 +129,14 @@ def weight_of_text(text: str) -> int:
     return len(text) * (1 if text.isascii() else 4) + parts + opened
 
 
+def is_bounded() -> bool:
+    """Return whether the process's address space is limited, as in a restricted game.
+
+    Otherwise the machine's memory is the limit, and there is no way to ask how much is left.
+    """
+    return resource.getrlimit(resource.RLIMIT_AS)[0] != resource.RLIM_INFINITY
+
+
 def check_room(size: int) -> None:
     """Check that the process may still use so many bytes of address space.
 
@@ -131,8 +146,8 @@ def check_room(size: int) -> None:
     Raises:
         MemoryError: There is not enough.
     """
-    if resource.getrlimit(resource.RLIMIT_AS)[0] == resource.RLIM_INFINITY:
-        return  # no limit on address space, and no way to ask for the machine's free memory
+    if not is_bounded():
+        return
     try:
         mmap.mmap(-1, size, flags=mmap.MAP_PRIVATE | mmap.MAP_ANONYMOUS | _NO_RESERVE).close()
     except OSError:

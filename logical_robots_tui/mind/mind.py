@@ -10,8 +10,9 @@ from logical_robots_tui.mind.asking import Asking
 from logical_robots_tui.mind.deciding import blame, cut_offs, decide, note_stranger
 from logical_robots_tui.mind.decision import Decision, Notice
 from logical_robots_tui.mind.diagnostics import QueryError
+from logical_robots_tui.mind.explored import Explored
 from logical_robots_tui.mind.failures import FailureError
-from logical_robots_tui.mind.limits import Limits, check_room
+from logical_robots_tui.mind.limits import Limits, check_room, is_bounded
 from logical_robots_tui.mind.sqlite.interning import Sizes
 from logical_robots_tui.mind.sqlite.moment import Moment, View, Within
 from logical_robots_tui.mind.sqlite.stored import size_of
@@ -68,7 +69,8 @@ class Mind:
         # What `Robot` returned at that moment, as far as known.
         self._thought: list[tuple[View, Answer]] = []
         self._asking = Asking(program, self.limits, plain=plain, frozen=frozen)
-        self._recount = False  # whether the last think took too many steps
+        self._within = Within.of_thought(self.limits)
+        self._is_tight = is_bounded()
 
     def think(
         self,
@@ -88,9 +90,12 @@ class Mind:
             Stopped: `stop` was set before the think was finished.
         """
         moment = self._moment_of(rows, memories)
-        within = Within.of_thought(self.limits, stop, anew=self._recount)
+        within = self._within  # exact if the last think took too many steps
+        within.stop = stop
+        within.renew()
         try:
-            check_room(_ROOM)
+            if self._is_tight:
+                check_room(_ROOM)
             decisions = self._decisions(moment, memories, within)
             if within.is_close:
                 within = within.again()
@@ -100,7 +105,7 @@ class Mind:
             notice = Notice("no room", "There was not enough memory to think: engines stop.")
             names = moment.names
             return [Decision(name, None, memories.get(name), (notice,)) for name in names]
-        self._recount = within.anew and within.budget.steps < 0
+        self._within.anew = within.anew and within.budget.steps < 0
         return decisions
 
     def _decisions(self, moment: Moment, memories: Memories, within: Within) -> list[Decision]:
@@ -117,10 +122,10 @@ class Mind:
                 failures |= dict.fromkeys(view.viewers, notice)
                 continue
             if self.program.recursions:
-                notices = [*cut_offs(self._asking, moment, view, within)]
-                cut_off |= dict.fromkeys(view.viewers, notices)
+                ended = [*cut_offs(self._asking, moment, view, within)]
+                cut_off |= dict.fromkeys(view.viewers, ended)
             columns, found = answer
-            mine = frozenset(view.viewers)
+            mine = view.viewers if len(view.viewers) == 1 else frozenset(view.viewers)
             self._thought.append((view, answer))
             for values in found:
                 row = dict(zip(columns, values, strict=True))
@@ -131,17 +136,22 @@ class Mind:
                     note_stranger(name, strangers.setdefault(view.viewers[0], []))
         if self._sizes is not None:
             self._sizes.next_moment()
+        notices: dict[str, Sequence[Notice]] = {}
+        if failures or strangers or cut_off:
+            for name in names:
+                notices[name] = (*strangers.get(name, ()), *cut_off.get(name, ()))
+            notices |= {name: (notice,) for name, notice in failures.items()}
+        limits, size = self.limits, size_of if self._sizes is None else self._sizes.of
+        heaviest = limits.weight_of_each(len(names))
         return [
             decide(
                 name,
                 answers[name],
                 memories.get(name),
-                [failures[name]]
-                if name in failures
-                else [*strangers.get(name, ()), *cut_off.get(name, ())],
-                self.limits,
-                size_of if self._sizes is None else self._sizes.of,
-                len(names),
+                notices.get(name, ()),
+                limits,
+                size,
+                heaviest,
             )
             for name in names
         ]
@@ -244,7 +254,7 @@ class Mind:
                 continue
             for name in predicates:
                 try:
-                    within = self._within(self.limits.rows, stop, cut=False)
+                    within = self._within_query(self.limits.rows, stop, cut=False)
                     columns, found = self._asking.rows(name, moment, view, within)
                 except (FailureError, QueryError):
                     yield name, None
@@ -273,8 +283,8 @@ class Mind:
         view = next((view for view in moment.views if robot in view.viewers), None)
         if view is None:
             raise QueryError(f"There is no robot {robot} at this tick.")
-        within = self._within(_EXPLAINED_ROWS, stop, cut=False)
-        relations = Relations(self._asking.explore(moment, view, within))
+        within = self._within_query(_EXPLAINED_ROWS, stop, cut=False)
+        relations = Relations(Explored(self._asking, moment, view, within))
         return Explainer(self.program, relations, robot, self.limits, within)
 
     def query_plan(
@@ -301,7 +311,7 @@ class Mind:
         if known is None or predicate not in self.program.statements:
             raise QueryError(known.reason if known else f"The program has no {predicate}.")
         moment = Moment(rows, memories, self.memory, self.sensor)
-        within = self._within(self.limits.rows, stop)
+        within = self._within_query(self.limits.rows, stop)
         try:
             tuned, plan = self._asking.plan(predicate, moment, moment.views[0], within)
         except FailureError as failure:
@@ -318,10 +328,11 @@ class Mind:
 
     # -- inside --------------------------------------------------------------------------------
 
-    def _within(self, rows: int, stop: threading.Event | None, *, cut: bool = True) -> Within:
+    def _within_query(self, rows: int, stop: threading.Event | None, *, cut: bool = True) -> Within:
         """Return the budget of a query."""
         try:
-            check_room(_ROOM)
+            if self._is_tight:
+                check_room(_ROOM)
         except MemoryError:
             raise QueryError("There is not enough memory to look this up.") from None
         return Within.of_query(self.limits, rows, stop, cut=cut)
@@ -364,7 +375,7 @@ class Mind:
         stop: threading.Event | None,
     ) -> Table:
         """Return the answers for all views; recounted exactly if the budget is nearly used up."""
-        within = self._within(self.limits.rows, stop)
+        within = self._within_query(self.limits.rows, stop)
         try:
             table = self._collected(answers(within))
         except (QueryError, FailureError):

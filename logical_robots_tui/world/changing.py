@@ -6,9 +6,8 @@ import math
 from dataclasses import replace
 from typing import TYPE_CHECKING, TypeAlias
 
-from logical_robots_tui.world.driving import is_inside
+from logical_robots_tui.world.dynamics import is_inside, starts_active
 from logical_robots_tui.world.state import AreaState, RobotState, WorldState
-from logical_robots_tui.world.switching import starts_active
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence

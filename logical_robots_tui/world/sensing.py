@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from functools import partial
 from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias
 
@@ -9,11 +10,10 @@ import numpy as np
 
 from logical_robots_tui.world.circles import take_nearer_circles
 from logical_robots_tui.world.rays import FORWARD, SENSOR_RANGE, Circles, rays_of
-from logical_robots_tui.world.stationary import may_have_changed
 from logical_robots_tui.world.walls import Walls
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Callable, Sequence
 
     from numpy.typing import NDArray
 
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from logical_robots_tui.world.rays import Rays
     from logical_robots_tui.world.state import AreaState, RobotState
 
-__all__ = ["BEACON_RADIUS", "ROBOT_RADIUS", "SENSOR_RANGE", "Senses"]
+__all__ = ["BEACON_RADIUS", "ROBOT_RADIUS", "SENSOR_RANGE", "Senses", "may_have_changed"]
 
 ROBOT_RADIUS = 9.0
 """Map units within which a ray hits a robot."""
@@ -222,3 +222,50 @@ def _row(robot: Robot, state: RobotState, view: _View, clock: int) -> SensorRow:
             "clock": clock,
         },
     }
+
+
+_Spot: TypeAlias = tuple[float, float]
+
+_MARGIN = 1.0
+"""Map units; far more than any rounding error."""
+
+
+def may_have_changed(
+    robots: Sequence[RobotState],
+    before: Sequence[RobotState],
+    radius: float,
+    reach: Callable[[int], float],
+) -> list[int]:
+    """Return the indices of the robots whose reading may have changed.
+
+    All others have not moved, and no moving robot was or is in their view.
+
+    Args:
+        robots: All robots, in file order.
+        before: The same robots at the last reading.
+        radius: Map units within which a ray hits a robot.
+        reach: Returns the longest distance in a robot's last reading, by the robot's index.
+    """
+    spots: list[_Spot] = []
+    found: list[int] = []
+    still: list[int] = []
+    for place, (now, then) in enumerate(zip(robots, before, strict=True)):
+        if now.x != then.x or now.y != then.y:
+            spots += ((now.x, now.y), (then.x, then.y))
+            found.append(place)
+        elif now.angle != then.angle:
+            found.append(place)
+        else:
+            still.append(place)
+    for place in still:
+        near = _in_front(robots[place], spots, radius + _MARGIN)
+        if near and min(near) < reach(place) + radius + _MARGIN:
+            found.append(place)
+    return sorted(found)
+
+
+def _in_front(robot: RobotState, spots: Sequence[_Spot], radius: float) -> list[float]:
+    """Return the distances of the spots whose circle is not entirely behind the robot."""
+    cos, sin = math.cos(robot.angle), math.sin(robot.angle)
+    ways = [(x - robot.x, y - robot.y) for x, y in spots]
+    return [math.hypot(dx, dy) for dx, dy in ways if dx * cos + dy * sin > -radius]

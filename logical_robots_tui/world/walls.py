@@ -1,19 +1,18 @@
-"""Intersections of rays with walls."""
+"""Walls: where rays meet them, the clearance around them, comparing and packing them."""
 
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
+import zlib
+from itertools import pairwise
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
-
-from logical_robots_tui.world.bitmaps import changed_box
-from logical_robots_tui.world.clearance import clearances
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-__all__ = ["FEW", "FEWEST", "Walls"]
+__all__ = ["FEW", "FEWEST", "PackedBits", "Walls", "changed_box", "clearances", "row_clearances"]
 
 FEWEST = 64
 """Up to this many rays are faster tested at every step at once."""
@@ -232,3 +231,107 @@ def _room(walls: NDArray[np.bool_], reach: int) -> NDArray[np.uint8]:
 
 def _widened(part: slice, by: int, length: int) -> slice:
     return slice(max(part.start - by, 0), min(part.stop + by, length))
+
+
+_ROWS_AT_ONCE = 64  # bounds the memory for distances along rows
+
+
+def clearances(walls: NDArray[np.bool_], most: int) -> NDArray[np.uint8]:
+    """Return the distance in cells from every cell to the nearest wall; diagonal steps count as 1.
+
+    All closer cells, in a square around the cell, are free.
+
+    Args:
+        walls: Of shape (height, width); True is wall.
+        most: Distances are capped here; 1 to 254.
+
+    Returns:
+        An array of the shape of ``walls``: 0 in a wall, 1 beside one, ``most`` far from all.
+    """
+    found = row_clearances(walls, most)
+    # A shortest path to a wall goes to the wall's row first, diagonally as far as that helps,
+    # and then along the row.
+    _carry_over(found)
+    _carry_over(found[::-1])
+    return found
+
+
+def row_clearances(walls: NDArray[np.bool_], most: int) -> NDArray[np.uint8]:
+    """Return the distance in cells from every cell to the nearest wall in the same row.
+
+    Args:
+        walls: Of shape (height, width); True is wall.
+        most: Distances are capped here; 1 to 254.
+
+    Returns:
+        An array of the shape of ``walls``: 0 in a wall, 1 beside one, ``most`` far from all.
+    """
+    found = np.empty(walls.shape, dtype=np.uint8)
+    for start in range(0, len(walls), _ROWS_AT_ONCE):
+        some = slice(start, start + _ROWS_AT_ONCE)
+        found[some] = _along_rows(walls[some], most)
+    return found
+
+
+def _along_rows(walls: NDArray[np.bool_], most: int) -> NDArray[np.int32]:
+    """Return the distance to the nearest wall in the same row."""
+    column = np.arange(walls.shape[1], dtype=np.int32)
+    left = np.maximum.accumulate(np.where(walls, column, -most), axis=1)
+    beyond = np.int32(walls.shape[1] + most)
+    right = np.minimum.accumulate(np.where(walls, column, beyond)[:, ::-1], axis=1)[:, ::-1]
+    return np.minimum(np.minimum(column - left, right - column), most)
+
+
+def _carry_over(found: NDArray[np.uint8]) -> None:
+    """Limit every row, from the second on, to 1 more than its neighbours in the row before."""
+    least = np.empty_like(found[0])
+    for before, row in pairwise(found):
+        np.minimum(before[1:], before[:-1], out=least[1:])
+        least[0] = before[0]
+        np.minimum(least[:-1], before[1:], out=least[:-1])
+        least += 1
+        np.minimum(row, least, out=row)
+
+
+class PackedBits(NamedTuple):
+    """A compressed two-dimensional bool array.
+
+    Attributes:
+        shape: Of the array.
+        data: Its bytes.
+    """
+
+    shape: tuple[int, int]
+    data: bytes
+
+    @classmethod
+    def of(cls, bits: NDArray[np.bool_]) -> PackedBits:
+        """Pack an array."""
+        height, width = bits.shape
+        return cls((height, width), zlib.compress(np.packbits(bits).tobytes(), 1))
+
+    def bits(self) -> NDArray[np.bool_]:
+        """Return the array."""
+        height, width = self.shape
+        packed = np.frombuffer(zlib.decompress(self.data), np.uint8)
+        return np.unpackbits(packed, count=height * width).reshape(self.shape).view(np.bool_)
+
+
+def changed_box(before: NDArray[np.bool_], after: NDArray[np.bool_]) -> tuple[slice, slice] | None:
+    """Return the smallest rows and columns that hold all differences of arrays of one shape."""
+    if before is after:
+        return None
+    rows = np.flatnonzero(_unequal_rows(before, after))
+    if not len(rows):
+        return None
+    down = slice(int(rows[0]), int(rows[-1]) + 1)
+    columns = np.flatnonzero((before[down] != after[down]).any(axis=0))
+    return down, slice(int(columns[0]), int(columns[-1]) + 1)
+
+
+def _unequal_rows(before: NDArray[Any], after: NDArray[Any]) -> NDArray[np.bool_]:
+    """Return which rows differ; compares eight units at a time where the width allows."""
+    if before.shape[1] % 8 == 0 and before.flags.c_contiguous and after.flags.c_contiguous:
+        before, after = before.view(np.uint64), after.view(np.uint64)
+    unequal: NDArray[np.bool_] = (before != after).any(axis=1)
+    return unequal

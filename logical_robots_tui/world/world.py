@@ -7,12 +7,20 @@ from numbers import Real
 from typing import TYPE_CHECKING
 
 from logical_robots_tui.shipped import did_you_mean
-from logical_robots_tui.world.battery import charging_sources, is_dead, run_battery
 from logical_robots_tui.world.changing import start_state
-from logical_robots_tui.world.driving import Mover, drive, is_inside, push_out
+from logical_robots_tui.world.dynamics import (
+    Mover,
+    charging_sources,
+    drive,
+    is_dead,
+    is_inside,
+    is_won,
+    push_out,
+    run_battery,
+    switched,
+)
 from logical_robots_tui.world.sensing import Senses
 from logical_robots_tui.world.state import AreaState, RobotState, WorldState
-from logical_robots_tui.world.switching import is_won, switched
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping

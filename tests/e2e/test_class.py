@@ -305,7 +305,12 @@ def test_a_session_runs_in_a_scope_of_systemd_where_there_is_one(
         "LOGICAL_ROBOTS_PLAYER": NAMES[0],
     }
     done = subprocess.run(
-        [wall, "echo", "inside"], env=environment, capture_output=True, text=True, check=True
+        [wall, "echo", "inside"],
+        env=environment,
+        capture_output=True,
+        text=True,
+        check=True,
+        timeout=60,
     )
     assert done.stdout == "inside\n"
     calls = notes.read_text().splitlines()
@@ -321,7 +326,11 @@ def test_systemd_bounds_the_processes_of_a_scope() -> None:
         pytest.skip("there is no systemd-run")
     asks = "cat /sys/fs/cgroup$(cut -d: -f3 /proc/self/cgroup)/pids.max"
     done = subprocess.run(
-        [*scope, "--", "sh", "-c", asks], capture_output=True, text=True, check=False
+        [*scope, "--", "sh", "-c", asks],
+        capture_output=True,
+        text=True,
+        check=False,
+        timeout=60,
     )
     if done.returncode:
         pytest.skip(f"no systemd runs for this user: {done.stderr.strip()}")

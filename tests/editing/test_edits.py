@@ -12,8 +12,8 @@ from logical_robots_tui.editing.delta import Delta
 from logical_robots_tui.editing.edits import Edits
 from logical_robots_tui.editing.properties import resize
 from logical_robots_tui.editing.walls import paint
-from logical_robots_tui.world.bitmaps import changed_box
 from logical_robots_tui.world.level import alike
+from logical_robots_tui.world.walls import changed_box
 from tests.editing.making import EDITS, Edit, room
 
 

@@ -213,7 +213,10 @@ def differ(one: Frame, other: Frame) -> bool:
 
 def test_a_history_is_right_whatever_is_done_to_it() -> None:
     run_state_machine_as_test(
-        Histories, settings=settings(max_examples=25, stateful_step_count=12, deadline=None)
+        Histories,
+        settings=settings(
+            max_examples=min(25, settings().max_examples), stateful_step_count=12, deadline=None
+        ),
     )
 
 
@@ -281,6 +284,7 @@ async def every_tick_backward_and_forward(name: str, ticks: int) -> None:
 THOUGHTS = 2_500
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize("name", list_levels())
 async def test_back_and_forward_again_is_the_same_in_every_tick(name: str) -> None:
     robots = len(load_level(name).robots)

@@ -85,7 +85,7 @@ def counter() -> Program:
     return Program.compile(COUNTER)
 
 
-@settings(max_examples=25, deadline=None)
+@settings(max_examples=min(25, settings().max_examples), deadline=None)
 @given(st.lists(deeds, max_size=14))
 def test_whatever_is_changed_when_every_tick_comes_back_as_it_was(
     done: list[tuple[str, int, int]],

@@ -27,7 +27,7 @@ def test_lists_that_stayed_the_same_objects_count_as_they_would_anew(visible: An
         max_size=6,
     )
 
-    @settings(max_examples=60, deadline=None)
+    @settings(max_examples=min(60, settings().max_examples), deadline=None)
     @given(st.lists(roads | roads | odd, min_size=4, max_size=4), moments)
     def same(lists: list[Any], moments: list[tuple[int, list[tuple[int, int]]]]) -> None:
         for count, chosen in moments:

@@ -61,7 +61,7 @@ NUMBERS = st.one_of(
 )
 
 
-@settings(deadline=None, max_examples=150)
+@settings(deadline=None, max_examples=3 * settings().max_examples)
 @given(a=NUMBERS, b=NUMBERS)
 def test_the_result_is_the_same(both: tuple[Mind, Mind], a: Any, b: Any) -> None:
     memories = {"Ada": {"a": a, "b": b}}

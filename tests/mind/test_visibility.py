@@ -67,7 +67,7 @@ def test_a_query_says_in_whose_reasoning_a_row_holds() -> None:
     }
 
 
-@settings(max_examples=20, deadline=None)
+@settings(max_examples=min(20, settings().max_examples), deadline=None)
 @given(
     hidden=st.recursive(
         st.none() | st.integers(-9, 9) | st.text(max_size=5),

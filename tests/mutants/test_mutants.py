@@ -44,6 +44,7 @@ def is_named(mutant: Mutant) -> bool:
     )
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize(
     "mutant",
     [mutant for mutant in MUTANTS if mutant.level in QUICK and mutant.kind != "precedence"],

@@ -57,6 +57,7 @@ def resize(terminal: Terminal, columns: int, lines: int) -> None:
     os.kill(terminal.process.pid, signal.SIGWINCH)
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize("what", FLOODS)
 def test_after_a_flood_a_key_is_answered_and_no_memory_is_lost(what: str, tmp_path: Path) -> None:
     game = [sys.executable, "-m", "logical_robots_tui", "play", "01-first-steps", "--restricted"]

@@ -12,7 +12,7 @@ import numpy as np
 from logical_robots_tui.game.frame import driven
 from logical_robots_tui.game.history.marks import Marks, marks_of
 from logical_robots_tui.game.history.packing import Moment, Packed
-from logical_robots_tui.world.bitmaps import PackedBits
+from logical_robots_tui.world.walls import PackedBits
 
 if TYPE_CHECKING:
     from collections.abc import Iterator

@@ -121,23 +121,34 @@ class _Watcher:
         self._awake = threading.Event()
         self._never = threading.Event()
         self._thread: threading.Thread | None = None
+        self._looks = False  # whether the thread is alive and awake
 
     def add(self, work: Work) -> None:
         with self._lock:
             self._works.add(work)
-            if self._thread is None or not self._thread.is_alive():
-                self._thread = threading.Thread(
-                    target=self._run, name="logical-robots-watch", daemon=True
-                )
-                self._thread.start()
-            if not self._awake.is_set():
-                self._awake.set()
+            if not self._looks:
+                self._wake()
 
     def remove(self, work: Work) -> None:
         with self._lock:
             self._works.discard(work)
 
+    def _wake(self) -> None:
+        self._awake.set()
+        self._looks = True
+        if self._thread is None or not self._thread.is_alive():
+            self._thread = threading.Thread(
+                target=self._run, name="logical-robots-watch", daemon=True
+            )
+            self._thread.start()
+
     def _run(self) -> None:
+        try:
+            self._look()
+        finally:
+            self._looks = False
+
+    def _look(self) -> None:
         quiet = 0
         last = process_time()
         while self._awake.wait():
@@ -148,6 +159,7 @@ class _Watcher:
                     work.look(now - last)
                 if quiet > _QUIET_LOOKS:
                     quiet = 0
+                    self._looks = False
                     self._awake.clear()
             last = now
             self._never.wait(_LOOK_SECONDS)

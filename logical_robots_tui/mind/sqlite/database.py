@@ -14,7 +14,7 @@ from logical_robots_tui.mind.sqlite.bounds import MAX_ITEMS, counted
 from logical_robots_tui.mind.sqlite.budget import STEPS_AT_ONCE, Work
 from logical_robots_tui.mind.sqlite.functions import registry
 from logical_robots_tui.mind.sqlite.layouts import PLAIN_LAYOUT
-from logical_robots_tui.mind.sqlite.moment import Within
+from logical_robots_tui.mind.sqlite.moment import LONG, Within
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Sequence
@@ -51,6 +51,8 @@ _SQLITE_LIMITS = {
     sqlite3.SQLITE_LIMIT_VDBE_OP: 1_000_000,
     sqlite3.SQLITE_LIMIT_WORKER_THREADS: 0,
 }
+
+_MANY = 100  # rows from which on it may take a while to read them
 
 _DELETE = "DELETE FROM "
 
@@ -196,7 +198,9 @@ class Database:
         work = self._work
         work.begin(budget, stop)
         try:
-            return self._fetch(sql, parameters, most)
+            answer = self._fetch(sql, parameters, most)
+            within.is_much = self._bytes > LONG or len(answer[1]) > _MANY
+            return answer
         except (sqlite3.Error, MemoryError) as error:
             if work.halted and work.stopped:
                 raise Stopped("The program was stopped while it was thinking.") from None

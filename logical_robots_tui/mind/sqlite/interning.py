@@ -33,7 +33,13 @@ class Lasting:
         Raises:
             TooDeepError: As `from_sql` does.
         """
-        if value.__class__ is not str or not _SHORT <= len(value) < _LONG or value[0] not in "{[":
+        if value.__class__ is not str:
+            return from_sql(value, deepest)
+        length = len(value)
+        is_text = value[:1] not in _OPENING
+        if is_text and length < _SHORT and "\0" not in value:
+            return value
+        if is_text or not _SHORT <= length < _LONG:
             return from_sql(value, deepest)
         found = self._now.get(value)
         if found is None:
@@ -61,7 +67,9 @@ class Sizes:
 
     def of(self, memory: Value) -> int:
         """Return the size as `size_of` does."""
-        if memory.__class__ is not dict:
+        if memory.__class__ not in _NESTED:
+            return size_of(memory)
+        if not isinstance(memory, dict):
             return self._of_part(memory)
         parts = [part for part in memory.values() if part.__class__ in _NESTED]
         if not parts:
@@ -70,11 +78,10 @@ class Sizes:
         return size_of(shell) + sum(map(self._of_part, parts)) - len(parts)
 
     def _of_part(self, part: Value) -> int:
-        if part.__class__ not in _NESTED:
-            return size_of(part)
         known = self._before.get(id(part)) or self._now.get(id(part)) or (part, size_of(part))
         self._now[id(part)] = known
         return known[1]
 
 
 _NESTED = frozenset({dict, list})
+_OPENING = frozenset("{[")

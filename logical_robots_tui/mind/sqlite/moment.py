@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from logical_robots_tui.mind.limits import Limits
     from logical_robots_tui.values import SensorRow, Value
 
-__all__ = ["Moment", "TooHeavyError", "View", "Within"]
+__all__ = ["LONG", "Moment", "TooHeavyError", "View", "Within"]
 
 
 class View(NamedTuple):
@@ -131,7 +131,9 @@ class TooHeavyError(Exception):
     """Rows would take too much memory; the message says how much."""
 
 
-_LONG = 10_000  # characters; shorter ones are limited by the number of rows
+LONG = 10_000
+"""Characters of a text; shorter ones are limited by the number of rows."""
+
 _CLOSE = 0.1  # of all steps; far more than the error of an inexact count
 
 
@@ -150,7 +152,21 @@ class Within:
 
     Attributes:
         budget: The rest of the budget.
+        is_much: Whether the last answer is so large that each of its rows must be checked.
     """
+
+    __slots__ = (
+        "_left",
+        "anew",
+        "budget",
+        "cut",
+        "is_much",
+        "rows",
+        "seconds",
+        "steps",
+        "stop",
+        "weight",
+    )
 
     def __init__(
         self,
@@ -170,19 +186,14 @@ class Within:
         self.stop = stop
         self.cut = cut
         self.anew = anew
+        self.is_much = True
         self.renew()
 
     @classmethod
-    def of_thought(cls, limits: Limits, stop: threading.Event | None, *, anew: bool) -> Within:
+    def of_thought(cls, limits: Limits) -> Within:
         """Return the budget of a think."""
-        return cls(
-            limits.think_steps,
-            limits.think_seconds,
-            limits.think_rows,
-            stop,
-            anew=anew,
-            weight=limits.think_weight,
-        )
+        steps, seconds, rows = limits.think_steps, limits.think_seconds, limits.think_rows
+        return cls(steps, seconds, rows, None, weight=limits.think_weight)
 
     @classmethod
     def of_query(
@@ -225,7 +236,7 @@ class Within:
         if self.stop is not None and self.stop.is_set():
             raise Stopped("The program was stopped while its answer was read.")
         for value in row:
-            if value.__class__ is str and len(value) > _LONG:
+            if value.__class__ is str and len(value) > LONG:
                 is_text = value[0] not in "{["
                 self._left -= len(value) if is_text else weight_of_text(value)
                 if self._left < 0:

@@ -195,7 +195,9 @@ class TunedTables:
                     names = _both(there, names)
                     del filled[table]
                 else:
-                    names = _both(names, self._read_before.get(table, names))
+                    before = self._read_before.get(table)
+                    if before is not None and before is not names:
+                        names = _both(names, before)
                 if table == "Item":
                     self._lists.fill(self._database, moment, names)
                 elif table == "Ray":

@@ -85,6 +85,8 @@ class MainScreen(Screen[None], SessionListener):
         scheduler: When the game is drawn again.
     """
 
+    AUTO_FOCUS = ""
+
     def __init__(
         self,
         level: Level,

@@ -195,7 +195,9 @@ columns = st.fixed_dictionaries(
 relaxed = [HealthCheck.function_scoped_fixture, HealthCheck.too_slow]
 
 
-@settings(max_examples=25, deadline=None, suppress_health_check=relaxed)
+@settings(
+    max_examples=min(25, settings().max_examples), deadline=None, suppress_health_check=relaxed
+)
 @given(columns)
 def test_random_expressions_mean_the_same(tmp_path: Path, expressions: dict[str, str]) -> None:
     check(expressions, tmp_path)
@@ -211,7 +213,7 @@ def test_a_thousand_random_programs_mean_the_same(
 
 
 @settings(
-    max_examples=12,
+    max_examples=min(12, settings().max_examples),
     deadline=None,
     derandomize=True,
     phases=[Phase.explicit, Phase.generate],

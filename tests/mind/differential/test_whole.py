@@ -37,6 +37,7 @@ def test_a_program_means_the_same_as_on_duckdb(title: str, tmp_path: Path) -> No
     assert not differences(PROGRAMS[title], tmp_path)
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize("title", PLAYERS)
 def test_a_program_of_a_player_means_the_same(title: str, tmp_path: Path) -> None:
     assert not differences(PLAYERS[title], tmp_path)

@@ -1,0 +1,208 @@
+"""How robots move, batteries drain and charge, and areas switch: the rules of a tick."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, TypeAlias
+
+from logical_robots_tui.world.level import Beacon
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Sequence
+    from collections.abc import Set as AbstractSet
+
+    from logical_robots_tui.world.level import Area, Level, Robot
+    from logical_robots_tui.world.state import AreaState, RobotState
+
+__all__ = [
+    "CHARGING_RADIUS",
+    "CHARGING_RATE",
+    "PUSH_MARGIN",
+    "WHEEL_BASE",
+    "Mover",
+    "charging_sources",
+    "drive",
+    "is_dead",
+    "is_inside",
+    "is_won",
+    "push_out",
+    "run_battery",
+    "starts_active",
+    "switched",
+]
+
+WHEEL_BASE = 20
+"""Map units between the wheels; engines that differ by 1 turn a robot by 1/20 radian a tick."""
+
+PUSH_MARGIN = 0.1
+"""Map units from the edge of a solid area to where it pushes a robot."""
+
+
+@dataclass(slots=True, eq=False)
+class Mover:
+    """A robot in the middle of a tick; the fields are those of ``RobotState``."""
+
+    x: float
+    y: float
+    angle: float
+    battery_level: float
+    left_engine: float = 0.0
+    right_engine: float = 0.0
+    blocked: bool = False
+    dead: bool = False
+
+
+def drive(mover: Mover, left: float, right: float, level: Level) -> None:
+    """Turn and move a robot for one tick.
+
+    The turn comes first and always succeeds. The move is cancelled if it ends in a wall; there are
+    no walls outside the map.
+
+    Args:
+        mover: Changed in place.
+        left: Wanted power of the left engine, finite.
+        right: Wanted power of the right engine, finite.
+        level: The level with the walls.
+    """
+    left, right = _clamped(left), _clamped(right)
+    angle = math.fmod(mover.angle + (left - right) / WHEEL_BASE + 2 * math.pi, 2 * math.pi)
+    speed = (left + right) / 2
+    x = mover.x + speed * math.cos(angle)
+    y = mover.y + speed * math.sin(angle)
+    mover.left_engine, mover.right_engine, mover.angle = left, right, angle
+    if not _is_wall(level, x, y):
+        mover.x, mover.y = x, y
+    else:
+        mover.blocked = speed != 0
+
+
+def push_out(mover: Mover, areas: Iterable[Area]) -> None:
+    """Move a robot that is inside a solid area to just outside its edge, one area after another.
+
+    The new position is not checked for walls.
+
+    Args:
+        mover: Changed in place.
+        areas: The solid active areas, in file order.
+    """
+    for area in areas:
+        dx, dy = mover.x - area.x, mover.y - area.y
+        distance = math.hypot(dx, dy)
+        if distance >= area.radius:
+            continue
+        if distance < 1:
+            dx, dy, distance = 1.0, 0.0, 1.0
+        mover.x = area.x + dx / distance * (area.radius + PUSH_MARGIN)
+        mover.y = area.y + dy / distance * (area.radius + PUSH_MARGIN)
+
+
+def is_inside(mover: Mover | RobotState, area: Area) -> bool:
+    """Return whether a robot's centre is strictly inside an area."""
+    return math.hypot(mover.x - area.x, mover.y - area.y) < area.radius
+
+
+def _clamped(power: float) -> float:
+    return min(1.0, max(-1.0, power))
+
+
+def _is_wall(level: Level, x: float, y: float) -> bool:
+    column, row = math.floor(x), math.floor(y)
+    if not (0 <= column < level.width and 0 <= row < level.height):
+        return False
+    return bool(level.walls[row, column])
+
+
+CHARGING_RADIUS = 50
+"""Map units within which a source charges."""
+
+CHARGING_RATE = 2
+"""Charge that one source gives, and a robot that is a source loses, per tick and receiver."""
+
+Source: TypeAlias = Beacon | Mover
+
+
+def charging_sources(level: Level, movers: Sequence[Mover]) -> list[Source]:
+    """Return the sources that charge in this tick: stations, then robots with charge to give.
+
+    The list is valid for the whole tick, even if a robot on it runs dry in the meantime.
+
+    Args:
+        level: The level.
+        movers: Its robots in file order, before any of them moved.
+    """
+    stations = [beacon for beacon in level.beacons if beacon.charging_station]
+    givers = [
+        mover
+        for robot, mover in zip(level.robots, movers, strict=True)
+        if robot.has_battery and robot.can_charge and mover.battery_level > 0
+    ]
+    return [*stations, *givers]
+
+
+def run_battery(
+    robot: Robot, mover: Mover, left: float, right: float, sources: Iterable[Source]
+) -> None:
+    """Charge one robot from the sources around it; without any, let it pay for its engines.
+
+    Robots that give charge are drained in place.
+
+    Args:
+        robot: The robot; without a battery nothing happens.
+        mover: The same robot in this tick, changed in place.
+        left: Wanted power of the left engine, finite and not clamped.
+        right: Wanted power of the right engine, finite and not clamped.
+        sources: From ``charging_sources`` in this tick.
+    """
+    if not robot.has_battery:
+        return
+    charged = False
+    if mover.battery_level < robot.battery_capacity:
+        for source in sources:
+            if source is mover:
+                continue
+            if math.hypot(source.x - mover.x, source.y - mover.y) >= CHARGING_RADIUS:
+                continue
+            mover.battery_level = min(robot.battery_capacity, mover.battery_level + CHARGING_RATE)
+            charged = True
+            if isinstance(source, Mover):
+                source.battery_level = max(0.0, source.battery_level - CHARGING_RATE)
+    if not charged and mover.battery_level > 0:
+        # Halved before the sum, so that no pair of finite engines overflows to 0 * inf.
+        cost = robot.battery_consumption_rate * (abs(left) / 2 + abs(right) / 2)
+        mover.battery_level = max(0.0, mover.battery_level - cost)
+
+
+def is_dead(robot: Robot, mover: Mover) -> bool:
+    """Return whether an empty battery stops a robot; a robot without consumption drives on."""
+    return robot.has_battery and mover.battery_level <= 0 and robot.battery_consumption_rate > 0
+
+
+def starts_active(area: Area) -> bool:
+    """Return whether an area is on at the start: it is, unless a beacon switches it on."""
+    return not area.on_beacon
+
+
+def switched(area: Area, active: bool, seen: AbstractSet[str]) -> bool:
+    """Return whether an area is on after this tick.
+
+    Args:
+        area: The area.
+        active: Whether it was on before.
+        seen: Names of the beacons on any robot's radar in this tick.
+    """
+    if area.off_beacon and area.off_beacon in seen:
+        return False
+    if area.on_beacon and area.on_beacon in seen:
+        return True
+    if area.sticky_switch and (area.on_beacon or area.off_beacon):
+        return active
+    return starts_active(area)
+
+
+def is_won(areas: Iterable[tuple[Area, AreaState]]) -> bool:
+    """Return whether some active goal contains all the robots that it is for."""
+    return any(
+        state.active and area.victory_robots and set(area.victory_robots) <= set(state.visitors)
+        for area, state in areas
+    )
