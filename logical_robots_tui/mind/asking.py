@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 from logical_robots_tui.mind.failures import SQLITE_ERRORS, FailureError, failures_in_words
 from logical_robots_tui.mind.program import TRUTH_MARK
 from logical_robots_tui.mind.sqlite.database import TooMuchError, TooSlowError
-from logical_robots_tui.mind.sqlite.interning import Lasting
+from logical_robots_tui.mind.sqlite.interning import Interner
 from logical_robots_tui.mind.sqlite.layouts import COLUMNS_LAYOUT, LISTS_LAYOUT
 from logical_robots_tui.mind.sqlite.moment import TooHeavyError
 from logical_robots_tui.mind.sqlite.stored import TooDeepError, from_sql
@@ -71,7 +71,7 @@ class Asking:
         self._plain = PlainTables(limits)
         self._tuned = None if plain else _tables(program, limits, frozen=frozen)
         self._deepest = limits.depth
-        self._read_value = Lasting().read if frozen else from_sql
+        self._read_value = Interner().read if frozen else from_sql
         self._explores = False
 
     def each(

@@ -1,4 +1,4 @@
-"""What a controller may ask of the screen without knowing it: saying, asking, working."""
+"""What controllers may do on the screen: show messages, ask, and start work."""
 
 from __future__ import annotations
 
@@ -21,58 +21,58 @@ __all__ = ["ScreenUi", "Spawn", "Ui", "Work", "in_background", "nothing"]
 Result = TypeVar("Result")
 
 Work: TypeAlias = "Callable[[], Coroutine[Any, Any, None]]"
-"""A function and not a coroutine: one that is cancelled early has never been begun."""
+"""A function and not a coroutine, because one that is cancelled early would never be awaited."""
 
 
 class Spawn(Protocol):
-    """Starts work in the background of the screen."""
+    """Starts background work on the screen."""
 
     def __call__(self, work: Work, group: str, *, exclusive: bool) -> None:
-        """Run `work`; an exclusive one cancels what its group still does."""
+        """Run `work`; an exclusive one cancels the other work of its group."""
 
 
 class Ui(Protocol):
-    """Says, asks and works for a controller."""
+    """Messages, dialogs and work for a controller."""
 
     def tell(self, message: str) -> None:
-        """Say something in passing."""
+        """Show a message."""
 
     def warn(self, message: str) -> None:
-        """Say what went wrong."""
+        """Show a warning."""
 
     def spawn(self, work: Work, group: str, *, exclusive: bool) -> None:
-        """Work in the background; an exclusive work cancels what its group still does."""
+        """Start background work; exclusive work cancels the other work of its group."""
 
     def show(
         self, dialog: Screen[Result], closed: Callable[[Result | None], None] | None = None
     ) -> None:
-        """Show a dialog, and call `closed` with what it gives."""
+        """Show a dialog, and call `closed` with its result."""
 
     async def ask(self, dialog: Screen[Result]) -> Result | None:
-        """Show a dialog and return what it gives; only for work in the background."""
+        """Show a dialog and return its result; only for background work."""
 
 
 async def nothing() -> None:
-    """Take the place of work that is to end."""
+    """Replace work that must end."""
 
 
 def in_background(
     node: DOMNode, work: Work, group: str = "default", *, exclusive: bool = False
 ) -> Worker[None]:
-    """Start work for a widget.
+    """Start background work for a widget.
 
     Args:
         node: The widget.
-        work: What to do.
-        group: Name of the work it belongs to.
-        exclusive: Whether what the group still does is cancelled.
+        work: The work.
+        group: Name of its group.
+        exclusive: Whether to cancel the other work of the group.
     """
 
     async def unless_gone() -> None:
         try:
             await work()
         except NoMatches:
-            # A dialog that is closed loses its widgets before its work is cancelled.
+            # A closed dialog loses its widgets before its work is cancelled.
             if not is_being_removed(node):
                 raise
 
@@ -81,25 +81,25 @@ def in_background(
 
 
 class ScreenUi(Ui):
-    """Does so on a screen of the app.
+    """The user interface of one screen of the app.
 
     Args:
-        screen: Work in the background ends with it.
+        screen: Background work ends with it.
     """
 
     def __init__(self, screen: Screen[Any]) -> None:
         self._screen = screen
 
     def tell(self, message: str) -> None:
-        """Say something in passing."""
+        """Show a message."""
         self._screen.notify(message, markup=False, timeout=4)
 
     def warn(self, message: str) -> None:
-        """Say what went wrong."""
+        """Show a warning."""
         self._screen.notify(one_line(message), markup=False, severity="warning", timeout=8)
 
     def spawn(self, work: Work, group: str, *, exclusive: bool) -> None:
-        """Work in the background."""
+        """Start background work."""
         in_background(self._screen, work, group, exclusive=exclusive)
 
     def show(
@@ -109,5 +109,5 @@ class ScreenUi(Ui):
         self._screen.app.push_screen(dialog, closed)
 
     async def ask(self, dialog: Screen[Result]) -> Result | None:
-        """Show a dialog over the screen and wait for what it gives."""
+        """Show a dialog over the screen and wait for its result."""
         return await self._screen.app.push_screen_wait(dialog)
