@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 from logical_robots_tui.mind.failures import SQLITE_ERRORS, FailureError, failures_in_words
 from logical_robots_tui.mind.program import TRUTH_MARK
 from logical_robots_tui.mind.sqlite.database import TooMuchError, TooSlowError
-from logical_robots_tui.mind.sqlite.interning import Lasting
+from logical_robots_tui.mind.sqlite.interning import Interner
 from logical_robots_tui.mind.sqlite.layouts import COLUMNS_LAYOUT, LISTS_LAYOUT
 from logical_robots_tui.mind.sqlite.moment import TooHeavyError
 from logical_robots_tui.mind.sqlite.stored import TooDeepError, from_sql
@@ -71,7 +71,7 @@ class Asking:
         self._plain = PlainTables(limits)
         self._tuned = None if plain else _tables(program, limits, frozen=frozen)
         self._deepest = limits.depth
-        self._read_value = Lasting().read if frozen else from_sql
+        self._read_value = Interner().read if frozen else from_sql
         self._explores = False
 
     def each(
@@ -185,7 +185,7 @@ class Asking:
             return columns, self._read_all(rows, within)
 
     def tables_to_explore(self) -> PlainTables:
-        """The plain tables, with the functions that explanations need."""
+        """Return the plain tables, with the functions that explanations need."""
         if not self._explores:
             self._plain.offer(SAME, same_in_sql, 2)
             self._plain.offer(ALIKE, alike_in_sql, 2)

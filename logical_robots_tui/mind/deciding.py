@@ -44,13 +44,13 @@ def decide(
     """Return the decision from the rows of `Robot` for one robot; the last of several rows counts.
 
     Args:
-        name: Name of the robot.
-        rows: The rows.
-        memory: What it remembered so far.
-        known: What is known to be unusual.
-        limits: Bounds on its new memory.
-        size_of: Tells the bytes of a memory.
-        heaviest: Bytes of objects that its new memory may be made of.
+        name: The robot's name.
+        rows: Its rows.
+        memory: Its memory so far.
+        known: Notices so far.
+        limits: Limits for its new memory.
+        size_of: Returns the bytes of a memory.
+        heaviest: The most bytes of objects in its new memory.
     """
     notices = [*known]
     if not rows:
@@ -72,7 +72,7 @@ def decide(
         too_much = f"has {size:,} bytes, more than {limits.memory_bytes:,}"
     elif weight > heaviest and (weight := weight_of(new, heaviest)) > heaviest:
         too_much = (
-            f"takes more than the {heaviest:,} bytes that there are for each of the robots, "
+            f"takes more than the {heaviest:,} bytes available to each robot, "
             "counting its records and lists"
         )
     else:

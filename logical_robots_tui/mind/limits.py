@@ -130,9 +130,9 @@ def weight_of_text(text: str) -> int:
 
 
 def is_bounded() -> bool:
-    """Whether the address space of the process has a bound, as that of a restricted game has.
+    """Return whether the process's address space is limited, as in a restricted game.
 
-    Without one the machine's memory is the bound, and nobody can ask how much is left of it.
+    Otherwise the machine's memory is the limit, and there is no way to ask how much is left.
     """
     return resource.getrlimit(resource.RLIMIT_AS)[0] != resource.RLIM_INFINITY
 

@@ -90,7 +90,7 @@ class Mind:
             Stopped: `stop` was set before the think was finished.
         """
         moment = self._moment_of(rows, memories)
-        within = self._within  # exact where the last thought took too many steps
+        within = self._within  # exact if the last think took too many steps
         within.stop = stop
         within.renew()
         try:
@@ -329,7 +329,7 @@ class Mind:
     # -- inside --------------------------------------------------------------------------------
 
     def _within_query(self, rows: int, stop: threading.Event | None, *, cut: bool = True) -> Within:
-        """What a query may use up."""
+        """Return the budget of a query."""
         try:
             if self._is_tight:
                 check_room(_ROOM)
@@ -374,7 +374,7 @@ class Mind:
         answers: Callable[[Within], Iterable[tuple[View, Answer]]],
         stop: threading.Event | None,
     ) -> Table:
-        """The answers for all views, once more where it takes an exact count to say how many."""
+        """Return the answers for all views; recounted exactly if the budget is nearly used up."""
         within = self._within_query(self.limits.rows, stop)
         try:
             table = self._collected(answers(within))

@@ -80,7 +80,7 @@ def test_a_home_that_is_out_of_reach_stops_nothing(
     told = command("doctor")
     assert told.status == 1
     assert "(it has errors; run logical-robots config)" in told.out
-    assert "Nothing of it is used" in command("config").err
+    assert "The file is ignored" in command("config").err
     assert command("check", ahead).status == 0
     assert command("run", level, ahead).status == 0
     monkeypatch.setattr("sys.stdin", io.StringIO("step\nsave mine\n"))

@@ -41,7 +41,7 @@ def test_the_timeline_is_clicked_dragged_and_driven_with_keys(player: Player) ->
     player.tmux.wait_for("Go to tick")
     player.tmux.type("99")
     player.tmux.press("Enter")
-    player.tmux.wait_for("History holds ticks 0 to 30, not 99.")
+    player.tmux.wait_for("The history holds ticks 0 to 30, not 99.")
 
 
 @pytest.mark.slow
@@ -62,7 +62,7 @@ def test_a_changed_program_leaves_the_old_future_in_sight(player: Player) -> Non
     player.wait_for_tick(1)
     player.tmux.wait_until(lambda _: "┄┄┄" in timeline(player), "the old future")
     player.tmux.press("C")
-    player.tmux.wait_for("The two futures are the same as far as both")
+    player.tmux.wait_for("The two futures are equal as far as both")
     player.tmux.press("F")
     player.tmux.type(")")
     player.wait_for_tick(10)

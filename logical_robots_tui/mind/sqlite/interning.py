@@ -9,14 +9,14 @@ from logical_robots_tui.mind.sqlite.stored import from_sql, size_of
 if TYPE_CHECKING:
     from logical_robots_tui.values import Value
 
-__all__ = ["Lasting", "Sizes"]
+__all__ = ["Interner", "Sizes"]
 
 _SHORT = 100  # characters; parsing a shorter text is as fast as looking it up
 _LONG = 100_000  # characters; longer texts are not kept, because their objects take far more
 _ROOM = 400_000  # characters parsed before entries that were not used meanwhile are dropped
 
 
-class Lasting:
+class Interner:
     """Parses values from tables, for callers who never change a record or list.
 
     Later steps can then skip values that are the same object as before.
@@ -66,7 +66,7 @@ class Sizes:
         self._before, self._now = self._now, {}
 
     def of(self, memory: Value) -> int:
-        """As `size_of`."""
+        """Return the size as `size_of` does."""
         if memory.__class__ not in _NESTED:
             return size_of(memory)
         if not isinstance(memory, dict):

@@ -132,9 +132,9 @@ class TooHeavyError(Exception):
 
 
 LONG = 10_000
-"""Characters of a text; shorter ones are bounded by the number of rows."""
+"""Characters of a text; shorter ones are limited by the number of rows."""
 
-_CLOSE = 0.1  # of all steps; far more than what is counted inexactly
+_CLOSE = 0.1  # of all steps; far more than the error of an inexact count
 
 
 class Within:
@@ -151,8 +151,8 @@ class Within:
         weight: The most bytes of objects in the rows of all evaluations.
 
     Attributes:
-        budget: What is left.
-        is_much: Whether the last answer is so large that each of its rows is to be looked at.
+        budget: The rest of the budget.
+        is_much: Whether the last answer is so large that each of its rows must be checked.
     """
 
     __slots__ = (
@@ -191,7 +191,7 @@ class Within:
 
     @classmethod
     def of_thought(cls, limits: Limits) -> Within:
-        """What a thought may use up."""
+        """Return the budget of a think."""
         steps, seconds, rows = limits.think_steps, limits.think_seconds, limits.think_rows
         return cls(steps, seconds, rows, None, weight=limits.think_weight)
 

@@ -19,7 +19,7 @@ from logical_robots_tui.tui.commands.keymap import KEY_MAP, KeyMap, with_keys
 from logical_robots_tui.tui.commands.table import COMMANDS
 from logical_robots_tui.tui.library.progress_recorder import ProgressRecorder
 from logical_robots_tui.tui.terminal.capabilities import drawing_for
-from logical_robots_tui.tui.terminal.diff_app import SparingApp
+from logical_robots_tui.tui.terminal.diff_app import DiffApp
 from logical_robots_tui.tui.terminal.driver import LARGEST
 from logical_robots_tui.tui.terminal.key_queue import KeyQueue
 from logical_robots_tui.tui.theme.colours import colours_in
@@ -45,7 +45,7 @@ _TWICE = 2.0  # seconds between two presses that are meant as one wish
 _INPUT = (events.InputEvent, events.Paste)
 
 
-class LogicalRobotsApp(SparingApp, inherit_bindings=False):
+class LogicalRobotsApp(DiffApp, inherit_bindings=False):
     """The game in a terminal.
 
     Args:
@@ -160,7 +160,7 @@ class LogicalRobotsApp(SparingApp, inherit_bindings=False):
             self.main.session.pace.give_way()
             self.main.scheduler.hasten()
         key = event.key if isinstance(event, events.Key) and self.screen is self.main else ""
-        if not self.main.goes_there(key):
+        if not self.main.focuses(key):
             await super().on_event(event)
             if typed is not None:
                 self._key_queue.begin(typed)
@@ -180,7 +180,7 @@ class LogicalRobotsApp(SparingApp, inherit_bindings=False):
         queues = [node.message_queue_size for node in (self, focused) if node is not None]
         return self._key_queue.waiting + sum(queues)
 
-    def forget_typed(self) -> None:
+    def drop_typed(self) -> None:
         """Answer none of the keys that are held back: nobody types so much."""
         self._key_queue.forget()
 
@@ -208,7 +208,7 @@ class LogicalRobotsApp(SparingApp, inherit_bindings=False):
             colourless=self.no_color,
         )
 
-    def last_words(self) -> None:
+    def save_unsaved(self) -> None:
         """Write what was typed to its draft, and where the game stands."""
         self.main.autosave.flush()
         self.main.editing.flush()

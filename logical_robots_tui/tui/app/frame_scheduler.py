@@ -1,4 +1,4 @@
-"""When a changed game is drawn again, on a machine whose processors others want as well."""
+"""Scheduling of pictures, on a machine whose processors may be busy."""
 
 from __future__ import annotations
 
@@ -18,20 +18,20 @@ if TYPE_CHECKING:
 __all__ = ["FrameRate", "FrameScheduler", "processor_times"]
 
 _SCHEDULE = Path("/proc/thread-self/schedstat")
-_USUAL = 0.3  # seconds waited per second of computing where nobody else wants much
+_USUAL = 0.3  # seconds waited per second of computing on an idle machine
 _LEAVE = 0.02  # seconds between pictures, for each second waited per second of computing
-_MUCH = 2.7  # seconds waited per second of computing from which on keys begin to suffer
+_MUCH = 2.7  # seconds waited per second of computing from which keys begin to suffer
 _LEAVE_MORE = 0.15  # seconds between pictures, for each second above that
 _LONGEST = 0.33  # seconds between pictures
 _MOST = 10.0  # seconds waited per second of computing; more makes no difference
-_SMOOTH = 0.1  # how much the last picture counts
+_SMOOTH = 0.1  # the weight of the last picture
 _HURRY = 0.1  # seconds after a key press
 
 
 def processor_times() -> tuple[float, float] | None:
-    """Seconds that this thread has computed, and has waited for a processor, so far.
+    """Return the seconds that this thread has computed, and has waited for a processor.
 
-    Only Linux tells, in nanoseconds (Documentation/scheduler/sched-stats.rst); elsewhere None.
+    Only on Linux, in nanoseconds (Documentation/scheduler/sched-stats.rst); elsewhere None.
     """
     try:
         computed, waited, _ = _SCHEDULE.read_text().split()
@@ -41,21 +41,20 @@ def processor_times() -> tuple[float, float] | None:
 
 
 class FrameRate:
-    """Lets pictures give way where others want the processors, so that keys needn't wait.
+    """Draws less often on a busy machine, so that keys are answered promptly.
 
-    The longer computing has to wait for a processor, the more time is left to others between two
-    pictures: where it takes three times as long as alone, there are about 15 pictures a second;
-    where it takes five times as long, about 3.
-    All times are in seconds.
+    The longer this thread waits for a processor, the longer the pause between two pictures: where
+    computing takes three times as long as alone, there are about 15 pictures a second; where it
+    takes five times as long, about 3. All times are in seconds.
 
     Args:
-        times: Tells how long the thread that draws has computed and waited so far. If it can't,
-            the drawing alone counts: it has waited when it was not computing.
-        clock: The time.
-        computing: How long this thread has computed.
+        times: Returns how long the drawing thread has computed and waited. If it can't, only
+            drawing counts: time not spent computing was spent waiting.
+        clock: Returns the time.
+        computing: Returns how long this thread has computed.
 
     Attributes:
-        frames: Pictures a second, at most.
+        frames: The most pictures per second.
     """
 
     def __init__(
@@ -74,7 +73,7 @@ class FrameRate:
 
     @property
     def spacing(self) -> float:
-        """What to leave to others between two pictures, besides the usual."""
+        """The additional pause between two pictures."""
         usual, much = max(self._strain - _USUAL, 0.0), max(self._strain - _MUCH, 0.0)
         return min(_LEAVE * usual + _LEAVE_MORE * much, _LONGEST)
 
@@ -85,7 +84,7 @@ class FrameRate:
 
     @property
     def wait(self) -> float:
-        """Until the next picture may be drawn; not above 0 if it may be now."""
+        """The time until the next picture may be drawn; not above 0 if it may be drawn now."""
         return 1 / self.frames + (0.0 if self.is_hurried else self.spacing) - self.rested
 
     @property
@@ -94,7 +93,7 @@ class FrameRate:
         return self._clock() - self._hurried_at < _HURRY
 
     def hurry(self) -> None:
-        """Leave nothing to others for a moment: a key was pressed, and its effect is to be seen."""
+        """Pause less for a moment, because a key was pressed and its effect should be seen."""
         self._hurried_at = self._clock()
 
     @contextmanager
@@ -116,12 +115,12 @@ class FrameScheduler:
     """Draws soon after something has changed, but no more often than `FrameRate` allows.
 
     Args:
-        widget: For which to draw; it hears of exceptions.
+        widget: The widget to draw for; it receives exceptions.
         draw: Draws everything.
 
     Attributes:
         rate: How often to draw.
-        pace: Leaves as much time to others as the drawing does; None leaves it alone.
+        pace: Pauses as long as drawing takes; None for no pause.
     """
 
     def __init__(self, widget: Widget, draw: Callable[[], None]) -> None:
@@ -132,14 +131,14 @@ class FrameScheduler:
         self._due: asyncio.TimerHandle | None = None
 
     def soon(self) -> None:
-        """Draw when it is time to."""
+        """Draw as soon as allowed."""
         if self._due is None and self._widget.is_mounted:
-            # Textual's timers are tasks, and take longer to begin than a picture leaves them.
+            # Textual's timers are tasks, and start too slowly.
             loop = asyncio.get_running_loop()
             self._due = loop.call_later(max(self.rate.wait, 0.0), self._now)
 
     def hasten(self) -> None:
-        """Let nothing that changes in this moment wait for others: the player pressed a key."""
+        """Draw the changes of this moment without a pause, because the player pressed a key."""
         self.rate.hurry()
         if self._due is not None:
             self._due.cancel()
@@ -155,5 +154,5 @@ class FrameScheduler:
                 self._draw()
             if self.pace is not None:
                 self.pace.spacing = self.rate.spacing
-        except Exception as error:  # as timers of Textual's do
+        except Exception as error:  # like Textual's timers
             self._widget.app._handle_exception(error)

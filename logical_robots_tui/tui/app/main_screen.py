@@ -63,26 +63,26 @@ if TYPE_CHECKING:
 
 __all__ = ["MainScreen"]
 
-_HEARTBEAT = 0.25  # seconds between two looks at a clock that runs
-_READABLE = 0.2  # seconds that a number is to stand while robots run
+_HEARTBEAT = 0.25  # seconds between updates of the clock while it runs
+_READABLE = 0.2  # seconds that a number stays while robots run
 
 
 class MainScreen(Screen[None], SessionListener):
     """Everything that a player sees outside of dialogs.
 
     Args:
-        level: Where to begin.
-        source: The program to begin with.
-        data_dir: Where drafts and the player's programs are.
-        recorder: Where progress is kept.
-        text: What the player made of the program, or None.
-        welcome: Whether to begin with the tour.
+        level: The first level.
+        source: The first program.
+        data_dir: Folder with drafts and the player's programs.
+        recorder: Records progress.
+        text: The player's text of the program, or None.
+        welcome: Whether to start with the tour.
         permissions: What the player may do with the machine.
 
     Attributes:
-        data_dir: Where drafts and the player's programs are.
+        data_dir: Folder with drafts and the player's programs.
         permissions: What the player may do with the machine.
-        scheduler: When the game is drawn again.
+        scheduler: Schedules drawing.
     """
 
     AUTO_FOCUS = ""
@@ -99,7 +99,7 @@ class MainScreen(Screen[None], SessionListener):
         permissions: Permissions | None = None,
     ) -> None:
         super().__init__(id="main")
-        # As a class variable they would be the same for every player; a keymap can't take one away.
+        # A class variable would be shared by all players, and a keymap can't remove a binding.
         self._bindings = BindingsMap.merge([self._bindings, BindingsMap(KEY_MAP.get().bindings())])
         self.permissions = permissions or Permissions()
         self.data_dir, self.recorder = data_dir, recorder
@@ -182,13 +182,13 @@ class MainScreen(Screen[None], SessionListener):
         )
 
     def compose(self) -> ComposeResult:
-        """Status line, tabs, panes, timeline, command bar."""
+        """Yield the status line, tabs, panes, timeline and command bar."""
         self._fit(self.app.size)
         yield from (self._status, self._tabs, self.arrangement.container)
         yield from (self._too_small, self.timeline, self._bar)
 
     def on_mount(self) -> None:
-        """Paint at once; compile and look for drafts after that."""
+        """Paint at once; compile and look for drafts afterwards."""
         self.program.editor.load_text(self._text_to_begin_with)
         self.recorder.attach(self.ui, changed=self.scheduler.soon, measured=self.announcer.measured)
         self.set_focus(self.labyrinth)
@@ -198,7 +198,7 @@ class MainScreen(Screen[None], SessionListener):
         self.call_after_refresh(self._start)
 
     def on_screen_resume(self, event: events.ScreenResume) -> None:
-        """Take the styles as they are the first time: they have just been worked out."""
+        """Keep the styles on the first call, because they were just computed."""
         event.refresh_styles = bool(self.stack_updates)
         self.offers.resumed()
 
@@ -213,7 +213,7 @@ class MainScreen(Screen[None], SessionListener):
             self.tour.begin()
 
     async def on_unmount(self) -> None:
-        """Bring the text to safety and stop all work."""
+        """Save the text and stop all work."""
         self.autosave.stop()
         self.editing.close()
         self.drafts.close()
@@ -224,17 +224,17 @@ class MainScreen(Screen[None], SessionListener):
 
     @property
     def text(self) -> str:
-        """What stands in the editor."""
+        """The text in the editor."""
         return self.program.text
 
     def level_opened(self, level: Level) -> None:
-        """Show what the level asks for."""
+        """Show the level's briefing."""
         self.labyrinth.select(None)
         self.labyrinth.briefing.tell(level)
         self.scheduler.soon()
 
     def quit(self) -> None:
-        """Leave the game, but not without a word where that would lose something."""
+        """Leave the game; ask first if that would lose work."""
         leave(self.ui, self.app.exit, self.drafts, self.autosave, self.editing)
 
     # -- drawing -------------------------------------------------------------------------------
@@ -255,11 +255,11 @@ class MainScreen(Screen[None], SessionListener):
 
     @property
     def _edits(self) -> bool:
-        """Whether keys edit the level."""
+        """Return whether keys edit the level."""
         return self.editing.is_on and self.labyrinth.has_focus
 
     def redraw_lines(self) -> None:
-        """Show what has changed around the panes."""
+        """Update the lines around the panes."""
         self._lines_drawn_at = monotonic()
         self._status.show(status_of(self.session))
         self.timeline.show(self.session, self.labyrinth.view.selected)
@@ -295,25 +295,25 @@ class MainScreen(Screen[None], SessionListener):
         self.set_classes(self.arrangement.layout.value)
 
     def point_at(self, pane: Pane) -> None:
-        """Bring a pane to sight without going there."""
+        """Bring a pane into view without focusing it."""
         self.arrangement.active = pane
         self.arrangement.show()
         self.scheduler.soon()
 
     def go_to(self, pane: Pane) -> None:
-        """Go to a pane; in a narrow terminal it takes the place of the one there."""
+        """Focus a pane; in a narrow terminal it replaces the visible one."""
         self.point_at(pane)
         pane.enter()
 
-    def goes_there(self, key: str) -> bool:
-        """Go to the pane that a key is for; whether there is one, and nobody is typing.
+    def focuses(self, key: str) -> bool:
+        """Focus the pane that a key names, unless the player is typing; return whether it did.
 
-        As a binding the key would be obeyed after keys that arrive in the same moment, and a
-        letter for the editor would be a command.
+        A binding would run after keys that arrive at the same moment, and a letter for the editor
+        would become a command.
         """
         if isinstance(self.focused, TextArea | Input):
             return False
-        if self.editing.obeys(key):
+        if self.editing.handles(key):
             return True
         for pane in self.arrangement.panes:
             if key in command(pane.command_id).keys:
@@ -322,7 +322,7 @@ class MainScreen(Screen[None], SessionListener):
         return False
 
     def on_descendant_focus(self) -> None:
-        """Remember which pane is worked in, and offer the commands that fit."""
+        """Note which pane has the focus, and offer its commands."""
         if self.arrangement.focused():
             self.tour.end()
         self.redraw_lines()
@@ -367,7 +367,7 @@ class MainScreen(Screen[None], SessionListener):
 
     @on(Sighted)
     def _sight_pointed(self, event: Sighted) -> None:
-        self.labyrinth.view.bring_out(event.highlight, event.frame)
+        self.labyrinth.view.highlight(event.highlight, event.frame)
 
     @on(Placed)
     def _place_pointed(self, event: Placed) -> None:
@@ -375,7 +375,7 @@ class MainScreen(Screen[None], SessionListener):
             self.program.show_place(*event.place)
 
     def on_value_table_opened(self) -> None:
-        """Look into the value under the cursor; by its name, because to name the class loads it."""
+        """Open the value under the cursor; handled by name, which does not load the class."""
         self.action_command("open_value")
 
     on_decision_view_opened = on_why_view_opened = on_value_table_opened
@@ -389,7 +389,7 @@ class MainScreen(Screen[None], SessionListener):
         self.inspector.choose(robot_name)
 
     def action_command(self, command_id: str) -> None:
-        """Do what a command says."""
+        """Run a command."""
         entry = command(command_id)
         if entry.scope == "level":
             self.editing.do(command_id)

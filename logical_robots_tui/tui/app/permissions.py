@@ -8,12 +8,12 @@ __all__ = ["Permissions"]
 
 
 class Permissions(NamedTuple):
-    """All of it on one's own machine; less on a shared or public one.
+    """Everything on one's own machine; less on a shared or public one.
 
     Attributes:
-        programs: Whether other programs may have the terminal: an editor, or the shell that
-            suspending leads to.
-        clipboard: Whether the game may write to the clipboard of the player's terminal.
+        programs: Whether other programs may use the terminal: an editor, or the shell after
+            suspending.
+        clipboard: Whether the game may write to the terminal's clipboard.
     """
 
     programs: bool = True

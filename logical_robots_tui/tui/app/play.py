@@ -31,15 +31,15 @@ def play(
     data_dir: Path | None = None,
     permissions: Permissions | None = None,
 ) -> int:
-    """Open the game and return when the player leaves it.
+    """Open the game and return when the player leaves.
 
     Args:
-        level_name: A level's name or path; by default the shipped level that was played last, or
-            the first one.
-        program: A program's name or path; by default what the player last tried there, or what
-            the level starts with.
-        data_dir: Where drafts, the player's programs and progress are; by default the system's
-            place.
+        level_name: A level's name or path; by default the shipped level played last, or the first
+            one.
+        program: A program's name or path; by default the player's last program for that level, or
+            its starter.
+        data_dir: Folder with drafts, the player's programs and progress; by default the system's
+            data folder.
         permissions: What the player may do with this machine; by default everything.
 
     Returns:
@@ -47,7 +47,7 @@ def play(
 
     Raises:
         InputError: The level or the program can't be used.
-        Exception: The game made a mistake of its own; the terminal is in order again.
+        Exception: A bug in the game; the terminal has been restored.
     """
     data_dir = data_dir or user_data_path("logical-robots", appauthor=False)
     recorder = ProgressRecorder(data_dir / FILE_NAME)
@@ -65,12 +65,12 @@ def play(
         welcome=level_name is None and recorder.progress.fact(TOUR) is None,
     )
     app.suit_terminal()
-    put_back = end_on_hangup(app.last_words, app.leave_soon)
+    put_back = end_on_hangup(app.save_unsaved, app.leave_soon)
     try:
         app.run(mouse=may_use_mouse(os.environ))
     except Exception:
         if app.mistake is None:
-            app.last_words()
+            app.save_unsaved()
             raise
     finally:
         put_back()

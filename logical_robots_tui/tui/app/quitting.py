@@ -1,4 +1,4 @@
-"""Leaving the game, but not without a word where that would lose what was typed or drawn."""
+"""Leaving the game, with a question if that would lose work."""
 
 from __future__ import annotations
 
@@ -17,20 +17,20 @@ __all__ = ["Unsaved", "leave"]
 
 
 class Unsaved(Protocol):
-    """Keeps what is not saved."""
+    """Can save unsaved work."""
 
     def flush(self) -> None:
-        """Write it now."""
+        """Save it now."""
 
 
 def leave(ui: Ui, end: Callable[[], None], drafts: Drafts, *unsaved: Unsaved) -> None:
-    """End the game; ask first if what is not saved can't be kept either.
+    """End the game; ask first if unsaved work can't be kept.
 
     Args:
-        ui: Where to ask.
+        ui: The user interface.
         end: Ends the game.
-        drafts: Where what is not saved is kept.
-        unsaved: What keeps it there.
+        drafts: The drafts of unsaved work.
+        unsaved: Those who write the drafts.
     """
     for each in unsaved:
         each.flush()
@@ -46,7 +46,7 @@ async def _ask(ui: Ui, end: Callable[[], None], draft: Draft, error: OSError) ->
 
     question = (
         f"What you changed in “{clip(one_line(draft.name), 40)}” is not saved and can't be "
-        f"kept for the next time: {error.strerror or error}."
+        f"kept for next time: {error.strerror or error}."
     )
     answers = [("stay", "Stay"), ("leave", "Leave without it")]
     if await ui.ask(Question("Not saved", question, answers)) == "leave":

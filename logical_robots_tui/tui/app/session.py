@@ -1,4 +1,4 @@
-"""The session: level, program and game at hand, and the work under way for them."""
+"""The session: the current level, program and game, and the work in progress for them."""
 
 from __future__ import annotations
 
@@ -36,20 +36,20 @@ __all__ = ["Session"]
 
 
 class Session:
-    """One level under one program at a time; another level begins a new game.
+    """One level under one program at a time; another level starts a new game.
 
-    What happens is said once, to each listener in turn.
+    Listeners are notified of each event once, in order.
 
     Args:
-        level: Where to begin.
-        source: The program to begin with.
-        spawn: Starts work in the background.
-        changed: Called after everything that the screen may want to show.
+        level: The first level.
+        source: The first program.
+        spawn: Starts background work.
+        changed: Called after every change that the screen may show.
 
     Attributes:
-        levels: The level at hand: in its file, edited, and on the screen.
-        listeners: Who is told what happens.
-        movement: What the robots do.
+        levels: The current level: in its file, edited, and on the screen.
+        listeners: Notified of events.
+        movement: What the robots are doing.
     """
 
     def __init__(
@@ -74,7 +74,7 @@ class Session:
         self._program: Program | None = None
         self._won: tuple[str, int] | None = None
 
-    # -- looking -------------------------------------------------------------------------------
+    # -- queries -------------------------------------------------------------------------------
 
     @property
     def level(self) -> Level:
@@ -83,54 +83,54 @@ class Session:
 
     @property
     def opened(self) -> Level:
-        """The level as it is in its file."""
+        """The level as in its file."""
         return self.levels.saved
 
     @property
     def running(self) -> bool:
-        """Whether the robots go on by themselves, or will as soon as the program is compiled."""
+        """Whether the robots run, or will run as soon as the program is compiled."""
         return self.movement.goes_on
 
     @property
     def busy(self) -> bool:
-        """Whether something is under way that the player may want to stop."""
+        """Whether something is in progress that the player may want to stop."""
         return not self.movement.is_resting
 
     @property
     def program(self) -> Program | None:
-        """What the robots think with, or None before the first compilation."""
+        """The robots' program, or None before the first compilation."""
         return self._program
 
     @property
     def predicates(self) -> tuple[Predicate, ...]:
-        """The predicates of the program that the robots think with."""
+        """The predicates of the robots' program."""
         return self._program.predicates if self._program else ()
 
     @property
     def history(self) -> History | None:
-        """What is known of other ticks, or None before there is a program."""
+        """The history, or None before there is a program."""
         return self.game.history if self.game is not None else None
 
     def problem_with(self, breakpoint_: Breakpoint) -> str:
-        """Why a breakpoint can't be hit, one sentence, or ""."""
+        """Return why a breakpoint can't be hit, one sentence, or ""."""
         if self.game is None:
             return mistake_in(breakpoint_, self.level, None)
         return self.game.problem_with(breakpoint_)
 
     @property
     def won_at(self) -> int | None:
-        """The tick of victory as of the present frame, or None."""
+        """The tick of victory as of the current frame, or None."""
         return self.frame.after.won_at
 
     @property
     def thinking_for(self) -> float:
-        """Seconds that the thought under way has taken, 0.0 as long as that is not worth saying."""
+        """Seconds that the current think has taken; 0.0 while not worth showing."""
         return self.movement.thinking_for(self.pace.period)
 
     # -- level and program ---------------------------------------------------------------------
 
     def open_level(self, level: Level, source: Source, text: str) -> None:
-        """Go to a level with a program; its robots stand at the start."""
+        """Open a level with a program; its robots are at the start."""
         self.pause()
         if self.game is not None:
             self.release(self.game.close)
@@ -144,22 +144,22 @@ class Session:
         self.apply(text)
 
     def open_program(self, source: Source, text: str) -> None:
-        """Think with another program from the next tick on."""
+        """Use another program from the next tick."""
         self.source = source
         self.apply(text)
 
     def saved_as(self, source: Source) -> None:
-        """The text in the editor is that of `source` from now on."""
+        """Note that the editor's text was saved as `source`."""
         self.source = source
         self._changed()
 
     def level_saved_as(self, level: Level) -> None:
-        """The level at hand is saved, with the name and source of its file."""
+        """Note that the level was saved, with the name and source of its file."""
         self.levels.saved = level
         self._tell(lambda listener: listener.level_saved(level))
 
     def apply(self, text: str) -> None:
-        """Compile a text in the background and use it; an older compilation is given up."""
+        """Compile a text in the background and use it; cancels an older compilation."""
         if self._program is not None and self._program.text == text:
             self._spawn(nothing, "compile", exclusive=True)
             self._use(self._program)
@@ -171,14 +171,14 @@ class Session:
     # -- moving --------------------------------------------------------------------------------
 
     def toggle_run(self) -> None:
-        """Run, or stop whatever is under way."""
+        """Run, or stop whatever is in progress."""
         if self.busy:
             self.pause()
         else:
             self.run()
 
     def run(self) -> None:
-        """Let the robots go on, as soon as there is a program."""
+        """Run the robots as soon as there is a program."""
         if self.game is not None and self.movement.kind != "run":
             self._begin(Movement("run"), lambda game: game.run())
         elif self.game is None and self.state.phase in ("fresh", "compiling"):
@@ -186,7 +186,7 @@ class Session:
         self._changed()
 
     def pause(self) -> None:
-        """Stop running, and stop a thought under way."""
+        """Stop running, and cancel the current think."""
         if self.game is not None:
             self.game.pause()
         if self.movement.thinks:
@@ -195,7 +195,7 @@ class Session:
         self._changed()
 
     def step(self, ticks: int = 1) -> None:
-        """Go some ticks on; while running, stop after them. Quick presses are worked off."""
+        """Compute some ticks; while running, stop after them. Quick presses add up."""
         if self.movement.kind == "steps":
             self.movement.owe(ticks)
         elif self.game is not None:
@@ -203,15 +203,15 @@ class Session:
             self._begin(Movement("steps", ticks), self._step)
 
     def run_until(self, tick: int) -> None:
-        """Run flat out up to a tick, a breakpoint or victory."""
+        """Run at full speed to a tick, a breakpoint or victory."""
         self.pause()
         self._begin(Movement("until"), lambda game: game.run_until(tick=tick))
 
     async def replay(self, place: Place) -> None:
-        """Go again where an earlier session of this level stood; a pause ends that on the way.
+        """Replay to the place of an earlier session of this level; pausing ends that.
 
         Raises:
-            ProgramError: A program can't be compiled any more.
+            ProgramError: A program no longer compiles.
         """
         ends = [(await compile_program(text), end) for text, end in place.stretches()]
         self.restart()
@@ -220,23 +220,23 @@ class Session:
         self._begin(Movement("until"), partial(self._replay, ends))
 
     def back(self, ticks: int = 1) -> None:
-        """Return by so many ticks, as far as history reaches."""
+        """Go back so many ticks, as far as the history reaches."""
         self.pause()
         if self.game is not None:
             self.game.back(ticks)
 
     def go_to(self, tick: int) -> None:
-        """Go to a tick of history.
+        """Go to a tick of the history.
 
         Raises:
-            NoSuchTickError: History does not hold it.
+            NoSuchTickError: The history does not hold it.
         """
         self.pause()
         if self.game is not None:
             self.game.go_to(tick)
 
     def change_course(self) -> None:
-        """Go over to the other future, and think with its program.
+        """Switch to the other future and its program.
 
         Raises:
             NoSuchTickError: There is no other future.
@@ -249,7 +249,7 @@ class Session:
             self._changed()
 
     def change_level(self, level: Level, poses: Mapping[str, Pose]) -> None:
-        """Go on in a changed level, with robots put elsewhere, from the present tick on."""
+        """Continue from the current tick in a changed level, with some robots moved."""
         if self.game is not None:
             self.game.change_level(level, poses)
         else:
@@ -257,7 +257,7 @@ class Session:
             self._changed()
 
     def restart(self) -> None:
-        """Begin the level again, standing still."""
+        """Start the level again, paused."""
         self.pause()
         self._won = None
         if self.game is not None:
@@ -275,7 +275,7 @@ class Session:
         self._changed()
 
     async def query(self, predicate: str, frame: Frame) -> Table:
-        """Rows of a predicate at a frame.
+        """Return the rows of a predicate at a frame.
 
         Raises:
             Superseded: The program changed meanwhile, or there is none yet.
@@ -286,7 +286,7 @@ class Session:
         return (await self.game.query(predicate, frame)).table
 
     def release(self, close: Work) -> None:
-        """Free something in the background."""
+        """Close something in the background."""
         self._spawn(close, "close", exclusive=False)
 
     async def close(self) -> None:
@@ -314,7 +314,7 @@ class Session:
             self._changed()
 
     def _use(self, program: Program) -> None:
-        from logical_robots_tui.game import Game  # takes time that the first picture needs
+        from logical_robots_tui.game import Game  # loading it would delay the first picture
 
         self._think_with(program)
         self._tell(lambda listener: listener.program_used(program))
@@ -355,7 +355,7 @@ class Session:
             what(listener)
 
     def _begin(self, movement: Movement, work: Going) -> None:
-        """Go on in the background by something that pausing ends."""
+        """Start background work that pausing ends."""
         if self.game is not None:
             self.movement = movement
             move = partial(self._move, self.game, work, movement)
@@ -388,5 +388,5 @@ class Session:
                 await game.run_until(tick=end)
 
     def _hits(self, game: Game) -> tuple[Hit, ...]:
-        """The breakpoints that stop the robots at the present tick."""
+        """Return the breakpoints that stop the robots at the current tick."""
         return tuple(hit for hit in game.hits if self.breakpoints.is_on(hit.breakpoint))

@@ -1,4 +1,4 @@
-"""What is said of a session: each thing once, to whoever keeps something of it."""
+"""Events of a session, and who is notified of them."""
 
 from __future__ import annotations
 
@@ -14,28 +14,28 @@ __all__ = ["SessionListener"]
 
 
 class SessionListener:
-    """Hears what happens in a session; what it does not override means nothing to it."""
+    """Is notified of a session's events; ignores those that it does not override."""
 
     def level_opened(self, level: Level) -> None:
-        """The player has gone to a level."""
+        """The player has opened a level."""
 
     def level_saved(self, level: Level) -> None:
-        """The level at hand is in its file now as it is edited."""
+        """The current level has been saved as edited."""
 
     def level_changed(self) -> None:
-        """The frame on the screen is in another version of the level than the one before."""
+        """The frame on the screen has a different version of the level than the previous one."""
 
     def restarted(self) -> None:
-        """The level begins again."""
+        """The level has been restarted."""
 
     def program_used(self, program: Program) -> None:
-        """The robots begin to think with a program."""
+        """The robots start to use a program."""
 
     def tick_shown(self, frame: Frame) -> None:
-        """Another tick is on the screen."""
+        """A tick has been shown on the screen."""
 
     def won(self, victory: Victory) -> None:
-        """The robots have won by going on; once for each program and tick."""
+        """The robots have won while moving forward; once for each program and tick."""
 
     def stopped(self, hits: tuple[Hit, ...]) -> None:
         """The robots have stopped at breakpoints."""

@@ -1,4 +1,4 @@
-"""The state of a session: the level at hand, and what the robots do by themselves."""
+"""The state of a session: the current level, and what the robots are doing."""
 
 from __future__ import annotations
 
@@ -16,15 +16,15 @@ __all__ = ["Movement", "OpenLevel", "nothing"]
 
 
 class OpenLevel:
-    """One level in its three versions, from being opened until the player goes to another one.
+    """One level in its three versions, from opening it until another is opened.
 
     Args:
         level: The level as it was opened.
 
     Attributes:
-        saved: As it is in its file, or as it was made.
-        edits: As it is edited, and the way back and forth.
-        shown: As it is in the frame on the screen.
+        saved: The level as in its file, or as created.
+        edits: The edited level, with undo and redo.
+        shown: The level of the frame on the screen.
     """
 
     def __init__(self, level: Level) -> None:
@@ -33,38 +33,37 @@ class OpenLevel:
 
     @property
     def edited(self) -> Level:
-        """The level as it is edited."""
+        """The level as edited."""
         return self.edits.level
 
     @property
     def has_changes(self) -> bool:
-        """Whether what is edited differs from the file, or from how it was made."""
+        """Whether the edited level differs from the file, or from the created level."""
         return not alike(self.edited, self.saved)
 
     @property
     def is_saved(self) -> bool:
-        """Whether a file says the same as what is edited."""
+        """Whether a file holds the edited level."""
         return bool(self.saved.source) and not self.has_changes
 
 
-_MOST_OWED = 5  # steps that a key held down may leave behind
-_NOTICEABLE = 0.5  # seconds of thinking from which on the screen says so
+_MOST_OWED = 5  # steps that a held key may leave pending
+_NOTICEABLE = 0.5  # seconds of thinking after which the screen shows it
 
 Kind: TypeAlias = Literal["rest", "awaiting", "run", "steps", "until"]
 
 
 @dataclass(slots=True, eq=False)
 class Movement:
-    """What is under way; each begins as an object of its own, so that work knows its own.
+    """What is in progress. Each movement is a new object, so that work can recognise its own.
 
-    A session goes from ``rest`` to any other kind, and from any kind to any other, by putting
-    another movement in place of the present one.
+    A session changes from any kind to any other by replacing its movement.
 
     Attributes:
-        kind: ``rest``; ``awaiting`` a program to run with; ``run``, at the speed of the game;
-            ``steps``, one tick after the other; ``until`` a tick, flat out.
-        owed: Of ``steps``, those that are still to be taken.
-        waiting_since: When the thought under way began, as `perf_counter` tells it.
+        kind: ``rest``; ``awaiting`` a program to run with; ``run`` at the game's speed;
+            ``steps``, tick by tick; ``until`` a tick, at full speed.
+        owed: The steps still to take.
+        waiting_since: When the current think began, by `perf_counter`.
     """
 
     kind: Kind = "rest"
@@ -73,32 +72,32 @@ class Movement:
 
     @property
     def is_resting(self) -> bool:
-        """Whether nothing is under way."""
+        """Whether nothing is in progress."""
         return self.kind == "rest"
 
     @property
     def goes_on(self) -> bool:
-        """Whether the robots go on by themselves, or will as soon as there is a program."""
+        """Whether the robots run, or will run as soon as there is a program."""
         return self.kind in ("awaiting", "run", "until")
 
     @property
     def thinks(self) -> bool:
-        """Whether a thought is under way."""
+        """Whether a think is in progress."""
         return self.kind in ("run", "steps", "until")
 
     def owe(self, steps: int) -> None:
-        """Take more steps, but not many more than were asked for at once."""
+        """Add steps, but not many more than were requested at once."""
         self.owed = min(self.owed + steps, max(self.owed, _MOST_OWED * steps))
 
     def has_thought(self) -> None:
-        """A thought is over; the next one begins."""
+        """Note that a think has ended and the next one begins."""
         self.waiting_since = perf_counter()
 
     def thinking_for(self, period: float) -> float:
-        """Seconds that the thought under way has taken, 0.0 as long as that is not worth saying.
+        """Return the seconds that the current think has taken; 0.0 while not worth showing.
 
         Args:
-            period: Seconds from one tick to the next while running.
+            period: Seconds per tick while running.
         """
         if not self.thinks:
             return 0.0

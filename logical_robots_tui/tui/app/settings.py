@@ -1,4 +1,4 @@
-"""What a player has set once for all, in a TOML file."""
+"""The player's settings, from a TOML file."""
 
 from __future__ import annotations
 
@@ -32,23 +32,23 @@ __all__ = ["Settings", "as_toml", "read_settings"]
 _MOST_FRAMES = 60
 _LONGEST = 100_000  # bytes of the file
 _ONLY_EDITING = ("enter", "tab", "shift+tab", "delete", "backspace")
-"""Keys that only commands of the level editor can have, as key_name writes them."""
+"""Keys that only commands of the level editor can have, by their printed names."""
 
 _CHANGEABLE = {entry.id: entry for entry in COMMANDS if entry.scope != "text"}
-"""The commands that may get other keys."""
+"""The commands whose keys can be changed."""
 
 
 class Settings(NamedTuple):
-    """Choices from the configuration file; the rest is as the game comes.
+    """Settings from the configuration file, with defaults.
 
     Attributes:
         theme: Name of a theme, or "" for the one chosen in the game.
-        drawing: How to draw the labyrinth, or None for what suits the terminal.
-        frames: Pictures a second, at most.
-        cones: Whether the light of the robots' radars is shown.
-        trails: Whether trails are shown.
-        keys: The keys of those commands that get others, as Textual names them, by id.
-        complaints: What could not be used, each with its place.
+        drawing: How to draw the labyrinth, or None for the terminal's default.
+        frames: The most pictures per second.
+        cones: Whether to show the light of the robots' radars.
+        trails: Whether to show trails.
+        keys: Changed keys, in Textual's names, by id of the command.
+        complaints: Errors in the file, each with its place.
     """
 
     theme: str = ""
@@ -61,10 +61,10 @@ class Settings(NamedTuple):
 
 
 def read_settings(path: Path) -> Settings:
-    """Return what a file sets; of what is wrong there it only complains.
+    """Return the settings in a file; errors in it become complaints.
 
     Args:
-        path: The file; a missing one sets nothing.
+        path: The file; it may be missing.
     """
     try:
         text = read_ordinary(path, _LONGEST + 1).decode("utf-8-sig")
@@ -75,7 +75,7 @@ def read_settings(path: Path) -> Settings:
         return Settings()
     except (OSError, ValueError, RecursionError) as error:
         said = _refusal(error)
-        return Settings(complaints=(f"{path}: {said}. Nothing of it is used.",))
+        return Settings(complaints=(f"{path}: {said}. The file is ignored.",))
     complaints: list[str] = []
 
     def complain(name: str, said: str) -> None:
@@ -85,16 +85,16 @@ def read_settings(path: Path) -> Settings:
 
 
 def _refusal(error: Exception) -> str:
-    """Why nothing of a file can be used."""
+    """Return why a file can't be used at all."""
     if isinstance(error, OSError):
         return error.strerror or str(error)
     if isinstance(error, UnicodeDecodeError):
-        return "it is no text in UTF-8"
+        return "it is not UTF-8 text"
     return "it is nested too deeply" if isinstance(error, RecursionError) else str(error)
 
 
 def _settings(found: dict[str, Any], complain: Complain) -> Settings:
-    """What can be used of a file."""
+    """Return the valid settings of a file."""
     readers: dict[str, Callable[[Any], Any]] = {
         "theme": lambda value: _one_of(value, THEMES),
         "drawing": lambda value: Drawing(_one_of(value, [way.value for way in Drawing])),
@@ -125,7 +125,7 @@ def _one_of(value: object, known: Sequence[str]) -> str:
 
 def _frames(value: object) -> int:
     if not isinstance(value, int) or isinstance(value, bool) or not 1 <= value <= _MOST_FRAMES:
-        raise ValueError(f"{value!r} is not a whole number from 1 to {_MOST_FRAMES}")
+        raise ValueError(f"{value!r} is not an integer from 1 to {_MOST_FRAMES}")
     return value
 
 
@@ -136,12 +136,12 @@ def _truth(value: object) -> bool:
 
 
 def _keys(found: object, complain: Complain) -> dict[str, tuple[str, ...]]:
-    """The keys of the commands that the file names.
+    """Return the keys of the commands that the file names.
 
-    A key goes to one command only, and to another one while a level is edited.
+    A key can have one command, and another one in the level editor.
     """
     if not isinstance(found, dict):
-        raise ValueError("this is to be a table, [keys]")
+        raise ValueError("this must be a table, [keys]")
     owners: dict[tuple[str, str], str] = {
         (entry.scope, key): entry.id
         for entry in _CHANGEABLE.values()
@@ -169,7 +169,7 @@ def _keys(found: object, complain: Complain) -> dict[str, tuple[str, ...]]:
 
 
 def _taken(text: object, entry: Command, owners: dict[tuple[str, str], str]) -> str:
-    """The key that a command takes, if no other of its scope has it."""
+    """Return the key for a command, if no other command of its scope has it."""
     is_free = entry.scope == "level" and isinstance(text, str) and text in _ONLY_EDITING
     key = str(text) if is_free else key_from(text)
     other = owners.setdefault((entry.scope, key), entry.id)
@@ -181,7 +181,7 @@ def _taken(text: object, entry: Command, owners: dict[tuple[str, str], str]) -> 
 
 
 def _line_of(name: str, text: str) -> str:
-    """Where a name, such as ``keys.run``, stands in a file, as ``:3``; "" if it can't be told."""
+    """Return the line of a name, such as ``keys.run``, in a file, as ``:3``; "" if unknown."""
     table, _, last = name.rpartition(".")
     lines = text.splitlines()
     begins = re.compile(rf"""\s*["']?{re.escape(last)}["']?\s*[=.]""")
@@ -192,7 +192,7 @@ def _line_of(name: str, text: str) -> str:
 
 
 def as_toml(settings: Settings) -> str:
-    """Return a file that sets the same, with every command and its keys."""
+    """Return a file with these settings, with every command and its keys."""
     lines = [
         _set("theme", settings.theme, NIGHT_NAME),
         _set("drawing", settings.drawing and settings.drawing.value, "quadrants"),
@@ -209,7 +209,7 @@ def as_toml(settings: Settings) -> str:
 
 
 def _set(name: str, value: object, example: str = "") -> str:
-    """A line that sets something, or the example of one as a comment where it is not set."""
+    """Return a line that sets something; a comment with an example if it is not set."""
     if not value and example:
         return f"# {_set(name, example)}"
     return f"{name} = {json.dumps(value, ensure_ascii=False)}"

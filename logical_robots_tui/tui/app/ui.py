@@ -1,4 +1,4 @@
-"""What a controller may ask of the screen without knowing it: saying, asking, working."""
+"""What controllers may do on the screen: show messages, ask, and start work."""
 
 from __future__ import annotations
 
@@ -14,32 +14,32 @@ __all__ = ["Spawn", "Ui", "Work"]
 Result = TypeVar("Result")
 
 Work: TypeAlias = "Callable[[], Coroutine[Any, Any, None]]"
-"""A function and not a coroutine: one that is cancelled early has never been begun."""
+"""A function and not a coroutine, because one that is cancelled early would never be awaited."""
 
 
 class Spawn(Protocol):
-    """Starts work in the background of the screen."""
+    """Starts background work on the screen."""
 
     def __call__(self, work: Work, group: str, *, exclusive: bool) -> None:
-        """Run `work`; an exclusive one cancels what its group still does."""
+        """Run `work`; an exclusive one cancels the other work of its group."""
 
 
 class Ui(Protocol):
-    """Says, asks and works for a controller."""
+    """Messages, dialogs and work for a controller."""
 
     def tell(self, message: str) -> None:
-        """Say something in passing."""
+        """Show a message."""
 
     def warn(self, message: str) -> None:
-        """Say what went wrong."""
+        """Show a warning."""
 
     def spawn(self, work: Work, group: str, *, exclusive: bool) -> None:
-        """Work in the background; an exclusive work cancels what its group still does."""
+        """Start background work; exclusive work cancels the other work of its group."""
 
     def show(
         self, dialog: Screen[Result], closed: Callable[[Result | None], None] | None = None
     ) -> None:
-        """Show a dialog, and call `closed` with what it gives."""
+        """Show a dialog, and call `closed` with its result."""
 
     async def ask(self, dialog: Screen[Result]) -> Result | None:
-        """Show a dialog and return what it gives; only for work in the background."""
+        """Show a dialog and return its result; only for background work."""

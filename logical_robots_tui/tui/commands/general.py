@@ -81,9 +81,9 @@ def tour(screen: MainScreen) -> None:
 @general.command("Redraw", "ctrl+l")
 def redraw(screen: MainScreen) -> None:
     """Paint the whole screen again."""
-    from logical_robots_tui.tui.terminal.diff_app import SparingApp
+    from logical_robots_tui.tui.terminal.diff_app import DiffApp
 
-    if isinstance(screen.app, SparingApp):
+    if isinstance(screen.app, DiffApp):
         screen.app.redraw()
     screen.refresh(layout=True, repaint=True)
 

@@ -32,7 +32,7 @@ _OFFERS = (
 _LOOKED_UP = (("reference program", "solution"), ("versions", "versions"), ("close", "results"))
 _CONFETTI = "·*✦•˚+"
 _COLOURS = (INK.bad, INK.warn, INK.good, INK.robot, INK.record, INK.key)
-_ROOMY = 24  # lines of the pane from which on there is air between the parts
+_ROOMY = 24  # lines of the pane from which there is space between the parts
 
 
 class Overlay(Static):
@@ -49,7 +49,7 @@ class Overlay(Static):
 
 
 class VictoryBanner(Overlay):
-    """Celebrates; its keys are those of ordinary commands, so nobody who types is disturbed."""
+    """Celebrates a victory; its keys are ordinary commands, so typing is not disturbed."""
 
     DEFAULT_CSS = """
     VictoryBanner { dock: top; height: auto; text-wrap: nowrap; }
@@ -63,19 +63,19 @@ class VictoryBanner(Overlay):
         self._offers: Sequence[tuple[str, str]] = _OFFERS
 
     def celebrate(self, ticks: int, who: str, recorder: ProgressRecorder) -> None:
-        """Tell that it is won.
+        """Show a victory.
 
         Args:
-            ticks: How many ticks it took.
-            who: Who is where, a few words.
-            recorder: Knows the measures.
+            ticks: The number of ticks.
+            who: Who is where, in a few words.
+            recorder: Has the measures.
         """
         self._seed, self._offers = ticks, _OFFERS
         self._said = f"★ {clip(who, 50)} — {ticks} tick{'s' * (ticks != 1)} ★"
         self._show(recorder)
 
     def toggle(self, recorder: ProgressRecorder) -> None:
-        """Show the results so far, or hide what is shown."""
+        """Show the results so far, or hide the banner."""
         if self.display:
             self.display = False
             return
@@ -83,7 +83,7 @@ class VictoryBanner(Overlay):
         self._show(recorder)
 
     def follow(self, recorder: ProgressRecorder) -> None:
-        """Show what has become known meanwhile."""
+        """Update the measures."""
         if self.display and (rows := self._table(recorder)) != self._rows:
             same = len(rows) == len(self._rows)
             self._rows = rows
@@ -97,12 +97,12 @@ class VictoryBanner(Overlay):
     def _table(self, recorder: ProgressRecorder) -> list[Content]:
         rows = results_lines(recorder)
         if self._seed is not None and recorder.is_reference:
-            note = "That was the reference program: it counts for itself."
+            note = "That was the reference program, so it does not count as your victory."
             return [Content.styled(note, INK.dim), *rows]
         return rows
 
     def render(self) -> Content:
-        """Lines with confetti at their sides, as wide as the widget."""
+        """Return the lines with confetti at their sides, as wide as the widget."""
         width = self.size.width
         chance = random.Random(self._seed)  # noqa: S311 - confetti
         said = Content.styled(self._said, f"bold {INK.key}")
@@ -114,14 +114,14 @@ class VictoryBanner(Overlay):
 
 
 def _offer(label: str, command_id: str) -> Content:
-    """The key and the label of a command, which can be clicked too."""
+    """Return the key and the label of a command; clickable."""
     key = command(command_id).key_name
     content = Content.assemble((key, f"bold {INK.key}"), f" {label}")
     return content.stylize(Style.from_meta({"@click": f"screen.command('{command_id}')"}))
 
 
 def _confetti(width: int, middle: Content, chance: random.Random, density: float) -> Content:
-    """A line with something in its middle and confetti at its sides."""
+    """Return a line with its text in the middle and confetti at its sides."""
     left = max((width - middle.cell_length) // 2 - 2, 0)
     right = max(width - middle.cell_length - left - 4, 0)
     if not middle.cell_length:

@@ -1,4 +1,4 @@
-"""Which part of the labyrinth is looked at, and how it changes."""
+"""The part of the labyrinth that is shown, and how it changes."""
 
 from __future__ import annotations
 
@@ -13,35 +13,35 @@ if TYPE_CHECKING:
 __all__ = ["ZOOMS", "Camera", "Sight"]
 
 ZOOMS = (1.0, 1.5, 2.0, 3.0, 4.0, 6.0, 8.0, 12.0, 16.0)
-"""How many times as large as the whole labyrinth fits; the first step is all of it."""
+"""Zoom factors; at 1 the whole labyrinth fits."""
 
 _NEAR = 3
-"""The step at which a robot is followed unless the player has chosen another."""
+"""The default zoom for following a robot."""
 
 _CALM = 0.22
-"""Part of the view, to each side of its middle, in which a robot moves without the view."""
+"""The share of the view, on each side of its middle, in which a robot moves without scrolling."""
 
 
 class Sight(Enum):
-    """What is looked at."""
+    """What is shown."""
 
     WHOLE = "whole"
     """The whole labyrinth."""
     FOLLOW = "follow"
     """A part around the selected robot."""
     SENSES = "senses"
-    """What robots sense, each in a picture of its own."""
+    """What robots sense, one picture per robot."""
     FREE = "free"
     """A part that the player chose."""
 
 
 class Camera(NamedTuple):
-    """Where the player looks.
+    """The player's view.
 
     Attributes:
-        sight: What is looked at.
+        sight: What is shown.
         step: Index into ``ZOOMS``.
-        x: Map units in the middle of the view, where it is not the whole labyrinth.
+        x: Map units of the view's middle, unless it shows the whole labyrinth.
         y: Map units in the middle of the view.
     """
 
@@ -52,14 +52,14 @@ class Camera(NamedTuple):
 
     @property
     def zoom(self) -> float:
-        """How many times as large as the whole labyrinth fits."""
+        """The zoom factor; at 1 the whole labyrinth fits."""
         return ZOOMS[self.step]
 
     def viewport(self, level: Level, columns: int, rows: int) -> Viewport:
-        """Return the part of a level's map that a block of cells shows.
+        """Return the part of a level's map that is shown in a block of cells.
 
         Args:
-            level: Its size counts.
+            level: The level, for its size.
             columns: Cells across.
             rows: Cells down.
         """
@@ -73,21 +73,21 @@ class Camera(NamedTuple):
         return view.centred(x, _beside_rim(self.y, view.height, level.height))
 
     def next_sight(self) -> Camera:
-        """Look at the next thing; a part that was chosen freely is left for the whole."""
+        """Switch to the next kind of view; from a free view to the whole labyrinth."""
         if self.sight is Sight.WHOLE:
             return self._replace(sight=Sight.FOLLOW, step=self.step or _NEAR)
         return self._replace(sight=Sight.SENSES if self.sight is Sight.FOLLOW else Sight.WHOLE)
 
     def following(self, x: float, y: float, view: Viewport, *, at_once: bool = False) -> Camera:
-        """Bring a robot to the middle if it has left the calm part of the view.
+        """Centre a robot that has left the middle of the view.
 
         A view that moved with every step would change every cell in every picture.
 
         Args:
             x: Of the robot, map units.
             y: Of the robot, map units.
-            view: What is shown at present.
-            at_once: Whether to do so in any case.
+            view: The current view.
+            at_once: Whether to centre it in any case.
         """
         if self.sight is not Sight.FOLLOW:
             return self
@@ -102,10 +102,10 @@ class Camera(NamedTuple):
         """Zoom.
 
         Args:
-            steps: How far; negative shows more of the labyrinth.
-            view: What is shown at present.
-            at: The point, in map units, that stays where it is on the screen; by default the
-                middle. A robot that is followed stays in the middle instead.
+            steps: Zoom steps; negative ones zoom out.
+            view: The current view.
+            at: The point, in map units, that stays in place on the screen; by default the middle. A
+                followed robot stays in the middle instead.
         """
         if self.sight is Sight.SENSES:
             return self
@@ -121,12 +121,12 @@ class Camera(NamedTuple):
         return Camera(Sight.FREE, step, x + (middle[0] - x) * share, y + (middle[1] - y) * share)
 
     def panned(self, columns: float, rows: float, view: Viewport, level: Level) -> Camera:
-        """Move the view over the map, whose middle part stays in sight.
+        """Pan the view; part of the map stays in view.
 
         Args:
             columns: Cells to the right.
             rows: Cells down.
-            view: What is shown at present.
+            view: The current view.
             level: The map.
         """
         if self.sight is Sight.SENSES:
@@ -140,7 +140,7 @@ class Camera(NamedTuple):
 
 
 def _beside_rim(middle: float, length: float, whole: float) -> float:
-    """Return the middle that is nearest to one and shows as little beside the map as it can."""
+    """Return the middle closest to one that shows as little as possible beyond the map."""
     if length >= whole:
         return whole / 2
     return min(max(middle, length / 2), whole - length / 2)

@@ -1,4 +1,4 @@
-"""What may lie over the picture of a labyrinth and take the mouse."""
+"""Overlays on the picture of a labyrinth that receive the mouse."""
 
 from __future__ import annotations
 
@@ -13,31 +13,31 @@ __all__ = ["DrawnOver", "Pointing"]
 
 
 class Pointing(Protocol):
-    """What is told where the mouse points; points are map units."""
+    """Receives the mouse; points are map units."""
 
     def press(self, x: float, y: float) -> None:
-        """The left button went down."""
+        """The left button was pressed."""
 
     def hover(self, x: float, y: float, *, is_held: bool) -> None:
-        """The mouse is there, perhaps with the button held."""
+        """The mouse moved, perhaps with the button held."""
 
     def release(self) -> None:
-        """The button went up."""
+        """The button was released."""
 
     def open(self) -> None:
-        """There were two clicks."""
+        """There was a double click."""
 
 
 class DrawnOver(Protocol):
-    """What is drawn over the picture, and takes the mouse."""
+    """Draws over the picture, and receives the mouse."""
 
     @property
     def pointer(self) -> Pointing:
-        """What is told of the mouse."""
+        """Receives the mouse."""
 
     @property
     def cursor(self) -> tuple[float, float]:
-        """Where the player is at work, map units; zooming keeps it in its place."""
+        """The player's cursor in map units; zooming keeps it in place."""
 
     def paint(self, cells: Cells, view: Viewport, look: Look) -> None:
         """Draw over a picture."""

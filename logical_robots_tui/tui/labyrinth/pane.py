@@ -50,17 +50,17 @@ class LabyrinthPane(Pane, can_focus=True):
         super().__init__(self.view, self.card, self.briefing, self.banner, title="Labyrinth")
 
     def on_mount(self) -> None:
-        """Let the card follow the theme."""
+        """Update the card when the theme changes."""
         self.app.theme_changed_signal.subscribe(self, lambda _: self.select(self.view.selected))
 
     def show(self, level: Level, frame: Frame, *, hurried: bool = False) -> None:
-        """Show a tick; in a hurry if the next one follows at once."""
+        """Show a tick; hurried if the next one follows at once."""
         self._shown = (level, frame)
         self.view.show(level, frame, hurried=hurried)
         self.select(self.view.selected)
 
     def select(self, robot_name: str | None) -> None:
-        """Bring a robot out and tell of it; None brings all back."""
+        """Highlight a robot and show its card; None for no robot."""
         self.view.selected = robot_name
         if self._shown is None:
             return
@@ -87,21 +87,21 @@ class LabyrinthPane(Pane, can_focus=True):
         self.select(self.view.selected)
 
     def close_briefing(self) -> None:
-        """Hide what the level asks for."""
+        """Hide the briefing."""
         self.briefing.display = False
 
     def action_pan(self, across: int, down: int) -> None:
-        """Move the view by an eighth of it."""
+        """Pan the view by an eighth."""
         columns, rows = self.view.size
         self.view.pan(across * columns / 8, down * rows / 8)
 
     def enter(self) -> None:
-        """Take the focus, so that single letters are commands."""
+        """Focus the view, so that single letters are commands."""
         self.screen.set_focus(self)
 
 
 class Briefing(Overlay):
-    """What the level asks for, until the game runs or the player closes it."""
+    """The briefing, until the game runs or the player closes it."""
 
     DEFAULT_CSS = """
     Briefing {
@@ -114,7 +114,7 @@ class Briefing(Overlay):
         self._has_text = False
 
     def tell(self, level: Level) -> None:
-        """Show the text of a level, if it has one."""
+        """Show the briefing of a level, if it has one."""
         self._has_text = bool(level.briefing.strip())
         text = "\n".join(visible(line) for line in level.briefing.strip().splitlines())
         offers = {"run": "runs", "briefing": "hides this"}
@@ -133,6 +133,6 @@ class Briefing(Overlay):
         self.display = self._has_text
 
     def toggle(self) -> bool:
-        """Show or hide it; False if there is nothing to show."""
+        """Show or hide it; return False if there is nothing to show."""
         self.display = self._has_text and not self.display
         return self._has_text

@@ -1,4 +1,4 @@
-"""The table of measures: this victory and one's bests beside those of the reference program."""
+"""The table of measures: this victory and the bests beside those of the reference program."""
 
 from __future__ import annotations
 
@@ -21,9 +21,9 @@ _LABEL = 11
 
 
 def results_lines(recorder: ProgressRecorder) -> list[Content]:
-    """Lines of equal width: titles, then the victory, the bests and the reference.
+    """Return lines of equal width: titles, then the victory, the bests and the reference.
 
-    What beats the former best is marked with a star; what is unknown is a dot.
+    A new best is marked with a star; unknown values are a dot.
     """
     rows = [_row("", _TITLES, INK.dim)]
     if recorder.latest is not None and not recorder.is_reference:
@@ -37,7 +37,7 @@ def results_lines(recorder: ProgressRecorder) -> list[Content]:
 
 
 def brief(bests: Bests, width: int) -> str:
-    """The bests in a few words that fit, or "" if there are none."""
+    """Return the bests in a few words that fit, or "" if there are none."""
     if bests.ticks is None:
         return ""
     ticks, rules, distance, _ = _numbers(bests)

@@ -1,4 +1,4 @@
-"""A card over the picture that tells of one robot at the tick on the screen."""
+"""A card over the picture with details of one robot at the current tick."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ _GAUGE = 8
 
 
 class RobotCard(Static):
-    """Name, battery, engines and memory of a robot. It gives way to the robot itself."""
+    """Name, battery, engines and memory of a robot. It moves out of the robot's way."""
 
     DEFAULT_CSS = f"""
     RobotCard {{
@@ -39,10 +39,10 @@ class RobotCard(Static):
         self._content = Content("")
 
     def show(self, level: Level, frame: Frame, name: str | None, *, on_the_left: bool) -> None:
-        """Tell of a robot, or hide.
+        """Show a robot, or hide.
 
         Args:
-            level: Where it is.
+            level: The level.
             frame: The tick.
             name: The robot's name, or None to hide.
             on_the_left: Whether the robot is in the left half of the picture, so that the card

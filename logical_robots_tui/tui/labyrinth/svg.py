@@ -1,4 +1,4 @@
-"""A level as a drawing of SVG, exact at any size."""
+"""A level as an SVG drawing."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ _FONT_SIZE = 12  # map units
 
 
 def svg(level: Level, palette: Palette = DARK) -> str:
-    """Return a level at its start; a map unit is a unit of the drawing.
+    """Return a level at its start as SVG; one map unit is one unit of the drawing.
 
     Args:
         level: The level.
@@ -53,7 +53,7 @@ def svg(level: Level, palette: Palette = DARK) -> str:
 
 
 def _rectangles(walls: NDArray[np.bool_]) -> Iterator[str]:
-    """The walls: of rows that are alike one rectangle for each run."""
+    """Return the walls as rectangles, one for each run in equal rows."""
     changes = np.flatnonzero((walls[1:] != walls[:-1]).any(axis=1)) + 1
     for top, bottom in pairwise([0, *changes.tolist(), len(walls)]):
         for left, right in _runs(walls[top]):
@@ -61,7 +61,7 @@ def _rectangles(walls: NDArray[np.bool_]) -> Iterator[str]:
 
 
 def _edges(walls: NDArray[np.bool_]) -> Iterator[str]:
-    """Lines between walls and floor."""
+    """Return the lines between walls and floor."""
     for y in np.flatnonzero((walls[1:] != walls[:-1]).any(axis=1)).tolist():
         for left, right in _runs(walls[y] != walls[y + 1]):
             yield f"M{left} {y + 1}h{right - left}"

@@ -1,4 +1,4 @@
-"""What a player sees and hears of a victory."""
+"""Announcing victories."""
 
 from __future__ import annotations
 
@@ -21,14 +21,14 @@ __all__ = ["VictoryAnnouncer"]
 
 
 class VictoryAnnouncer(SessionListener):
-    """Tells of each victory once; after the recorder has kept it.
+    """Announces each victory once, after it has been recorded.
 
     Args:
-        session: Where it happened.
-        pane: Where the banner is.
-        recorder: Knows the measures.
-        tell: Says something in passing.
-        is_hidden: Tells whether something else has the place of the labyrinth.
+        session: The session.
+        pane: The pane with the banner.
+        recorder: Has the measures.
+        tell: Shows a message.
+        is_hidden: Returns whether the labyrinth is covered.
     """
 
     def __init__(
@@ -45,36 +45,36 @@ class VictoryAnnouncer(SessionListener):
         self._is_held = False
 
     def level_opened(self, level: Level) -> None:
-        """Take the banner away."""
+        """Hide the banner."""
         self.restarted()
 
     def restarted(self) -> None:
-        """Take the banner away."""
+        """Hide the banner."""
         self._waiting = None
         self._pane.banner.display = False
 
     def won(self, victory: Victory) -> None:
-        """Tell of a victory, now or when the level is no longer edited."""
+        """Announce a victory, now or when the level is no longer edited."""
         self._waiting = victory
         if not self._is_held:
             self._announce()
 
     def hold(self, is_held: bool) -> None:
-        """Wait with the news, as while the level is edited, or no longer.
+        """Delay announcements, as while the level is edited, or stop delaying.
 
-        A victory meanwhile is news if the robots have still won.
+        A victory meanwhile is announced if it still holds.
         """
         self._is_held = is_held
         if not is_held and self._session.won_at is not None:
             self._announce()
 
     def measured(self, level: Level, found: Measures, *, is_here: bool) -> None:
-        """Say what a winner measures, unless the banner does.
+        """Show the measures of a victory, unless the banner does.
 
         Args:
-            level: Where it has won.
-            found: What was measured.
-            is_here: Whether that is the level at hand.
+            level: The level.
+            found: The measures.
+            is_here: Whether it is the current level.
         """
         if not (is_here and self._pane.banner.display):
             title = one_line(level.title)

@@ -22,7 +22,7 @@ from logical_robots_tui.tui.labyrinth.drawing.picture import Picture
 from logical_robots_tui.tui.labyrinth.drawing.robot_view import draw_senses
 from logical_robots_tui.tui.labyrinth.drawing.thin_lines import Traces
 from logical_robots_tui.tui.labyrinth.drawing.viewport import CELL_ASPECT, Viewport
-from logical_robots_tui.tui.terminal.direct_paint import spot_of
+from logical_robots_tui.tui.terminal.direct_paint import paint_target_of
 from logical_robots_tui.tui.terminal.textual_internals import mark_rendered_stale
 from logical_robots_tui.tui.theme.themes import palette_of
 from logical_robots_tui.world.sensing import ROBOT_RADIUS
@@ -42,31 +42,31 @@ if TYPE_CHECKING:
 __all__ = ["LabyrinthView"]
 
 _PICK_REACH = 2.5
-"""Columns beside a robot at which a click still means it."""
+"""Columns beside a robot within which a click selects it."""
 
 _CROWD = 30
-"""Robots from which on their light is left out while something is drawn over the picture."""
+"""Robots from which their light is left out while an overlay is drawn."""
 
 _BEAT = 0.35
-"""Seconds for which a beacon keeps its brightness while the robots run."""
+"""Seconds between changes of a beacon's brightness while the robots run."""
 
 
 class LabyrinthView(Widget):
     """Shows one frame of a level.
 
-    Only what changed since the last frame is repainted.
+    Only changes since the last frame are repainted.
 
     Attributes:
-        rays: Whether the robots' radar is shown as light.
-        marks: Whether the ends of rays are marked.
-        lines: Whether the rays of the selected robot are drawn one by one.
-        trails: Whether the ways that robots came are shown.
-        names: Whether names are shown.
-        drawing: Which characters draw the labyrinth.
-        selected: Name of the robot to bring out, or None.
-        camera: What is looked at. ``view`` tells which part of the map that comes to, and turns
-            cells of this widget into map units and back.
-        palette: Colours, or None for those that suit the theme.
+        rays: Whether to show the robots' radar as light.
+        marks: Whether to mark the ends of rays.
+        lines: Whether to draw the rays of the selected robot.
+        trails: Whether to show trails.
+        names: Whether to show names.
+        drawing: The characters to draw with.
+        selected: Name of the selected robot, or None.
+        camera: What is shown. ``view`` is the resulting part of the map, and converts cells of this
+            widget to map units and back.
+        palette: The colours, or None for those of the theme.
     """
 
     DEFAULT_CSS = """
@@ -88,13 +88,13 @@ class LabyrinthView(Widget):
     palette: reactive[Palette | None] = reactive[Palette | None](None, repaint=False)
 
     class Looked(Message):
-        """The player looks at something else."""
+        """The player has changed the view."""
 
     class RobotPicked(Message):
         """A robot was clicked.
 
         Attributes:
-            view: Where.
+            view: The view.
             name: The robot's name.
         """
 
@@ -131,16 +131,16 @@ class LabyrinthView(Widget):
 
     @property
     def view(self) -> Viewport | None:
-        """What is shown at present; None before the first frame."""
+        """The current view; None before the first frame."""
         return None if self._level is None else self.camera.viewport(self._level, *self.size)
 
     def show(self, level: Level, frame: Frame, *, hurried: bool = False) -> None:
         """Show a frame.
 
         Args:
-            level: The level that it belongs to.
-            frame: What to show.
-            hurried: Whether the next frame follows at once, so that less need be sent.
+            level: Its level.
+            frame: The frame.
+            hurried: Whether the next frame follows at once, so that less must be sent.
         """
         if self._level is None or _place_of(level) != _place_of(self._level):
             self.set_reactive(LabyrinthView.camera, Camera())
@@ -150,21 +150,21 @@ class LabyrinthView(Widget):
         self._follow()
         self.redraw()
 
-    def bring_out(self, highlight: Highlight | None, frame: Frame) -> None:
-        """Bring out a ray or a robot as long as a frame is shown, or nothing any more."""
+    def highlight(self, highlight: Highlight | None, frame: Frame) -> None:
+        """Highlight a ray or a robot while a frame is shown, or nothing."""
         self._highlight = None if highlight is None else (highlight, frame)
         self.redraw()
 
     @property
-    def brought_out(self) -> Highlight | None:
-        """The ray or robot that is brought out of the frame that is shown."""
+    def highlighted(self) -> Highlight | None:
+        """The highlighted ray or robot of the current frame."""
         highlight, frame = self._highlight or (None, None)
         return highlight if frame is self._frame else None
 
-    # -- looking elsewhere ---------------------------------------------------------------------
+    # -- the camera ----------------------------------------------------------------------------
 
     def look_at_next(self) -> None:
-        """Look at the next thing: all, one robot, what robots sense, and all again."""
+        """Switch to the next view: all, one robot, what robots sense, and all again."""
         self.camera = self.camera.next_sight()
         if self.camera.sight is Sight.FOLLOW:
             if self.selected is None:
@@ -175,9 +175,9 @@ class LabyrinthView(Widget):
         """Zoom in, or out with negative steps.
 
         Args:
-            steps: How far.
-            at: The point, in map units, that stays where it is; without one that of what lies
-                over the picture, or else a selected robot is followed.
+            steps: Zoom steps.
+            at: The point, in map units, that stays in place; by default the overlay's cursor, or
+                the followed robot.
         """
         if self.view is None:
             return
@@ -190,12 +190,12 @@ class LabyrinthView(Widget):
             self.camera = self.camera.zoomed(steps, self.view, at)
 
     def pan(self, columns: float, rows: float) -> None:
-        """Move the view over the map by cells to the right and down."""
+        """Pan the view by cells to the right and down."""
         if self.view is not None and self._level is not None:
             self.camera = self.camera.panned(columns, rows, self.view, self._level)
 
     def select_next(self) -> None:
-        """Tell that the robot after the selected one was picked; after the last comes the first."""
+        """Select the robot after the selected one, or the first."""
         if self._level is None:
             return
         names = [robot.name for robot in self._level.robots]
@@ -204,7 +204,7 @@ class LabyrinthView(Widget):
         self.post_message(self.RobotPicked(self, self.selected))
 
     def _follow(self, *, at_once: bool = False) -> None:
-        """Keep the selected robot in sight, if the camera is to."""
+        """Keep the selected robot in view, if it is followed."""
         if self.view is None or self._frame is None:
             return
         for robot in self._frame.after.robots:
@@ -212,7 +212,7 @@ class LabyrinthView(Widget):
                 self.camera = self.camera.following(robot.x, robot.y, self.view, at_once=at_once)
 
     def robot_at(self, column: int, row: int) -> str | None:
-        """Return the name of the robot nearest to a cell of this widget, if one is near."""
+        """Return the name of the robot nearest to a cell of this widget, if it is close."""
         view, frame = self.view, self._frame
         if view is None or frame is None or self.camera.sight is Sight.SENSES:
             return None
@@ -226,7 +226,7 @@ class LabyrinthView(Widget):
         return min(found)[1] if found else None
 
     def get_line_filters(self) -> Sequence[LineFilter]:
-        """All but the one that makes true colours of others: cells have nothing else."""
+        """Return all filters except the conversion to true colour, which cells already have."""
         return [f for f in super().get_line_filters() if not isinstance(f, ANSIToTruecolor)]
 
     def render_line(self, y: int) -> Strip:
@@ -259,7 +259,7 @@ class LabyrinthView(Widget):
         view = self.view
         if view is None or self._level is None or self._frame is None:
             return []
-        # A brush is to be quicker than the light of a crowd.
+        # A brush must be faster than the light of a crowd.
         is_calm = self.overlay is not None and len(self._level.robots) > _CROWD
         look = Look(
             drawing=self.drawing,
@@ -270,7 +270,7 @@ class LabyrinthView(Widget):
             trails=self.trails and not is_calm,
             names=self.names,
             selected=self.selected,
-            highlight=self.brought_out,
+            highlight=self.highlighted,
             pulse=int(monotonic() / _BEAT) if self._hurried else 0,
         )
         if self.camera.sight is Sight.SENSES:
@@ -288,14 +288,14 @@ class LabyrinthView(Widget):
         return changes
 
     def redraw(self) -> None:
-        """Show what is different now."""
+        """Show all changes."""
         if not self.is_mounted or not self.size:
             return
         changes = self._draw()
         if not changes:
             return
         regions = [Region(first, row, stop - first, 1) for row, first, stop in changes]
-        spot = None if self.get_line_filters() else spot_of(self)
+        spot = None if self.get_line_filters() else paint_target_of(self)
         if spot is None:
             self.refresh(*regions)
         else:
@@ -313,7 +313,7 @@ class LabyrinthView(Widget):
         self.refresh()
 
     def on_click(self, event: events.Click) -> None:
-        """Tell which robot was clicked."""
+        """Post which robot was clicked."""
         if self.overlay is not None:
             if event.chain == 2 and event.button == 1:
                 self.overlay.pointer.open()
@@ -325,7 +325,7 @@ class LabyrinthView(Widget):
             self.post_message(self.RobotPicked(self, name))
 
     def on_mouse_down(self, event: events.MouseDown) -> None:
-        """Take hold of the map, or of what is edited."""
+        """Start to drag the map, or what is edited."""
         if self.overlay is not None and event.button == 1 and (at := self._point(event)):
             self._is_drawing = True
             self.capture_mouse()
@@ -335,7 +335,7 @@ class LabyrinthView(Widget):
         self.capture_mouse()
 
     def on_mouse_up(self) -> None:
-        """Let go of it."""
+        """Stop dragging."""
         self._held = None
         self.release_mouse()
         if self._is_drawing and self.overlay is not None:
@@ -343,7 +343,7 @@ class LabyrinthView(Widget):
         self._is_drawing = False
 
     def on_mouse_move(self, event: events.MouseMove) -> None:
-        """Pull it along."""
+        """Drag."""
         if self._held is None and self.overlay is not None:
             if at := self._point(event):
                 self.overlay.pointer.hover(*at, is_held=self._is_drawing)
@@ -363,7 +363,7 @@ class LabyrinthView(Widget):
         self._wheel(event, -1)
 
     def _point(self, event: events.MouseEvent) -> tuple[float, float] | None:
-        """Where the mouse points on the map, also beside the picture while a button is held."""
+        """Return the pointer's place on the map, even off the picture while a button is held."""
         view = self.view
         if view is None or self.camera.sight is Sight.SENSES:
             return None
@@ -376,17 +376,17 @@ class LabyrinthView(Widget):
             self.zoom(steps, self.view.position(offset.y, offset.x))
 
     def watch_camera(self) -> None:
-        """Show it, and say so."""
+        """Redraw, and post that the view has changed."""
         self.redraw()
         self.post_message(self.Looked())
 
     def watch_selected(self) -> None:
-        """Bring it out."""
+        """Redraw with the selected robot highlighted."""
         self._follow(at_once=True)
         self.redraw()
 
     def watch_rays(self) -> None:
-        """Show it."""
+        """Redraw."""
         self.redraw()
 
     watch_marks = watch_lines = watch_trails = watch_names = watch_drawing = watch_palette = (
@@ -395,5 +395,5 @@ class LabyrinthView(Widget):
 
 
 def _place_of(level: Level) -> tuple[str, str, int, int]:
-    """What stays the same of a level while it is edited, unless it is given another size."""
+    """Return what stays the same while a level is edited, unless its size changes."""
     return level.name, level.source, level.width, level.height

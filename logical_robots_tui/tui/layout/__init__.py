@@ -1,1 +1,1 @@
-"""How panes, lines and dialogs share the screen."""
+"""The arrangement of panes, lines and dialogs on the screen."""

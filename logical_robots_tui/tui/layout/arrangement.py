@@ -1,4 +1,4 @@
-"""The panes as they stand on the screen: which are shown, and how large."""
+"""The panes on the screen: which are shown, and how large."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ __all__ = ["Arrangement"]
 
 
 class Arrangement:
-    """Gives each pane its place, and knows in which of them the player works.
+    """Places the panes, and knows the active one.
 
     Args:
         panes: Labyrinth, program and inspector.
@@ -24,15 +24,15 @@ class Arrangement:
 
     def __init__(self, panes: tuple[Pane, Pane, Pane]) -> None:
         self.container = Container(*panes, id="panes")
-        """What holds the panes."""
+        """The container of the panes."""
         self.panes = panes
-        """All panes, hidden ones too."""
+        """All panes, including hidden ones."""
         self.active: Pane = panes[0]
-        """The pane that is worked in; it is never hidden."""
+        """The active pane; it is never hidden."""
         self.layout = Layout.WIDE
-        """What suits the terminal's size."""
+        """The layout for the terminal's size."""
         self.is_one_large = False
-        """Whether the pane that is worked in has all the room."""
+        """Whether the active pane fills the screen."""
         self._size = Size()
         self._hidden: set[Pane] = set()
         self._shares = Shares()
@@ -43,7 +43,7 @@ class Arrangement:
         return self.layout is Layout.TINY
 
     def covers(self, pane: Pane) -> bool:
-        """Whether another pane has the place of that one."""
+        """Return whether another pane covers this one."""
         return self.layout is Layout.NARROW and self.active is not pane
 
     def fit(self, size: Size) -> None:
@@ -53,7 +53,7 @@ class Arrangement:
         self.show()
 
     def show(self) -> None:
-        """Arrange the panes anew."""
+        """Arrange the panes again."""
         self._hidden.discard(self.active)
         for pane in self.panes:
             if self.layout.is_roomy and not self.is_one_large:
@@ -66,11 +66,11 @@ class Arrangement:
             self._lay_out(grid)
 
     def beside_active(self, steps: int) -> Pane:
-        """The pane that many places further than the one that is worked in, and round again."""
+        """Return the pane so many places after the active one, wrapping around."""
         return self.panes[(self.panes.index(self.active) + steps) % len(self.panes)]
 
     def focused(self) -> bool:
-        """Take the pane with the focus for the one that is worked in; whether there is one."""
+        """Make the pane with the focus the active one; return whether there is one."""
         for pane in self.panes:
             if pane.has_focus_within:
                 self.active = pane
@@ -78,17 +78,17 @@ class Arrangement:
         return False
 
     def toggle_large(self) -> bool:
-        """Give the pane that is worked in all the room, or no longer; whether it has it now."""
+        """Give the active pane the whole screen, or share it again; return whether it has it."""
         self.is_one_large = not self.is_one_large
         return self.is_one_large
 
     def hide(self, pane: Pane) -> Pane:
-        """Hide a pane and return where to go on; if one is hidden already, show all instead."""
+        """Hide a pane and return the pane to focus; if one is hidden already, show all instead."""
         if self._hidden:
             self._hidden.clear()
             return pane
         self._hidden.add(pane)
-        # Not into the program: the next key would be a letter of it.
+        # Not the program: the next key would be typed into it.
         labyrinth, _, inspector = self.panes
         return inspector if pane is labyrinth else labyrinth
 
@@ -97,11 +97,11 @@ class Arrangement:
         self._shares = self._shares.changed(columns, rows)
 
     def pull(self, pane: Pane, side: str, columns: int, rows: int) -> None:
-        """Move a side of a pane, and what is beyond it, at the next ``show``.
+        """Move an edge of a pane, and what is beyond it, at the next ``show``.
 
         Args:
-            pane: Whose side.
-            side: ``left``, ``right``, ``top`` or ``bottom``; those at the rim stay.
+            pane: The pane.
+            side: ``left``, ``right``, ``top`` or ``bottom``; outer edges stay.
             columns: How far to the right.
             rows: How far down.
         """

@@ -36,7 +36,7 @@ class CommandChosen(Message):
 
 
 class _Labels(Widget):
-    """A line of labels that stand for commands."""
+    """A line of labels for commands."""
 
     ALLOW_SELECT: ClassVar[bool] = False
 
@@ -45,7 +45,7 @@ class _Labels(Widget):
         self._spans: list[tuple[int, int, str]] = []
 
     def line(self, labels: list[tuple[Content, str]], gap: int) -> Content:
-        """Lay labels with their commands out from the left, remembering where they are."""
+        """Lay out labels with their commands from the left, and remember their places."""
         content, self._spans = Content(" "), []
         for label, command_id in labels:
             start = content.cell_length + (gap if self._spans else 0)
@@ -57,14 +57,14 @@ class _Labels(Widget):
         return content
 
     def on_click(self, event: events.Click) -> None:
-        """Choose the command under the pointer."""
+        """Run the command under the pointer."""
         for start, end, command_id in self._spans:
             if start <= event.x < end:
                 self.post_message(CommandChosen(command_id))
 
 
 class CommandBar(_Labels):
-    """The line at the bottom: commands that make sense now, with their keys."""
+    """The bottom line: the commands that apply now, with their keys."""
 
     DEFAULT_CSS = """
     CommandBar { dock: bottom; height: 1; background: $panel; }
@@ -80,8 +80,8 @@ class CommandBar(_Labels):
         """Show the commands for a situation.
 
         Args:
-            typing: Whether printable keys are text at the moment.
-            running: Whether the robots go on by themselves.
+            typing: Whether printable keys are text.
+            running: Whether the robots run.
             editing: Whether keys edit the level.
         """
         now = typing, running, editing
@@ -90,7 +90,7 @@ class CommandBar(_Labels):
             self.refresh()
 
     def render(self) -> Content:
-        """The line, as wide as the widget."""
+        """Return the line, as wide as the widget."""
         unwanted = "outside" if self._typing else "editor"
         offered = [entry for entry in commands("screen", "level") if entry.bar]
         shown = [e for e in offered if e.scope == "screen" and e.place != unwanted]
@@ -122,7 +122,7 @@ class CommandBar(_Labels):
 
 
 class PaneTabs(_Labels):
-    """The line that names the panes when only one of them fits on the screen."""
+    """The names of the panes, when only one of them fits on the screen."""
 
     DEFAULT_CSS = """
     PaneTabs { height: 1; background: $background; }
@@ -140,7 +140,7 @@ class PaneTabs(_Labels):
             self.refresh()
 
     def render(self) -> Content:
-        """The line, as wide as the widget."""
+        """Return the line, as wide as the widget."""
         labels = []
         for command_id, text in self._tabs:
             is_active = command_id == self._active

@@ -1,4 +1,4 @@
-"""Dialogs: boxes over the game, a line to type, a question to answer, a list to choose from."""
+"""Dialogs: boxes over the game, a line to type, a question, a list."""
 
 from __future__ import annotations
 
@@ -28,22 +28,22 @@ Result = TypeVar("Result")
 
 
 class ClosedOnce(Screen[Result]):
-    """A screen that what comes in twice, such as a double click, closes once.
+    """A screen that closes only once, even for a double click.
 
-    Textual would close the screen below as well, or end the app if there is none but that.
+    Textual would close the screen below as well, or end the app if there is none.
     """
 
     def dismiss(self, result: Result | None = None) -> AwaitComplete:
-        """Close, unless that is done already."""
+        """Close, unless already closed."""
         return super().dismiss(result) if self.is_active else AwaitComplete()
 
     def check_action(self, action: str, parameters: tuple[object, ...]) -> bool | None:
-        """Whether a key may do something: not once it is closed, and has lost its parts."""
+        """Disable keys once it is closed, because its widgets are gone."""
         return self.is_active and super().check_action(action, parameters)
 
 
 class Dialog(ModalScreen["Result | None"], ClosedOnce["Result | None"], Generic[Result]):
-    """A box over the game; leaving it without an answer gives None."""
+    """A box over the game; closing it without an answer returns None."""
 
     DEFAULT_CSS = """
     Dialog { align: center middle; background: $background 60%; }
@@ -71,11 +71,11 @@ class Dialog(ModalScreen["Result | None"], ClosedOnce["Result | None"], Generic[
 
 
 class LinePrompt(Dialog[str]):
-    """Asks for a line, and gives it as it was typed.
+    """Asks for a line of text, and returns it.
 
     Args:
-        title: What for.
-        text: What stands there already.
+        title: The title.
+        text: The initial text.
     """
 
     DEFAULT_CSS = """
@@ -88,11 +88,11 @@ class LinePrompt(Dialog[str]):
         self._text = text
 
     def compose(self) -> ComposeResult:
-        """A line to type in."""
+        """Yield the line."""
         with Vertical(id="box") as box:
             box.border_title = Content(self._title_text)
             yield Input(self._text, id="line")
-            yield Static("enter take it   esc close", id="keys", markup=False)
+            yield Static("enter accept   esc close", id="keys", markup=False)
 
     @on(Input.Submitted)
     def _submitted(self, event: Input.Submitted) -> None:
@@ -100,17 +100,17 @@ class LinePrompt(Dialog[str]):
 
 
 class Question(Dialog[str]):
-    """Asks, and gives the name of the answer.
+    """Asks a question, and returns the name of the answer.
 
     Args:
-        title: What it is about.
+        title: The title.
         question: The question.
         answers: Pairs of name and label; the first letter of the label is its key.
-        text: A text to show when asked, under the answer ``show``.
-        noticing: Seconds for which it is to be seen before it shows its answers.
+        text: A text that the answer ``show`` shows.
+        noticing: Seconds before the answers are shown.
 
     Attributes:
-        answered_from: When the answers were shown, as the clock of events says; inf before.
+        answered_from: When the answers were shown, by the clock of events; inf before.
     """
 
     DEFAULT_CSS = """
@@ -143,7 +143,7 @@ class Question(Dialog[str]):
         self._text = text
 
     def compose(self) -> ComposeResult:
-        """The question above its answers."""
+        """Yield the question above its answers."""
         with Vertical(id="box") as box:
             box.border_title = Content(self._title_text)
             yield Static(Content(self._question), id="question")
@@ -154,7 +154,7 @@ class Question(Dialog[str]):
                     yield Button(Content(label), id=f"answer-{name}", compact=True)
 
     def on_mount(self) -> None:
-        """Show the answers, at once or when the question has been seen."""
+        """Show the answers, at once or after a delay."""
         if self._noticing:
             self.query_one("#answers").visible = False
             self.call_after_refresh(partial(self.set_timer, self._noticing, self._show_answers))
@@ -190,20 +190,20 @@ class Question(Dialog[str]):
 
 
 class Listing(OptionList):
-    """A list that does nothing where there is nothing; Textual's would end the game."""
+    """A list that handles being empty; Textual's would end the game."""
 
     def on_click(self, event: events.Click) -> None:
-        """Keep back a click that is meant for a line that has just gone."""
+        """Ignore a click on a line that has just disappeared."""
         line = event.style.meta.get("option")
         if line is not None and line >= self.option_count:
             event.prevent_default()
 
     def action_page_up(self) -> None:
-        """Go up by a page, if one is seen."""
+        """Go up a page, if the list is visible."""
         if self.scrollable_content_region:
             super().action_page_up()  # type: ignore[no-untyped-call] # so it is in Textual
 
     def action_page_down(self) -> None:
-        """Go down by a page, if one is seen."""
+        """Go down a page, if the list is visible."""
         if self.scrollable_content_region:
             super().action_page_down()  # type: ignore[no-untyped-call] # this, too

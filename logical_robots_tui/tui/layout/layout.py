@@ -1,4 +1,4 @@
-"""How the panes share the screen."""
+"""The layouts of the panes."""
 
 from __future__ import annotations
 
@@ -11,23 +11,23 @@ LEAST_WIDTH, LEAST_HEIGHT = 40, 12
 _WIDE_FROM = (110, 24)
 _TALL_FROM = 46
 _NARROWEST, _LOWEST = 30, 6
-"""Columns and rows, with its border, that a pane keeps whatever the player wishes."""
+"""The smallest columns and rows of a pane, with its border."""
 
 _WIDEST_TEXT, _HIGHEST_TABLE = 96, 26
-"""Columns of the program and rows of the inspector from which on the labyrinth gets the rest."""
+"""Columns of the program and rows of the inspector above which the labyrinth gets the rest."""
 
 
 class Layout(Enum):
-    """Arrangements, by the CSS class that the screen has in them."""
+    """Layouts, by the screen's CSS class."""
 
     WIDE = "-wide"
     """All panes at once: the program beside the labyrinth, the inspector below."""
     TALL = "-tall"
-    """All panes at once, one below the other."""
+    """All panes at once, stacked."""
     NARROW = "-narrow"
     """One pane at a time, under tabs."""
     TINY = "-tiny"
-    """No pane, only the wish for a larger terminal."""
+    """No pane, only a request for a larger terminal."""
 
     @property
     def is_roomy(self) -> bool:
@@ -36,12 +36,11 @@ class Layout(Enum):
 
 
 class Shares(NamedTuple):
-    """What the player changed about the sizes of panes.
+    """The player's changes to the sizes of panes.
 
     Attributes:
-        columns: The program is this much wider than by itself.
-        rows: The inspector is this much higher than by itself; the program too, where it stands
-            below the labyrinth.
+        columns: Additional columns of the program.
+        rows: Additional rows of the inspector; also of the program where it is below the labyrinth.
     """
 
     columns: int = 0
@@ -53,12 +52,12 @@ class Shares(NamedTuple):
 
 
 class Grid(NamedTuple):
-    """Sizes of panes in cells; the labyrinth gets what is left.
+    """Sizes of panes in cells; the labyrinth gets the rest.
 
     Attributes:
-        program: Columns of the program where it stands beside the labyrinth, else its rows.
+        program: Columns of the program beside the labyrinth, otherwise its rows.
         inspector: Rows of the inspector.
-        shares: What the player changed, as far as there was room for it.
+        shares: The player's changes, as far as there was room.
     """
 
     program: int
@@ -67,7 +66,7 @@ class Grid(NamedTuple):
 
 
 def layout_for(width: int, height: int) -> Layout:
-    """The arrangement for a terminal of that many columns and rows."""
+    """Return the layout for a terminal of that many columns and rows."""
     if width < LEAST_WIDTH or height < LEAST_HEIGHT:
         return Layout.TINY
     if width >= _WIDE_FROM[0] and height >= _WIDE_FROM[1]:
@@ -76,13 +75,13 @@ def layout_for(width: int, height: int) -> Layout:
 
 
 def grid_for(layout: Layout, width: int, height: int, shares: Shares) -> Grid:
-    """The sizes of the panes.
+    """Return the sizes of the panes.
 
     Args:
-        layout: A roomy one.
+        layout: A roomy layout.
         width: Columns of the terminal.
         height: Its rows.
-        shares: What the player wishes.
+        shares: The player's changes.
     """
     room = height - 2  # status and command bar
     inspector = min(max(round(0.3 * height), 8), _HIGHEST_TABLE)

@@ -1,4 +1,4 @@
-"""Panes: the parts of the screen that a player goes between."""
+"""Panes: the parts of the screen that take the focus."""
 
 from __future__ import annotations
 
@@ -19,10 +19,10 @@ __all__ = ["Pane"]
 
 
 class Pane(Container):
-    """A part of the screen with a title; the same instance lives in every layout.
+    """A part of the screen with a title; the same instance is used in every layout.
 
     Attributes:
-        command_id: The command that goes to it; also its id.
+        command_id: The command that focuses it; also its id.
     """
 
     DEFAULT_CSS = """
@@ -36,15 +36,15 @@ class Pane(Container):
     command_id: ClassVar[str]
 
     class Retitled(Message):
-        """The title of a pane has changed."""
+        """The title has changed."""
 
     class Pulled(Message):
-        """A side of a pane is pulled with the mouse.
+        """An edge is dragged with the mouse.
 
         Attributes:
             pane: Which pane.
-            side: Which side: ``left``, ``right``, ``top`` or ``bottom``.
-            moved: By how many columns and rows, since the last time.
+            side: The edge: ``left``, ``right``, ``top`` or ``bottom``.
+            moved: Columns and rows since the last message.
         """
 
         def __init__(self, pane: Pane, side: str, moved: Offset) -> None:
@@ -64,14 +64,14 @@ class Pane(Container):
         return f"{self._heading} · {self._note}" if self._note else self._heading
 
     def note(self, text: str) -> None:
-        """Say something about the pane beside its title; "" says nothing."""
+        """Set the note beside the title; "" for none."""
         if text != self._note:
             self._note = visible(text)
             self._set_border_title()
             self.post_message(self.Retitled())
 
     def on_mouse_down(self, event: events.MouseDown) -> None:
-        """Take hold of a side."""
+        """Start to drag an edge."""
         sides = {
             "left": event.x == 0,
             "right": event.x == self.outer_size.width - 1,
@@ -79,27 +79,27 @@ class Pane(Container):
             "bottom": event.y == self.outer_size.height - 1,
         }
         side = next((side for side, is_there in sides.items() if is_there), None)
-        # What happens to a child comes here too, with the child's coordinates.
+        # Events of children bubble up here, with the child's coordinates.
         is_mine = self.screen.get_widget_at(*event.screen_offset)[0] is self
         if side is not None and is_mine:
             self._held = (side, event.screen_offset)
             self.capture_mouse()
 
     def on_mouse_move(self, event: events.MouseMove) -> None:
-        """Pull the side that is held."""
+        """Drag the edge."""
         if self._held is not None:
             side, before = self._held
             self._held = (side, event.screen_offset)
             self.post_message(self.Pulled(self, side, event.screen_offset - before))
 
     def on_mouse_up(self) -> None:
-        """Let go."""
+        """Stop dragging."""
         if self._held is not None:
             self._held = None
             self.release_mouse()
 
     def enter(self) -> None:
-        """Put the focus where work in this pane begins, at once: the next key belongs there."""
+        """Focus the widget where work begins, at once, because the next key belongs there."""
         raise NotImplementedError
 
     def _set_border_title(self) -> None:

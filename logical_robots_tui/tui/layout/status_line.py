@@ -1,4 +1,4 @@
-"""The status line: what the game is doing, in as much detail as fits."""
+"""The status line: what the game is doing, as far as it fits."""
 
 from __future__ import annotations
 
@@ -35,18 +35,18 @@ _SIGNS: dict[Activity, tuple[str, str]] = {
 
 
 class Status(NamedTuple):
-    """What the status line tells.
+    """The content of the status line.
 
     Attributes:
         title: The level's title.
         activity: What the game is doing.
         tick: The tick on the screen.
         won_at: The tick of victory, or None.
-        speed: Wanted ticks per second, None is flat out.
+        speed: The chosen ticks per second; None for full speed.
         achieved: Ticks per second over the last second, or None while nothing runs.
-        goals: The goal areas and who is in them.
-        think_milliseconds: How long the last thought took.
-        thinking_for: Seconds that a long thought under way has taken, else 0.0.
+        goals: The goal areas with the robots in them.
+        think_milliseconds: How long the last think took.
+        thinking_for: Seconds that a long think has taken so far, otherwise 0.0.
     """
 
     title: str
@@ -61,7 +61,7 @@ class Status(NamedTuple):
 
 
 def status_of(session: Session) -> Status:
-    """What there is to tell of a session at this moment."""
+    """Return the current status of a session."""
     activity: Activity = "paused"
     if session.running:
         activity = "running"
@@ -85,7 +85,7 @@ def status_of(session: Session) -> Status:
 
 
 class StatusLine(Widget):
-    """One line on top of the screen; what does not fit is left out, the least important first."""
+    """The top line; the least important parts are left out if there is no room."""
 
     DEFAULT_CSS = """
     StatusLine { dock: top; height: 1; background: $panel; color: $foreground; }
@@ -96,28 +96,28 @@ class StatusLine(Widget):
         self._status: Status | None = None
 
     def show(self, status: Status) -> None:
-        """Show what a session is doing."""
+        """Show the status."""
         if status != self._status:
             self._status = status
             repaint(self)
 
     def render(self) -> Content:
-        """The line, as wide as the widget."""
+        """Return the line, as wide as the widget."""
         if self._status is None:
             return Content("")
         return fit(self._status, self.size.width)
 
     def render_line(self, y: int) -> Strip:
-        """The line at once, which Textual would look for places to break."""
+        """Return the line directly; Textual would search it for line breaks."""
         del y
         strip = Strip(self.render().render_segments(self.visual_style))
         return strip.adjust_cell_length(self.size.width, self.rich_style)
 
 
 def fit(status: Status, width: int) -> Content:
-    """The parts of a status line that fit into a width, in reading order.
+    """Return the parts of a status line that fit into a width, in reading order.
 
-    The most important parts are placed first; each later one only if there is still room.
+    More important parts are placed first; each later one only if there is still room.
     """
     tick = f"tick {status.tick}"
     sign, sign_style = _SIGNS[status.activity]
@@ -150,15 +150,15 @@ def fit(status: Status, width: int) -> Content:
 
 
 def _thinking(seconds: float) -> str:
-    """How long a thought takes; when that is long, which key stops it, also in the editor."""
+    """Return how long a think has taken; if long, with the key that stops it."""
     key = command("run").bar_key(typing=True)
     if seconds < _LONG or not key:
         return f"◌ thinking… {seconds:.1f} s"
-    return f"◌ thinking takes long… {seconds:.1f} s, {key} stops it"
+    return f"◌ thinking… {seconds:.1f} s, {key} stops it"
 
 
 def _goals(found: Sequence[Goal], *, long: bool) -> Content:
-    """Each goal with the robots it wants; short it only counts them."""
+    """Return each goal with the robots it wants; if short, with their number."""
     parts: list[Content] = []
     for goal in found:
         words: list[Content] = []

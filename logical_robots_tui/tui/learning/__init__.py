@@ -1,1 +1,1 @@
-"""What helps a player on: briefing, hints, lessons, the tour."""
+"""Learning: briefing, hints, lessons, the tour."""

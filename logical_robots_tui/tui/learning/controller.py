@@ -1,6 +1,6 @@
-"""What helps a player on: hints, the lesson, the reference program, and one's earlier versions.
+"""Hints, the lesson, the reference program, and the player's earlier versions.
 
-Dialogs are loaded when they are asked for, so that the first picture comes sooner.
+Dialogs are loaded when first used, so that the first picture comes sooner.
 """
 
 from __future__ import annotations
@@ -26,14 +26,14 @@ __all__ = ["LearningController"]
 
 
 class LearningController:
-    """Answers to "what now?" at the level at hand.
+    """The learning commands for the current level.
 
     Args:
-        session: Whose level.
-        ui: Where to say and ask.
-        recorder: What the player has achieved.
+        session: The session.
+        ui: The user interface.
+        recorder: The player's progress.
         program: The text in the editor.
-        open_program: Goes to a program with a text of it.
+        open_program: Opens a program with a text.
     """
 
     def __init__(
@@ -48,7 +48,7 @@ class LearningController:
         self._program, self._open_program = program, open_program
 
     def hints(self) -> None:
-        """Show the hints revealed so far, and reveal more when asked."""
+        """Show the hints revealed so far, and reveal more on request."""
         from logical_robots_tui.tui.learning.hints import Hints
 
         level, recorder = self._session.level, self._recorder
@@ -73,7 +73,7 @@ class LearningController:
             self._ui.tell("This level has no lesson.")
 
     async def solution(self) -> None:
-        """Show the reference program; before a victory only to somebody who insists."""
+        """Show the reference program; before a victory, ask first."""
         from logical_robots_tui.tui.layout.dialogs import Question
         from logical_robots_tui.tui.learning.reader import Reader, coloured
 
@@ -82,9 +82,9 @@ class LearningController:
             self._ui.tell("This level has no reference program.")
             return
         if self._recorder.record.state != "won":
-            answers = [("no", "No, I go on trying"), ("yes", "Yes, show it")]
+            answers = [("no", "No, I'll keep trying"), ("yes", "Yes, show it")]
             question = with_keys(
-                "See the program that wins before you have won? "
+                "Do you want to see the winning program before you have won? "
                 "A hint ({hint}) may be all you need."
             )
             asked = Question("Reference program", question, answers)
@@ -98,12 +98,12 @@ class LearningController:
         self._ui.show(Reader(f"Reference · {source.name}", coloured(source.text)))
 
     async def choose_version(self) -> None:
-        """Ask for an earlier version and think with it; what stands in the editor is kept."""
+        """Ask for an earlier version and use it; the editor's text is kept as a version."""
         from logical_robots_tui.tui.library.chooser import Chooser, VersionShelf
 
         versions = await self._recorder.versions()
         if not versions:
-            self._ui.tell("No earlier versions yet: each program that you apply will be kept.")
+            self._ui.tell("No earlier versions yet. Each program that you apply becomes one.")
             return
         here = [version for version in versions if version.text == self._program.text]
         shelf = VersionShelf(versions)
@@ -116,7 +116,7 @@ class LearningController:
             self._ui.tell("The earlier version is back.")
 
     async def reset(self) -> None:
-        """Put the level's starter program back, if the player means it."""
+        """Put the level's starter program back, after asking."""
         from logical_robots_tui.tui.layout.dialogs import Question
 
         level = self._session.level
@@ -131,7 +131,7 @@ class LearningController:
         if starter.text == self._program.text:
             self._ui.tell("This is the starter program.")
             return
-        answers = [("yes", "Yes, begin anew"), ("no", "No, keep mine")]
+        answers = [("yes", "Yes, start over"), ("no", "No, keep mine")]
         question = with_keys(
             "Put the starter program back? Yours is kept among the earlier versions ({versions})."
         )

@@ -29,7 +29,7 @@ class Hints(Dialog[None]):
     Args:
         title: The level's title.
         hints: All its hints.
-        revealed: How many are revealed; if none is, the first one is now.
+        revealed: The number of revealed hints; if 0, the first one is revealed now.
         reveal: Called with the number of revealed hints when that grows.
     """
 
@@ -54,7 +54,7 @@ class Hints(Dialog[None]):
         self._reveal = reveal
 
     def compose(self) -> ComposeResult:
-        """The hints above what is left."""
+        """Yield the hints, and how many are left."""
         with Vertical(id="box") as box:
             box.border_title = Content(f"Hints · {one_line(self._title_text)}")
             with VerticalScroll():
@@ -63,16 +63,16 @@ class Hints(Dialog[None]):
             yield Static(id="keys", markup=False)
 
     def on_mount(self) -> None:
-        """Somebody who asks for hints wants at least one."""
+        """Reveal the first hint if none is revealed yet."""
         if not self._revealed:
             self.action_more()
 
     def on_resize(self) -> None:
-        """Break the lines anew."""
+        """Wrap the lines again."""
         self.call_after_refresh(self._write)
 
     def on_click(self, event: events.Click) -> None:
-        """Clicking the line about what is left reveals the next one."""
+        """Reveal the next hint on a click on the last line."""
         if event.widget is not None and event.widget.id == "more":
             self.action_more()
 
@@ -97,5 +97,5 @@ class Hints(Dialog[None]):
         left = len(self._hints) - self._revealed
         self.query_one("#keys", Static).update(f"{'h next hint   ' if left else ''}esc close")
         self.query_one("#more", Static).update(
-            Content(f"{left} more: press h for the next one." if left else "These are all hints.")
+            Content(f"{left} more: press h for the next one." if left else "There are no more.")
         )

@@ -52,7 +52,7 @@ class Reader(Dialog[None]):
         self._text = text
 
     def compose(self) -> ComposeResult:
-        """The text in a box."""
+        """Yield the text in a box."""
         with Vertical(id="box") as box:
             box.border_title = Content(one_line(self._title_text))
             with VerticalScroll():
@@ -60,11 +60,11 @@ class Reader(Dialog[None]):
             yield Static("↑↓ scroll   space on   esc close", id="keys", markup=False)
 
     def on_mount(self) -> None:
-        """Begin at the top."""
+        """Start at the top."""
         self.query_one(VerticalScroll).focus()
 
     def action_page(self) -> None:
-        """Go on by a page; at the end, close."""
+        """Scroll a page; at the end, close."""
         scroll = self.query_one(VerticalScroll)
         if scroll.scroll_y >= scroll.max_scroll_y:
             self.dismiss(None)
@@ -73,13 +73,13 @@ class Reader(Dialog[None]):
 
 
 def markdown(text: str) -> Markdown:
-    """A widget for Markdown, whose links lead nowhere: it may come from a level of anybody."""
+    """Return a widget for Markdown; its links don't work, because anybody may have written it."""
     lines = "\n".join(visible(line) for line in text.splitlines())
     return Markdown(lines, open_links=False)
 
 
 def coloured(text: str) -> Static:
-    """A widget for a program, coloured as in the editor."""
+    """Return a widget for a program, coloured as in the editor."""
     lines = [visible(line) for line in text.splitlines()]
     states, told = LineStates(), []
     for number, line in enumerate(lines):

@@ -1,4 +1,4 @@
-"""The guided tour: a box that points at one part of the screen after the other, once."""
+"""The guided tour: a box that points at one part of the screen after another."""
 
 from __future__ import annotations
 
@@ -22,11 +22,11 @@ __all__ = ["STOPS", "Stop", "Tour"]
 
 @dataclass(frozen=True, slots=True)
 class Stop:
-    """One place of the tour.
+    """One stop of the tour.
 
     Attributes:
-        place: Id of the part of the screen that it speaks of.
-        title: What that is.
+        place: Id of the explained part of the screen.
+        title: Its title.
         text: One or two sentences about it, with commands in braces for their keys.
     """
 
@@ -39,26 +39,26 @@ STOPS = (
     Stop(
         "labyrinth",
         "The labyrinth",
-        "Your robots, seen from above, and the light that they sense by. "
-        "Bring them into the green area; the briefing below says what is asked.",
+        "Your robots from above, and the light that they sense by. "
+        "Bring them into the green area. The briefing below explains the task.",
     ),
     Stop(
         "editor",
         "The program",
-        "What every robot thinks in every tick. {editor} goes there; change it, "
-        "{apply} applies it, and esc leads back.",
+        "Every robot runs this program in every tick. {editor} goes there; edit it, "
+        "{apply} applies it, and esc leaves it.",
     ),
     Stop(
         "inspector",
         "The inspector",
-        "What the robots sense, want and remember at the tick on the screen: "
-        "all that the program knows, row by row.",
+        "What the robots sense, want and remember at the current tick: "
+        "everything that the program knows, row by row.",
     ),
     Stop(
         "commands",
         "The commands",
         "{run} lets the robots run, {restart} starts again, {hint} gives a hint. "
-        "{help} shows every key, and all of it can be clicked. Good luck!",
+        "{help} shows all keys, and you can click everything. Good luck!",
     ),
 )
 
@@ -66,11 +66,11 @@ _WIDTH = 46
 
 
 class Tour(Static, can_focus=True):
-    """Says what the parts of the screen are; keys that it doesn't know do what they always do.
+    """Explains the parts of the screen; other keys keep their meaning.
 
     Args:
-        moved: Called when it has come to another stop.
-        ended: Called when it is over.
+        moved: Called at each stop.
+        ended: Called at the end.
     """
 
     DEFAULT_CSS = """
@@ -93,16 +93,16 @@ class Tour(Static, can_focus=True):
 
     @property
     def stop(self) -> Stop:
-        """Where the tour is."""
+        """The current stop."""
         return STOPS[self._at]
 
     def on_mount(self) -> None:
-        """Begin."""
+        """Start the tour."""
         self.focus()
         self.action_move(0)
 
     def place(self) -> None:
-        """Stand where the part of the screen has room: the labyrinth above, all others below."""
+        """Place the box where the part has room: above the labyrinth, below all others."""
         part, room = self.screen.query_one(f"#{self.stop.place}").region, self.screen.region
         height = self.size.height + self.gutter.height
         if part.height <= height:
@@ -117,7 +117,7 @@ class Tour(Static, can_focus=True):
         )
 
     def action_move(self, steps: int) -> None:
-        """Go some stops further; beyond the last one it is over."""
+        """Go some stops forward; after the last one the tour ends."""
         if self._at + steps >= len(STOPS):
             self.action_end()
             return
@@ -137,10 +137,10 @@ class Tour(Static, can_focus=True):
         self._moved()
 
     def action_end(self) -> None:
-        """Leave the tour."""
+        """End the tour."""
         self._ended()
 
     def on_click(self, event: events.Click) -> None:
-        """Go on."""
+        """Go to the next stop."""
         event.stop()
         self.action_move(1)

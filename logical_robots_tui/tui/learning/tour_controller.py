@@ -1,4 +1,4 @@
-"""Leads the tour round the main screen and brings the player back."""
+"""Runs the tour on the main screen."""
 
 from __future__ import annotations
 
@@ -15,13 +15,13 @@ __all__ = ["TourController"]
 
 
 class TourController:
-    """Shows what the tour speaks of.
+    """Shows the parts of the screen during the tour.
 
     Args:
         mount: Shows the tour.
-        arrangement: The panes that it passes.
-        point_at: Brings a pane to sight.
-        ended: Called when it is over.
+        arrangement: The panes.
+        point_at: Brings a pane into view.
+        ended: Called at the end.
     """
 
     def __init__(
@@ -36,7 +36,7 @@ class TourController:
         self._tour: Tour | None = None
 
     def begin(self) -> None:
-        """Begin the tour, again if it is under way."""
+        """Start the tour, or restart it."""
         from logical_robots_tui.tui.learning.tour import Tour
 
         self._remove()
@@ -45,7 +45,7 @@ class TourController:
             self._mount(self._tour)
 
     def place(self) -> None:
-        """Put the box where it belongs, such as after the screen has another size."""
+        """Place the box, such as after a resize."""
         if self._tour is None:
             return
         if self._arrangement.is_tiny:
@@ -54,7 +54,7 @@ class TourController:
             self._tour.place()
 
     def end(self) -> None:
-        """The player went on without it: leave everything as it is."""
+        """End the tour without moving the focus, because the player went on."""
         if self._tour is not None:
             self._remove()
             self._ended()
@@ -67,7 +67,7 @@ class TourController:
 
     def _show(self) -> None:
         if self._tour is None:
-            return  # it was ended before it stood
+            return  # it ended before it was mounted
         self._point_at(self._arrangement.panes[0])
         for pane in self._arrangement.panes:
             is_it = pane.command_id == self._tour.stop.place

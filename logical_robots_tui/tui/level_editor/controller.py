@@ -1,6 +1,6 @@
-"""The level editor as the rest of the game sees it, whether a level is edited or not.
+"""The level editor's interface to the rest of the game.
 
-What edits is loaded when it is first asked for, so that the game begins sooner.
+The editor is loaded when first used, so that the game starts sooner.
 """
 
 from __future__ import annotations
@@ -26,15 +26,15 @@ __all__ = ["LevelEditing"]
 
 
 class LevelEditing(SessionListener):
-    """Goes into editing and out of it.
+    """Starts and ends level editing.
 
     Args:
-        session: Whose level.
-        ui: Where to say and ask.
+        session: The session.
+        ui: The user interface.
         own: Folder of the player's levels.
-        drafts: Where a level is kept while it is not saved.
-        open_level: Goes to a level.
-        view: Makes what shows a level that is edited, and takes the player's keys and mouse.
+        drafts: The drafts of unsaved levels.
+        open_level: Opens a level.
+        view: Creates the view of an edited level, which handles keys and mouse.
     """
 
     def __init__(
@@ -49,7 +49,7 @@ class LevelEditing(SessionListener):
         self._session, self._ui, self._open_level, self._view = session, ui, open_level, view
         self._own, self._drafts = own, drafts
         self.mode: EditMode | None = None
-        """The level that is edited, or None before that."""
+        """The edited level, or None before that."""
 
     @property
     def is_on(self) -> bool:
@@ -58,15 +58,15 @@ class LevelEditing(SessionListener):
 
     @property
     def level(self) -> Level:
-        """The level to draw: that of the frame on the screen, or what becomes of it."""
+        """The level to draw: that of the frame on the screen, or its edited version."""
         levels = self._session.levels
         return levels.edited if self.is_on else levels.shown
 
     def open(self, key: str = "") -> None:
-        """Edit the level at hand, or go on editing it.
+        """Edit the current level, or continue editing it.
 
         Args:
-            key: Under which its draft was kept in a session that ended badly, if it was.
+            key: The key of its draft from a crashed session, if there is one.
         """
         from logical_robots_tui.tui.level_editor.mode import EditMode
 
@@ -75,7 +75,7 @@ class LevelEditing(SessionListener):
         self.mode.enter()
 
     async def make_level(self) -> None:
-        """Ask for a new level, go there and edit it."""
+        """Ask for a new level, open it and edit it."""
         from logical_robots_tui.tui.level_editor.new_level import ask_for_level
 
         made = await ask_for_level(self._ui, self._session.level.name, self._own)
@@ -83,23 +83,23 @@ class LevelEditing(SessionListener):
             await self._open_level(made)
             self.open()
 
-    def obeys(self, key: str) -> bool:
-        """Do what a key means while a level is edited; whether it means anything."""
-        return self.mode is not None and self.mode.view.obeys(key)
+    def handles(self, key: str) -> bool:
+        """Run the editing command of a key; return whether there is one."""
+        return self.mode is not None and self.mode.view.handles(key)
 
     def do(self, command_id: str) -> None:
-        """Do a command of editing."""
+        """Run an editing command."""
         if self.mode is not None:
             self.mode.view.do(command_id)
 
     def level_opened(self, level: Level) -> None:
-        """The player has gone to another level; changes not saved stay in a draft."""
+        """Note that another level was opened; unsaved changes stay in a draft."""
         if self.mode is not None:
             self.mode.end()
             self.mode = None
 
     def level_changed(self) -> None:
-        """The game is in another version of the level, such as that of an earlier tick."""
+        """Note that the game shows another version of the level, such as an earlier tick's."""
         if self.mode is not None and self.mode.is_on:
             self.mode.follow_game()
 
@@ -109,7 +109,7 @@ class LevelEditing(SessionListener):
             self.mode.autosave.flush()
 
     def close(self) -> None:
-        """Write the draft and nothing after it."""
+        """Write the draft, and nothing later."""
         if self.mode is not None:
             self.mode.autosave.stop()
 
@@ -118,7 +118,7 @@ class LevelEditing(SessionListener):
         try:
             drafts = await offers.at_hand(partial(asyncio.to_thread, self._drafts.adopt, "level"))
         except OSError:
-            return  # what is edited now can't be kept either, and that is told then
+            return  # current edits can't be kept either, which is reported then
         if drafts:
             from logical_robots_tui.tui.recovery.offers import offer
 

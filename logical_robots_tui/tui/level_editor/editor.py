@@ -1,4 +1,4 @@
-"""The level editor without its widgets: what tools do at a point, and what is selected."""
+"""The level editor without its widgets: tools, strokes and the selection."""
 
 from __future__ import annotations
 
@@ -25,22 +25,22 @@ if TYPE_CHECKING:
 __all__ = ["LevelEditor", "Stroke", "handle_of", "reach_of"]
 
 TURN = math.radians(15)
-_NEW_RADIUS = 30.0  # map units, of an area that is placed and not dragged
+_NEW_RADIUS = 30.0  # map units, of an area that is placed without dragging
 _LEAST_RADIUS = 2.0
-_REACH = 1.5  # columns beside a thing at which it is still meant
+_REACH = 1.5  # columns beside a thing within which it is picked
 
 
 @dataclass(slots=True)
 class Stroke:
-    """What is under way between pressing and letting go.
+    """A stroke between pressing and releasing.
 
     Attributes:
-        what: Its name in undo, or "" before it has done anything.
-        start: Where it began, map units.
-        end: Where it is.
-        grip: From where the thing stands to where it was taken.
-        is_handle: Whether the thing is taken by its handle.
-        has_done: Whether it has changed anything yet.
+        what: Its name for undo, or "" before it has changed anything.
+        start: Its start in map units.
+        end: Its current point.
+        grip: The offset from the thing's position to where it was grabbed.
+        is_handle: Whether the thing was grabbed by its handle.
+        has_done: Whether it has changed anything.
     """
 
     what: str
@@ -52,15 +52,15 @@ class Stroke:
 
 
 class LevelEditor:
-    """A level, the tool in hand, the cursor and what is selected.
+    """A level, the current tool, the cursor and the selection.
 
-    What a level refuses is told, and changes nothing.
+    An invalid change is reported and has no effect.
 
     Args:
-        edits: The level to edit, and the way back and forth.
-        state: Gives the world as it stands.
+        edits: The edited level, with undo and redo.
+        state: Returns the state of the world.
         changed: Called after every change of the level.
-        complain: Called with what a level refuses.
+        complain: Called with the message of an invalid change.
     """
 
     def __init__(
@@ -87,28 +87,28 @@ class LevelEditor:
 
     @property
     def standing(self) -> Level:
-        """The level with its robots where they are at the moment."""
+        """The level with its robots at their current places."""
         return as_it_stands(self.level, self._state())
 
     @property
     def thing(self) -> Thing | None:
-        """The selected thing, where it stands."""
+        """The selected thing, at its current place."""
         return None if self.selected is None else thing_of(self.standing, self.selected)
 
     def configure(self, **values: Any) -> None:
-        """Change the settings of tools; a stroke under way ends."""
+        """Change the tools' settings; ends a stroke."""
         self.finish()
         self.settings = replace(self.settings, **values)
 
     # -- strokes -------------------------------------------------------------------------------
 
     def press(self, x: float, y: float, units: float) -> None:
-        """Begin with the tool in hand.
+        """Start a stroke with the current tool.
 
         Args:
             x: Map units.
             y: Map units.
-            units: Map units of a column; a thing may be missed by a little more.
+            units: Map units per column; a thing can be picked from a little further away.
         """
         tool = self.settings.tool
         self.stroke = Stroke("", (x, y), (x, y))
@@ -124,7 +124,7 @@ class LevelEditor:
             self._place(tool, x, y)
 
     def drag(self, x: float, y: float) -> None:
-        """Go on to a point."""
+        """Continue the stroke to a point."""
         stroke, tool = self.stroke, self.settings.tool
         if stroke is None or (x, y) == stroke.end:
             return
@@ -154,11 +154,11 @@ class LevelEditor:
             )
 
     def finish(self) -> None:
-        """End the stroke for something else: what it has done stays, a line not drawn is none."""
+        """End the stroke for another action: its changes stay, an unfinished line is dropped."""
         self.stroke = None
 
     def cancel(self) -> bool:
-        """Give the stroke up, and undo what it has done; whether there was one."""
+        """Cancel the stroke and undo its changes; return whether there was one."""
         stroke, self.stroke = self.stroke, None
         if stroke is not None and stroke.has_done:
             self.undo()
@@ -167,7 +167,7 @@ class LevelEditor:
     # -- changes -------------------------------------------------------------------------------
 
     def do(self, what: str, work: Callable[[Level], Level], *, goes_on: bool = False) -> bool:
-        """Change the level; whether anything is different now."""
+        """Change the level; return whether anything changed."""
         try:
             level = work(self.level)
         except LevelError as error:
@@ -179,7 +179,7 @@ class LevelEditor:
         return True
 
     def adopt(self, what: str, level: Level) -> None:
-        """Take a step that the game has taken already, with nothing selected."""
+        """Add an undo step for a change that the game has made, and clear the selection."""
         self.selected = None
         self.edits.do(what, level)
 
@@ -191,7 +191,7 @@ class LevelEditor:
         return what
 
     def redo(self) -> str:
-        """Do a step again and return its name, or ""."""
+        """Redo a step and return its name, or ""."""
         what = self.edits.redo()
         if what:
             self._changed()
@@ -201,18 +201,18 @@ class LevelEditor:
         """Set properties of a thing.
 
         Raises:
-            LevelError: The level refuses them.
+            LevelError: They are invalid.
         """
         self._note_pose(ref)
         if self.edits.do(what, change(self.level, ref, **values)):
             self._changed()
 
     def change_level(self, what: str, level: Level) -> None:
-        """Put another level in place of this one; robots that move in it move from where they are.
+        """Replace the level; robots that it moves start from their current places.
 
         Args:
-            what: The name of the step, to undo it.
-            level: The level, made from the present one.
+            what: The name of the undo step.
+            level: The level, made from the current one.
         """
         standing = {robot.name: robot for robot in self.standing.robots}
         starts = {robot.name: robot for robot in self.level.robots}
@@ -228,7 +228,7 @@ class LevelEditor:
         """Turn the selected robot by so many steps to its right."""
         ref, robot = self.selected, self.thing
         if ref is None or not isinstance(robot, Robot):
-            self._complain("Select a robot to turn.")
+            self._complain("Select a robot first.")
             return
         self._note_pose(ref)
         angle = (round(robot.angle / TURN) + steps) % round(math.tau / TURN) * TURN
@@ -236,10 +236,10 @@ class LevelEditor:
         self.do(f"turn {robot.name}", lambda level: change(level, ref, **values), goes_on=True)
 
     def duplicate(self) -> None:
-        """Place another one like the selected thing beside it, and select that."""
+        """Place a copy of the selected thing beside it, and select it."""
         ref, thing = self.selected, self.thing
         if ref is None or thing is None:
-            self._complain("Select what to duplicate.")
+            self._complain("Select something to duplicate first.")
             return
         beside = 2 * reach_of(thing) + 4
         room = self.level.width - reach_of(thing)
@@ -252,15 +252,15 @@ class LevelEditor:
         self.do("duplicate", work)
 
     def delete(self) -> None:
-        """Take the selected thing away."""
+        """Delete the selected thing."""
         ref = self.selected
         if ref is None or self.thing is None:
-            self._complain("Select what to delete.")
+            self._complain("Select something to delete first.")
         elif self.do("delete", lambda level: remove(level, ref)):
             self.selected = None
 
     def select_next(self, steps: int) -> None:
-        """Select the thing so many places further in the level, and go there."""
+        """Select the thing so many places further in the level, and move the cursor there."""
         level = self.level
         refs = [Ref(kind, i) for kind in KINDS for i in range(len(getattr(level, kind)))]
         start = refs.index(self.selected) if self.selected in refs else (-1 if steps > 0 else 0)
@@ -278,7 +278,7 @@ class LevelEditor:
         self._tell_changed()
 
     def _take(self, x: float, y: float, units: float) -> None:
-        """Take what is at a point, or the handle of what is selected."""
+        """Pick the thing at a point, or the handle of the selected thing."""
         thing, stroke = self.thing, self.stroke
         if stroke is None:
             return
@@ -361,24 +361,24 @@ class LevelEditor:
         stroke.has_done = stroke.has_done or done
 
     def _note_pose(self, ref: Ref) -> None:
-        """Remember where a robot stands, so that undoing brings it back there."""
+        """Remember a robot's place, so that undo moves it back there."""
         if ref.kind == "robots":
             self.poses.note(self.level.robots[ref.index], self.standing.robots[ref.index])
 
 
 def reach_of(thing: Thing) -> float:
-    """Map units from the middle of a thing to its rim."""
+    """Return the map units from a thing's centre to its edge."""
     if isinstance(thing, Area):
         return thing.radius
     return ROBOT_RADIUS if isinstance(thing, Robot) else BEACON_RADIUS
 
 
 def handle_of(thing: Thing, units: float) -> Point | None:
-    """Where a thing is taken to turn or size it; None if it has no such place.
+    """Return the handle that turns or resizes a thing, or None.
 
     Args:
-        thing: Where it stands.
-        units: Map units of a column, so that the place lies beside the thing.
+        thing: The thing.
+        units: Map units per column, so that the handle is beside the thing.
     """
     if isinstance(thing, Robot):
         away = max(2 * ROBOT_RADIUS, 3.5 * units)

@@ -1,4 +1,4 @@
-"""What the forms of the editor share: labelled fields to scroll, and one way to take them."""
+"""The base of the editor's forms: labelled fields that scroll."""
 
 from __future__ import annotations
 
@@ -27,10 +27,10 @@ __all__ = ["Form", "Ticks", "choice", "flag", "number", "several", "text"]
 
 
 class Tick(Checkbox):
-    """A box to tick that needs no colours to be read."""
+    """A checkbox that is readable without colours."""
 
     def on_mount(self) -> None:
-        """Show the state to begin with."""
+        """Show the initial state."""
         self.BUTTON_INNER = "X" if self.value else " "
 
     def watch_value(self) -> None:
@@ -40,13 +40,13 @@ class Tick(Checkbox):
 
 
 class Ticks(Listing):
-    """Names to tick: enter, or a click, ticks one or takes that back.
+    """A list of names with checkboxes.
 
     Args:
         name: Its id.
         names: All names.
-        known: Those that are there.
-        ticked: Those that are ticked.
+        known: The names that exist.
+        ticked: The ticked names.
     """
 
     def __init__(
@@ -59,32 +59,32 @@ class Ticks(Listing):
 
     @property
     def ticked(self) -> tuple[str, ...]:
-        """What is ticked, in the order of the list."""
+        """The ticked names, in list order."""
         return tuple(name for name in self._names if name in self._ticked)
 
     def toggle(self, name: str) -> None:
-        """Tick a name, or take that back."""
+        """Tick or untick a name."""
         self._ticked ^= {name}
         self.replace_option_prompt_at_index(self._names.index(name), self._line(name))
 
     def on_option_list_option_selected(self, event: OptionList.OptionSelected) -> None:
-        """Tick it."""
+        """Tick or untick it."""
         event.stop()
         self.toggle(self._names[event.option_index])
 
     def _line(self, name: str) -> Content:
         sign = "[X] " if name in self._ticked else "[ ] "
-        gone = "" if name in self._known else " (is not there)"
+        gone = "" if name in self._known else " (missing)"
         return Content.assemble((sign, INK.key), one_line(name), (gone, INK.dim))
 
 
 class Form(Dialog[bool]):
-    """Fields with labels; what is taken is done by `take`, which may refuse it.
+    """Fields with labels; `take` applies them, and may refuse.
 
-    Gives True when something was taken.
+    Returns True if it was applied.
 
     Args:
-        title: Of the box.
+        title: The title of the box.
     """
 
     DEFAULT_CSS = """
@@ -115,19 +115,19 @@ class Form(Dialog[bool]):
         self._title_text = title
 
     def fields(self) -> Iterable[tuple[str, Widget]]:
-        """Labels and widgets, in order; every widget has an id."""
+        """Yield labels and widgets, in order; every widget has an id."""
         raise NotImplementedError
 
     def take(self) -> None:
-        """Do what the fields say.
+        """Apply the fields.
 
         Raises:
-            LevelError: That can't be.
+            LevelError: A value is invalid.
         """
         raise NotImplementedError
 
     def compose(self) -> ComposeResult:
-        """The fields, and below them the buttons."""
+        """Yield the fields and the keys."""
         with Vertical(id="box") as box:
             box.border_title = Content(self._title_text)
             with VerticalScroll(can_focus=False):
@@ -139,17 +139,17 @@ class Form(Dialog[bool]):
             with Horizontal(id="buttons"):
                 yield Button("Take", id="take", compact=True)
                 yield Button("Close", id="close", compact=True)
-            yield Static("tab next   F2 or enter take   esc close", id="keys", markup=False)
+            yield Static("tab next   F2 or enter apply   esc close", id="keys", markup=False)
 
     def on_mount(self) -> None:
-        """Nothing blinks while nothing happens."""
+        """Stop the cursors from blinking."""
         for line in self.query(Input):
             line.cursor_blink = False
 
     @on(Input.Submitted)
     @on(Button.Pressed, "#take")
     def action_take(self) -> None:
-        """Take what the fields say, or tell why not."""
+        """Apply the fields, or show what is wrong."""
         try:
             self.take()
         except LevelError as error:
@@ -163,17 +163,17 @@ class Form(Dialog[bool]):
     def _close(self) -> None:
         self.dismiss(None)
 
-    # -- what stands in the fields -------------------------------------------------------------
+    # -- values of the fields -----------------------------------------------------------------
 
     def text_of(self, name: str) -> str:
-        """What was typed in a line."""
+        """Return the text of a field."""
         return self.query_one(f"#{name}", Input).value.strip()
 
     def number_of(self, name: str, label: str) -> float:
-        """The number in a line.
+        """Return the number in a field.
 
         Raises:
-            LevelError: It is none.
+            LevelError: It is not a number.
         """
         typed = self.text_of(name)
         try:
@@ -181,62 +181,62 @@ class Form(Dialog[bool]):
         except ValueError:
             found = math.nan
         if not math.isfinite(found):
-            raise LevelError(f"{label} is to be a number, not “{typed}”.")
+            raise LevelError(f"{label} must be a number, not “{typed}”.")
         return found
 
     def whole_of(self, name: str, label: str) -> int:
-        """The whole number in a line.
+        """Return the integer in a field.
 
         Raises:
-            LevelError: It is none.
+            LevelError: It is not an integer.
         """
         found = self.number_of(name, label)
         if not found.is_integer():
-            raise LevelError(f"{label} is to be a whole number, not {found:g}.")
+            raise LevelError(f"{label} must be an integer, not {found:g}.")
         return int(found)
 
     def flag_of(self, name: str) -> bool:
-        """Whether a box is ticked."""
+        """Return whether a box is ticked."""
         return self.query_one(f"#{name}", Checkbox).value
 
     def choice_of(self, name: str) -> str:
-        """What was chosen, or ""."""
+        """Return the chosen name, or ""."""
         chosen = self.query_one(f"#{name}", Select).value
         return "" if chosen is Select.NULL else str(chosen)
 
     def several_of(self, name: str) -> tuple[str, ...]:
-        """All that is ticked, in the order of the list."""
+        """Return all ticked names, in list order."""
         return self.query_one(f"#{name}", Ticks).ticked
 
     def lines_of(self, name: str) -> str:
-        """A text of several lines."""
+        """Return a text of several lines."""
         return self.query_one(f"#{name}", TextArea).text.strip()
 
 
 def text(name: str, value: str) -> Input:
-    """A line of text."""
+    """Return a text field."""
     return Input(value, id=name, select_on_focus=False)
 
 
 def number(name: str, value: float) -> Input:
-    """A number."""
+    """Return a number field."""
     return Input(f"{value:.10g}", id=name, select_on_focus=False)
 
 
 def flag(name: str, label: str, *, value: bool) -> Checkbox:
-    """A box to tick."""
+    """Return a checkbox."""
     return Tick(Content(label), value, id=name, compact=True)
 
 
 def choice(name: str, names: Sequence[str], value: str, nothing: str) -> Select[str]:
-    """One of several names, or nothing; a name that is not there any more can stay."""
+    """Return a choice of one name, or nothing; includes the current value even if it is missing."""
     known = list(dict.fromkeys(names))
     options = [(Content(one_line(each)), each) for each in known]
     if value and value not in known:
-        options.append((Content(f"{one_line(value)} (is not there)"), value))
+        options.append((Content(f"{one_line(value)} (missing)"), value))
     return Select(options, prompt=nothing, value=value or Select.NULL, id=name, compact=True)
 
 
 def several(name: str, names: Sequence[str], ticked: Sequence[str]) -> Ticks:
-    """Any of several names; one that is not there any more can stay."""
+    """Return a choice of several names; includes current values even if they are missing."""
     return Ticks(name, list(dict.fromkeys([*names, *ticked])), set(names), ticked)

@@ -41,10 +41,10 @@ _TITLES = {"robots": "Robot", "beacons": "Beacon", "areas": "Area"}
 
 
 class ThingForm(Form):
-    """Asks for the properties of one thing.
+    """Edits the properties of one thing.
 
     Args:
-        editor: What edits.
+        editor: The level editor.
         ref: The thing.
     """
 
@@ -55,7 +55,7 @@ class ThingForm(Form):
         self._thing = thing_of(editor.level, ref)
 
     def fields(self) -> Iterable[tuple[str, Widget]]:
-        """What such a thing has."""
+        """Yield the fields for this kind of thing."""
         thing = self._thing
         yield "Name", text("name", thing.name)
         yield "x", number("x", thing.x)
@@ -69,7 +69,7 @@ class ThingForm(Form):
             yield from self._of_area(thing)
 
     def take(self) -> None:
-        """Give the thing its properties."""
+        """Apply the properties."""
         thing = self._thing
         values: dict[str, Any] = {
             "name": self.text_of("name"),
@@ -141,10 +141,10 @@ _VISIBILITIES: dict[tuple[str, str], Visibility] = {
 
 
 class LevelForm(Form):
-    """Asks for size, texts and visibility.
+    """Edits size, texts and visibility.
 
     Args:
-        editor: What edits.
+        editor: The level editor.
     """
 
     def __init__(self, editor: LevelEditor) -> None:
@@ -153,13 +153,13 @@ class LevelForm(Form):
         self._level = editor.level
 
     def fields(self) -> Iterable[tuple[str, Widget]]:
-        """What a level has."""
+        """Yield the fields of a level."""
         level = self._level
         yield "Title", text("title", level.title)
         yield "Idea", text("idea", level.idea)
         yield "Width", number("width", level.width)
         yield "Height", number("height", level.height)
-        yield "Put in or cut", _select("place", _PLACES, "0")
+        yield "Add or cut at", _select("place", _PLACES, "0")
         yield "New room", flag("wall", "is wall", value=False)
         yield "Robot sees", _select("sensor", _SENSORS, level.visibility.sensor)
         yield "Robot knows", _select("memory", _MEMORIES, level.visibility.memory)
@@ -168,7 +168,7 @@ class LevelForm(Form):
         yield "Hints", TextArea(hints, id="hints", tab_behavior="focus")
 
     def take(self) -> None:
-        """Give the level its properties, in one step."""
+        """Apply the properties as one step."""
         level = self._level
         width = self.whole_of("width", "The width")
         height = self.whole_of("height", "The height")
@@ -205,10 +205,10 @@ def _select(name: str, options: Mapping[Any, str], value: str) -> Select[str]:
 
 
 class FindingList(Dialog[Finding]):
-    """Lists findings; gives the one to go to.
+    """Lists findings; returns the one to go to.
 
     Args:
-        findings: What looks wrong, at least one.
+        findings: At least one.
     """
 
     DEFAULT_CSS = """
@@ -221,7 +221,7 @@ class FindingList(Dialog[Finding]):
         self._findings = findings
 
     def compose(self) -> ComposeResult:
-        """One line for each."""
+        """Yield one line for each."""
         with Vertical(id="box") as box:
             box.border_title = "Findings"
             yield Listing(

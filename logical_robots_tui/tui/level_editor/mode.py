@@ -1,4 +1,4 @@
-"""Edit mode: a level while it is edited, without the widgets that show it."""
+"""Edit mode: the state of an edited level, without its widgets."""
 
 from __future__ import annotations
 
@@ -33,58 +33,58 @@ if TYPE_CHECKING:
 __all__ = ["EditMode", "EditView", "Live"]
 
 _DRAFT_DELAY = 1.0  # seconds from a change to its draft on disk
-_CHECK_DELAY = 0.3  # seconds without a change before a level is looked through
-_COARSEST = 10  # map units: a grid as coarse as the level's drawing, but not coarser
+_CHECK_DELAY = 0.3  # seconds without a change before a level is checked
+_COARSEST = 10  # map units of the default grid, at most
 
 
 class EditView(Protocol):
-    """Shows a level that is edited, and takes the player's keys and mouse."""
+    """Shows an edited level, and handles keys and mouse."""
 
     def enter(self) -> None:
-        """Keys and mouse edit from now on."""
+        """Let keys and mouse edit."""
 
     def leave(self, *, is_testing: bool) -> None:
-        """Keys and mouse play, perhaps only for a moment."""
+        """Let keys and mouse play, for a test or for good."""
 
     def remove(self) -> None:
-        """The level is left."""
+        """Remove the view, because another level was opened."""
 
     def redraw(self) -> None:
         """Show what has changed."""
 
-    def obeys(self, key: str) -> bool:
-        """Do what a key means; whether it means anything."""
+    def handles(self, key: str) -> bool:
+        """Run the command of a key; return whether there is one."""
 
     def do(self, command_id: str) -> None:
-        """Do a command."""
+        """Run a command."""
 
     def use(self) -> None:
         """Use the tool at the cursor."""
 
     def go_to(self, point: Point) -> None:
-        """Put the cursor somewhere, map units."""
+        """Move the cursor to a point in map units."""
 
 
 class EditMode:
-    """Editing the level at hand, from the first stroke until the level is left.
+    """Editing the current level, until another level is opened.
 
-    Leaving and coming back goes on where one was; undo reaches back to the beginning.
+    Leaving and returning continues where the player was; undo reaches back to the start.
 
     Args:
-        session: Where the level is.
-        ui: Where to say and ask.
+        session: The session.
+        ui: The user interface.
         own: Folder of the player's levels.
-        drafts: Where it is kept while it is not saved.
-        view: Makes what shows it.
-        key: Under which it was kept before, if it has no file.
+        drafts: The drafts of unsaved levels.
+        view: Creates the view.
+        key: The key of its earlier draft, if it has no file.
 
     Attributes:
-        levels: The level in its file, as it is edited, and on the screen.
-        file: Its file if the player may save there, else None.
-        findings: What looks wrong, or None while that is being looked at.
+        levels: The level in its file, as edited, and on the screen.
+        file: Its file if the player may save there, otherwise None.
+        findings: Likely mistakes, or None while they are being looked for.
         is_on: Whether keys and mouse edit.
-        is_testing: Whether the level is only played for a moment.
-        saving: Held while the level is written to its file.
+        is_testing: Whether the level is being tested.
+        saving: Held while the level is being saved.
     """
 
     def __init__(
@@ -121,13 +121,13 @@ class EditMode:
 
     @property
     def is_saved(self) -> bool:
-        """Whether a file says the same."""
+        """Whether a file holds the edited level."""
         return self.levels.is_saved
 
     # -- in and out ----------------------------------------------------------------------------
 
     def enter(self) -> None:
-        """Let keys and mouse edit the level; what was not saved of it comes back."""
+        """Let keys and mouse edit the level; restores unsaved changes."""
         self.is_on, self.is_testing = True, False
         self.view.enter()
         self.follow_game()
@@ -140,26 +140,26 @@ class EditMode:
         self.redraw()
 
     def leave(self) -> None:
-        """Let keys and mouse play again; what was changed stays in the game."""
+        """Let keys and mouse play; the changes stay in the game."""
         self.editor.finish()
         self.live.flush()
         self.is_on = False
         self.view.leave(is_testing=self.is_testing)
 
     def test(self) -> None:
-        """Play the level from its start, for a moment."""
+        """Test the level from its start."""
         self.is_testing = True
         self.leave()
         self.session.restart()
         self.session.run()
 
     def end_test(self) -> None:
-        """Come back from playing."""
+        """Return from the test."""
         self.session.restart()
         self.enter()
 
     def end(self) -> None:
-        """The level is left; what is not saved stays in its draft."""
+        """End editing, because another level was opened; unsaved changes stay in the draft."""
         self._is_over = True
         self.live.stop()
         if self.is_on or self.is_testing:
@@ -169,36 +169,36 @@ class EditMode:
         self.view.remove()
 
     def redraw(self) -> None:
-        """Show what has changed at once."""
+        """Show what has changed, at once."""
         if self.is_on:
             self.view.redraw()
 
-    # -- what becomes of it --------------------------------------------------------------------
+    # -- saving and following the game ---------------------------------------------------------
 
     def follow_game(self) -> None:
-        """The game went elsewhere: what it shows is what is edited now; undo leads back."""
+        """Adopt the level that the game shows now, as one undo step."""
         if not alike(self.levels.shown, self.levels.edited):
             self.editor.adopt(f"go to tick {self.session.frame.tick}", self.levels.shown)
             self._noted()
 
     def on_disk(self) -> Literal["same", "another", "none"]:
-        """Which level the file holds by now, compared with what was read or saved. Blocks."""
+        """Compare the file with what was last read or saved. Blocks."""
         try:
             found = load_level(Path(self.levels.saved.source))
         except LevelError:
-            return "none"  # nothing of a level can be lost
+            return "none"  # there is no level that could be lost
         return "same" if alike(found, self.levels.saved) else "another"
 
     def saved(self, level: Level, saved: Level) -> None:
-        """The level is saved.
+        """Note that the level was saved.
 
         Args:
-            level: What was saved.
+            level: The saved level.
             saved: The same with the name and source of the file.
         """
         self.ui.tell(f"Saved as {one_line(saved.name)}.")
         if self._is_over and level is not self.levels.edited:
-            return  # the draft holds what was done since
+            return  # the draft holds later changes
         self.autosave.drop(("level", self._path))
         if self._is_over:
             return
@@ -211,7 +211,7 @@ class EditMode:
         self.redraw()
 
     def throw_away(self) -> None:
-        """Go back to the level as it is in its file; undo brings the changes back."""
+        """Go back to the level in its file; undo restores the changes."""
         self.editor.do("throw away", lambda _: self.levels.saved)
         self._is_unwanted = True
         self.autosave.drop(("level", self._path))
@@ -230,10 +230,10 @@ class EditMode:
             return
         if not alike(level, saved):
             self.editor.do("bring back", lambda _: level)
-            self.ui.tell("Your unsaved changes of the level are back.")
+            self.ui.tell("Your unsaved changes to the level have been restored.")
 
     def _unsaved(self) -> tuple[str, str, Level | None]:
-        """Path, title, and the level if that is to be kept."""
+        """Return path, title, and the level if it must be kept."""
         is_wanted = not (self.is_saved or self._is_unwanted)
         return self._path, self.levels.saved.title, self.levels.edited if is_wanted else None
 
@@ -243,7 +243,7 @@ class EditMode:
         self._noted()
 
     def _noted(self) -> None:
-        """Whatever the way, the level is another one."""
+        """Note that the level has changed."""
         self.autosave.edited()
         self._look_through()
 
@@ -266,19 +266,19 @@ def _draft_of(path: str, title: str, level: Level | None) -> Draft | Key:
 
 _LEAST_WAIT = 0.01  # seconds in which a stroke is painted first
 _AGAIN_AFTER = 0.04  # seconds between two changes of the game, at least
-_SHARE = 3  # of what a change takes, before the next one
+_SHARE = 3  # pause after a change, as a multiple of its duration
 
 
 class Live:
-    """Keeps the game in the level that is edited.
+    """Keeps the game in step with the edited level.
 
-    While walls are painted the picture is ahead of the game, which follows as fast as it can:
-    a large level takes a moment.
+    While walls are painted the picture is ahead of the game, which catches up as fast as it can: a
+    large level takes a moment.
 
     Args:
-        session: Whose game.
-        editor: What is edited.
-        spawn: Starts work in the background.
+        session: The session.
+        editor: The level editor.
+        spawn: Starts background work.
     """
 
     def __init__(self, session: Session, editor: LevelEditor, spawn: Spawn) -> None:
@@ -288,7 +288,7 @@ class Live:
         self._is_due = self._is_over = False
 
     def edited(self) -> None:
-        """The level has changed; the game follows at once, or soon if only walls did."""
+        """Note a change of the level; the game follows at once, or soon if only walls changed."""
         before, after = self._levels.shown, self._levels.edited
         only_walls = (
             before.robots is after.robots
@@ -303,7 +303,7 @@ class Live:
             self._spawn(self._flush_soon, "live", exclusive=False)
 
     def flush(self) -> None:
-        """Bring the game up to date now."""
+        """Update the game now."""
         before, after = self._levels.shown, self._levels.edited
         if after is before or self._is_over:
             return
@@ -313,7 +313,7 @@ class Live:
         self._next_at = now + max(_AGAIN_AFTER, _SHARE * (now - began))
 
     def stop(self) -> None:
-        """The game is another one: bring nothing into it."""
+        """Stop updating, because there is another game."""
         self._is_over = True
 
     async def _flush_soon(self) -> None:

@@ -1,4 +1,4 @@
-"""Making a new level: an empty room, a labyrinth drawn by lot, or a copy."""
+"""Creating a new level: an empty room, a random labyrinth, or a copy."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 
 __all__ = ["NewLevelForm", "ask_for_level"]
 
-_KINDS = {"room": "an empty room", "labyrinth": "a labyrinth drawn by lot", "copy": "a copy"}
+_KINDS = {"room": "an empty room", "labyrinth": "a random labyrinth", "copy": "a copy"}
 _OF = {
     "room": ("width", "height", "wall"),
     "labyrinth": ("columns", "rows", "corridor", "wall", "loops", "seed"),
@@ -36,11 +36,11 @@ _OF = {
 
 
 class NewLevelForm(Form):
-    """Asks what to make; the level is in `made` when it was taken.
+    """Asks for a new level, which is in `made` afterwards.
 
     Args:
         names: Names of all levels that can be copied.
-        here: The one at hand.
+        here: Name of the current level.
         own: Folder of the player's levels.
     """
 
@@ -52,7 +52,7 @@ class NewLevelForm(Form):
         self.made: Level | None = None
 
     def fields(self) -> Iterable[tuple[str, Widget]]:
-        """What to make, and its measures."""
+        """Yield the fields."""
         kinds = [(label, kind) for kind, label in _KINDS.items()]
         yield "Make", Select(kinds, value="room", allow_blank=False, id="kind", compact=True)
         yield "Title", text("title", "")
@@ -69,13 +69,13 @@ class NewLevelForm(Form):
         yield "Of", Select(names, value=here, allow_blank=False, id="original", compact=True)
 
     def on_mount(self) -> None:
-        """Begin with a room."""
+        """Start with a room."""
         super().on_mount()
         self._arrange()
 
     @on(Select.Changed, "#kind")
     def _arrange(self) -> None:
-        """Ask only for what belongs to the kind."""
+        """Show only the fields of the chosen kind."""
         wanted = _OF[self.choice_of("kind")]
         for name in {each for names in _OF.values() for each in names}:
             row = self.query_one(f"#{name}").parent
@@ -83,7 +83,7 @@ class NewLevelForm(Form):
             row.display = name in wanted
 
     def take(self) -> None:
-        """Make the level."""
+        """Create the level."""
         kind = self.choice_of("kind")
         if kind == "room":
             width = self.whole_of("width", "The width")
@@ -110,11 +110,11 @@ def _copy(name: str, own: Path) -> Level:
 
 
 async def ask_for_level(ui: Ui, here: str, own: Path) -> Level | None:
-    """Ask what to make, and return that, or None.
+    """Ask for a new level and return it, or None.
 
     Args:
-        ui: Where to ask.
-        here: Name of the level at hand.
+        ui: The user interface.
+        here: Name of the current level.
         own: Folder of the player's levels.
     """
     own_names = await asyncio.to_thread(partial(own_levels, own))

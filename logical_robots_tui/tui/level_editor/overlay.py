@@ -1,4 +1,4 @@
-"""What is drawn over the labyrinth while it is edited: grid, preview, selection and cursor."""
+"""The overlay of the level editor: grid, preview, selection and cursor."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 __all__ = ["mark"]
 
 _LEAST_COLUMNS = 4  # between two dots of the grid
-_UNSEEN = 28  # of 255, by which the two colours of a cell may differ for it to look even
+_UNSEEN = 28  # of 255, the largest difference of a cell's two colours that looks even
 _ACCENT: RGB = (255, 180, 84)
 _WIPE: RGB = (255, 123, 133)
 _WARN: RGB = (242, 198, 95)
@@ -38,13 +38,13 @@ _BLANK = text_id(" ")
 def mark(
     cells: Cells, view: Viewport, editor: LevelEditor, findings: Sequence[Finding], look: Look
 ) -> None:
-    """Draw over the picture of a level what its player is about to do.
+    """Draw the editor's state over the picture of a level.
 
     Args:
         cells: The picture, changed in place.
-        view: What it shows.
-        editor: What the player does.
-        findings: What looks wrong, to be marked where it is.
+        view: The view.
+        editor: The level editor.
+        findings: Likely mistakes, to be marked at their places.
         look: How the picture was drawn.
     """
     plain = look.drawing is Drawing.ASCII
@@ -59,12 +59,12 @@ def mark(
         _tint(cells, covered, colour)
         if plain:
             cells.text[covered] = text_id("*")
-    _bring_out(cells, view, editor, plain=plain)
+    _mark_selection(cells, view, editor, plain=plain)
     _put_cursor(cells, view, editor)
 
 
 def _dot_grid(cells: Cells, view: Viewport, editor: LevelEditor, dot: str, look: Look) -> None:
-    """A dot where lines of the grid cross, or of every so many of its lines."""
+    """Draw a dot at crossings of grid lines, or of every so many of them."""
     level, grid = editor.level, editor.settings.grid
     times = next(
         (n for n in (1, 2, 4, 5, 10, 20, 50, 100) if n * grid >= _LEAST_COLUMNS * view.units), 200
@@ -88,14 +88,14 @@ def _dot_grid(cells: Cells, view: Viewport, editor: LevelEditor, dot: str, look:
 def _cells_of(
     length: int, spacing: int, first: float, units: float, count: int
 ) -> NDArray[np.intp]:
-    """The columns or rows of a picture in which lines of a grid lie."""
+    """Return the columns or rows of a picture with grid lines."""
     places = np.arange(spacing, length, spacing)
     found = np.floor((places - first) / units).astype(np.intp)
     return np.unique(found[(found >= 0) & (found < count)])
 
 
 def _covered(view: Viewport, editor: LevelEditor) -> NDArray[np.bool_] | None:
-    """The cells that the tool in hand would paint, or None if it doesn't."""
+    """Return the cells that the current tool would paint, or None."""
     settings, stroke = editor.settings, editor.stroke
     if settings.tool not in PAINTING:
         return None
@@ -127,7 +127,7 @@ def _rectangle(
     view: Viewport,
     border: int,
 ) -> NDArray[np.bool_]:
-    """The cells of a rectangle, or of its border of so many map units."""
+    """Return the cells of a rectangle, or of its border of so many map units."""
     half_x, half_y = view.units / 2, view.units * CELL_ASPECT / 2
     left, right = sorted((start[0], end[0]))
     top, bottom = sorted((start[1], end[1]))
@@ -143,7 +143,7 @@ def _rectangle(
 
 
 def _tint(cells: Cells, where: NDArray[np.bool_], colour: RGB) -> None:
-    """Lay a colour over cells."""
+    """Tint cells with a colour."""
     style = cells.style[where]
     mixed = style & BOLD
     for shift, wanted in zip((40, 32, 24, 16, 8, 0), colour * 2, strict=True):
@@ -152,8 +152,8 @@ def _tint(cells: Cells, where: NDArray[np.bool_], colour: RGB) -> None:
     cells.style[where] = mixed
 
 
-def _bring_out(cells: Cells, view: Viewport, editor: LevelEditor, *, plain: bool) -> None:
-    """Corners around the selected thing, and the place to turn or size it by."""
+def _mark_selection(cells: Cells, view: Viewport, editor: LevelEditor, *, plain: bool) -> None:
+    """Draw corners around the selected thing, and its handle."""
     thing = editor.thing
     if thing is None:
         return

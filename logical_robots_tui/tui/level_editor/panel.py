@@ -37,14 +37,14 @@ _BACK_FROM_TEST = ("test", "stop_editing")
 
 
 class EditPanel(EditView):
-    """Shows a level that is edited, and takes keys and mouse.
+    """Shows an edited level, and handles keys and mouse.
 
     Args:
-        mode: What edits.
-        pane: Where.
-        enter: Brings the pane to sight and gives it the keys.
+        mode: The edit mode.
+        pane: The labyrinth pane.
+        enter: Brings the pane into view and focuses it.
         switched: Called with whether keys edit now.
-        changed: Called when what stands around the panes may have changed.
+        changed: Called when the lines around the panes may have changed.
     """
 
     def __init__(
@@ -96,15 +96,15 @@ class EditPanel(EditView):
         self._changed()
 
     def remove(self) -> None:
-        """Take away what is shown only while a level is edited."""
+        """Remove everything that is only shown while a level is edited."""
         for line in (self._tools, self._info):
             if line.is_attached:
                 line.remove()
 
     # -- keys ----------------------------------------------------------------------------------
 
-    def obeys(self, key: str) -> bool:
-        """Do what a key means while a level is edited; whether it means anything."""
+    def handles(self, key: str) -> bool:
+        """Run the editing command of a key; return whether there is one."""
         if self._mode.is_testing and self._ids.get(key) in _BACK_FROM_TEST:
             self._mode.end_test()
             return True
@@ -119,7 +119,7 @@ class EditPanel(EditView):
         return True
 
     def do(self, command_id: str) -> None:
-        """Do a command."""
+        """Run a command."""
         if self._mode.is_on:
             command(command_id).run(self._mode, self._mode.ui.spawn)
             self._mode.redraw()
@@ -129,14 +129,14 @@ class EditPanel(EditView):
         self.pointer.use()
 
     def go_to(self, point: Point) -> None:
-        """Put the cursor somewhere."""
+        """Move the cursor to a point."""
         self.pointer.go_to(point)
 
     # -- drawing -------------------------------------------------------------------------------
 
     @property
     def cursor(self) -> tuple[float, float]:
-        """Where the player is at work, map units."""
+        """The cursor in map units."""
         return self._mode.editor.cursor
 
     def paint(self, cells: Cells, view: Viewport, look: Look) -> None:
@@ -144,7 +144,7 @@ class EditPanel(EditView):
         mark(cells, view, self._mode.editor, self._mode.findings or (), look)
 
     def redraw(self) -> None:
-        """Show what has changed at once."""
+        """Show what has changed, at once."""
         mode, session = self._mode, self._mode.session
         level = mode.levels.edited
         self._pane.view.show(level, session.frame, hurried=session.running)
@@ -162,7 +162,7 @@ _CHOSEN = "$here-ink on $here"
 
 
 class ToolLine(Widget):
-    """The tools with their keys, and how the one in hand is set; a click chooses."""
+    """The tools with their keys, and the settings of the current one; clickable."""
 
     DEFAULT_CSS = """
     ToolLine { dock: top; height: auto; background: $panel; text-wrap: nowrap; layer: picture; }
@@ -183,15 +183,15 @@ class ToolLine(Widget):
             self.refresh(layout=True)
 
     def get_content_height(self, container: object, viewport: object, width: int) -> int:
-        """As many lines as the labels take."""
+        """Return as many lines as the labels take."""
         return len(self._lines(width))
 
     def render(self) -> Content:
-        """The labels."""
+        """Return the labels."""
         return Content("\n").join(self._lines(self.size.width))
 
     def on_click(self, event: events.Click) -> None:
-        """Do what was clicked."""
+        """Run what was clicked."""
         event.stop()
         for row, first, stop, name in self._places:
             if event.y == row and first <= event.x < stop:
@@ -245,12 +245,12 @@ class InfoLine(Widget):
         self._line = Content("")
 
     def show(self, *, findings: int | None, forbidden: bool, saved: bool) -> None:
-        """Tell how things are.
+        """Show the state.
 
         Args:
-            findings: How many things look wrong, or None while that is being looked at.
+            findings: The number of likely mistakes, or None while they are being looked for.
             forbidden: Whether one of them keeps the level from being loaded.
-            saved: Whether it is saved.
+            saved: Whether the level is saved.
         """
         editor = self._editor
         x, y = editor.cursor
@@ -270,12 +270,12 @@ class InfoLine(Widget):
             self.refresh()
 
     def render(self) -> Content:
-        """The line."""
+        """Return the line."""
         return self._line
 
 
 def described(thing: Thing | None) -> str:
-    """A thing in a few words."""
+    """Describe a thing in a few words."""
     if thing is None:
         return "nothing selected"
     name = clip(one_line(thing.name), 24)

@@ -1,4 +1,4 @@
-"""The mouse and the cursor keys while a level is edited."""
+"""The mouse and the cursor keys in the level editor."""
 
 from __future__ import annotations
 
@@ -17,19 +17,19 @@ if TYPE_CHECKING:
 
 __all__ = ["Pointer"]
 
-_FAR = 8  # steps of the cursor with shift
+_FAR = 8  # cursor steps with shift
 _WAYS = {"left": (-1, 0), "right": (1, 0), "up": (0, -1), "down": (0, 1)}
 
 
 class Pointer:
-    """Tells the editor where the player points.
+    """Moves the editor's cursor.
 
     Args:
-        editor: What edits.
-        picture: Where the level is drawn.
+        editor: The level editor.
+        picture: The view that draws the level.
         moved: Called after every move.
-        released: Called when a stroke is over.
-        opened: Called when a thing is clicked twice.
+        released: Called at the end of a stroke.
+        opened: Called when a thing is double-clicked.
     """
 
     def __init__(
@@ -47,7 +47,7 @@ class Pointer:
     # -- the mouse -----------------------------------------------------------------------------
 
     def press(self, x: float, y: float) -> None:
-        """A button was pressed at a point of the map."""
+        """Press the button at a point of the map."""
         editor = self._editor
         editor.finish()
         editor.cursor = (x, y)
@@ -55,7 +55,7 @@ class Pointer:
         self._moved()
 
     def hover(self, x: float, y: float, *, is_held: bool) -> None:
-        """The mouse is at a point of the map."""
+        """Move the mouse to a point of the map."""
         editor = self._editor
         editor.cursor = (x, y)
         if is_held:
@@ -63,13 +63,13 @@ class Pointer:
         self._moved()
 
     def release(self) -> None:
-        """The button was let go."""
+        """Release the button."""
         self._editor.release()
         self._released()
         self._moved()
 
     def open(self) -> None:
-        """A thing was clicked twice."""
+        """Double-click a thing."""
         editor = self._editor
         if editor.settings.tool is Tool.HAND and editor.thing is not None:
             self._opened()
@@ -95,7 +95,7 @@ class Pointer:
         self._moved()
 
     def use(self) -> None:
-        """Do at the cursor what pressing a button does, or what letting it go does."""
+        """Press or release the button at the cursor."""
         editor = self._editor
         if editor.stroke is None:
             editor.press(*editor.cursor, self._units)
@@ -104,7 +104,7 @@ class Pointer:
             self._released()
 
     def go_to(self, point: Point) -> None:
-        """Put the cursor somewhere."""
+        """Move the cursor to a point."""
         self._editor.cursor = point
         self._keep_in_sight(point)
 
@@ -124,7 +124,7 @@ class Pointer:
 
 
 def _beyond(place: float, length: int) -> float:
-    """By how many cells a view has to move so that a place is well inside; 0 if it is inside."""
+    """Return by how many cells a view must move so that a place is well inside; 0 if it is."""
     if 0 <= place < length:
         return 0.0
     return place - length * (0.25 if place < 0 else 0.75)

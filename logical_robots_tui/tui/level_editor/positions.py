@@ -1,4 +1,4 @@
-"""Where things stand now: while robots run, not where the level lets them start."""
+"""Current places of things while robots run, as opposed to their places in the level."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ __all__ = ["Poses", "as_it_stands"]
 
 
 def as_it_stands(level: Level, state: WorldState) -> Level:
-    """A level with its robots where they are at the moment."""
+    """Return a level with its robots at their current places."""
     if state.tick == 0:
         return level
     bodies = {body.name: body for body in state.robots}
@@ -25,26 +25,26 @@ def as_it_stands(level: Level, state: WorldState) -> Level:
 
 
 class Poses:
-    """Where robots are put when the level is changed while they are under way.
+    """Where robots are put when the level is changed while they run.
 
-    A robot that is moved in the level goes there at once. Undoing that brings it back to where it
-    was then, and not to where the level let it start.
+    A robot that is moved in the level goes there at once. Undo moves it back to its place at that
+    moment, not to its start in the level.
     """
 
     def __init__(self) -> None:
         self._stood: dict[tuple[str, Pose], Pose] = {}
 
     def note(self, robot: Robot, now: Robot) -> None:
-        """Remember where a robot stands before it is moved.
+        """Remember a robot's place before it is moved.
 
         Args:
-            robot: As the level has it.
-            now: As it stands.
+            robot: The robot in the level.
+            now: Its current state.
         """
         self._stood[robot.name, _pose(robot)] = _pose(now)
 
     def between(self, before: Level, after: Level) -> dict[str, Pose]:
-        """Where robots are put when one level takes the place of the other."""
+        """Return where robots are put when one level replaces the other."""
         known = {robot.name: _pose(robot) for robot in before.robots}
         moved = {
             robot.name: _pose(robot)

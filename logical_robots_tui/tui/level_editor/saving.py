@@ -1,4 +1,4 @@
-"""Saving an edited level, keeping it as a new one, or throwing it away."""
+"""Saving an edited level, saving it under another name, or discarding it."""
 
 from __future__ import annotations
 
@@ -29,10 +29,10 @@ __all__ = ["SaveLevel", "ask_to_throw_away", "ask_what_to_keep", "save", "save_a
 
 
 async def save(mode: EditMode) -> bool:
-    """Save a level in its file; whether it is saved. Without a file of its own, ask for a name."""
+    """Save a level in its file, or under a new name if it has none; return whether it was saved."""
     if mode.file is None:
         return await save_as(mode)
-    # The file is written whatever is asked for meanwhile, and the game is to know of it.
+    # Not cancelled, because the game must learn that the file was written.
     is_saved = await asyncio.shield(asyncio.create_task(_save_in(mode, mode.file)))
     if is_saved is None:
         name = one_line(mode.file.name)
@@ -42,13 +42,13 @@ async def save(mode: EditMode) -> bool:
 
 
 async def _save_in(mode: EditMode, file: Path) -> bool | None:
-    """Save a level in its file; whether it is saved, None if another program has changed that."""
+    """Save a level in its file; return whether it was saved, None if another program changed it."""
     async with mode.saving:
         on_disk = await asyncio.to_thread(mode.on_disk)
         if on_disk == "another":
             return None
         if mode.is_saved and on_disk == "same":
-            mode.ui.tell("It is saved already.")
+            mode.ui.tell("It is already saved.")
             return True
         level = mode.levels.edited
         mode.ui.tell("Saving…")
@@ -62,7 +62,7 @@ async def _save_in(mode: EditMode, file: Path) -> bool | None:
 
 
 async def save_as(mode: EditMode) -> bool:
-    """Ask for a name and save a level under it; whether it is saved."""
+    """Ask for a name and save a level under it; return whether it was saved."""
     level = mode.levels.edited
     dialog = SaveLevel(level, _proposal(mode), mode.own, mode.file)
     saved = await mode.ui.ask(dialog)
@@ -74,7 +74,7 @@ async def save_as(mode: EditMode) -> bool:
 
 
 async def ask_what_to_keep(mode: EditMode) -> None:
-    """Leave editing, and ask what becomes of the changes, once what is being saved is saved."""
+    """Leave editing, and ask what to do with the changes, after any saving in progress."""
     async with mode.saving:
         is_saved = mode.is_saved
     if is_saved:
@@ -83,7 +83,7 @@ async def ask_what_to_keep(mode: EditMode) -> None:
     answers = [("keep", "Keep as a level"), ("game", "Just for this game"), ("away", "Throw away")]
     if mode.file is not None:
         answers.insert(0, ("save", "Save"))
-    question = "What becomes of the changes to the level?"
+    question = "What should happen to your changes to the level?"
     answer = await mode.ui.ask(Question("Leave editing", question, answers))
     if answer == "away":
         mode.throw_away()
@@ -96,12 +96,12 @@ async def ask_what_to_keep(mode: EditMode) -> None:
 
 
 async def ask_to_throw_away(mode: EditMode) -> None:
-    """Go back to the level as it is in its file, if the player is sure."""
+    """Go back to the level in its file, after asking."""
     if not mode.levels.has_changes:
         mode.ui.tell("Nothing has changed.")
         return
     answers = [("no", "No, keep them"), ("yes", "Yes, throw them away")]
-    question = "Throw all changes away? Undo brings them back as long as you stay."
+    question = "Throw all changes away? Undo restores them until you leave the level."
     if await mode.ui.ask(Question("Throw away", question, answers)) == "yes":
         mode.throw_away()
         mode.redraw()
@@ -112,7 +112,7 @@ def _proposal(mode: EditMode) -> str:
         other = mode.file.with_stem(f"{mode.file.stem}-2")
         return other.stem if other.parent == mode.own else str(other)
     name = mode.levels.saved.name
-    if not mode.levels.saved.source:  # a new level is called as its title says
+    if not mode.levels.saved.source:  # a new level is named after its title
         words = re.findall(r"[^\W_]+", mode.levels.edited.title.lower())
         return "-".join(words) or name
     return f"my-{name.lstrip('0123456789-') or name}"
@@ -122,10 +122,10 @@ class SaveLevel(SaveDialog[Level]):
     """Saves a level, with a title.
 
     Args:
-        level: What to save.
-        name: What to propose.
+        level: The level.
+        name: The proposed name.
         own: Folder of the player's levels.
-        file: The level's own file, of which as much as can be is kept, or None.
+        file: The level's own file, whose formatting is kept as far as possible, or None.
     """
 
     DEFAULT_CSS = """
@@ -142,18 +142,18 @@ class SaveLevel(SaveDialog[Level]):
         self._file = file
 
     def fields(self) -> ComposeResult:
-        """The name of the file, and the title."""
-        yield Static("Name of the file", classes="label", markup=False)
+        """Yield the name of the file, and the title."""
+        yield Static("File name", classes="label", markup=False)
         yield from super().fields()
         yield Static("Title", classes="label", markup=False)
         yield Input(self._level.title, id="title", select_on_focus=False)
 
     def file(self, name: str) -> Path:
-        """The file for a name."""
+        """Return the file for a name."""
         return target(name, self._own, folder="levels", suffixes=SUFFIXES, usual=NATIVE)
 
     async def save(self, path: Path) -> Level:
-        """Save the level under its title."""
+        """Save the level with its title."""
         title = self.query_one("#title", Input).value.strip()
         level = set_words(self._level, title=title or self._level.title)
         return await asyncio.to_thread(save_level, level, path, anew=path != self._file)

@@ -1,4 +1,4 @@
-"""The tools of the level editor, and how they are set."""
+"""The tools of the level editor, and their settings."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ __all__ = ["GRIDS", "PAINTING", "PLACING", "WIDTHS", "Settings", "Tool"]
 
 
 class Tool(Enum):
-    """What pressing a mouse button does; the values are the names of commands."""
+    """What the mouse button does; the values are names of commands."""
 
     HAND = "hand"
     BRUSH = "brush"
@@ -23,28 +23,28 @@ class Tool(Enum):
 
 
 PAINTING = (Tool.BRUSH, Tool.LINE, Tool.RECTANGLE, Tool.ERASER)
-"""Tools that have a width."""
+"""Tools with a width."""
 
 PLACING = (Tool.ROBOT, Tool.BEACON, Tool.AREA)
 """Tools that place something."""
 
 WIDTHS = (1, 2, 3, 4, 6, 8, 12, 16, 24, 40)
-"""Squares of the grid that a brush or a border may be wide."""
+"""Choices for the width of brush and border, in grid squares."""
 
 GRIDS = (1, 2, 5, 10, 20, 50)
-"""Map units that the squares of the grid may be wide."""
+"""Choices for the size of a grid square, in map units."""
 
 
 @dataclass(frozen=True, slots=True)
 class Settings:
-    """How tools work.
+    """Settings of the tools.
 
     Attributes:
-        tool: The one in hand.
-        width: Of brush, line and border, in squares of the grid.
-        grid: Map units of a square.
+        tool: The current tool.
+        width: Width of brush, line and border, in grid squares.
+        grid: Size of a grid square, in map units.
         is_grid_shown: Whether the grid is drawn.
-        is_wall: Whether lines, rectangles and fillings are walls, or floor.
+        is_wall: Whether lines, rectangles and fillings are wall instead of floor.
         is_filled: Whether rectangles are filled.
     """
 
@@ -57,15 +57,15 @@ class Settings:
 
     @property
     def paints_wall(self) -> bool:
-        """Whether the tool in hand makes walls."""
+        """Whether the current tool paints wall."""
         return self.is_wall and self.tool is not Tool.ERASER
 
     def wider(self, steps: int) -> Settings:
-        """The same with another width."""
+        """Return the settings with another width."""
         return replace(self, width=_beside(WIDTHS, self.width, steps))
 
     def next_grid(self) -> Settings:
-        """The same with the next size of the grid; after the last comes the first."""
+        """Return the settings with the next grid size, wrapping around."""
         later = [grid for grid in GRIDS if grid > self.grid]
         return replace(self, grid=later[0] if later else GRIDS[0])
 

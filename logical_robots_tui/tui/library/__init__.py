@@ -1,1 +1,1 @@
-"""Choosing levels and programs, and the progress made at them."""
+"""Choosing levels and programs, and the player's progress."""

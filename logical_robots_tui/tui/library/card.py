@@ -42,7 +42,7 @@ __all__ = [
 ]
 
 LINES_AROUND = 4
-"""Lines of a card besides the picture: two of the frame, the idea and the results."""
+"""Lines of a card without the picture: two of the frame, the idea and the results."""
 
 SIGNS: dict[State, str] = {"new": "○ new", "in work": "◐ in work", "won": "★ won"}
 
@@ -67,15 +67,15 @@ _FRAMES = {False: _Frame(*"╭─╮│╰╯"), True: _Frame(*"┏━┓┃┗�
 
 @dataclass(frozen=True)
 class LevelCard:
-    """What a card tells.
+    """The content of a card.
 
     Attributes:
         name: The level's name.
-        level: The level, or None as long as it is not read.
-        record: What the player has achieved there.
+        level: The level, or None until it is loaded.
+        record: The player's progress there.
         complaint: Why the level can't be used, or "".
-        is_here: Whether it is the level at hand.
-        file: Its file if the player has made it, else None.
+        is_here: Whether it is the current level.
+        file: Its file if it is the player's own, otherwise None.
     """
 
     name: str
@@ -87,7 +87,7 @@ class LevelCard:
 
     @property
     def title(self) -> str:
-        """Number and title, as far as they are known."""
+        """Number and title, as far as known."""
         if self.file is not None:
             return one_line(self.level.title) if self.level else self.name
         number, _, rest = self.name.partition("-")
@@ -96,7 +96,7 @@ class LevelCard:
 
     @property
     def idea(self) -> str:
-        """What is new in the level, or why it can't be used."""
+        """The level's idea, or why it can't be used."""
         if self.complaint or self.level is None:
             return one_line(self.complaint)
         if self.file is not None and not self.level.idea:
@@ -105,7 +105,7 @@ class LevelCard:
         return one_line(self.level.idea or first)
 
     def matches(self, words: list[str]) -> bool:
-        """Whether all words occur in what the card tells; case does not matter."""
+        """Return whether all words occur in the card, ignoring case."""
         told = f"{self.name} {self.title} {self.idea} {self.record.state}".casefold()
         return all(word in told for word in words)
 
@@ -113,14 +113,14 @@ class LevelCard:
 def card_strips(
     card: LevelCard, picture: Cells | None, width: int, rows: int, chosen: bool
 ) -> list[Strip]:
-    """The lines of a card.
+    """Return the lines of a card.
 
     Args:
-        card: What to tell.
-        picture: The miniature, ``width - 2`` cells wide and `rows` high, or None for later.
-        width: Columns of the whole card.
+        card: The content.
+        picture: The miniature, ``width - 2`` cells wide and `rows` high, or None if not drawn yet.
+        width: Columns of the card.
         rows: Lines of the miniature.
-        chosen: Whether it is the one that enter takes.
+        chosen: Whether it is the chosen card.
     """
     frame = _FRAMES[chosen]
     ink = _style(INK.key if chosen else INK.faint, bold=chosen)
@@ -143,7 +143,7 @@ def card_strips(
 
 
 def _head(card: LevelCard, width: int, frame: _Frame, ink: Style) -> Strip:
-    """The upper side of the frame with the title and the state in it."""
+    """Return the top of the frame with the title and the state."""
     sign = SIGNS[card.record.state]
     title = _cut(f"{'▸ ' * card.is_here}{card.title}", width - len(sign) - 8)
     rest = width - cell_len(title) - len(sign) - 7
@@ -159,12 +159,12 @@ def _head(card: LevelCard, width: int, frame: _Frame, ink: Style) -> Strip:
 
 
 def _line(text: str, width: int, style: Style) -> Strip:
-    """A text in exactly so many columns."""
+    """Return a text padded or cut to a width."""
     return Strip([Segment(_cut(text, width), style)]).adjust_cell_length(width, style)
 
 
 def _cut(text: str, width: int) -> str:
-    """A text in at most so many columns, with a sign where something is missing."""
+    """Return a text cut to a width, with a sign if something is missing."""
     if cell_len(text) <= width:
         return text
     return set_cell_size(text, max(width - 1, 0)).rstrip() + "…"
@@ -176,13 +176,13 @@ def _style(colour: str, *, bold: bool = False) -> Style:
 
 @lru_cache(maxsize=64)
 def shipped_level(name: str) -> Level:
-    """A level that came with the game; raises `LevelError`."""
+    """Load a shipped level; raises `LevelError`."""
     return load_level(name)
 
 
 @lru_cache(maxsize=128)
 def miniature(level: Level, columns: int, rows: int, drawing: Drawing, palette: Palette) -> Cells:
-    """A level at its start, in so many cells. Takes milliseconds the first time."""
+    """Return a level at its start as a miniature. Takes milliseconds the first time."""
     return draw_miniature(level, columns, rows, drawing, palette)
 
 
@@ -195,7 +195,7 @@ def draw_miniature(
     *,
     names: bool = False,
 ) -> Cells:
-    """A level at its start, without rays, and without names unless they are wanted."""
+    """Return a level at its start, without rays, with names on request."""
     state = World(level).save()
     start = Frame(0, state, state, (), {}, (), {}, 0.0)
     viewport = Viewport.fit(level.width, level.height, columns, rows)

@@ -1,4 +1,4 @@
-"""The cards of the level screen in a grid that scrolls."""
+"""The scrolling grid of cards on the level screen."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ _ROWS, _TALL_ROWS = 6, 8
 
 
 class LevelCards(ScrollView, can_focus=False):
-    """Cards side by side, one of them chosen.
+    """Cards in a grid, one of them chosen.
 
     Attributes:
         chosen: Index of the chosen card, -1 if there is none.
@@ -40,7 +40,7 @@ class LevelCards(ScrollView, can_focus=False):
     ALLOW_SELECT: ClassVar[bool] = False
 
     class Chosen(Message):
-        """Another card is the chosen one, or the picture of a card would be of use."""
+        """Another card was chosen, or a card needs its picture."""
 
     class Taken(Message):
         """A card was clicked."""
@@ -52,16 +52,16 @@ class LevelCards(ScrollView, can_focus=False):
         self._pictures: dict[str, Cells] = {}
         self._strips: dict[int, list[Strip]] = {}
 
-    # -- measures ------------------------------------------------------------------------------
+    # -- sizes ---------------------------------------------------------------------------------
 
     @property
     def across(self) -> int:
-        """How many cards stand side by side."""
+        """The number of cards in a row."""
         return max(self._room // _LEAST_WIDTH, 1)
 
     @property
     def card_width(self) -> int:
-        """Columns of a card."""
+        """The columns of a card."""
         return self._room // self.across
 
     @property
@@ -83,7 +83,7 @@ class LevelCards(ScrollView, can_focus=False):
 
     @property
     def page(self) -> int:
-        """How many cards are seen at once, at least one row."""
+        """The number of visible cards, at least one row."""
         return max(self.size.height // self._card_height, 1) * self.across
 
     # -- content -------------------------------------------------------------------------------
@@ -97,13 +97,13 @@ class LevelCards(ScrollView, can_focus=False):
         self.post_message(self.Chosen())
 
     def replace(self, index: int, cards: Sequence[LevelCard]) -> None:
-        """One of the cards tells something else now."""
+        """Replace the content of a card."""
         self._cards = cards
         self._strips.pop(index, None)
         self._refresh_card(index)
 
     def set_picture(self, name: str, picture: Cells) -> None:
-        """The miniature of a level is ready."""
+        """Set the miniature of a level."""
         self._pictures[name] = picture
         for index, card in enumerate(self._cards):
             if card.name == name:
@@ -111,12 +111,12 @@ class LevelCards(ScrollView, can_focus=False):
                 self._refresh_card(index)
 
     def forget_pictures(self) -> None:
-        """The miniatures are of another size now."""
+        """Drop the miniatures, because their size has changed."""
         self._pictures.clear()
         self._lay_out()
 
     def move(self, steps: int) -> None:
-        """Choose the card some steps further, if there is one; else the one at that end."""
+        """Choose the card some steps further, or the one at that end."""
         if self._cards:
             self.choose(min(max(self.chosen + steps, 0), len(self._cards) - 1))
 
@@ -130,7 +130,7 @@ class LevelCards(ScrollView, can_focus=False):
         self.post_message(self.Chosen())
 
     def seen_first(self) -> list[int]:
-        """Indices of all cards, those in sight first."""
+        """Return the indices of all cards, visible ones first."""
         first = self.scroll_offset.y // self._card_height * self.across
         order = range(len(self._cards))
         near = set(range(first, first + self.page + self.across))
@@ -139,12 +139,12 @@ class LevelCards(ScrollView, can_focus=False):
     # -- drawing -------------------------------------------------------------------------------
 
     def on_resize(self) -> None:
-        """Lay the cards out anew."""
+        """Lay out the cards again."""
         self._lay_out()
         self._reveal()
 
     def render_line(self, y: int) -> Strip:
-        """A line of the cards that are in sight.
+        """Return a line of the visible cards.
 
         Args:
             y: Its row.

@@ -1,4 +1,4 @@
-"""Choosing a program, a version or any file by its name."""
+"""Choosing a program, a version or a file by its name."""
 
 from __future__ import annotations
 
@@ -42,10 +42,10 @@ _PREVIEW_FROM = 70  # columns
 
 @dataclass(frozen=True, slots=True)
 class Card:
-    """What the chooser tells about one entry.
+    """The details of an entry.
 
     Attributes:
-        headline: Beside its name in the list.
+        headline: Text beside its name in the list.
         preview: The longer text.
         is_error: Whether the text says why it can't be used.
     """
@@ -56,32 +56,32 @@ class Card:
 
 
 class Shelf(Protocol[T_co]):
-    """A place that things are chosen from. Its methods may block; they run in a thread."""
+    """A source of entries. Its methods may block; they run in a thread."""
 
     @property
     def title(self) -> str:
-        """What the box is called."""
+        """The title of the box."""
 
     @property
     def placeholder(self) -> str:
-        """What to type."""
+        """The placeholder of the filter."""
 
     def names(self) -> Sequence[str]:
-        """Names of what there is."""
+        """Return the names of the entries."""
 
     def card(self, name: str) -> Card:
-        """What to tell about one of them."""
+        """Return the details of an entry."""
 
     def take(self, name_or_path: str) -> T_co:
-        """Open one of them, or any file; raises `InputError`."""
+        """Open an entry, or any file; raises `InputError`."""
 
 
 class Chooser(Dialog[T], Generic[T]):
     """A list with a filter and a preview.
 
     Args:
-        shelf: Where to choose from.
-        current: Name to begin at.
+        shelf: The entries.
+        current: The name to start at.
     """
 
     DEFAULT_CSS = """
@@ -105,14 +105,14 @@ class Chooser(Dialog[T], Generic[T]):
         self._cards: dict[str, Card] = {}
         self._shown: list[str] = []
         self._all: list[str] = []
-        # Kept and not looked up: a dialog that closes has lost its parts before itself is gone.
+        # Kept because a closing dialog loses its widgets before itself.
         self._filter = Input(placeholder=shelf.placeholder, id="filter", select_on_focus=False)
         self._entries = Listing(id="entries", markup=False, compact=True)
         self._preview_text = Static(id="preview-text")
         self._complaint = Static(id="complaint")
 
     def compose(self) -> ComposeResult:
-        """Filter above, list and preview side by side."""
+        """Yield the filter above, list and preview side by side."""
         with Vertical(id="box") as box:
             box.border_title = self._shelf.title
             yield self._filter
@@ -121,14 +121,14 @@ class Chooser(Dialog[T], Generic[T]):
                 with VerticalScroll(id="preview", can_focus=False):
                     yield self._preview_text
             yield self._complaint
-            yield Static("enter take   ↑↓ choose   esc close", id="keys", markup=False)
+            yield Static("enter open   ↑↓ choose   esc close", id="keys", markup=False)
 
     def on_resize(self, event: events.Resize) -> None:
-        """Leave the preview out where there is no room for it."""
+        """Hide the preview if there is no room for it."""
         self.set_class(event.size.width < _PREVIEW_FROM, "-narrow")
 
     def on_mount(self) -> None:
-        """Begin with the whole list; its entries tell more as they are read."""
+        """Show the list at once; details follow as they are read."""
         self._entries.can_focus = False
         self._filter.focus()
         in_background(self, self._read_all)
@@ -156,7 +156,7 @@ class Chooser(Dialog[T], Generic[T]):
         return None if highlighted is None else self._shown[highlighted]
 
     def _list(self, wanted: str | None) -> None:
-        """List what the filter lets through."""
+        """List the entries that match the filter."""
         text = self._filter.value.strip()
         words = text.casefold().split()
         self._shown = [
@@ -224,24 +224,24 @@ class Chooser(Dialog[T], Generic[T]):
 
 
 def is_path(text: str) -> bool:
-    """Whether what was typed is meant as a path and not as a part of a name."""
+    """Return whether the typed text is a path and not part of a name."""
     return "/" in text or text.endswith((".toml", ".json", ".l"))
 
 
 @dataclass(frozen=True)
 class ProgramShelf:
-    """The programs that came with the game, the player's own, and program files."""
+    """The shipped programs, the player's own, and program files."""
 
     own: Path
     title: str = "Choose a program"
     placeholder: str = "type to filter, or the path of a .l file"
 
     def names(self) -> Sequence[str]:
-        """Names of the shipped programs, then of the player's own."""
+        """Return the names of the shipped programs, then of the player's own."""
         return list_programs(self.own)
 
     def card(self, name: str) -> Card:
-        """The first comment and the text of a program."""
+        """Return the first comment and the text of a program."""
         try:
             source = load_program(name, self.own)
         except InputError as error:
@@ -256,23 +256,23 @@ class ProgramShelf:
 
 @dataclass(frozen=True)
 class VersionShelf:
-    """What a player has tried at a level."""
+    """The player's versions for a level."""
 
     versions: Sequence[Version]
     title: str = "Earlier versions"
     placeholder: str = "type to filter"
 
     def names(self) -> Sequence[str]:
-        """When each was last used, the newest first."""
+        """Return when each was last used, the newest first."""
         return [self._name(version) for version in self.versions]
 
     def card(self, name: str) -> Card:
-        """Whether it has won and how well, and its text."""
+        """Return whether it has won and how well, and its text."""
         version = self.take(name)
         return Card(_verdict(version), version.text)
 
     def take(self, name_or_path: str) -> Version:
-        """The version of that name; raises `InputError`."""
+        """Return the version of that name; raises `InputError`."""
         for version in self.versions:
             if self._name(version) == name_or_path:
                 return version

@@ -1,6 +1,6 @@
-"""Going to other levels and programs, saving, and drafts that come back.
+"""Opening levels and programs, saving, and restoring drafts.
 
-Dialogs are loaded when they are asked for, so that the first picture comes sooner.
+Dialogs are loaded when first used, so that the first picture comes sooner.
 """
 
 from __future__ import annotations
@@ -31,18 +31,18 @@ __all__ = ["LibraryController"]
 
 
 class LibraryController:
-    """Changes the level and the program of a session without losing what was typed.
+    """Changes the level and program of a session without losing unsaved text.
 
     Args:
-        session: Whose level and program.
-        ui: Where to say and ask.
-        recorder: What the player has achieved.
-        drafts: Where text is kept while it is not saved.
-        autosave: Keeps it there.
+        session: The session.
+        ui: The user interface.
+        recorder: The player's progress.
+        drafts: The drafts of unsaved texts.
+        autosave: Writes them.
         program: The text in the editor.
         data_dir: Where the player's programs and levels are.
-        drawing: Tells how levels are drawn.
-        make_level: Asks for a new level and goes there.
+        drawing: Returns how levels are drawn.
+        make_level: Asks for a new level and opens it.
     """
 
     def __init__(
@@ -66,7 +66,7 @@ class LibraryController:
     # -- levels --------------------------------------------------------------------------------
 
     async def choose_level(self) -> None:
-        """Ask for a level and go there."""
+        """Ask for a level and open it."""
         from logical_robots_tui.tui.library.level_screen import LevelScreen, NewLevel
 
         choice = LevelScreen(
@@ -79,7 +79,7 @@ class LibraryController:
             await self.open_level(level)
 
     async def next_level(self) -> None:
-        """Go to the level after this one, or say that it was the last."""
+        """Open the next level, or say that this was the last."""
         names = await asyncio.to_thread(list_levels)
         here = self._session.level.name
         following = names[names.index(here) + 1 :] if here in names else names[:1]
@@ -94,7 +94,7 @@ class LibraryController:
         await self.open_level(level)
 
     async def open_level(self, level: Level) -> None:
-        """Go to a level, with the program that it starts with if it names one."""
+        """Open a level, with its starter program if it has one."""
         source = self._session.source
         if level.starter and level.starter != source.name:
             try:
@@ -110,7 +110,7 @@ class LibraryController:
     # -- programs ------------------------------------------------------------------------------
 
     async def choose_program(self) -> None:
-        """Ask for a program and think with it."""
+        """Ask for a program and use it."""
         from logical_robots_tui.tui.library.chooser import Chooser, ProgramShelf
 
         chooser = Chooser[Source](ProgramShelf(self._own), self._session.source.name)
@@ -119,7 +119,7 @@ class LibraryController:
             self.open_program(source)
 
     def open_program(self, source: Source, text: str | None = None) -> None:
-        """Edit and apply a program: a text of it, or the draft that there is."""
+        """Edit and apply a program: a given text, or its draft."""
         if text is None:
             text = self._leave_text_for(source)
         elif source.path == self._session.source.path:
@@ -142,13 +142,13 @@ class LibraryController:
             self._ui.tell(f"Saved as {one_line(saved.name)}.")
 
     def take_from_disk(self, source: Source) -> None:
-        """Go on with a program whose file was changed by another program.
+        """Use a program whose file was changed by another program.
 
-        What the player typed meanwhile stays; the command for it takes the file's text.
+        Text that the player has typed meanwhile stays; a command loads the file's text.
         """
         session, name = self._session, one_line(source.name)
         if self._program.text == source.text:
-            session.saved_as(source)  # it may be the game that has just saved it
+            session.saved_as(source)  # the game may have just saved it
             self._autosave.edited()
         elif self._program.text == session.source.text:
             self._program.put(source.text)
@@ -159,14 +159,14 @@ class LibraryController:
             self._ui.warn(f"{name} has changed on disk; your text is kept here.")
 
     def _leave_text_for(self, source: Source, kept: str | None = None) -> str:
-        """Put the text of a program, or its draft, into the editor; what was there is kept.
+        """Put the text or draft of a program into the editor; the old text is kept.
 
         Args:
             source: The program.
-            kept: What the player made of it before, to take if there is no draft.
+            kept: The player's earlier text of it, used if there is no draft.
 
         Returns:
-            The text put there.
+            The text in the editor.
         """
         if source.path == self._session.source.path:
             return self._program.text
@@ -177,25 +177,25 @@ class LibraryController:
             name = "program for this level"
             if draft.text != kept:
                 name = f"unsaved text of {one_line(source.name)}"
-            self._ui.tell(f"Your {name} is back.")
+            self._ui.tell(f"Your {name} has been restored.")
             self._program.load(draft.text)
             return draft.text
         text = source.text if kept is None else kept
         if text != source.text:
-            self._ui.tell("Your program for this level is back.")
+            self._ui.tell("Your program for this level has been restored.")
         self._program.load(text)
         return text
 
     # -- drafts --------------------------------------------------------------------------------
 
     async def offer(self, offers: Offers) -> None:
-        """Offer the text that an earlier session left unsaved, if there is any."""
+        """Offer the text that an earlier session left unsaved, if there is one."""
         drafts = await offers.at_hand(self._left_unsaved)
         if not drafts:
             return
         here = str(self._session.source.path)
         draft = next((draft for draft in drafts if draft.path == here), drafts[0])
-        answers = [("yes", "Yes, continue"), ("no", "No, put it away"), ("show", "Show it")]
+        answers = [("yes", "Yes, continue"), ("no", "No, set it aside"), ("show", "Show it")]
         when = draft.saved.astimezone()
         name = clip(one_line(draft.name), 40)
         question = f"Continue with your unsaved text of “{name}” from {when:%H:%M, %d %B}?"
@@ -225,14 +225,14 @@ class LibraryController:
         self._session.open_program(source, draft.text)
 
     def _source_of(self, draft: Draft) -> Source:
-        """The program that a draft belongs to, even if its file is gone."""
+        """Return the program that a draft belongs to, even if its file is gone."""
         try:
             return load_program(draft.path)
         except InputError:
             return Source(draft.name, "", Path(draft.path), shipped=False)
 
     async def _is_unsaved(self, draft: Draft) -> bool:
-        """Whether a draft holds what is neither in its file nor among the earlier versions."""
+        """Return whether a draft is neither in its file nor among the earlier versions."""
         source = await asyncio.to_thread(self._source_of, draft)
         kept = await self._recorder.ask(lambda progress: progress.holds(draft.text))
         if source.text != draft.text and not kept:

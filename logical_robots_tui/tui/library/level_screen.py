@@ -1,4 +1,4 @@
-"""Choosing a level: its card, or the path of any level file."""
+"""The level screen: cards of all levels, or the path of any level file."""
 
 from __future__ import annotations
 
@@ -41,16 +41,16 @@ _KEYS = "enter play   ←↑↓→ choose   ^N new level   esc close"
 
 
 class NewLevel:
-    """The wish to make a level."""
+    """The request to create a level."""
 
 
 class LevelScreen(Dialog["Level | NewLevel"]):
-    """Shows all levels; gives the one that was taken, or that a new one is wanted.
+    """Shows all levels; returns the chosen one, or the request for a new one.
 
     Args:
-        here: The level at hand.
-        recorder: What the player has achieved.
-        drawing: Which characters draw the miniatures.
+        here: The current level.
+        recorder: The player's progress.
+        drawing: The characters of the miniatures.
         own: Folder of the player's levels.
     """
 
@@ -88,7 +88,7 @@ class LevelScreen(Dialog["Level | NewLevel"]):
         self._is_read = False
 
     def compose(self) -> ComposeResult:
-        """How far the player is, a line to type in, the cards, more about the chosen one."""
+        """Yield the progress, the filter, the cards, and details of the chosen one."""
         with Vertical(id="box"):
             yield Static(id="head")
             yield Input(
@@ -102,9 +102,9 @@ class LevelScreen(Dialog["Level | NewLevel"]):
             yield Static(_KEYS, id="keys", markup=False)
 
     def on_mount(self) -> None:
-        """Begin with names alone; the rest follows as it is read and drawn."""
+        """Show the names at once; the rest follows as it is read and drawn."""
         line = self.query_one("#filter", Input)
-        line.cursor_blink = False  # nothing is to be drawn while nothing happens
+        line.cursor_blink = False  # nothing is redrawn while idle
         line.focus()
         self._list()
         in_background(self, self._read_all, "cards", exclusive=True)
@@ -116,11 +116,11 @@ class LevelScreen(Dialog["Level | NewLevel"]):
             in_background(self, self._draw_all, "pictures", exclusive=True)
 
     def action_new(self) -> None:
-        """Close, and make a level."""
+        """Close, and create a level."""
         self.dismiss(NewLevel())
 
     def action_go(self, motion: str) -> None:
-        """Choose another card while the line to type in keeps the focus."""
+        """Choose another card while the filter keeps the focus."""
         across, page = self._cards.across, self._cards.page
         steps = {"left": -1, "right": 1, "up": -across, "down": across}
         self._cards.move({**steps, "page_up": -page, "page_down": page}[motion])
@@ -128,7 +128,7 @@ class LevelScreen(Dialog["Level | NewLevel"]):
     # -- content -------------------------------------------------------------------------------
 
     def _list(self) -> None:
-        """Show the names, before the first key can choose among them."""
+        """Show the names before the first key."""
         shipped, own = list_levels(), own_levels(self._own)
         here = self._here.name
         self._all = [LevelCard(name, is_here=name == here) for name in shipped] + [
@@ -141,7 +141,7 @@ class LevelScreen(Dialog["Level | NewLevel"]):
     async def _read_all(self) -> None:
         painted = asyncio.Event()
         self.call_after_refresh(painted.set)
-        await painted.wait()  # reading would only hold up the first picture
+        await painted.wait()  # reading would delay the first picture
         keys = [str(card.file.absolute()) if card.file else card.name for card in self._all]
         records = await self._recorder.ask(partial(_records, keys))
         for index, name in enumerate(card.name for card in self._all):
@@ -262,9 +262,9 @@ def _records(names: list[str], progress: Progress) -> dict[str, LevelRecord]:
 
 
 def own_levels(folder: Path) -> dict[str, Path]:
-    """The files of the player's levels by name, sorted; one for each name. Blocks."""
+    """Return the files of the player's levels by name, sorted, one per name. Blocks."""
     try:
         files = [file for file in folder.iterdir() if file.suffix in SUFFIXES and is_file(file)]
-    except OSError:  # there are none yet, or the folder is out of reach
+    except OSError:  # no levels yet, or the folder can't be read
         return {}
     return {file.stem: file for file in sorted(files, reverse=True)[::-1]}

@@ -1,4 +1,4 @@
-"""The recorder: keeps what the player achieves at the level at hand, and has wins measured."""
+"""Records the player's progress at the current level, and measures victories."""
 
 from __future__ import annotations
 
@@ -34,25 +34,25 @@ T = TypeVar("T")
 
 
 class Measured(Protocol):
-    """Hears when a victory is measured in full."""
+    """Is notified when a victory has been measured."""
 
     def __call__(self, level: Level, found: Measures, *, is_here: bool) -> None:
-        """Hear where, how well, and whether that is the level at hand."""
+        """Receive the level, the measures, and whether it is the current level."""
 
 
 class ProgressRecorder(SessionListener):
-    """The player's record on disk, seen from the screen: nothing here holds up a key.
+    """The player's record on disk; nothing here delays a key.
 
     Args:
-        file: Where the record is kept.
+        file: The file of the record.
 
     Attributes:
         progress: The record itself; its methods block.
-        record: What is known of the level at hand.
+        record: The record of the current level.
         reference: Measures of the reference program there, or None.
-        latest: Measures of the last victory there, as far as they are known, or None.
+        latest: Measures of the last victory there, as far as known, or None.
         former: The bests before that victory.
-        trial: How far the trial from shifted starts is at the level at hand, or None.
+        trial: The progress of the robustness test at the current level, or None.
         is_reference: Whether the last victory was that of the reference program.
     """
 
@@ -74,77 +74,77 @@ class ProgressRecorder(SessionListener):
         self._is_closed = False
 
     def attach(self, ui: Ui, *, changed: Callable[[], None], measured: Measured) -> None:
-        """Begin to work for a screen.
+        """Start to work for a screen.
 
         Args:
-            ui: Where to say what went wrong.
-            changed: Called after everything that the screen may want to show.
-            measured: Called when a victory is measured in full.
+            ui: The user interface.
+            changed: Called after every change that the screen may show.
+            measured: Called when a victory has been measured.
         """
         self._ui, self._changed, self._measured = ui, changed, measured
 
     async def close(self) -> None:
-        """Finish what is to be written, and let go of the file."""
+        """Finish writing, and close the file."""
         self._is_closed = True
         await asyncio.get_running_loop().run_in_executor(self._writer, self.progress.close)
         self._writer.shutdown(wait=False)
 
-    # -- looking -------------------------------------------------------------------------------
+    # -- queries -------------------------------------------------------------------------------
 
     @property
     def trial(self) -> Trial | None:
-        """How far the trial from shifted starts is at the level at hand, or None."""
+        """The progress of the robustness test at the current level, or None."""
         found = self._trials.get(self._key)
         return found[1] if found else None
 
     async def ask(self, look: Callable[[Progress], T]) -> T:
-        """Look something up in the record, after all that is still to be written."""
+        """Query the record, after pending writes."""
         found = await asyncio.get_running_loop().run_in_executor(self._writer, look, self.progress)
         self._tell_news()
         return found
 
     async def newest(self, level: Level) -> str | None:
-        """The text that the player last used at a level, or None."""
+        """Return the player's last text for a level, or None."""
         return await self.ask(lambda progress: progress.newest(level_key(level)))
 
     async def versions(self) -> list[Version]:
-        """The versions kept for the level at hand, the last used first."""
+        """Return the versions for the current level, the last used first."""
         key = self._key
         return await self.ask(lambda progress: progress.versions(key))
 
     # -- writing -------------------------------------------------------------------------------
 
     def level_opened(self, level: Level) -> None:
-        """The player has gone to a level."""
+        """Switch to a level."""
         self._key, self.reference = level_key(level), reference_for(level)
         self.record, self.latest, self._has_begun = NEW, None, False
         self._write(lambda progress: note_level(progress, level))
         self._ui.spawn(self._look, "recorder", exclusive=False)
 
     def level_saved(self, level: Level) -> None:
-        """The level at hand is in a file; another one has a record of its own."""
+        """Switch to the record of the saved level."""
         if level_key(level) != self._key:
             self.level_opened(level)
 
     def program_used(self, program: Program) -> None:
-        """The robots begin to think with a program; it is kept if it is the player's own."""
+        """Keep the program as a version, if it is the player's own."""
         key, text = self._key, program.text
         self._write(lambda progress: keep_if_own(progress, key, text))
 
     def tick_shown(self, frame: Frame) -> None:
-        """The robots have done something: the level is in work."""
+        """Mark the level as in work."""
         if frame.tick and not self._has_begun:
             self._has_begun = True
             key = self._key
             self._write(lambda progress: progress.begin(key))
 
     def reveal(self, hints: int) -> None:
-        """So many hints are revealed."""
+        """Note the number of revealed hints."""
         key = self._key
         self._write(lambda progress: progress.reveal(key, hints))
 
     def keep(self, *texts: str) -> None:
-        """Keep versions for the level at hand, the last one as the newest."""
+        """Keep versions for the current level, the last one as the newest."""
         key = self._key
 
         def keep(progress: Progress) -> None:
@@ -154,15 +154,15 @@ class ProgressRecorder(SessionListener):
         self._write(keep)
 
     def choose_theme(self, name: str) -> None:
-        """The player wants this theme from now on."""
+        """Keep the choice of a theme."""
         self._write(lambda progress: progress.set_fact(THEME, name))
 
     def tour_seen(self) -> None:
-        """The tour need not be shown again."""
+        """Note that the tour has been shown."""
         self._write(lambda progress: progress.set_fact(TOUR, "seen"))
 
     def won(self, victory: Victory) -> None:
-        """The level is won: keep that if it counts, and measure how well."""
+        """Record a victory if it counts, and measure it."""
         if victory.refusal:
             return
         self.former, self.latest = self.record.bests, victory.measures
@@ -176,7 +176,7 @@ class ProgressRecorder(SessionListener):
             self._ui.spawn(measure, f"measure {key}", exclusive=True)
 
     def stop_measuring(self) -> bool:
-        """Stop trying shifted starts at the level at hand; False if nothing is under way."""
+        """Stop the robustness test at the current level; return False if none is running."""
         if self._trials.pop(self._key, None) is None:
             return False
         self._ui.spawn(nothing, f"measure {self._key}", exclusive=True)
@@ -192,7 +192,7 @@ class ProgressRecorder(SessionListener):
         self._ui.spawn(self._look, "recorder", exclusive=False)
 
     async def _look(self) -> None:
-        """See what the record says of the level at hand by now."""
+        """Read the record of the current level."""
         key = self._key
         record = await self.ask(lambda progress: progress.record(key))
         if key == self._key and record != self.record:
@@ -216,14 +216,14 @@ class ProgressRecorder(SessionListener):
                 async with self._turn:  # one at a time: there may be few processors
                     known = await measure(level, program, known, partial(self._tried, key, text))
             except MeasuringError:
-                self._ui.warn("How robust the program is could not be measured.")
+                self._ui.warn("The robustness test failed.")
                 return
             finally:
                 if self._trials.get(key, mine)[0] == text:
                     self._trials.pop(key, None)
                 self._changed()
         if known is None:
-            self._ui.warn("From the start this program does not win: it was changed on the way.")
+            self._ui.warn("The program does not win from the start: it was changed during the run.")
         else:
             found = known
             self._write(lambda progress: progress.win(key, text, found))

@@ -1,4 +1,4 @@
-"""Saving something under a name: the text of the editor as a program of the player's own."""
+"""Saving under a name, such as the editor's text as a program of the player's own."""
 
 from __future__ import annotations
 
@@ -28,10 +28,10 @@ __all__ = ["SaveAs", "SaveDialog"]
 
 
 class SaveDialog(Dialog[Result]):
-    """Asks for a name and saves; gives what is saved. What is there is replaced at a second enter.
+    """Asks for a name and saves; returns what was saved. A second enter replaces an existing file.
 
     Args:
-        name: What to propose; nothing, if it has signs that can't be shown and so not be changed.
+        name: The proposed name; "" if it has characters that can't be shown.
     """
 
     DEFAULT_CSS = """
@@ -48,7 +48,7 @@ class SaveDialog(Dialog[Result]):
         self._is_saving = False
 
     def compose(self) -> ComposeResult:
-        """The fields, and what is wrong with them."""
+        """Yield the fields and the error."""
         with Vertical(id="box") as box:
             box.border_title = self.heading
             yield from self.fields()
@@ -56,27 +56,27 @@ class SaveDialog(Dialog[Result]):
             yield Static(self.keys, id="keys", markup=False)
 
     def fields(self) -> ComposeResult:
-        """What to fill in."""
+        """Yield the fields."""
         yield Input(self._proposed, id="name", select_on_focus=False)
 
     @abstractmethod
     def file(self, name: str) -> Path:
-        """The file for a name.
+        """Return the file for a name.
 
         Raises:
-            InputError: There can be none.
+            InputError: The name is invalid.
         """
 
     @abstractmethod
     async def save(self, path: Path) -> Result:
-        """Save in a file, and return what is saved.
+        """Save in a file, and return what was saved.
 
         Raises:
             InputError: It can't be written.
         """
 
     def replaces(self, path: Path) -> bool:
-        """Whether to ask before something is saved there."""
+        """Return whether to ask before saving there."""
         return is_there(path)
 
     @on(Input.Changed)
@@ -85,7 +85,7 @@ class SaveDialog(Dialog[Result]):
         self.query_one("#complaint").display = False
 
     def action_leave(self) -> None:
-        """Close without an answer; what is being saved is one."""
+        """Close without an answer, unless something is being saved."""
         if not self._is_saving:
             super().action_leave()
 
@@ -100,18 +100,18 @@ class SaveDialog(Dialog[Result]):
             path = self.file(self.query_one("#name", Input).value.strip())
             if self.replaces(path) and path != self._confirmed:
                 self._confirmed = path
-                self._complain(f"{path.stem} is there already. Press enter again to replace it.")
+                self._report(f"{path.stem} already exists. Press enter again to replace it.")
                 return
             self._is_saving = True
             saved = await self.save(path)
         except InputError as error:
-            self._complain(str(error))
+            self._report(str(error))
         else:
             self.dismiss(saved)
         finally:
-            self._is_saving = False  # with another dialog above, this one stays
+            self._is_saving = False  # if another dialog is above, this one stays
 
-    def _complain(self, message: str) -> None:
+    def _report(self, message: str) -> None:
         complaint = self.query_one("#complaint", Static)
         complaint.update(Content(one_line(message)))
         complaint.display = True
@@ -121,8 +121,8 @@ class SaveAs(SaveDialog[Source]):
     """Saves a program.
 
     Args:
-        source: The program that the text began with.
-        text: What to save.
+        source: The program that the text started from.
+        text: The text.
         own: Folder of the player's programs.
     """
 
@@ -135,11 +135,11 @@ class SaveAs(SaveDialog[Source]):
         self._own = own
 
     def file(self, name: str) -> Path:
-        """The file for a name."""
+        """Return the file for a name."""
         return target(name, self._own)
 
     def replaces(self, path: Path) -> bool:
-        """Whether something else is there."""
+        """Return whether there is another file."""
         return path != self._source.path and super().replaces(path)
 
     async def save(self, path: Path) -> Source:

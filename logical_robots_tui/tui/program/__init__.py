@@ -1,1 +1,1 @@
-"""The program: editor, colours, mistakes."""
+"""The program: editor, colours, errors."""

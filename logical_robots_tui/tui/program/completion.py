@@ -1,4 +1,4 @@
-"""Completion: what can be written at the cursor, and the list to choose it from."""
+"""Completion: words for the cursor's place, and the list to choose from."""
 
 from __future__ import annotations
 
@@ -31,12 +31,12 @@ __all__ = [
 
 
 class Word(NamedTuple):
-    """Something to write.
+    """A word to insert.
 
     Attributes:
-        name: What is written.
+        name: The inserted text.
         shape: How it is used, such as ``Least(x, y, ...)``.
-        told: What it is, one line.
+        told: A description, one line.
     """
 
     name: str
@@ -45,7 +45,7 @@ class Word(NamedTuple):
 
 
 class Place(NamedTuple):
-    """Where something stands in a text: line and column, from 0."""
+    """A place in a text: line and column, from 0."""
 
     line: int
     column: int
@@ -79,14 +79,14 @@ _BUILT_IN = tuple(
     if entry.kind != "operator"
 )
 NAMES = tuple(word.name for word in (*_BUILT_IN, *_GIVEN, *_FIELDS))
-"""All that can be written without being defined: functions, inputs, fields."""
+"""Words without a definition in the program: functions, inputs, fields."""
 
 _HEAD = re.compile(r"^(?P<name>[A-Z]\w*)\s*(?:(?P<arguments>\([^)]*\)?)|:=)", re.MULTILINE)
 _BEFORE = re.compile(r"(?P<dot>(?P<owner>\w*)\.)?(?P<begun>\w*)$")
 
 
 def definitions(text: str) -> Mapping[str, tuple[Place, str]]:
-    """Return where each predicate of a program is defined first, and how its head is written."""
+    """Return where each predicate is first defined, and the text of its head."""
     found: dict[str, tuple[Place, str]] = {}
     line = counted = 0
     for match in _HEAD.finditer(text):
@@ -100,14 +100,14 @@ def definitions(text: str) -> Mapping[str, tuple[Place, str]]:
 
 
 def words_for(text: str, before: str) -> tuple[int, list[Word]]:
-    """Return what could be written at a place.
+    """Return the words that could be inserted at a place.
 
     Args:
         text: The program.
         before: The line up to that place.
 
     Returns:
-        How many characters are written of it already, and the words, sorted.
+        The number of characters already typed, and the words, sorted.
     """
     match = _BEFORE.search(before)
     begun, after_dot = (match["begun"], bool(match["dot"])) if match else ("", False)
@@ -129,7 +129,7 @@ def words_for(text: str, before: str) -> tuple[int, list[Word]]:
 
 
 def help_on(text: str, name: str) -> Word | None:
-    """Return what a predicate or function is, or None for anything else."""
+    """Return the help on a predicate or function, or None."""
     own = definitions(text).get(name)
     if own is not None:
         return Word(name, own[1], f"defined in line {own[0].line + 1}")
@@ -137,7 +137,7 @@ def help_on(text: str, name: str) -> Word | None:
 
 
 def call_before(before: str) -> str:
-    """Return the name of the call whose arguments a line's end is among, or ""."""
+    """Return the name of the call whose arguments are being typed, or ""."""
     depth = 0
     for at in range(len(before) - 1, -1, -1):
         char = before[at]
@@ -154,7 +154,7 @@ def call_before(before: str) -> str:
 
 
 def word_around(line: str, column: int) -> str:
-    """Return the word that a column of a line touches, or ""."""
+    """Return the word at a column of a line, or ""."""
     for match in re.finditer(r"\w+", line):
         if match.start() <= column <= match.end():
             return match.group()
@@ -166,7 +166,7 @@ _WIDTH = 58
 
 
 class Completion(Listing, can_focus=False):
-    """Offers words; the editor keeps the focus and passes keys on."""
+    """Offers words; the editor keeps the focus and forwards keys."""
 
     DEFAULT_CSS = f"""
     Completion {{
@@ -181,7 +181,7 @@ class Completion(Listing, can_focus=False):
         self._words: list[Word] = []
 
     def offer(self, words: list[Word], at: Offset) -> None:
-        """Show words below a place of the screen, or nothing if there are none."""
+        """Show words below a place of the screen; hide if there are none."""
         self._words = words[:_MOST]
         self.display = bool(words)
         if not words:
@@ -197,12 +197,12 @@ class Completion(Listing, can_focus=False):
 
     @property
     def names(self) -> list[str]:
-        """The words that are offered."""
+        """The offered words."""
         return [word.name for word in self._words]
 
     @property
     def chosen(self) -> Word | None:
-        """The word that is highlighted."""
+        """The highlighted word."""
         number = self.highlighted
         return self._words[number] if number is not None and number < len(self._words) else None
 

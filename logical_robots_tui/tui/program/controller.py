@@ -1,4 +1,4 @@
-"""What a player asks for that changes or searches the text of the program."""
+"""Commands that change or search the text of the program."""
 
 from __future__ import annotations
 
@@ -32,15 +32,15 @@ _LONGEST = 30
 
 
 class ProgramController:
-    """Finds, replaces and renames.
+    """Find, replace, rename, and the external editor.
 
     Args:
-        pane: Where the editor is.
-        session: Thinks with what another editor leaves.
-        ui: Where to say and ask.
-        copies: The file that holds what was copied last.
-        permissions: Tells what the player may do with the machine.
-        enter: Goes to the editor.
+        pane: The program pane.
+        session: The session.
+        ui: The user interface.
+        copies: The file for copied text.
+        permissions: What the player may do with the machine.
+        enter: Focuses the editor.
         suspend: Hands the terminal to another program.
     """
 
@@ -61,12 +61,12 @@ class ProgramController:
         self._is_copy_told = False
 
     def keep_copy(self, text: str) -> None:
-        """Keep what was copied in a file, too: no terminal says whether it took it."""
+        """Also write copied text to a file, because terminals don't confirm that they took it."""
         try:
             self._copies.parent.mkdir(parents=True, exist_ok=True)
             write_atomically(self._copies, text)
         except OSError as error:
-            self._ui.warn(f"What was copied can't be kept: {error.strerror}.")
+            self._ui.warn(f"The copied text can't be saved: {error.strerror}.")
             return
         if not self._is_copy_told:
             sent = "Sent to your terminal's clipboard, and into"
@@ -75,7 +75,7 @@ class ProgramController:
         self._is_copy_told = True
 
     async def find(self) -> None:
-        """Ask what to find, and go there or replace it."""
+        """Ask for a text, and go to it or replace it."""
         from logical_robots_tui.tui.program.find_dialog import Find
 
         editor = self._pane.editor
@@ -93,12 +93,12 @@ class ProgramController:
             self._pane.put(self._pane.text.replace(wish.wanted, wish.instead))
             self._ui.tell(f"Replaced in {count} place{'s' * (count != 1)}.")
         elif find_after(self._pane.text, wish.wanted, (0, 0)) is not None:
-            self._ui.tell("Nothing was replaced: it is there with other capitals only.")
+            self._ui.tell("Nothing was replaced: it only occurs with different case.")
         else:
             self._ui.tell(self._nowhere())
 
     def find_next(self) -> None:
-        """Go to the next place of what was looked for last; ask for it if nothing was."""
+        """Go to the next match of the last search, or ask for one."""
         editor = self._pane.editor
         if not self._wanted:
             self._ui.spawn(self.find, "dialog", exclusive=True)
@@ -106,7 +106,7 @@ class ProgramController:
         selection, begin = editor.selection, min(editor.selection)
         found = find_after(editor.text, self._wanted, begin, there=True)
         if found == begin and max(selection) == self._end_of(found):
-            found = find_after(editor.text, self._wanted, begin)  # that one is found already
+            found = find_after(editor.text, self._wanted, begin)  # the current match does not count
         if found is None:
             self._ui.tell(self._nowhere())
             return
@@ -115,7 +115,7 @@ class ProgramController:
         editor.selection = Selection(self._end_of(found), found)
 
     async def rename(self) -> None:
-        """Ask for another name of the predicate under the cursor, and use it everywhere."""
+        """Ask for a new name of the predicate under the cursor, and rename it everywhere."""
         from logical_robots_tui.tui.layout.dialogs import LinePrompt
 
         old = self._pane.editor.word
@@ -127,7 +127,7 @@ class ProgramController:
         if not new or new == old:
             return
         if not is_predicate_name(new):
-            self._ui.warn("A predicate's name begins with a capital letter.")
+            self._ui.warn("A predicate's name starts with a capital letter.")
             return
         if new in definitions(self._pane.text):
             self._ui.warn(f"{clip(new, _LONGEST)} is the name of another predicate here.")
@@ -137,7 +137,7 @@ class ProgramController:
         self._ui.tell(f"Renamed in {count} place{'s' * (count != 1)}.")
 
     def edit_elsewhere(self) -> None:
-        """Hand the terminal to the player's own editor until that ends, and take its text."""
+        """Open the player's external editor, and use its text."""
         if not self._permissions().programs:
             self._ui.warn("External editors are disabled here.")
             return
@@ -148,7 +148,7 @@ class ProgramController:
         except SuspendNotSupported:
             self._ui.warn("This terminal can't be handed to another program.")
         except (OSError, ValueError, subprocess.CalledProcessError) as error:
-            self._ui.warn(f"The editor failed: {error}. The text is as it was.")
+            self._ui.warn(f"The editor failed: {error}. The text is unchanged.")
         else:
             if text != self._pane.text:
                 self._pane.put(text)
@@ -162,16 +162,16 @@ class ProgramController:
 
 
 def edited(text: str, environ: Mapping[str, str]) -> str:
-    """Return a text as the player's own editor leaves it, even if that ends badly.
+    """Return a text as the external editor leaves it, even if the editor fails.
 
     Args:
-        text: To begin with.
-        environ: Names the editor, as ``VISUAL`` or ``EDITOR``; vi if neither does.
+        text: The initial text.
+        environ: Names the editor in ``VISUAL`` or ``EDITOR``; the default is vi.
 
     Raises:
-        OSError: The editor can't be started, or the file not be written or read.
-        ValueError: Its name can't be understood.
-        CalledProcessError: It ended badly, and left the text as it was.
+        OSError: The editor can't be started, or the file can't be written or read.
+        ValueError: The editor's name can't be parsed.
+        CalledProcessError: It failed, and left the text unchanged.
     """
     import shlex
 

@@ -1,4 +1,4 @@
-"""The editor: a text area that knows Logica's words and shows where a mistake is."""
+"""The editor: a text area with completion for Logica and marked errors."""
 
 from __future__ import annotations
 
@@ -32,11 +32,11 @@ if TYPE_CHECKING:
 __all__ = ["Editor"]
 
 _A_PASTE = 0.005
-"""Seconds between two keys below which nobody has typed them."""
+"""Keys that follow each other faster, in seconds, were not typed."""
 
 
 class Editor(TextArea):
-    """Edits the text of a program. Escape leaves it."""
+    """Edits the text of a program; escape leaves it."""
 
     DEFAULT_CSS = """
     Editor { border: none; padding: 0; background: $surface; }
@@ -53,13 +53,13 @@ class Editor(TextArea):
     ]
 
     class Leave(Message):
-        """The player wants to go elsewhere."""
+        """The player leaves the editor."""
 
     class Copied(Message):
         """A text was copied or cut.
 
         Attributes:
-            text: Which one.
+            text: The text.
         """
 
         def __init__(self, text: str) -> None:
@@ -86,11 +86,11 @@ class Editor(TextArea):
         self.completion = Completion()
 
     def on_mount(self) -> None:
-        """Dress as the theme says, and again when it changes."""
-        self._dress(self.app.current_theme)
-        self.app.theme_changed_signal.subscribe(self, self._dress)
+        """Apply the theme's colours, and again when it changes."""
+        self._apply_theme(self.app.current_theme)
+        self.app.theme_changed_signal.subscribe(self, self._apply_theme)
 
-    def _dress(self, theme: Theme) -> None:
+    def _apply_theme(self, theme: Theme) -> None:
         self._syntax = {kind: rich_style(text) for kind, text in SYNTAX.items()}
         dress = TextAreaTheme(
             name=f"logica-{theme.name}",
@@ -113,27 +113,27 @@ class Editor(TextArea):
         self.move_cursor(place)
 
     def load_text(self, text: str) -> None:
-        """Begin with another text; there is nothing to undo then."""
+        """Load another text without undo history."""
         self._states.forget()
         super().load_text(text)
 
     def edit(self, edit: Edit) -> EditResult:
-        """Change the text."""
+        """Apply an edit."""
         self._states.forget(edit.top[0])
         return super().edit(edit)
 
     def undo(self) -> None:
-        """Take back the last edit."""
+        """Undo the last edit."""
         self._states.forget()
         super().undo()
 
     def redo(self) -> None:
-        """Do an edit again that was taken back."""
+        """Redo the last undone edit."""
         self._states.forget()
         super().redo()
 
     def mark(self, marks: Mapping[int, Mark]) -> None:
-        """Mark lines that hold a mistake or look odd, by their numbers from 0."""
+        """Mark lines with errors or warnings, by their numbers from 0."""
         if marks != self._marks:
             self._marks = marks
             self.notify_style_update()
@@ -142,10 +142,10 @@ class Editor(TextArea):
     # -- keys ----------------------------------------------------------------------------------
 
     async def on_key(self, event: events.Key) -> None:
-        """Take keys before the text area does.
+        """Handle keys before the text area does.
 
-        Escape leaves. Keys that move or delete are obeyed here, because as bindings they would
-        come too late, after letters that arrive in the same moment.
+        Keys that move or delete are handled here, because bindings would run too late, after
+        letters that arrive at the same moment.
         """
         hurried = event.time - self._last_key_at < _A_PASTE
         self._last_key_at = event.time
@@ -157,7 +157,7 @@ class Editor(TextArea):
         if event.key not in ("escape", "enter", "ctrl+j") and action is None:
             return
         if action == "copy" and not self.selected_text:
-            return  # there is nothing to copy: the key means what it means elsewhere
+            return  # nothing to copy: the key keeps its other meaning
         event.stop()
         event.prevent_default()
         if event.key == "escape":
@@ -168,10 +168,10 @@ class Editor(TextArea):
             self._end_line(as_it_is=hurried or event.key == "ctrl+j")
 
     def _end_line(self, *, as_it_is: bool) -> None:
-        """Begin a new line, indented as fits.
+        """Start a new line with matching indentation.
 
-        A terminal that does not mark pastes sends them as keys, with control-J or enter for the
-        ends of lines; those bring their own indentation.
+        A terminal that does not mark pastes sends them as keys, with control-J or enter for line
+        ends; those have their own indentation.
         """
         start, end = sorted(self.selection)
         before = self.document.get_line(start[0])[: start[1]]
@@ -182,50 +182,50 @@ class Editor(TextArea):
 
     @property
     def before_cursor(self) -> str:
-        """The line of the cursor up to it."""
+        """The cursor's line up to the cursor."""
         row, column = self.cursor_location
         return self.document.get_line(row)[:column]
 
     @property
     def word(self) -> str:
-        """The word that the cursor touches, or ""."""
+        """The word at the cursor, or ""."""
         row, column = self.cursor_location
         return word_around(self.document.get_line(row), column)
 
     def action_complete(self) -> None:
-        """Offer what could stand at the cursor."""
+        """Offer words for the cursor's place."""
         _, words = words_for(self.text, self.before_cursor)
         self.completion.offer(words, self.cursor_screen_offset)
 
     def on_text_area_changed(self) -> None:
-        """Offer what fits what is typed by now; a word that is complete needs no list."""
+        """Offer words that match the typed text; a complete word needs no list."""
         if self.completion.display:
             self.action_complete()
             if self.completion.names == [self.word]:
                 self.completion.close()
 
     def point_out(self, start: tuple[int, int], stop: tuple[int, int]) -> None:
-        """Select a piece of the text to be seen, from elsewhere; typing does not replace it.
+        """Highlight a piece of the text as a selection that typing does not replace.
 
         Args:
-            start: Line and column from 0 where it begins; the cursor goes there.
-            stop: Where it ends.
+            start: Line and column of its start, from 0; the cursor goes there.
+            stop: Its end.
         """
         self.selection = self._pointed_out = Selection(stop, start)
         self.scroll_cursor_visible(center=True)
 
     def on_focus(self) -> None:
-        """What was only pointed out is not selected for whoever begins to write."""
+        """Clear a selection that was only a highlight."""
         if self.selection == self._pointed_out:
             self.selection = Selection.cursor(self.cursor_location)
         self._pointed_out = None
 
     def on_blur(self) -> None:
-        """Offer nothing to somebody who is elsewhere."""
+        """Close the list of words."""
         self.completion.close()
 
     def _takes(self, key: str) -> bool:
-        """Use a key for the list of words; whether it is one for that."""
+        """Use a key for the list of words; return whether it was used."""
         if key in ("up", "down"):
             move = self.completion.action_cursor_up, self.completion.action_cursor_down
             move[key == "down"]()
@@ -250,17 +250,17 @@ class Editor(TextArea):
             )
 
     def action_copy(self) -> None:
-        """Copy what is selected, and say so."""
+        """Copy the selection, and post it."""
         super().action_copy()
         self.post_message(self.Copied(self.app.clipboard))
 
     def action_cut(self) -> None:
-        """Cut what is selected, or the line, and say so."""
+        """Cut the selection, or the line, and post it."""
         super().action_cut()
         self.post_message(self.Copied(self.app.clipboard))
 
     def action_toggle_comment(self) -> None:
-        """Make the selected lines comments, or make them text again, as one edit."""
+        """Comment or uncomment the selected lines, as one edit."""
         lines = self._chosen_lines()
         written = [line for line in lines if line.strip()]
         if not written:
@@ -272,7 +272,7 @@ class Editor(TextArea):
         self._change_lines(changed)
 
     def action_indent(self) -> None:
-        """Indent the selected lines, or go to the next step within a line."""
+        """Indent the selected lines, or go to the next tab stop within a line."""
         start, end = self.selection
         if start[0] != end[0]:
             self._change_lines(shifted(self._chosen_lines(), back=False))
@@ -281,7 +281,7 @@ class Editor(TextArea):
             self.replace(spaces, start, end, maintain_selection_offset=False)
 
     def action_dedent(self) -> None:
-        """Take a step of indentation from the selected lines, or from the line of the cursor."""
+        """Unindent the selected lines, or the cursor's line."""
         self._change_lines(shifted(self._chosen_lines(), back=True))
 
     def action_go_to_start(self) -> None:
@@ -293,7 +293,7 @@ class Editor(TextArea):
         self.move_cursor(self.document.end)
 
     def _chosen_rows(self) -> tuple[int, int]:
-        """The first and the last line of the selection."""
+        """Return the first and last line of the selection."""
         (first, _), (last, column) = sorted(self.selection)
         return first, last - (last > first and column == 0)
 
@@ -302,7 +302,7 @@ class Editor(TextArea):
         return [self.document.get_line(number) for number in range(first, last + 1)]
 
     def _change_lines(self, changed: list[str]) -> None:
-        """Put other lines in place of the selected ones, as one edit; they stay selected."""
+        """Replace the selected lines as one edit; they stay selected."""
         first, last = self._chosen_rows()
         before, selection = self._chosen_lines(), self.selection
         if changed == before:
@@ -319,23 +319,23 @@ class Editor(TextArea):
         self.selection = Selection(moved(selection.start), moved(selection.end))
 
     def scroll_cursor_visible(self, center: bool = False, animate: bool = False) -> Offset:
-        """Scroll so that the cursor is seen; a text area without room waits until it has some.
+        """Scroll the cursor into view; without room, wait until there is some.
 
-        In the middle of undoing the cursor may stand behind the end of a text that has shrunk;
-        it is put right, and looked for again, before undoing ends.
+        During undo the cursor may be beyond the end of a text that has shrunk; the text area
+        corrects it and scrolls again before undo ends.
         """
         if not self.content_size.area or self.cursor_location[0] >= self.document.line_count:
             return Offset()
         return super().scroll_cursor_visible(center, animate)
 
     def on_resize(self) -> None:
-        """Keep the cursor in sight."""
+        """Keep the cursor in view."""
         self.scroll_cursor_visible()
 
     # -- drawing -------------------------------------------------------------------------------
 
     def get_line(self, line_index: int) -> Text:
-        """A line with its colours. Control characters are shown, not sent to the terminal."""
+        """Return a line with its colours, and with visible control characters."""
         line = self.document.get_line(line_index)
         text = Text(visible(line, tabs=True), end="", no_wrap=True)
         if len(line) <= LONGEST_LINE:
@@ -347,7 +347,7 @@ class Editor(TextArea):
         return text
 
     def render_line(self, y: int) -> Strip:
-        """A line of the widget, with what is to be said about it."""
+        """Return a line of the widget, with its mark."""
         strip = super().render_line(y)
         number = self.scroll_offset.y + y
         mark = self._marks.get(number)

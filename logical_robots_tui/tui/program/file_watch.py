@@ -1,4 +1,4 @@
-"""Notices when the file of a program changes, so that it can be edited in another window."""
+"""Watches the file of a program, so that it can be edited in another window."""
 
 from __future__ import annotations
 
@@ -15,15 +15,15 @@ if TYPE_CHECKING:
 
 __all__ = ["FileWatch"]
 
-_PAUSE = 0.25  # seconds between two looks
+_PAUSE = 0.25  # seconds between two checks
 
 
 class FileWatch:
-    """Looks at one file, again and again, in a thread: a disk may take its time.
+    """Checks one file repeatedly, in a thread, because a disk may be slow.
 
     Args:
-        source: Gives what the game knows of the file at present.
-        changed: Called with the program as it is on disk when that has changed.
+        source: Returns what the game knows of the file.
+        changed: Called with the program on disk after a change.
     """
 
     def __init__(self, source: Callable[[], Source], changed: Callable[[Source], None]) -> None:
@@ -32,7 +32,7 @@ class FileWatch:
         self._stamp: tuple[int, int] | None = None
 
     async def follow(self) -> None:
-        """Go on looking until it is cancelled."""
+        """Check until cancelled."""
         while True:
             await asyncio.sleep(_PAUSE)
             source = self._current()
@@ -43,10 +43,10 @@ class FileWatch:
                 self._changed(found)
 
     def newer(self, source: Source) -> Source | None:
-        """Return the program as it is on disk if that has changed since the last look.
+        """Return the program on disk if it has changed since the last check.
 
         Args:
-            source: What the game knows of it. At the first look its text is compared, for the file
+            source: What the game knows of it. The first check compares its text, because the file
                 may have changed since it was read.
         """
         stamp = _stamp(source)
@@ -58,7 +58,7 @@ class FileWatch:
         try:
             found = load_program(source.path)
         except InputError:
-            return None  # half written, or no text any more; there may be a next change
+            return None  # half written, or not text; a later check may succeed
         return found if found.text != source.text else None
 
 

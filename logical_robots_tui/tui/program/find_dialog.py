@@ -1,4 +1,4 @@
-"""Asking what to find in the program, and what to put in its place."""
+"""The dialog to find and replace text in the program."""
 
 from __future__ import annotations
 
@@ -13,26 +13,26 @@ from logical_robots_tui.tui.layout.dialogs import Dialog
 if TYPE_CHECKING:
     from textual.app import ComposeResult
 
-__all__ = ["Find", "Wish"]
+__all__ = ["Find", "Search"]
 
 
-class Wish(NamedTuple):
-    """What to find.
+class Search(NamedTuple):
+    """A search.
 
     Attributes:
-        wanted: What to look for.
-        instead: What to put in its place everywhere; None only looks.
+        wanted: The text to find.
+        instead: The replacement for all matches; None only searches.
     """
 
     wanted: str
     instead: str | None
 
 
-class Find(Dialog[Wish]):
-    """Asks what to find; enter in the second line replaces it everywhere.
+class Find(Dialog[Search]):
+    """Asks for a text to find; enter in the second line replaces it everywhere.
 
     Args:
-        wanted: To begin with.
+        wanted: The initial text.
     """
 
     DEFAULT_CSS = """
@@ -44,7 +44,7 @@ class Find(Dialog[Wish]):
         self._wanted = wanted
 
     def compose(self) -> ComposeResult:
-        """Two lines to fill in."""
+        """Yield two lines."""
         with Vertical(id="box") as box:
             box.border_title = "Find in the program"
             yield Input(self._wanted, placeholder="find", id="wanted")
@@ -55,4 +55,4 @@ class Find(Dialog[Wish]):
     def _submitted(self, event: Input.Submitted) -> None:
         wanted = self.query_one("#wanted", Input).value
         replaces = event.input.id == "instead"
-        self.dismiss(Wish(wanted, event.value if replaces else None) if wanted else None)
+        self.dismiss(Search(wanted, event.value if replaces else None) if wanted else None)

@@ -11,10 +11,10 @@ if TYPE_CHECKING:
 __all__ = ["LineStates", "Piece", "State", "pieces"]
 
 State = str
-"""What a line begins inside of: "", ``/*`` (a comment) or three quotes (a long string)."""
+"""The state at the start of a line: "", ``/*`` (a comment) or three quotes (a long string)."""
 
 LONGEST_LINE = 2_000
-"""Lines beyond this many characters are not coloured; no person wrote them."""
+"""Longer lines are not coloured."""
 
 
 class Piece(NamedTuple):
@@ -52,16 +52,16 @@ _TOKEN = re.compile(
     re.VERBOSE,
 )
 _ENDS = {"/*": "*/", '"""': '"""'}
-# What decides the state at the end of a line; all else can be skipped.
+# Tokens that change the state; all others can be skipped.
 _SWITCH = re.compile(r'#|/\*|"""|"(?:[^"\\]|\\.)*"?|\'(?:[^\'\\]|\\.)*\'?|`[^`]*`?')
 
 
 def pieces(line: str, state: State = "") -> list[Piece]:
-    """The coloured parts of a line, from left to right.
+    """Return the coloured parts of a line, from left to right.
 
     Args:
         line: Text without its line end.
-        state: What the line begins inside of.
+        state: The state at its start.
     """
     if len(line) > LONGEST_LINE:
         return []
@@ -91,7 +91,7 @@ def pieces(line: str, state: State = "") -> list[Piece]:
 
 
 def state_after(line: str, state: State) -> State:
-    """What the next line begins inside of."""
+    """Return the state at the start of the next line."""
     at = 0
     while True:
         if state:
@@ -108,21 +108,21 @@ def state_after(line: str, state: State) -> State:
 
 
 class LineStates:
-    """What each line of a text begins inside of, worked out when asked and as far as asked."""
+    """The states at the starts of a text's lines, computed on demand."""
 
     def __init__(self) -> None:
         self._known: list[State] = [""]
 
     def forget(self, after: int = 0) -> None:
-        """The line `after` or any later one has changed."""
+        """Note that the line `after` or a later one has changed."""
         del self._known[max(after, 0) + 1 :]
 
     def at(self, line: int, text_of: Callable[[int], str]) -> State:
-        """What a line begins inside of.
+        """Return the state at the start of a line.
 
         Args:
             line: Its number, from 0.
-            text_of: Gives the text of a line.
+            text_of: Returns the text of a line.
         """
         while len(self._known) <= line:
             number = len(self._known) - 1

@@ -1,4 +1,4 @@
-"""Mistakes: marks in the lines of a program, and a strip of messages below the text."""
+"""Errors: marks in the lines of a program, and a strip of messages below the text."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ _LONGEST = 400
 
 
 class MistakeStrip(Static):
-    """The messages of the mistakes; a click goes to the first one."""
+    """The messages of the errors; a click goes to the first one."""
 
     DEFAULT_CSS = """
     MistakeStrip {
@@ -38,10 +38,10 @@ class MistakeStrip(Static):
     """
 
     class Chosen(Message):
-        """The player wants to go to the mistake."""
+        """The player goes to the error."""
 
     def show(self, mistakes: tuple[Diagnostic, ...]) -> None:
-        """Show mistakes, or nothing."""
+        """Show errors, or nothing."""
         self.display = bool(mistakes)
         self.set_class(all(mistake.severity == "warning" for mistake in mistakes), "-odd")
         lines = [_described(mistake) for mistake in mistakes[:_MOST_SHOWN]]
@@ -50,7 +50,7 @@ class MistakeStrip(Static):
         self.update(Content("\n").join(lines))
 
     def on_click(self) -> None:
-        """Go to the mistake."""
+        """Go to the error."""
         self.post_message(self.Chosen())
 
 
@@ -68,18 +68,18 @@ def _described(mistake: Diagnostic) -> Content:
 
 
 _GAP = 3
-"""Cells between a line and the message behind it: the cursor may stand there."""
+"""Cells between a line and its message, for the cursor."""
 
 _LEAST_ROOM = 16
-"""Cells from which on a message is worth its place."""
+"""The fewest cells for a message."""
 
 
 class Mark(NamedTuple):
-    """What is to be said about a line.
+    """The mark of a line.
 
     Attributes:
         message: One sentence.
-        is_wrong: Whether the program can't run because of it.
+        is_wrong: Whether it is an error and not a warning.
     """
 
     message: str
@@ -87,14 +87,14 @@ class Mark(NamedTuple):
 
 
 def marked(strip: Strip, mark: Mark, row: int, gutter: int, styles: Mapping[str, Style]) -> Strip:
-    """Return a line with a sign in the gutter, and a message behind it as far as there is room.
+    """Return a line with a sign in the gutter, and a message after it if there is room.
 
     Args:
-        strip: The line as the text area draws it.
-        mark: What to say.
+        strip: The line drawn by the text area.
+        mark: The mark.
         row: The number of the line, from 0.
         gutter: Cells of the gutter.
-        styles: As ``SYNTAX`` names them.
+        styles: By the names in ``SYNTAX``.
     """
     sign, ink = ("✗", "mistake-gutter") if mark.is_wrong else ("!", "odd-gutter")
     paper = styles["mistake"] if mark.is_wrong else Style()

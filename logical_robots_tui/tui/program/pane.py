@@ -1,4 +1,4 @@
-"""The program pane: the editor, what became of the text, and what is wrong with it."""
+"""The program pane: the editor, the state of the program, and its errors."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ __all__ = ["ProgramPane"]
 
 
 class ProgramPane(Pane):
-    """Shows and edits the text of the program at hand."""
+    """Shows and edits the text of the current program."""
 
     command_id: ClassVar[str] = "editor"
 
@@ -39,7 +39,7 @@ class ProgramPane(Pane):
         self.editor = Editor()
         self._strip = MistakeStrip()
         self._state: ProgramState | None = None
-        # Each mistake as it was found, and as it is where its line is now.
+        # Each error as found, and with the current place of its line.
         self._mistakes: dict[Diagnostic, Diagnostic] = {}
         self._lines: list[str] = []
         self._tried: list[str] = []
@@ -51,22 +51,22 @@ class ProgramPane(Pane):
 
     @property
     def text(self) -> str:
-        """What stands in the editor."""
+        """The text in the editor."""
         return self.editor.text
 
     def load(self, text: str) -> None:
-        """Put another program's text into the editor."""
+        """Load another program's text."""
         self.editor.load_text(text)
 
     def put(self, text: str) -> None:
-        """Put another text of the same program into the editor; undo brings the former back."""
+        """Replace the text of the same program; undo restores the old one."""
         self.editor.put(text)
 
     def show(self, state: ProgramState, name: str, *, saved: bool) -> None:
-        """Show what became of the text.
+        """Show the state of the program.
 
         Args:
-            state: How far the program is.
+            state: The state.
             name: The program's name.
             saved: Whether the text is that of the program's file.
         """
@@ -85,7 +85,7 @@ class ProgramPane(Pane):
             self._follow_text(self._state)
 
     def _follow_text(self, state: ProgramState) -> None:
-        """Show the mistakes where their lines are now; with its line a mistake goes away."""
+        """Show the errors at the current places of their lines; a deleted line loses its error."""
         lines = self.text.split("\n")
         if lines == self._tried:
             self._mistakes = {found: found for found in state.mistakes}
@@ -100,21 +100,21 @@ class ProgramPane(Pane):
         self._lines = lines
         mistakes = tuple(self._mistakes.values())
         self._strip.show(mistakes)
-        # Of several in a line the first is told, and what stops the program before all else.
+        # Of several in a line the first is shown, errors before warnings.
         ranked = sorted(mistakes, key=lambda mistake: mistake.severity != "error")
         marks = {m.line - 1: Mark(m.message, m.severity == "error") for m in reversed(ranked)}
         self.editor.mark(marks)
         self._tell()
 
     def go_to_mistake(self) -> None:
-        """Put the cursor on the first mistake, if there is one."""
+        """Put the cursor on the first error, if there is one."""
         mistake = next(iter(self._mistakes.values()), None)
         if mistake is not None:
             self.editor.move_cursor((mistake.line - 1, mistake.column - 1), center=True)
         self.enter()
 
     def show_place(self, start: int, stop: int) -> None:
-        """Point out a piece of the text, given by its offsets, and bring it into sight."""
+        """Highlight a piece of the text, given by its offsets, and scroll to it."""
         places = []
         for offset in (start, stop):
             before = self.text[:offset]
@@ -122,9 +122,9 @@ class ProgramPane(Pane):
         self.editor.point_out(*places)
 
     def go_to_definition(self) -> str:
-        """Put the cursor where the predicate under it is defined, and return the word there.
+        """Put the cursor on the definition of the predicate under it, and return the word there.
 
-        The cursor stays if that is no predicate of the program.
+        The cursor stays if the program does not define it.
         """
         word = self.editor.word
         found = definitions(self.text).get(word)
@@ -138,9 +138,9 @@ class ProgramPane(Pane):
         self._tell()
 
     def _tell(self) -> None:
-        """Tell what is odd about the line of the cursor, else how what stands there is used.
+        """Show the error of the cursor's line, or help on the word under the cursor.
 
-        Of a line that was changed the latter is told: its mistake may be mended.
+        For a changed line show the help, because its error may be fixed.
         """
         row = self.editor.cursor_location[0]
         for found, now in self._mistakes.items():
@@ -158,7 +158,7 @@ class ProgramPane(Pane):
             self._help.update(Content(one_line(words)), layout=False)
 
     def enter(self) -> None:
-        """Put the focus into the text."""
+        """Focus the text."""
         self.screen.set_focus(self.editor)
 
     @on(MistakeStrip.Chosen)

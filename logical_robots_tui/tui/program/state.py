@@ -1,4 +1,4 @@
-"""How far the program is: what was tried, what the robots think with, and what is wrong."""
+"""The state of the program: the compiled text, the text that the robots use, and errors."""
 
 from __future__ import annotations
 
@@ -13,15 +13,15 @@ Phase: TypeAlias = Literal["fresh", "compiling", "applied", "mistake"]
 
 
 class ProgramState(NamedTuple):
-    """How far the program is.
+    """The state of the program.
 
     Attributes:
-        phase: ``fresh`` before the first compilation, then what the last one came to.
-        tried: The text that was last compiled.
-        applied: The text that the robots think with, or None.
-        mistakes: What is wrong with `tried`, or odd about it though it runs.
-        warnings: What is odd about `applied`.
-        compiled: How many predicates of how many are compiled, while compiling.
+        phase: ``fresh`` before the first compilation, then the result of the last one.
+        tried: The last compiled text.
+        applied: The text that the robots use, or None.
+        mistakes: Errors of `tried`, or warnings if it runs.
+        warnings: Warnings of `applied`.
+        compiled: The number of compiled predicates and of all, while compiling.
     """
 
     phase: Phase = "fresh"
@@ -33,17 +33,17 @@ class ProgramState(NamedTuple):
 
     @classmethod
     def of_applied(cls, text: str, warnings: tuple[Diagnostic, ...]) -> ProgramState:
-        """The state when the robots have begun to think with a text."""
+        """Return the state when the robots start to use a text."""
         return cls("applied", text, text, warnings, warnings)
 
     def compiling(self, text: str) -> ProgramState:
-        """The state when the compilation of a text has begun."""
+        """Return the state when the compilation of a text starts."""
         return self._replace(phase="compiling", tried=text, mistakes=(), compiled=(0, 0))
 
     def seen_from(self, text: str) -> ProgramState:
-        """What to say while that text stands in the editor.
+        """Return the state to show while that text is in the editor.
 
-        The mistakes of another text are no matter once that of the robots is back.
+        Errors of another text are dropped once the robots' text is back.
         """
         if self.phase != "mistake" or text == self.tried or text != self.applied:
             return self
@@ -51,14 +51,14 @@ class ProgramState(NamedTuple):
 
 
 class ProgramText(Protocol):
-    """The text of the program at hand, where it can be changed."""
+    """The editable text of the current program."""
 
     @property
     def text(self) -> str:
-        """What stands there."""
+        """The text."""
 
     def load(self, text: str) -> None:
-        """Put another program's text there."""
+        """Load another program's text."""
 
     def put(self, text: str) -> None:
-        """Put another text of the same program there; undo brings the former back."""
+        """Replace the text of the same program; undo restores the old one."""

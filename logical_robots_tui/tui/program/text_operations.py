@@ -22,16 +22,16 @@ __all__ = [
 
 
 def followed(rows: Sequence[int], before: Sequence[str], after: Sequence[str]) -> list[int | None]:
-    """Return where some lines of a text stand in a changed one, all counted from 0.
+    """Return the new places of some lines after a change of the text, all from 0.
 
     Args:
-        rows: Which lines.
-        before: All lines of the text.
-        after: All lines of the changed text.
+        rows: The lines.
+        before: All lines of the old text.
+        after: All lines of the new text.
 
     Returns:
-        For each its new number, or None if it is gone. A line that was changed is still the same
-        one, unless lines went or came in the same place.
+        The new number of each line, or None if it is gone. A changed line keeps its number, unless
+        lines were added or removed at the same place.
     """
     same, most = 0, min(len(before), len(after))
     while same < most and before[same] == after[same]:
@@ -57,18 +57,18 @@ def followed(rows: Sequence[int], before: Sequence[str], after: Sequence[str]) -
 
 
 WIDTH = 2
-"""Columns of a step."""
+"""Columns of an indentation step."""
 
 _COMMENT = re.compile(r"\s*#.*")
 _OPENS = (":-", "(", "[", "{")
 
 
 def indentation_after(before: str) -> str:
-    """Return the white space that a line begins with, behind another one.
+    """Return the indentation of a line after another one.
 
     Args:
-        before: That other line, or as much of it as stays there. One step is added behind what
-            opens something, and a rule that ends is followed by another one, not indented.
+        before: The other line, or the part of it that stays. An opening bracket or ``:-`` at its
+            end adds one step, and the end of a rule resets it.
     """
     given = before[: len(before) - len(before.lstrip())]
     written = _COMMENT.sub("", before).rstrip()
@@ -78,27 +78,27 @@ def indentation_after(before: str) -> str:
 
 
 def shifted(lines: list[str], *, back: bool) -> list[str]:
-    """Return lines a step further to the right, or as far back as they can go, up to a step."""
+    """Return lines indented by one step, or unindented by up to one."""
     if not back:
         return [" " * WIDTH + line if line.strip() else line for line in lines]
     return [re.sub(f"^(\t| {{1,{WIDTH}}})", "", line) for line in lines]
 
 
 def is_predicate_name(text: str) -> bool:
-    """Whether a predicate may be called so."""
+    """Return whether a text is a valid name of a predicate."""
     return re.fullmatch(r"[A-Z]\w*", text) is not None
 
 
 def find_after(
     text: str, wanted: str, place: tuple[int, int], *, there: bool = False
 ) -> tuple[int, int] | None:
-    """Return where a text stands next, from the top again after the end; None if nowhere.
+    """Return the next place of a text, wrapping around; None if there is none.
 
     Args:
-        text: Where to look.
-        wanted: What to look for; capitals count only if it has some.
-        place: Line and column, from 0, after which to look.
-        there: Whether a text that begins right at the place counts, too.
+        text: The text to search.
+        wanted: The text to find; case matters only if it has capitals.
+        place: Line and column, from 0, to search from.
+        there: Whether a match at the place itself counts.
     """
     if not wanted:
         return None
@@ -115,7 +115,7 @@ def find_after(
 
 
 def rename(text: str, old: str, new: str) -> tuple[str, int]:
-    """Give a predicate another name wherever it is used; comments and texts stay as they are.
+    """Rename a predicate everywhere except in comments and texts.
 
     Args:
         text: The program.
@@ -123,7 +123,7 @@ def rename(text: str, old: str, new: str) -> tuple[str, int]:
         new: Its new name.
 
     Returns:
-        The program, and in how many places it was changed.
+        The program, and the number of changed places.
     """
     lines, states, count = text.split("\n"), LineStates(), 0
     changed = []

@@ -1,1 +1,1 @@
-"""What was not saved when a session ended badly: kept, offered, swept."""
+"""Recovery of unsaved work after a session that ended badly."""

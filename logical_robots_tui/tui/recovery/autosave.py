@@ -1,4 +1,4 @@
-"""Autosave: writes what is edited to a draft, soon after every change."""
+"""Autosave: writes edited work to a draft, soon after every change."""
 
 from __future__ import annotations
 
@@ -19,15 +19,15 @@ State = TypeVar("State")
 
 
 class Autosave(Generic[State]):
-    """Keeps what is edited safe; a hangup loses no more than what was done in its delay.
+    """Keeps edited work safe; a hangup loses at most the changes of the last moments.
 
     Args:
-        drafts: Where to.
+        drafts: The drafts.
         delay: Seconds from a change to its draft on disk.
-        state: Gives what there is to keep, which is immutable.
-        draft: Makes a draft of that, or says what needs none any more; called in a thread.
-        failed: Called once with a sentence when drafts can't be written.
-        what: What can't be kept then, for the sentence.
+        state: Returns the immutable state to keep.
+        draft: Makes a draft from it, or names one that is no longer needed; called in a thread.
+        failed: Called once with a message when drafts can't be written.
+        what: The subject of that message.
     """
 
     def __init__(

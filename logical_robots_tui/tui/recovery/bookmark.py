@@ -1,4 +1,4 @@
-"""A bookmark: where the game stood when its terminal went away, to be gone to again."""
+"""The bookmark: where the game was when its terminal went away, to be restored later."""
 
 from __future__ import annotations
 
@@ -26,14 +26,14 @@ __all__ = ["Bookmark"]
 
 
 class Bookmark:
-    """Keeps the tick of a session that is cut off, and offers it to the next one.
+    """Saves the place of a session that is cut off, and offers it to the next one.
 
     Args:
-        session: Whose game.
-        drafts: Where to keep it.
-        ui: Where to say what went wrong.
-        library: Goes to levels and programs.
-        moved: Called when the robots are about to go there.
+        session: The session.
+        drafts: Where it is saved.
+        ui: The user interface.
+        library: Opens levels and programs.
+        moved: Called before the robots go there.
     """
 
     def __init__(
@@ -48,7 +48,7 @@ class Bookmark:
         self._drafts = drafts
 
     def flush(self) -> None:
-        """Write where the game stands. Safe in a signal handler; never raises."""
+        """Write the current place. Safe in a signal handler; never raises."""
         session = self._session
         if session.game is None:
             return
@@ -79,7 +79,7 @@ class Bookmark:
                 self._ui.warn(f"Can't continue at tick {place.tick}: {error}")
 
     async def _go_to(self, place: Place) -> None:
-        """Go to a place; unsaved text that came back stays in the editor."""
+        """Go to a place; restored unsaved text stays in the editor."""
         if place.level != level_key(self._session.level):
             await self._library.open_level(await asyncio.to_thread(load_level, place.level))
         source = await asyncio.to_thread(self._source_of, place)
@@ -89,7 +89,7 @@ class Bookmark:
         await self._session.replay(place)
 
     def _source_of(self, place: Place) -> Source:
-        """Where the program of a place is from; the present one if its file is gone."""
+        """Return the program's source of a place; the current one if its file is gone."""
         try:
             return load_program(place.program)
         except InputError:

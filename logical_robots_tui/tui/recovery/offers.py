@@ -1,4 +1,4 @@
-"""Offers of what an earlier session left: unsaved texts and levels, and its place."""
+"""Offers to restore what an earlier session left: unsaved texts and levels, and its place."""
 
 from __future__ import annotations
 
@@ -28,25 +28,25 @@ __all__ = ["Offering", "Offers", "offer"]
 Found = TypeVar("Found")
 
 _NOTICING = 0.7
-"""Seconds in which a player sees that there is a question; a key before was meant for the game.
+"""Seconds for a player to notice a question; earlier keys were meant for the game.
 
-To see something new and hold back a key that is on its way takes half a second or so.
+Seeing something new and stopping a key press takes about half a second.
 """
 
 
 class Offering(Protocol):
-    """Has something that an earlier session left."""
+    """Has something from an earlier session to offer."""
 
     async def offer(self, offers: Offers) -> None:
-        """Offer it, if there is anything."""
+        """Offer it, if there is something."""
 
 
 class Offers:
-    """Asks when nothing else lies over the game, and leaves the game's keys alone.
+    """Asks when nothing covers the game, and ignores keys meant for the game.
 
     Args:
-        ui: Where to ask.
-        is_free: Tells whether nothing lies over the game.
+        ui: The user interface.
+        is_free: Returns whether nothing covers the game.
     """
 
     def __init__(self, ui: Ui, is_free: Callable[[], bool]) -> None:
@@ -55,16 +55,16 @@ class Offers:
         self._asked: Question | None = None
 
     async def make(self, *offerings: Offering) -> None:
-        """Offer all that there is, one after the other."""
+        """Make all offers, one after another."""
         for each in offerings:
             await each.offer(self)
 
     def resumed(self) -> None:
-        """Nothing lies over the game any more."""
+        """Note that nothing covers the game any more."""
         self._resumed.set()
 
     async def at_hand(self, find: Callable[[], Awaitable[Found]]) -> Found:
-        """Return what is to be offered, as it is when nothing lies over the game."""
+        """Return what to offer, found when nothing covers the game."""
         while True:
             await self._free()
             found = await find()
@@ -74,13 +74,13 @@ class Offers:
     async def ask(
         self, title: str, question: str, answers: Sequence[tuple[str, str]], *, text: str = ""
     ) -> str | None:
-        """Ask, and return the name of the answer; None if there is none.
+        """Ask, and return the name of the answer, or None.
 
         Args:
-            title: What it is about.
+            title: The title.
             question: The question.
             answers: Pairs of name and label.
-            text: A text to show when asked, under the answer ``show``.
+            text: A text that the answer ``show`` shows.
         """
         from logical_robots_tui.tui.layout.dialogs import Question
 
@@ -89,7 +89,7 @@ class Offers:
         return await self._ui.ask(self._asked)
 
     def overhears(self, event: events.Key | events.Paste) -> bool:
-        """Whether a key comes to a question that the player can't have seen when pressing it."""
+        """Return whether a key arrived before the player could see the question."""
         asked = self._asked
         return asked is not None and asked.is_active and event.time < asked.answered_from
 
@@ -105,13 +105,13 @@ async def offer(
     store: Drafts,
     go_on: Callable[[Level, Draft], Awaitable[None]],
 ) -> None:
-    """Offer the newest level that can be gone on with; others are offered the next time.
+    """Offer the newest level that can be restored; others are offered next time.
 
     Args:
         offers: Asks.
-        drafts: What was left, the newest first.
-        store: Where that is.
-        go_on: Goes on with a level.
+        drafts: The drafts, the newest first.
+        store: Their store.
+        go_on: Continues with a level.
     """
     for draft in drafts:
         found = await asyncio.to_thread(_read, draft)
@@ -120,8 +120,8 @@ async def offer(
             continue
         when = draft.saved.astimezone()
         name = clip(one_line(draft.name), 40)
-        question = f"Go on editing the level “{name}” from {when:%H:%M, %d %B}?"
-        answers = [("yes", "Yes, go on"), ("no", "No, put it away")]
+        question = f"Continue editing the level “{name}” from {when:%H:%M, %d %B}?"
+        answers = [("yes", "Yes, continue"), ("no", "No, set it aside")]
         answer = await offers.ask("Unsaved level", question, answers)
         if answer == "yes":
             await go_on(found, draft)
@@ -131,10 +131,7 @@ async def offer(
 
 
 def _read(draft: Draft) -> Level | None:
-    """The level as it is in its file, or as it was edited if it has none any more.
-
-    None if there is nothing to go on with.
-    """
+    """Return the level in its file, or as edited if the file is gone, or None."""
     try:
         path = Path(draft.path)
         if path.is_absolute() and is_file(path):

@@ -1,1 +1,1 @@
-"""What goes over the wire to a terminal, and all that touches Textual's private parts."""
+"""The connection to the terminal, and everything that touches Textual's private parts."""

@@ -1,4 +1,4 @@
-"""What a terminal can show, as far as its environment tells."""
+"""The terminal's capabilities, as far as the environment tells."""
 
 from __future__ import annotations
 
@@ -12,14 +12,14 @@ if TYPE_CHECKING:
 __all__ = ["assume_colours", "drawing_for", "may_use_mouse"]
 
 _TRUECOLOR = ("alacritty", "contour", "foot", "ghostty", "kitty", "mintty", "rio", "wezterm")
-"""Terminals with all colours; sshd passes their name on, but not the variable that says so."""
+"""Terminals with true colour; sshd passes their name on, but not COLORTERM."""
 
 _POOR_FONTS = ("linux", "vt", "ansi", "cygwin", "dumb")
-"""Beginnings of the names of terminals whose fonts may lack quadrants."""
+"""Prefixes of terminals whose fonts may lack quadrants."""
 
 
 def assume_colours(environ: MutableMapping[str, str]) -> None:
-    """Say that there are all colours where the terminal's name tells so; nothing else does.
+    """Set COLORTERM if the terminal's name implies true colour.
 
     Args:
         environ: Changed in place, before the app reads it.
@@ -34,16 +34,16 @@ def assume_colours(environ: MutableMapping[str, str]) -> None:
 def drawing_for(
     environ: Mapping[str, str], colours: str | None, encoding: str, *, colourless: bool
 ) -> Drawing:
-    """Return the way of drawing that suits a terminal.
+    """Return the drawing that suits a terminal.
 
     Args:
-        environ: Holds its name.
-        colours: What it can show, as Rich calls it, such as ``truecolor``; None is none.
-        encoding: Of what is written to it.
+        environ: Has its name.
+        colours: What it can show, in Rich's words, such as ``truecolor``; None for no colours.
+        encoding: The encoding of the output.
         colourless: Whether the player wants no colours.
     """
     from logical_robots_tui.tui.labyrinth.drawing.glyphs import (
-        Drawing,  # slow to load: it brings numpy
+        Drawing,  # slow to load because of numpy
     )
 
     if colourless or colours not in ("truecolor", "256") or "utf" not in encoding.lower():
@@ -54,12 +54,12 @@ def drawing_for(
 
 
 def may_use_mouse(environ: Mapping[str, str]) -> bool:
-    """Return whether to ask a terminal for the mouse.
+    """Return whether to enable the mouse.
 
-    GNU screen (4.9) keeps the escape key back until the next key while it reports the mouse.
+    GNU screen (4.9) delays the escape key until the next key while the mouse is enabled.
 
     Args:
-        environ: Holds the terminal's name: ``screen`` or ``screen.xterm`` there. In tmux it may be
+        environ: Has the terminal's name: ``screen`` or ``screen.xterm`` there. In tmux it may be
             the same, and ``screen-256color`` is more often tmux than GNU screen.
     """
     name = environ.get("TERM", "").lower()

@@ -1,4 +1,4 @@
-"""What to send to a terminal so that it shows other cells: only those that differ."""
+"""The output that updates a terminal to show other cells: only cells that differ."""
 
 from __future__ import annotations
 
@@ -21,14 +21,14 @@ if TYPE_CHECKING:
 __all__ = ["Cell", "Difference", "Look", "look_of", "reduced"]
 
 _CLOSE = 3
-"""Cells that are the same, between two that differ, up to which writing them again is shorter."""
+"""Equal cells between two changed ones that are cheaper to rewrite than to skip."""
 
 _ATTRIBUTES = ("1", "2", "3", "4", "5", "6", "7", "8", "9", "21", "51", "52", "53")
-"""Codes of Rich's attributes, bit by bit."""
+"""Codes of Rich's attributes, by bit."""
 
 
 class Look(NamedTuple):
-    """What a cell looks like, as codes for ``CSI … m``; "" is the terminal's own."""
+    """The style of a cell as codes for ``CSI … m``; "" is the terminal's default."""
 
     attributes: str
     ink: str
@@ -38,19 +38,19 @@ class Look(NamedTuple):
 _PLAIN = Look("", "", "")
 
 Cell: TypeAlias = tuple[str, Look]
-"""A character, or "" where one of two cells goes on, and its look."""
+"""A character, or "" for the second half of a wide one, and its style."""
 
 
 class Difference:
-    """What a terminal shows, what it is to show, and how to get from the one to the other.
+    """What a terminal shows, what it should show, and the output to get from one to the other.
 
     Args:
         columns: Cells across.
         rows: Cells down.
-        colours: What the terminal can show; None is no colour at all.
+        colours: What the terminal can show; None for no colours.
 
     Attributes:
-        looks: The look of each packed style of `Cells`.
+        looks: The style of each packed style of `Cells`.
     """
 
     def __init__(self, columns: int, rows: int, colours: ColorSystem | None) -> None:
@@ -64,14 +64,14 @@ class Difference:
 
     @property
     def is_behind(self) -> bool:
-        """Whether something may be left to send."""
+        """Whether there may be something left to send."""
         return bool(self._behind)
 
     def take(self, pieces: Iterable[tuple[int, int, Sequence[Segment]]]) -> None:
-        """Learn what is to be shown; what was to be shown there before is forgotten.
+        """Set what to show; replaces what was to be shown there before.
 
         Args:
-            pieces: (row, first column, segments). What lies outside the terminal is left out.
+            pieces: (row, first column, segments). Parts outside the terminal are ignored.
         """
         for row, column, segments in pieces:
             if not 0 <= row < self.rows:
@@ -84,9 +84,9 @@ class Difference:
                 self.put(row, column, cells)
 
     def put(self, row: int, column: int, cells: Sequence[Cell]) -> None:
-        """Learn that cells are to be shown in a row, from a column on; all lie on the terminal."""
+        """Set the cells to show in a row, from a column on; all must be on the terminal."""
         wanted, stop = self._wanted[row], column + len(cells)
-        # Half of a character that is overwritten takes the other half with it.
+        # Overwriting half of a wide character also clears its other half.
         if column and _is_second_half(wanted[column]):
             wanted[column - 1] = None
         if stop < self.columns and _is_second_half(wanted[stop]):
@@ -95,21 +95,21 @@ class Difference:
         self._mark(row, column, stop)
 
     def forget(self) -> None:
-        """Forget what the terminal shows: everything is to be sent again."""
+        """Forget what the terminal shows, so that everything is sent again."""
         self._shown = [[None] * self.columns for _ in range(self.rows)]
         self._behind = dict.fromkeys(range(self.rows), (0, self.columns))
 
     def sequence(self, limit: float = inf, last: Region | None = None) -> str:
-        """Return what to write so that the terminal shows what it is to show.
+        """Return the output that updates the terminal.
 
         Args:
-            limit: Bytes after which no other run of cells is begun; the rest stays to be sent.
-            last: What is sent after all else: a picture that moves by itself. When there is not
-                room for all of it, its rows take turns.
+            limit: Bytes after which no further run of cells is started; the rest is sent later.
+            last: Cells to send last: the moving picture. If there is no room for all of it, its
+                rows take turns.
 
         Returns:
-            Text and escape sequences, or "" if all of it is there already. They leave the style
-            plain and the cursor anywhere.
+            Text and escape sequences, or "" if nothing differs. They leave the style plain and the
+            cursor anywhere.
         """
         spans = self._spans(last)
         self._behind.clear()
@@ -125,7 +125,7 @@ class Difference:
             for start, end in self._runs(row, first, stop):
                 run = [_move(at, row, start)]
                 pen = self._write(run, pen, row, start, end)
-                # After the last column a terminal's cursor is wherever it likes.
+                # After the last column the cursor's place is undefined.
                 at = (row, end) if end < self.columns else None
                 sent += run
                 size += len("".join(run).encode())
@@ -134,12 +134,12 @@ class Difference:
         return "".join(sent)
 
     def _mark(self, row: int, first: int, stop: int) -> None:
-        """Remember that some cells of a row may differ."""
+        """Note that some cells of a row may differ."""
         before = self._behind.get(row, (first, stop))
         self._behind[row] = min(first, before[0]), max(stop, before[1])
 
     def _spans(self, last: Region | None) -> list[tuple[int, int, int]]:
-        """Return where cells may differ, in the order in which to send them."""
+        """Return where cells may differ, in sending order."""
         soon: list[tuple[int, int, int]] = []
         late: list[tuple[int, int, int]] = []
         for row, (first, stop) in sorted(self._behind.items()):
@@ -174,7 +174,7 @@ class Difference:
             yield self._whole(row, start, end)
 
     def _whole(self, row: int, first: int, last: int) -> tuple[int, int]:
-        """Return a run, widened so that no character of two cells is cut."""
+        """Return a run, widened so that no wide character is cut."""
         wanted, shown, stop = self._wanted[row], self._shown[row], last + 1
 
         def cut(place: int) -> bool:
@@ -187,7 +187,7 @@ class Difference:
         return first, stop
 
     def _write(self, run: list[str], pen: Look, row: int, start: int, stop: int) -> Look:
-        """Write a run of cells; return the look that the terminal's pen is left with."""
+        """Write a run of cells; return the resulting style."""
         shown = self._shown[row]
         if start and _is_second_half(shown[start]):
             shown[start - 1] = None
@@ -198,7 +198,7 @@ class Difference:
             assert cell is not None
             text, look = cell
             if look is not pen and text:
-                # A blank looks the same in any ink.
+                # A blank looks the same in any foreground colour.
                 if text == " " and not look.attributes:
                     look = Look("", pen.ink if not pen.attributes else "", look.paper)
                 run.append(_change(pen, look))
@@ -208,7 +208,7 @@ class Difference:
 
 
 class _Looks(dict[int, Look]):
-    """The look of each packed style, found when it is first asked for."""
+    """The style of each packed style, computed on demand."""
 
     def __init__(self, colours: ColorSystem | None) -> None:
         super().__init__()
@@ -226,17 +226,17 @@ class _Looks(dict[int, Look]):
 
 
 def _codes_of(color: Color, colours: ColorSystem, *, is_ink: bool) -> str:
-    """Return what chooses a colour, as the terminal has it, between ``ESC [`` and ``m``."""
+    """Return the code of a colour on the terminal, between ``ESC [`` and ``m``."""
     return ";".join(reduced(color, colours).get_ansi_codes(foreground=is_ink))
 
 
 def _is_second_half(cell: Cell | None) -> bool:
-    """Whether a cell is covered by the character of two cells that begins before it."""
+    """Return whether a cell is the second half of a wide character."""
     return cell is not None and cell[0] == ""
 
 
 def _cells(segments: Sequence[Segment], colours: ColorSystem | None) -> list[Cell]:
-    """Return text and look of each cell; a character of two cells is followed by an empty text."""
+    """Return text and style of each cell; a wide character is followed by an empty text."""
     cells: list[Cell] = []
     for text, style, control in segments:
         if control:
@@ -262,11 +262,11 @@ _width = lru_cache(maxsize=4096)(cell_len)
 
 @lru_cache(maxsize=20_000)
 def look_of(style: Style | None, colours: ColorSystem | None) -> Look:
-    """Return what a style looks like on a terminal.
+    """Return the codes of a style on a terminal.
 
     Args:
-        style: Rich's style.
-        colours: What the terminal can show; None is no colour at all.
+        style: A style of Rich.
+        colours: What the terminal can show; None for no colours.
     """
     if style is None:
         return _PLAIN
@@ -283,13 +283,13 @@ def look_of(style: Style | None, colours: ColorSystem | None) -> Look:
 
 @lru_cache(maxsize=40_000)
 def _same(look: Look) -> Look:
-    """Return one object for equal looks, which is compared faster."""
+    """Return the same object for equal styles, which is faster to compare."""
     return look
 
 
 @lru_cache(maxsize=40_000)
 def _change(pen: Look, look: Look) -> str:
-    """Return how to go from one look to another."""
+    """Return the codes to change from one style to another."""
     if pen == look:
         return ""
     adds_only = pen.attributes == "" and (look.ink or not pen.ink) and (look.paper or not pen.paper)
@@ -301,7 +301,7 @@ def _change(pen: Look, look: Look) -> str:
 
 
 def _move(at: tuple[int, int] | None, row: int, column: int) -> str:
-    """Return how to bring the cursor to a cell."""
+    """Return the codes to move the cursor to a cell."""
     if at is None or at[0] != row or at[1] > column:
         return f"\x1b[{row + 1};{column + 1}H"
     steps = column - at[1]
@@ -309,27 +309,27 @@ def _move(at: tuple[int, int] | None, row: int, column: int) -> str:
 
 
 _LEVELS = (0, 95, 135, 175, 215, 255)
-"""Values of a channel in the colour cube of 256 colours."""
+"""Channel values of the colour cube with 256 colours."""
 
 _FOR_A_HUE = 5
-"""How many times as wrong a colour may be as a grey, to keep its hue."""
+"""How much worse a colour may be than a grey, to keep its hue."""
 
 _GREYS = tuple(8 + 10 * step for step in range(24))
 
 
 @lru_cache(maxsize=40_000)
 def reduced(color: Color, colours: ColorSystem) -> Color:
-    """Return the colour of a terminal that comes nearest to one.
+    """Return the terminal's colour nearest to one.
 
-    With 256 colours the nearest by sight: among dark ones the cube has only black, so the ramp of
-    greys, which has many, is asked as well, and a hue counts for more than in Rich's own choice.
+    With 256 colours, the nearest by sight: among dark colours the cube has only black, so the grey
+    ramp is considered as well, and hue counts more than in Rich's own choice.
     """
     if color.type != ColorType.TRUECOLOR or colours != ColorSystem.EIGHT_BIT:
         return color.downgrade(colours)
     assert color.triplet is not None
     wanted = color.triplet
     cube = [min(range(6), key=lambda n: abs(_LEVELS[n] - value)) for value in wanted]
-    # A channel that leads must not drown: it gets the first level of the cube.
+    # A dominant channel must not vanish: it gets the first level of the cube.
     strongest = max(wanted)
     if 40 <= strongest < 75 and strongest - min(wanted) >= 22:
         cube = [

@@ -1,4 +1,4 @@
-"""What happens when the game itself makes a mistake, or its terminal goes away."""
+"""Handling of bugs in the game, and of a terminal that goes away."""
 
 from __future__ import annotations
 
@@ -21,24 +21,24 @@ if TYPE_CHECKING:
     from collections.abc import Callable
     from types import FrameType
 
-__all__ = ["CarefulApp", "OwnMistake", "end_on_hangup"]
+__all__ = ["BugReport", "CrashSafeApp", "end_on_hangup"]
 
 _RESERVE = 16 * 1024**2
-"""Bytes of address space that a game out of memory has left to end in good order."""
+"""Bytes of address space reserved for ending cleanly when out of memory."""
 
-_GRACE = 1.0  # seconds that an orderly end may take after a hangup
+_GRACE = 1.0  # seconds for a clean end after a hangup
 
 
-class OwnMistake(Exception):  # noqa: N818 - it is called what it is
-    """An exception that should not have happened; shown as one line instead of a traceback."""
+class BugReport(Exception):  # noqa: N818 - it is called what it is
+    """An unexpected exception; shown as one line instead of a traceback."""
 
     def __rich__(self) -> Text:
         said = "has run out of memory" if is_out_of_memory(self.__cause__) else "has stopped"
         return Text(f"The game {said}. What you typed is kept and offered the next time.")
 
 
-class CarefulApp(App[None]):
-    """An app that ends in an orderly way after an exception nobody expected.
+class CrashSafeApp(App[None]):
+    """An app that ends cleanly after an unexpected exception.
 
     Attributes:
         mistake: The first such exception, or None.
@@ -47,55 +47,57 @@ class CarefulApp(App[None]):
     mistake: Exception | None = None
     _reserve = bytes(_RESERVE)
 
-    def last_words(self) -> None:
-        """Bring what must not be lost to safety; called before anything else."""
+    def save_unsaved(self) -> None:
+        """Save what must not be lost; called before anything else."""
 
     def _handle_exception(self, error: Exception) -> None:
-        # Textual has no public hook for this. Its own way, a traceback with all local variables,
-        # is kept from the player by handing it an exception that knows how to be shown.
+        # Textual has no public hook for this. Its default, a traceback with all local variables,
+        # is avoided by passing it an exception that renders as one line.
         cause = error.error if isinstance(error, WorkerFailed) else error
         if self.mistake is not None:
             return  # that one ends the game
-        self._reserve = CarefulApp._reserve = b""
+        self._reserve = CrashSafeApp._reserve = b""
         self.mistake = cause if isinstance(cause, Exception) else error
-        self.last_words()
-        report = OwnMistake(str(error))
+        self.save_unsaved()
+        report = BugReport(str(error))
         report.__cause__ = cause
         super()._handle_exception(report)
 
 
-def end_on_hangup(last_words: Callable[[], None], leave: Callable[[], None]) -> Callable[[], None]:
-    """End in an orderly way when the terminal goes away or somebody ends the process.
+def end_on_hangup(
+    save_unsaved: Callable[[], None], leave: Callable[[], None]
+) -> Callable[[], None]:
+    """End cleanly when the terminal goes away or somebody ends the process.
 
-    A process that does not belong to its terminal gets no signal when that goes; so a thread waits
-    for it as well. Everything important is done in the signal handler, because the event loop may
-    be waiting for a terminal that is gone; the process ends even then. Where Python has no chance
-    to call the handler, because the main thread waits for a lock, that other thread does it all.
+    A process that does not belong to its terminal gets no signal when the terminal goes away, so a
+    thread also waits for that. Everything important is done in the signal handler, because the
+    event loop may be waiting for the lost terminal; the process ends even then. If Python can't run
+    the handler, because the main thread waits for a lock, the thread does everything.
 
     Args:
-        last_words: Brings to safety what must not be lost.
+        save_unsaved: Saves what must not be lost.
         leave: Asks the app to end; called on any thread.
 
     Returns:
-        Puts the handlers back that were there before.
+        Restores the previous handlers.
     """
 
     def handler(number: int, frame: FrameType | None) -> None:
         timer = threading.Timer(_GRACE, os._exit, (128 + number,))
         timer.daemon = True
         timer.start()
-        last_words()
+        save_unsaved()
         leave()
 
     before: dict[int, Any] = {
         number: signal.signal(number, handler)
         for number in (signal.SIGHUP, signal.SIGTERM, signal.SIGXCPU)
     }
-    # Asked here: one that is gone before the thread has its first turn no longer says it is one.
+    # Checked here: a terminal that is gone before the thread starts no longer looks like one.
     if sys.__stdin__ is not None and sys.__stdin__.isatty():
         threading.Thread(
             target=_end_with_terminal,
-            args=(sys.__stdin__.fileno(), last_words),
+            args=(sys.__stdin__.fileno(), save_unsaved),
             name="logical-robots-hangup",
             daemon=True,
         ).start()
@@ -107,14 +109,14 @@ def end_on_hangup(last_words: Callable[[], None], leave: Callable[[], None]) -> 
     return put_back
 
 
-def _end_with_terminal(descriptor: int, last_words: Callable[[], None]) -> None:
-    """Send this process the signal of a hangup when its terminal is gone, and see that it ends."""
+def _end_with_terminal(descriptor: int, save_unsaved: Callable[[], None]) -> None:
+    """Send this process the hangup signal when its terminal is gone, and make sure that it ends."""
     with contextlib.suppress(OSError, ValueError):
         terminal = select.poll()
-        terminal.register(descriptor, 0)  # hangups are told without being asked for
+        terminal.register(descriptor, 0)  # hangups are always reported
         for _, event in terminal.poll():
             if event & (select.POLLHUP | select.POLLERR):
                 os.kill(os.getpid(), signal.SIGHUP)
                 time.sleep(1.2 * _GRACE)
-                last_words()
+                save_unsaved()
                 os._exit(128 + signal.SIGHUP)

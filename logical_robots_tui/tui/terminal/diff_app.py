@@ -1,8 +1,8 @@
-"""An app that sends only those cells that differ from what its terminal shows, when it can.
+"""An app that sends only cells that differ from what its terminal shows.
 
-Textual paints a region again as a whole, with the full style of every segment: eight times as much
-as needed here. There is no public hook for this, so ``App._display`` is overridden; Textual is
-pinned, and a test compares what a terminal shows with a full rendering of the same lines.
+Textual repaints whole regions, with the full style of every segment, which is eight times as much
+as needed here. There is no public hook for this, so ``App._display`` is overridden; a test compares
+what a terminal shows with a full rendering of the same lines.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from textual._compositor import ChopsUpdate, CompositorUpdate, LayoutUpdate
 from textual.driver import Driver
 
 from logical_robots_tui.tui.terminal.cell_diff import Difference
-from logical_robots_tui.tui.terminal.crash_report import CarefulApp
+from logical_robots_tui.tui.terminal.crash_report import CrashSafeApp
 from logical_robots_tui.tui.terminal.driver import ListeningDriver
 from logical_robots_tui.tui.terminal.flow_control import ASK, PATIENCE, Line
 
@@ -29,14 +29,14 @@ if TYPE_CHECKING:
     from textual.geometry import Region
     from textual.screen import Screen
 
-__all__ = ["SparingApp"]
+__all__ = ["DiffApp"]
 
 
-class SparingApp(CarefulApp):
-    """Sends what changed, nothing if nothing did, and no more than its terminal can take.
+class DiffApp(CrashSafeApp):
+    """Sends only changes, and no more than its terminal can take.
 
-    On a line that can't keep up, what is to be shown goes on changing while the last sending is
-    under way; the next one leads straight to what is to be shown by then.
+    On a slow line the content keeps changing while output is in flight; the next output leads
+    straight to the latest content.
     """
 
     _sent: Difference | None = None
@@ -49,15 +49,15 @@ class SparingApp(CarefulApp):
         self._line = Line()
 
     def redraw(self) -> None:
-        """Send everything again: the terminal may show something else."""
+        """Send everything again, because the terminal may show something else."""
         if self._sent is not None:
             self._sent.forget()
             self._send()
 
     def terminal(self) -> Difference | None:
-        """What the terminal shows and is to show; None if it is about to be painted anew.
+        """What the terminal shows and should show; None if a full repaint is due.
 
-        What is to be shown is sent soon.
+        Changes to it are sent soon.
         """
         if (
             self._sent is None
@@ -71,11 +71,11 @@ class SparingApp(CarefulApp):
         return self._sent
 
     def moving_picture(self) -> Region | None:
-        """What moves by itself, and is sent after all else."""
+        """The widget that moves by itself, and is sent last."""
         return None
 
     async def on_event(self, event: events.Event) -> None:
-        """Handle an event; a terminal that was resized or came back shows anything."""
+        """Handle an event; after a resize or resume the terminal's content is unknown."""
         if isinstance(event, events.CursorPosition):
             self._line.answered(event.time)
             self._send()
@@ -103,7 +103,7 @@ class SparingApp(CarefulApp):
 
     @property
     def _can_send(self) -> bool:
-        """Whether what is drawn now is to be shown, on a terminal that answers."""
+        """Return whether output is possible, on a terminal that answers."""
         return (
             not self._batch_count
             and self._running
@@ -117,12 +117,12 @@ class SparingApp(CarefulApp):
         self._send()
 
     def _send(self) -> None:
-        """Send what differs if the line is free; otherwise its next answer leads here again."""
+        """Send the difference if the line is free; otherwise its next answer calls this again."""
         driver = self._driver
         if self._sent is None or self._closed or not isinstance(driver, ListeningDriver):
             return
         if (self._sent.columns, self._sent.rows) != self.size:
-            return  # all of it is about to be drawn anew
+            return  # a full repaint is due
         if self._line.is_to_be_measured:
             driver.ask(ASK)
             self._line.sent(0, monotonic())
@@ -150,13 +150,13 @@ class SparingApp(CarefulApp):
 def _pieces(
     update: LayoutUpdate | ChopsUpdate,
 ) -> Iterator[tuple[int, int, Sequence[Segment]]]:
-    """Return the (row, first column, segments) that an update of Textual's paints."""
+    """Return the (row, first column, segments) that an update of Textual paints."""
     if isinstance(update, LayoutUpdate):
         for y, strips in enumerate(update.strips, update.region.y):
             yield y, update.region.x, [segment for strip in strips for segment in strip]
         return
     for y, first, stop in update.spans:
         for end, (x, strip) in zip(update.chop_ends[y], update.chops[y].items(), strict=False):
-            # Parts of a line that reach out of the span are up to date as a whole.
+            # Parts of a line beyond the span are up to date.
             if strip is not None and x < stop and end > first:
                 yield y, x, list(strip)

@@ -1,8 +1,8 @@
-"""The spot where a widget stands on the terminal, to be painted without Textual's compositor.
+"""Painting a widget on the terminal without Textual's compositor.
 
 The compositor renders every widget between the first and the last line that changed, a sixtieth of
-a second later. A widget that is drawn anew many times a second, and knows what changed, says so at
-its `Spot` instead; all else still goes through the compositor, which finds the widget as it is.
+a second later. A widget that is redrawn many times a second, and knows what changed, uses a
+`PaintTarget` instead; the compositor still sees the widget's current state.
 """
 
 from __future__ import annotations
@@ -10,7 +10,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from logical_robots_tui.tui.labyrinth.drawing.cells import PAPER
-from logical_robots_tui.tui.terminal.diff_app import SparingApp
+from logical_robots_tui.tui.terminal.diff_app import DiffApp
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
@@ -21,16 +21,16 @@ if TYPE_CHECKING:
     from logical_robots_tui.tui.labyrinth.drawing.cells import Cells
     from logical_robots_tui.tui.terminal.cell_diff import Cell, Difference
 
-__all__ = ["Spot", "repaint", "spot_of"]
+__all__ = ["PaintTarget", "paint_target_of", "repaint"]
 
 
-class Spot:
-    """Where a widget stands.
+class PaintTarget:
+    """A widget's place on the terminal.
 
     Args:
-        terminal: What the terminal is to show.
+        terminal: What the terminal should show.
         region: The widget with its borders, in cells of the terminal.
-        over: What lies over it.
+        over: The regions that cover it.
     """
 
     def __init__(self, terminal: Difference, region: Region, over: Sequence[Region]) -> None:
@@ -42,14 +42,14 @@ class Spot:
         """Show cells of a widget without borders.
 
         Args:
-            cells: Of the whole widget.
-            spans: (row, first column, column after the last) of those that changed.
+            cells: All cells of the widget.
+            spans: (row, first column, column after the last) of changes.
         """
         looks = self._terminal.looks
         for row, first, stop in spans:
             for start, end in self._free(row, first, stop):
                 line: list[Cell] = [
-                    # A blank looks the same in any ink.
+                    # A blank looks the same in any foreground colour.
                     (text, looks[style if text != " " else style & PAPER])
                     for text, style in cells.row(row, start, end)
                 ]
@@ -60,10 +60,10 @@ class Spot:
                 self._terminal.put(self._region.y + row, self._region.x + start, line)
 
     def paint(self, widget: Widget) -> bool:
-        """Show all of the widget; False if something lies over it."""
+        """Show the whole widget; return False if something covers it."""
         if self._over:
             return False
-        # What `Widget.refresh` does before it waits for the compositor.
+        # Like `Widget.refresh` before it waits for the compositor.
         widget._layout_cache.clear()
         widget._set_dirty()
         lines = widget.render_lines(self._region.size.region)
@@ -73,7 +73,7 @@ class Spot:
         return True
 
     def _free(self, row: int, first: int, stop: int) -> Iterator[tuple[int, int]]:
-        """Return the parts of a span that nothing lies over."""
+        """Return the parts of a span that nothing covers."""
         x, y = self._region.offset
         for region in sorted(self._over):
             if region.y <= y + row < region.bottom:
@@ -84,10 +84,10 @@ class Spot:
             yield first, stop
 
 
-def spot_of(widget: Widget) -> Spot | None:
-    """Return where a widget stands; None if it isn't all in sight, or is about to move."""
+def paint_target_of(widget: Widget) -> PaintTarget | None:
+    """Return a widget's place; None if it is partly hidden, or about to move."""
     app = widget.app
-    if not isinstance(app, SparingApp) or not widget.is_attached or widget.screen is not app.screen:
+    if not isinstance(app, DiffApp) or not widget.is_attached or widget.screen is not app.screen:
         return None
     if widget.screen._layout_required or (terminal := app.terminal()) is None:
         return None
@@ -95,13 +95,13 @@ def spot_of(widget: Widget) -> Spot | None:
     for other, (region, clip) in widget.screen._compositor.visible_widgets.items():
         if other is widget:
             over = [found for each in over if (found := each.intersection(region))]
-            return Spot(terminal, region, over) if clip.contains_region(region) else None
+            return PaintTarget(terminal, region, over) if clip.contains_region(region) else None
         over.append(region.intersection(clip))
     return None
 
 
 def repaint(widget: Widget) -> None:
-    """Show a widget as it is now, at once if that can be done."""
-    spot = spot_of(widget)
+    """Repaint a widget, at once if possible."""
+    spot = paint_target_of(widget)
     if spot is None or not spot.paint(widget):
         widget.refresh()

@@ -1,4 +1,4 @@
-"""Textual's driver for terminals, with an ear for what the terminal answers."""
+"""Textual's terminal driver, extended to read the terminal's answers."""
 
 from __future__ import annotations
 
@@ -14,56 +14,56 @@ from textual import events
 from textual.drivers.linux_driver import LinuxDriver
 from textual.geometry import Size
 
-from logical_robots_tui.tui.terminal.input_filter import CarefulParser, Incoming, Pasted
+from logical_robots_tui.tui.terminal.input_filter import InputFilter, Pasted, TolerantParser
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
     from textual.message import Message
 
-__all__ = ["LARGEST", "ListeningDriver", "Unmarked"]
+__all__ = ["LARGEST", "ListeningDriver", "UnbracketedPasteDetector"]
 
 LARGEST = (1000, 400)
-"""Columns and lines of the largest screen that is drawn; real ones have fewer."""
+"""Columns and lines of the largest screen that is drawn."""
 
-_LAST_ANSWER = 0.5  # seconds to wait for it before the terminal is somebody else's
+_LAST_ANSWER = 0.5  # seconds to wait for it before another program gets the terminal
 
 _CHUNK = 4096
 _LOOK_UP_EVERY = 0.1  # seconds
-_FLOOD = 1000  # events that nobody has answered yet
+_FLOOD = 1000  # unanswered events
 
 _MARK = re.compile(r"\x1b\[20([01])~")
 _TEXT = re.compile(r"[^\x00-\x08\x0b\x0c\x0e-\x1f\x7f]{64,}")
-"""More than anybody types at once, and nothing but letters, tabs and ends of lines."""
+"""More than anybody types at once, with only letters, tabs and line ends."""
 
 
-class Unmarked:
-    """Knows a paste from keys where the terminal, or GNU screen in it, does not mark pastes.
+class UnbracketedPasteDetector:
+    """Detects pastes in terminals without bracketed paste, such as GNU screen.
 
-    As keys it would be worked off letter by letter, for minutes; and out of the editor each letter
-    is a command.
+    As keys they would be processed letter by letter, for minutes, and outside the editor each
+    letter is a command.
     """
 
     def __init__(self) -> None:
         self._is_marked = self._is_escape_begun = False
 
     def paste_in(self, typed: str) -> str:
-        """Return what was pasted, with line feeds, or "" if those are keys or marked pastes.
+        """Return the pasted text with line feeds, or "" for keys or bracketed pastes.
 
         Args:
-            typed: All that came in at once, after all that came in before.
+            typed: Everything that arrived at once, and before.
         """
         is_plain = not self._is_marked and not self._is_escape_begun
         self._is_escape_begun = typed.endswith("\x1b")
         for mark in _MARK.finditer(typed):
             self._is_marked = mark[1] == "0"
         text = typed.replace("\r\n", "\n").replace("\r", "\n")
-        is_several_lines = "\n" in text.rstrip("\n")  # and not one line, then enter
+        is_several_lines = "\n" in text.rstrip("\n")  # not one line followed by enter
         return text if is_plain and is_several_lines and _TEXT.fullmatch(text) else ""
 
 
 class ListeningDriver(LinuxDriver):
-    """Tells the app of each answer by ``CursorPosition``, wherever it comes in."""
+    """Posts each answer as ``CursorPosition`` to the app."""
 
     def __init__(self, *arguments: Any, **options: Any) -> None:
         super().__init__(*arguments, **options)
@@ -72,26 +72,26 @@ class ListeningDriver(LinuxDriver):
         self._all_answered = threading.Condition()
 
     def ask(self, text: str) -> None:
-        """Write something that ends in a question to the terminal."""
+        """Write something that ends in a query to the terminal."""
         with self._all_answered:
             self._asked += 1
         self.write(text)
 
     def disable_input(self) -> None:
-        """Stop listening; an answer that is due is waited for, lest the next program reads it."""
+        """Stop reading, after waiting for a pending answer, which is not for the next program."""
         with self._all_answered:
             self._all_answered.wait_for(lambda: not self._asked, _LAST_ANSWER)
             self._asked = 0
         super().disable_input()
 
     def process_message(self, message: Message) -> None:
-        """Pass on a message, of a terminal that is no larger than any real one."""
+        """Forward a message, with the terminal's size limited."""
         if isinstance(message, events.Resize):
             message = events.Resize(_bounded(message.size), _bounded(message.size))
         super().process_message(message)
 
     def send_message(self, message: Message) -> None:
-        """Pass on a message, and know how many the app has not heard of yet."""
+        """Forward a message, and count those that the app has not handled yet."""
         with self._all_answered:
             self._under_way += 1
 
@@ -103,18 +103,18 @@ class ListeningDriver(LinuxDriver):
         asyncio.run_coroutine_threadsafe(post(), loop=self._loop)
 
     def run_input_thread(self) -> None:
-        """Pass on what comes in until the driver stops; a mistake of our own ends the app."""
+        """Forward input until the driver stops; a bug ends the app."""
         try:
             self._listen()
-        except Exception as error:  # it would end the thread, and nobody would know
+        except Exception as error:  # it would end the thread unnoticed
             self._loop.call_soon_threadsafe(self._app._handle_exception, error)
 
     def _get_terminal_size(self) -> tuple[int, int]:
         return tuple(_bounded(Size(*super()._get_terminal_size())))  # type: ignore[return-value]  # a pair
 
     def _listen(self) -> None:
-        parser = CarefulParser(self._debug)
-        incoming, unmarked = Incoming(), Unmarked()
+        parser = TolerantParser(self._debug)
+        incoming, unmarked = InputFilter(), UnbracketedPasteDetector()
         terminal = select.poll()
         terminal.register(self.fileno, select.POLLIN)
         while not self.exit_event.is_set():
@@ -131,9 +131,9 @@ class ListeningDriver(LinuxDriver):
             for piece in pieces:
                 if isinstance(piece, Pasted):
                     self.process_message(events.Paste(piece))
-                    parser = CarefulParser(self._debug)
+                    parser = TolerantParser(self._debug)
                 elif self._is_flooded():
-                    parser = CarefulParser(self._debug)
+                    parser = TolerantParser(self._debug)
                 elif pasted := unmarked.paste_in(piece):
                     self.process_message(events.Paste(pasted))
                 else:
@@ -143,7 +143,7 @@ class ListeningDriver(LinuxDriver):
                 self.process_message(message)
 
     def _is_flooded(self) -> bool:
-        """Whether more is waiting than anybody types; then all of that is dropped."""
+        """Return whether more is waiting than anybody types; then all of it is dropped."""
         with self._all_answered:
             waiting = self._under_way
         backlog, forget = self._backlog()
@@ -154,12 +154,12 @@ class ListeningDriver(LinuxDriver):
 
     def _backlog(self) -> tuple[int, Callable[[], None]]:
         app = self._app
-        if isinstance(app, SwampedApp):
-            return app.backlog, app.forget_typed
+        if isinstance(app, BacklogApp):
+            return app.backlog, app.drop_typed
         return 0, lambda: None
 
     def _hear(self, answers: int) -> None:
-        """Tell of answers, as far as there were questions."""
+        """Post answers, at most as many as there were queries."""
         with self._all_answered:
             heard = min(answers, self._asked)
             self._asked -= heard
@@ -169,15 +169,15 @@ class ListeningDriver(LinuxDriver):
 
 
 @runtime_checkable
-class SwampedApp(Protocol):
-    """An app that knows how much of what was typed it has not answered yet."""
+class BacklogApp(Protocol):
+    """An app that knows how many events it has not handled yet."""
 
     @property
     def backlog(self) -> int:
-        """How many keys and other events wait."""
+        """Return the number of waiting keys and other events."""
 
-    def forget_typed(self) -> None:
-        """Answer none of those keys."""
+    def drop_typed(self) -> None:
+        """Drop the waiting keys."""
 
 
 def _bounded(size: Size) -> Size:

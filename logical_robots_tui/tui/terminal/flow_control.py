@@ -1,4 +1,4 @@
-"""The line to a terminal: how much may be under way, so that a key press never waits long."""
+"""Flow control: limits the output in flight, so that a key press never waits long."""
 
 from __future__ import annotations
 
@@ -8,28 +8,28 @@ from math import inf
 __all__ = ["ASK", "Line"]
 
 ASK = "\x1b[6n"
-"""Asks a terminal where its cursor is; it answers when it has taken all that came before."""
+"""Asks a terminal for its cursor position; it answers after everything sent before."""
 
 PATIENCE = 2.0  # seconds after which an answer counts as lost
 
-_QUEUE = 0.05  # seconds of data that may wait on the way
-_LEAST = 1500  # bytes; less would not be worth the asking
-_LITTLE = 500  # bytes that don't wait for themselves
-_FIRST = 16_000  # bytes that are sent at once to a terminal that nothing is known of
+_QUEUE = 0.05  # seconds of data that may queue on the way
+_LEAST = 1500  # bytes; less is not worth a query
+_LITTLE = 500  # bytes that don't queue
+_FIRST = 16_000  # bytes sent at once to an unknown terminal
 _MOST = 256_000
-_MOST_ASKED = 8  # questions under way on a long line
-_LONG = 1 / 15  # seconds; so often a picture on a long line changes at least
+_MOST_ASKED = 8  # queries in flight on a long line
+_LONG = 1 / 15  # seconds; the longest time between pictures on a long line
 
 
 class Line:
-    """Decides when to send something to a terminal and how much.
+    """Decides when to send to a terminal, and how much.
 
-    sshd and the kernel buffer far more than a slow line takes in a second, so that being able to
-    write says nothing. Therefore each sending ends in a question (`ASK`), and what waits for the
-    answer is under way. Usually that is one sending; on a line that is long, but not slow, it is
-    as many as fit into the time of an answer. That time is measured once by a question alone: even
-    a small picture takes its time on a slow line, and would let it seem long. Before a terminal
-    has answered for the first time, it is not relied upon.
+    sshd and the kernel buffer far more than a slow line takes in a second, so being able to write
+    says nothing. So each output ends in a query (`ASK`), and is in flight until the answer. Usually
+    that is one output; on a line with high latency but enough bandwidth, as many as fit into the
+    latency. The latency is measured once by a query alone, because even a small picture takes time
+    on a slow line. Before a terminal has answered for the first time, its answers are not relied
+    upon.
 
     All times are in seconds on one clock of the caller's.
 
@@ -44,7 +44,7 @@ class Line:
 
     @property
     def is_to_be_measured(self) -> bool:
-        """Whether to send a question alone now."""
+        """Whether to send a query alone now."""
         return self._least is not None and not self._is_measured and not self._asked
 
     @property
@@ -58,12 +58,12 @@ class Line:
         return inf if self._least is None else self._room
 
     def sent(self, size: int, now: float) -> None:
-        """Note that so many bytes and a question were sent; none, to measure."""
+        """Note that so many bytes and a query were sent; 0 bytes for a measurement."""
         self._is_measuring = not size and not self._asked
         self._asked.append((now, size))
 
     def answered(self, now: float) -> None:
-        """Note that the terminal has answered the oldest question."""
+        """Note that the terminal has answered the oldest query."""
         if not self._asked:
             return
         asked, size = self._asked.popleft()
@@ -72,7 +72,7 @@ class Line:
         if self._least is None or taken < self._least:
             self._least = taken
         elif size <= _LITTLE and self._window == 1:
-            # The way has become longer.
+            # The latency has increased.
             self._least += (taken - self._least) / 10
         waited = taken - self._least
         if waited > _QUEUE:
@@ -85,7 +85,7 @@ class Line:
             self._room = min(_MOST, 2 * self._room)
 
     def forget(self, now: float) -> None:
-        """Give up answers that are overdue; a terminal that gave none is not relied upon."""
+        """Give up overdue answers; a terminal that never answered is not relied upon."""
         while self._asked and now - self._asked[0][0] > PATIENCE:
             self._asked.popleft()
             self._least = None

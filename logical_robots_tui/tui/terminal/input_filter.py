@@ -1,4 +1,4 @@
-"""What comes in from a terminal, sorted: its answers, pastes, and keys; junk is dropped."""
+"""Terminal input, separated into answers, pastes and keys; junk is dropped."""
 
 from __future__ import annotations
 
@@ -18,15 +18,13 @@ if TYPE_CHECKING:
 
     from textual.message import Message
 
-__all__ = ["MOST_PASTED", "CarefulParser", "Incoming", "Pasted"]
+__all__ = ["MOST_PASTED", "InputFilter", "Pasted", "TolerantParser"]
 
 MOST_PASTED = 1_000_000
-"""Characters of one paste; more is left out. A program may have a fifth of that."""
+"""Most characters of one paste; the rest is dropped. A program may have a fifth of that."""
 
-_LONGEST = (
-    30  # parameters of a sequence; of longer ones Textual makes keys, and none means anything
-)
-_FORSAKEN = 1.0  # seconds of silence after which a single key ends a paste that was never ended
+_LONGEST = 30  # parameters of a sequence; Textual turns longer ones into keys without meaning
+_FORSAKEN = 1.0  # seconds of silence after which a single key ends an unterminated paste
 _ONE_KEY = 8  # bytes at most
 
 _ANSWER = re.compile(r"\x1b\[\d{1,6};\d{1,6}R")
@@ -34,7 +32,7 @@ _TOO_LONG = re.compile(rf"\x1b\[[0-?]{{{_LONGEST},}}[ -/]*[@-~]?")
 _REST = re.compile(r"[0-?]*[ -/]*[@-~]?")
 _BEGUN = re.compile(rf"\x1b\[[0-?]{{0,{_LONGEST}}}\Z")
 _STRING = re.compile(r"\x1b[]P^_X][^\x07\x1b]+(?:\x07|\x1b\\)")
-"""What a terminal says of its colours or its version, and no key does."""
+"""Answers of a terminal about its colours or version, which are not keys."""
 
 _STRING_BEGUN = re.compile(r"\x1b[]P^_X][^\x00-\x1f]*(\x1b?)\Z")
 _STRING_END = re.compile(r"\x07|\x1b\\|\x1b(?=.)|[\x00-\x1a\x1c-\x1f]", re.DOTALL)
@@ -45,21 +43,21 @@ _SEQUENCE = re.compile(r"\x1b\[[0-?]*[ -/]*[@-~]\Z")
 
 
 class Pasted(str):
-    """A text that was pasted, as far as it is not too long; what was begun before it is over."""
+    """A pasted text, limited in length; the current paste is over."""
 
     __slots__ = ()
 
 
-class Incoming:
-    """Takes apart what comes in, in time that grows with its length and with bounded memory.
+class InputFilter:
+    """Separates input in linear time and with bounded memory.
 
-    A terminal answers at once, even if a paste comes in at that moment.
+    Answers are recognised at once, even during a paste.
     """
 
     def __init__(self) -> None:
         self._decode = getincrementaldecoder("utf-8")(errors="replace").decode
-        self._begun = ""  # of a sequence
-        self._is_skipping = False  # the rest of a sequence that is too long
+        self._begun = ""  # start of a sequence
+        self._is_skipping = False  # within a sequence that is too long
         self._paste: deque[str] | None = None
         self._pasted = 0
         self._is_escape_last = False
@@ -67,11 +65,11 @@ class Incoming:
         self._last = 0.0
 
     def take(self, data: bytes, now: float) -> tuple[list[str | Pasted], int]:
-        """What was typed and pasted, in order, and how many answers came in between.
+        """Return what was typed and pasted, in order, and the number of answers.
 
         Args:
-            data: What came in; whatever has only begun is kept for the next time.
-            now: When, in seconds.
+            data: The input; incomplete sequences are kept for the next call.
+            now: The time in seconds.
         """
         is_forsaken = now - self._last > _FORSAKEN and len(data) <= _ONE_KEY
         self._last = now
@@ -85,7 +83,7 @@ class Incoming:
         return found, answers
 
     def _whole(self, text: str) -> str:
-        """The text without sequences that are too long, or have only begun."""
+        """Return the text without sequences that are too long or incomplete."""
         text, self._begun = self._begun + text, ""
         if self._is_skipping:
             rest = _REST.match(text)
@@ -118,7 +116,7 @@ class Incoming:
                     yield self._finished()
 
     def _without_strings(self, keys: str, *, is_last: bool) -> str:
-        """The keys without what a terminal says, and without what it has only begun to say."""
+        """Return the keys without the terminal's answers, even incomplete ones."""
         begun = _STRING_BEGUN.search(keys := _STRING.sub("", keys)) if is_last else None
         if begun is None or len(keys) == 2:  # such as alt with a bracket
             return keys
@@ -127,7 +125,7 @@ class Incoming:
         return keys[: begun.start()]
 
     def _after_string(self, text: str) -> str:
-        """What comes after a string that was begun before."""
+        """Return what follows the end of an answer that began earlier."""
         if not self._is_in_string:
             return text
         if end := _STRING_END.search(text):
@@ -151,18 +149,18 @@ class Incoming:
         return Pasted(text.replace("\0", ""))
 
 
-class CarefulParser(XTermParser):
-    """Textual's parser of keys, which drops what it can't understand.
+class TolerantParser(XTermParser):
+    """Textual's key parser, changed to drop what it does not understand.
 
-    By itself it raises an error for a key beyond Unicode or a mouse in a terminal without size, and
-    takes any other sequence that it does not know for the keys of its characters.
+    Textual's raises an error for a key beyond Unicode, or a mouse event in a terminal without size,
+    and turns unknown sequences into keys.
     """
 
     def parse_mouse_code(self, code: str) -> Message | None:
-        """The event of a mouse, or None where it says nothing."""
+        """Return the mouse event, or None if it is invalid."""
         try:
             return super().parse_mouse_code(code)
-        except ArithmeticError:  # in a terminal that said it has no columns, or no pixels
+        except ArithmeticError:  # in a terminal that reports no columns or no pixels
             return None
 
     def _sequence_to_key_events(self, sequence: str, alt: bool = False) -> Iterable[events.Key]:
@@ -183,7 +181,7 @@ def _ignored(sequence: str) -> events.Key:
 
 @cache
 def _beginnings() -> frozenset[str]:
-    """With what known sequences begin that are longer."""
+    """Return the prefixes of all known longer sequences."""
     return frozenset(
         sequence[:end] for sequence in ANSI_SEQUENCES_KEYS for end in range(2, len(sequence))
     )

@@ -1,4 +1,4 @@
-"""One key after the other: each goes where the one before has led."""
+"""The key queue: each key goes to the widget that the previous one has focused."""
 
 from __future__ import annotations
 
@@ -15,48 +15,48 @@ if TYPE_CHECKING:
 
 __all__ = ["KeyQueue"]
 
-_LONGEST = 0.5  # seconds that a key may keep the next ones waiting
-_ROUNDS = 3  # of the event loop, in which a worker that was started has opened its dialog
+_LONGEST = 0.5  # seconds that a key may delay the next ones
+_ROUNDS = 3  # rounds of the event loop after which a worker has opened its dialog
 
 
 class KeyQueue:
-    """Holds keys back while an earlier one is being answered.
+    """Holds keys back while an earlier one is being handled.
 
-    Several keys come at once over a slow line, or from quick fingers. Textual sends each to what
-    has the focus when it comes, so those typed for a dialog would be commands to what lies below.
+    Several keys arrive at once over a slow line, or when typed fast. Textual sends each to the
+    current focus, so keys typed for a dialog would be commands for the screen below.
 
     Args:
-        app: Whose keys.
+        app: The app.
     """
 
     def __init__(self, app: App[None]) -> None:
         self._app = app
         self._waiting: deque[events.Key | events.Paste] = deque()
-        self._number = 0  # of the key that is being answered
+        self._number = 0  # of the key being handled
         self._answering = False
 
     @property
     def waiting(self) -> int:
-        """How many events are held back."""
+        """The number of held events."""
         return len(self._waiting)
 
     def forget(self) -> None:
-        """Drop what is held back."""
+        """Drop the held events."""
         self._waiting.clear()
 
     def must_wait(self, event: events.Key | events.Paste) -> bool:
-        """Whether an event is held back; it comes to the app again when its turn has come."""
+        """Return whether an event is held back; it is sent again when its turn comes."""
         if self._answering:
             self._waiting.append(event)
         return self._answering
 
     def begin(self, event: events.Key | events.Paste) -> None:
-        """Hold back what comes until what was just sent to the focus has been answered."""
+        """Hold back events until the one just sent to the focus has been handled."""
         focused = self._app.focused
         if isinstance(event, events.Paste) or (
             focused is not None and focused.check_consume_key(event.key, event.character)
         ):
-            return  # it is text, which leads nowhere
+            return  # text never opens a dialog
         self._answering = True
         self._number += 1
         screen = self._app.screen
@@ -67,14 +67,14 @@ class KeyQueue:
         self._app.call_later(*what)
 
     def _follow(self, node: MessagePump | None, screen: Screen[Any], number: int) -> None:
-        """Go the way of the key, from the focus upwards to the app."""
+        """Wait for the key on its way from the focus up to the app."""
         if node is None or node is self._app:
             self._later(self._arrive, screen, number)
         elif not node.call_later(self._follow, node._parent, screen, number):
             self._follow(node._parent, screen, number)
 
     async def _arrive(self, screen: Screen[Any], number: int) -> None:
-        """Wait for the focus of the dialog that the key has opened, if it has."""
+        """Wait until a dialog that the key has opened has the focus."""
         for _ in range(_ROUNDS):
             await asyncio.sleep(0)
         now = self._app.screen
@@ -82,7 +82,7 @@ class KeyQueue:
             await self._end(number)
 
     async def _end(self, number: int) -> None:
-        """Let the next ones have their turn."""
+        """Release the next event."""
         if number != self._number:
             return
         self._answering = False

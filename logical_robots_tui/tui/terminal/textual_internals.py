@@ -32,30 +32,30 @@ __all__ = [
 
 
 def has_active_app() -> bool:
-    """Whether code runs within an app, so that themes can be asked for."""
+    """Return whether code runs within an app, so that themes are available."""
     return active_app.get(None) is not None
 
 
 def characters_by_key() -> dict[str, str]:
-    """The punctuation that Textual has names for, by these names."""
+    """Return punctuation by Textual's names."""
     return {_character_to_key(char): char for char in string.punctuation}
 
 
 def is_being_removed(node: DOMNode) -> bool:
-    """Whether a widget loses its children at the moment."""
+    """Return whether a widget is being removed."""
     return node._pruning
 
 
 def rendered_lines(screen: Screen[object]) -> list[Strip]:
-    """All lines of a screen as they are seen, with what lies over it."""
+    """Return all lines of a screen as they appear, with overlays."""
     return screen._compositor.render_strips()
 
 
 def mark_rendered_stale(widget: Widget, regions: Iterable[Region]) -> None:
-    """Have a widget render regions anew when it is next painted, without painting it now."""
+    """Make a widget render regions again when it is next painted."""
     widget._styles_cache.set_dirty(*regions)
 
 
 def handle_exception(app: App[object], error: Exception) -> None:
-    """End an app with an error, as one does that a message handler raises."""
+    """End an app with an error, as if a message handler had raised it."""
     app._handle_exception(error)

@@ -14,10 +14,10 @@ if TYPE_CHECKING:
 __all__ = ["colours_in", "contrast"]
 
 _READABLE, _QUIET, _FAINT, _SHADE = 4.5, 3.6, 2.4, 1.2
-"""Contrasts (WCAG 2) of what is to be read, of what is said aside, of lines, and of shades."""
+"""Contrasts (WCAG 2) of text, secondary text, lines, and shades."""
 
 _HIGHLIGHTED = 3.0
-"""The contrast that is enough where the row itself is brought out."""
+"""The contrast that is enough on a highlighted row."""
 
 _HUES = {
     "number": "#86cfe0",
@@ -33,7 +33,7 @@ _HUES = {
     "field": "#8fd3c8",
     "operator": "#93a0c8",
 }
-"""Colours that mean the same everywhere; in the theme Night they are as written here."""
+"""Colours with a fixed meaning, as in the theme Night."""
 
 _NIGHT = {
     "ink-dim": "#7781a4",
@@ -54,7 +54,7 @@ _NIGHT = {
     "mistake-strip": "#2a1820",
     "odd-strip": "#26221a",
 }
-"""What is chosen by hand in our own theme."""
+"""Hand-picked colours of our own theme."""
 
 _ANSI = {
     "ink-text": "ansi_default",
@@ -93,15 +93,15 @@ _ANSI = {
     "mistake-strip": "ansi_default",
     "odd-strip": "ansi_default",
 }
-"""The colours of the terminal itself, for the themes that use no others."""
+"""The terminal's own colours, for themes that use no others."""
 
 
 def colours_in(theme: Theme) -> dict[str, str]:
     """Return our variables for a theme, such as ``ink-title``, as Textual writes colours.
 
     Args:
-        theme: What the player chose. From it come the papers and what its colours mean; the hues
-            of values, objects and of Logica are the same in all, as light or dark as is needed.
+        theme: The player's theme. It gives the backgrounds and its semantic colours; the hues of
+            values, objects and Logica are the same in all themes, with adjusted lightness.
     """
     if theme.ansi:
         return dict(_ANSI)
@@ -153,13 +153,13 @@ def colours_in(theme: Theme) -> dict[str, str]:
 
 
 def contrast(one: Color, other: Color) -> float:
-    """Return the contrast of two colours as WCAG 2 defines it, 1 to 21."""
+    """Return the contrast of two colours, by WCAG 2, from 1 to 21."""
     brighter, darker = sorted((_luminance(one), _luminance(other)), reverse=True)
     return (brighter + 0.05) / (darker + 0.05)
 
 
 def _legible(colour: Color, papers: list[Color], wanted: float, *, dark: bool) -> Color:
-    """Return a colour of the same hue with enough contrast to all papers, or as much as can be."""
+    """Return a colour of the same hue with enough contrast to all backgrounds, if possible."""
     hue, lightness, saturation = colour.hsl.h, colour.hsl.l, colour.hsl.s
     while min(contrast(colour, paper) for paper in papers) < wanted and 0 < lightness < 1:
         lightness = min(lightness + 0.02, 1.0) if dark else max(lightness - 0.02, 0.0)

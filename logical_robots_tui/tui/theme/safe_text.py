@@ -1,4 +1,4 @@
-"""Text from players, made safe for a terminal and kept out of markup."""
+"""Making text from players safe for a terminal, without markup."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ _PREVIEW = 4_000
 
 
 def visible(text: str, *, tabs: bool = False) -> str:
-    """Replace each character that a terminal would act on by one that shows it.
+    """Replace each character that a terminal would interpret by one that shows it.
 
     Args:
         text: Anything.
@@ -31,15 +31,15 @@ def visible(text: str, *, tabs: bool = False) -> str:
 
 
 def one_line(text: str) -> str:
-    """The text on one line: every run of white space becomes one space."""
+    """Return the text on one line: every run of white space becomes one space."""
     return visible(" ".join(text.split()))
 
 
 def clip(text: str, width: int) -> str:
-    """At most `width` characters of a text, the last one a `…` if something is missing."""
+    """Return at most `width` characters of a text, ending in `…` if it is cut."""
     return text if len(text) <= width else text[: max(width - 1, 0)] + "…"[:width]
 
 
 def visible_lines(text: str) -> str:
-    """A text of several lines, cut to what a preview needs and safe to show."""
+    """Return a text of several lines, cut for a preview and safe to show."""
     return "\n".join(visible(line) for line in text[:_PREVIEW].splitlines())

@@ -29,7 +29,7 @@ __all__ = [
 
 
 class Ink:
-    """Colours of text that a widget paints itself, as names that the theme gives a meaning."""
+    """Colours of text painted by widgets, as names that the theme defines."""
 
     text = "$ink-text"
     dim = "$ink-dim"
@@ -79,10 +79,10 @@ NIGHT = Theme(
 )
 
 _TONE = 0.4
-"""How much of a theme's background is in that of the labyrinth."""
+"""The share of a theme's background in that of the labyrinth."""
 
 THEMES = (NIGHT.name, *BUILTIN_THEMES)
-"""Names of the themes to choose from."""
+"""The themes to choose from."""
 
 SYNTAX = {
     "comment": "italic $ink-comment",
@@ -98,14 +98,14 @@ SYNTAX = {
     "odd-gutter": f"bold {INK.warn}",
     "mistake-gutter": f"bold $mistake-ink on {INK.bad}",
 }
-"""Styles of the pieces of a program, and of what is wrong with it."""
+"""Styles of program text and of errors."""
 
 
 def rich_style(text: str) -> RichStyle:
-    """Return a style such as ``bold $ink-key`` with the colours of the present theme.
+    """Return a style such as ``bold $ink-key`` with the colours of the current theme.
 
-    Content takes such texts as they are; this is for widgets that paint segments. What is painted
-    without an app is painted as in the theme Night.
+    Content resolves such names itself; this is for widgets that paint segments. Without an app it
+    uses the theme Night.
     """
     if not has_active_app():
         given = NIGHT.to_color_system().generate()
@@ -114,7 +114,7 @@ def rich_style(text: str) -> RichStyle:
 
 
 def palette_of(theme: Theme) -> Palette:
-    """Return the labyrinth's colours that suit a theme: those of night or of day, in its tone."""
+    """Return the labyrinth's colours for a theme: dark or light, tinted by its background."""
     palette = DARK if theme.dark else LIGHT
     if theme.name == NIGHT.name or theme.ansi:
         return palette
@@ -129,11 +129,11 @@ def palette_of(theme: Theme) -> Palette:
 
 
 def robot_ink(colour: str, palette: Palette) -> str:
-    """Return the style of a robot's name where it is text.
+    """Return the style of a robot's name as text.
 
     Args:
-        colour: As the level gives it.
-        palette: The labyrinth's colours in the present theme.
+        colour: The colour in the level.
+        palette: The labyrinth's colours in the current theme.
     """
     return hex_colour(palette.strong(parse(colour)))
 

@@ -1,1 +1,1 @@
-"""The timeline: where one stands in history, what happened when, and what a run stops at."""
+"""The timeline: the history, its events, breakpoints and searches."""

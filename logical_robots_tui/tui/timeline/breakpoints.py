@@ -24,14 +24,14 @@ if TYPE_CHECKING:
 
 __all__ = ["BreakpointList"]
 
-_NONE = "There are none. A run stops at a breakpoint; a adds one."
+_NONE = "No breakpoints yet. A run stops at a breakpoint; press a to add one."
 
 
 class BreakpointList(Dialog[None]):
-    """Lists breakpoints; adds, switches and deletes them.
+    """Lists breakpoints; adds, toggles and deletes them.
 
     Args:
-        session: Whose.
+        session: The session.
     """
 
     DEFAULT_CSS = """
@@ -53,7 +53,7 @@ class BreakpointList(Dialog[None]):
         self._shown: tuple[Breakpoint, ...] = ()
 
     def compose(self) -> ComposeResult:
-        """The list above its keys."""
+        """Yield the list above its keys."""
         with Vertical(id="box") as box:
             box.border_title = "Breakpoints"
             yield Listing(id="breakpoints", markup=False, compact=True)
@@ -62,7 +62,7 @@ class BreakpointList(Dialog[None]):
             yield Static(keys, id="keys", markup=False)
 
     def on_mount(self) -> None:
-        """Begin at the first one."""
+        """Start at the first one."""
         self.query_one(OptionList).focus()
         self._list(0)
 
@@ -71,7 +71,7 @@ class BreakpointList(Dialog[None]):
         return self.query_one(OptionList).highlighted
 
     def _list(self, at: int) -> None:
-        """List all, with the one at that place pointed at."""
+        """List all, with the cursor at a place."""
         self._shown = tuple(self._session.breakpoints)
         entries = self.query_one(OptionList)
         entries.clear_options()
@@ -91,7 +91,7 @@ class BreakpointList(Dialog[None]):
         return line.append(Content.assemble(("\n  ! ", f"bold {INK.warn}"), (trouble, INK.warn)))
 
     def action_add(self) -> None:
-        """Ask for one more."""
+        """Add a breakpoint."""
 
         def added(breakpoint_: Breakpoint | None) -> None:
             if breakpoint_ is not None:
@@ -102,13 +102,13 @@ class BreakpointList(Dialog[None]):
         self.app.push_screen(BreakpointForm(level, program), added)
 
     def action_switch(self) -> None:
-        """Switch the one pointed at off, or on again."""
+        """Toggle the breakpoint under the cursor."""
         if self._pointed is not None:
             self._session.breakpoints.switch(self._shown[self._pointed])
             self._list(self._pointed)
 
     def action_delete(self) -> None:
-        """Delete the one pointed at."""
+        """Delete the breakpoint under the cursor."""
         if self._pointed is not None:
             self._session.breakpoints.remove(self._shown[self._pointed])
             self._list(self._pointed)

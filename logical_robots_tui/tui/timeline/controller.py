@@ -1,6 +1,6 @@
-"""Travelling in time: what the commands of the timeline do.
+"""Time travel: the commands of the timeline.
 
-Dialogs are loaded when they are asked for, so that the first picture comes sooner.
+Dialogs are loaded when first used, so that the first picture comes sooner.
 """
 
 from __future__ import annotations
@@ -26,12 +26,12 @@ _SOUGHT: tuple[MarkKind, ...] = (*("victory", "breakpoint", "program", "edit", "
 
 
 class TimelineController(SessionListener):
-    """Goes to other ticks, and sets what a run is to stop at.
+    """Goes to other ticks, and sets breakpoints.
 
     Args:
-        session: Whose ticks.
-        ui: Where to say and ask.
-        selected: Tells which robot the player has selected, if any.
+        session: The session.
+        ui: The user interface.
+        selected: Returns the selected robot, if any.
     """
 
     def __init__(self, session: Session, ui: Ui, selected: Callable[[], str | None]) -> None:
@@ -42,24 +42,24 @@ class TimelineController(SessionListener):
         return self._session.history
 
     def go_to(self, tick: int) -> None:
-        """Go to a tick, or say why that can't be."""
+        """Go to a tick, or say why that is impossible."""
         try:
             self._session.go_to(tick)
         except NoSuchTickError as error:
             self._ui.warn(f"{error}{self._elsewhere(tick)}")
 
     def first(self) -> None:
-        """Go to the earliest tick in history."""
+        """Go to the earliest tick in the history."""
         if self._history is not None:
             self.go_to(self._history.first)
 
     def last(self) -> None:
-        """Go to the latest tick that is known."""
+        """Go to the latest known tick."""
         if self._history is not None:
             self.go_to(self._history.last)
 
     def to_mark(self, steps: Literal[-1, 1]) -> None:
-        """Go to the next or the last tick before in which something happened."""
+        """Go to the next or previous tick with an event."""
         if self._history is None:
             return
         robot = self._selected()
@@ -69,11 +69,11 @@ class TimelineController(SessionListener):
             self.go_to(found)
         else:
             what = "Nothing happened after" if steps > 0 else "Nothing happened before"
-            hint = "" if robot else " Choose a robot to find changes of its memory, too."
+            hint = "" if robot else " Select a robot to find changes of its memory, too."
             self._ui.tell(f"{what} tick {tick}, as far as is known.{hint}")
 
     async def ask_for_tick(self) -> None:
-        """Ask for a tick of history, and go there."""
+        """Ask for a tick of the history, and go there."""
         from logical_robots_tui.tui.timeline.prompts import TickPrompt
 
         history, here = self._history, self._session.frame.tick
@@ -84,7 +84,7 @@ class TimelineController(SessionListener):
         def complaint(tick: int) -> str:
             if history.first <= tick <= history.last:
                 return ""
-            kept = f"History holds ticks {history.first} to {history.last}, not {tick}."
+            kept = f"The history holds ticks {history.first} to {history.last}, not {tick}."
             if history.dropped > tick:
                 kept += " There was no room for more."
             return f"{kept}{self._elsewhere(tick)}"
@@ -94,13 +94,13 @@ class TimelineController(SessionListener):
             self.go_to(found)
 
     async def ask_how_far(self) -> None:
-        """Ask for a tick, and run until then."""
+        """Ask for a tick, and run to it."""
         from logical_robots_tui.tui.timeline.prompts import TickPrompt
 
         here = self._session.frame.tick
 
         def complaint(tick: int) -> str:
-            return "" if tick > here else f"The robots are at tick {here} already."
+            return "" if tick > here else f"The robots are already at tick {here}."
 
         if self._history is None:
             self._ui.tell("There is no program yet.")
@@ -112,23 +112,23 @@ class TimelineController(SessionListener):
     # -- the other future ----------------------------------------------------------------------
 
     def change_course(self) -> None:
-        """Go over to the other future."""
+        """Switch to the other future."""
         try:
             self._session.change_course()
         except NoSuchTickError:
             self._say_there_is_none()
             return
-        self._ui.tell("This is the other future. The robots think with its program.")
+        self._ui.tell("This is the other future. The robots use its program.")
 
     def compare(self) -> None:
-        """Go to where the two futures part, and say in what and why."""
+        """Go to the first tick in which the two futures differ, and show how and why."""
         game, history = self._session.game, self._history
         if game is None or history is None or history.other is None:
             self._say_there_is_none()
             return
         if history.divergence is None:
             known = min(history.last, history.other[-1])
-            self._ui.tell(f"The two futures are the same as far as both are known, to {known}.")
+            self._ui.tell(f"The two futures are equal as far as both are known, up to {known}.")
             return
         from logical_robots_tui.tui.timeline.divergence import DivergencePage
 
@@ -138,7 +138,7 @@ class TimelineController(SessionListener):
 
     def _say_there_is_none(self) -> None:
         self._ui.tell(
-            "There is no other future yet: go back, change the program, and let the robots go on."
+            "There is no other future yet. Go back, change the program, and run the robots."
         )
 
     def _elsewhere(self, tick: int) -> str:
@@ -163,7 +163,7 @@ class TimelineController(SessionListener):
             self._ui.tell(f"The robots stop when {one_line(breakpoint_.words)}.")
 
     def stopped(self, hits: tuple[Hit, ...]) -> None:
-        """Say which breakpoints were hit, and with what values."""
+        """Show which breakpoints were hit, and their values."""
         for hit in hits:
             words = one_line(f"{hit.breakpoint.words}: {hit.values}")
             self._ui.tell(f"◉ Stopped at tick {hit.tick}. {words}")

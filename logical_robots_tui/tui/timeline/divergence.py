@@ -1,4 +1,4 @@
-"""In what two futures differ where they part, and why, as a page to read."""
+"""How and why two futures differ at the tick where they part, as a page."""
 
 from __future__ import annotations
 
@@ -35,11 +35,11 @@ _LONGEST_ARGUMENT = 24
 
 
 class DivergencePage(Reader):
-    """Tells the first derivation that differs as soon as it is found, and all differences.
+    """Shows the first derivation that differs as soon as it is found, and all differences.
 
     Args:
-        game: Whose courses.
-        divergence: Where they part.
+        game: The game.
+        divergence: The tick and the differences.
     """
 
     def __init__(self, game: Game, divergence: Divergence) -> None:
@@ -50,7 +50,7 @@ class DivergencePage(Reader):
         super().__init__(f"The two futures part in tick {divergence.tick}", self._text_shown)
 
     def on_mount(self) -> None:
-        """Begin at the top, and to compare the proofs; to close ends that."""
+        """Start at the top, and start to compare the proofs; closing stops that."""
         super().on_mount()
         in_background(self, self._compare, "compare")
 
@@ -74,10 +74,10 @@ class DivergencePage(Reader):
 
 
 def derivation(comparison: Comparison) -> Content:
-    """The first derivation that differs, in a few lines."""
+    """Return the first derivation that differs, in a few lines."""
     found, robot = comparison.differing, one_line(comparison.robot)
     if found is None:
-        return Content(f"The proofs of what {robot} decides are the same as far as they go.")
+        return Content(f"The proofs of {robot}'s decision are equal as far as they go.")
     given = ", ".join(
         f"{'' if name.startswith('col') and name[3:].isdigit() else f'{name}: '}"
         f"{written(value, _LONGEST_ARGUMENT)}"
@@ -96,9 +96,9 @@ def derivation(comparison: Comparison) -> Content:
 
 
 def _node(node: Node | None, kind: Literal["rule", "step", "value"]) -> Content:
-    """A node of a proof on one side."""
+    """Return a node of a proof on one side."""
     if node is None:
-        return Content.styled("there is nothing in its place", INK.dim)
+        return Content.styled("missing here", INK.dim)
     line = f"line {node.span.line}  " if node.span is not None else ""
     text = Content.assemble((line, INK.key), (clip(one_line(node.text), _LONGEST_TEXT), INK.text))
     if kind == "value" or node.kind == "column":
@@ -110,7 +110,7 @@ def _node(node: Node | None, kind: Literal["rule", "step", "value"]) -> Content:
 
 
 def told(divergence: Divergence) -> Content:
-    """All differences as text."""
+    """Return all differences as text."""
     return Content("\n").join(list(_lines(divergence)))
 
 
@@ -129,7 +129,7 @@ def _lines(divergence: Divergence) -> Iterator[Content]:
 
 
 def _sides(each: Difference) -> tuple[str, str]:
-    """What it is here and there, with so many digits that one sees the difference."""
+    """Return both values, with enough digits to see the difference."""
     here, there = _told(each.matter, each.here, 6), _told(each.matter, each.there, 6)
     if here == there:
         here, there = _told(each.matter, each.here, 17), _told(each.matter, each.there, 17)

@@ -18,13 +18,13 @@ __all__ = ["SIGNS", "Scale", "Span", "track"]
 SIGNS: dict[MarkKind, tuple[str, str, str]] = {
     "victory": ("★", f"bold {INK.key}", "victory"),
     "breakpoint": ("◉", f"bold {INK.bad}", "a breakpoint was hit"),
-    "program": ("¶", f"bold {INK.title}", "another program thinks from here on"),
+    "program": ("¶", f"bold {INK.title}", "another program is used from here on"),
     "edit": ("✎", f"bold {INK.title}", "the labyrinth was changed by hand"),
     "area": ("◇", INK.good, "an area was switched"),
     "notice": ("!", f"bold {INK.warn}", "a notice"),
-    "memory": ("┷", INK.record, "a memory changed; of the chosen robot, if one is chosen"),
+    "memory": ("┷", INK.record, "a memory changed; only the selected robot's, if one is selected"),
 }
-"""Each kind of mark with its sign, its colour and what it means."""
+"""The sign, colour and meaning of each kind of mark."""
 
 PARTING = ("≠", f"bold {INK.number}", "the two futures part here")
 _PAST, _KNOWN, _OTHER, _UNKNOWN = "━", "─", "┄", " "
@@ -33,18 +33,18 @@ TRACKS = (
     (_KNOWN, INK.dim, "later ticks that are known"),
     (_OTHER, INK.faint, "ticks of the other future"),
 )
-"""The signs of the track itself, with colours and meanings."""
+"""The signs of the track, with colours and meanings."""
 
 
 class Span(NamedTuple):
-    """What there is to show.
+    """The content of the timeline.
 
     Attributes:
-        first: The earliest tick in history.
-        last: The latest one.
-        tick: The one on the screen.
+        first: The earliest tick in the history.
+        last: The latest tick.
+        tick: The current tick.
         other_last: The latest tick of the other future, or None.
-        parted: Where the two futures part, or None.
+        parted: The tick where the two futures part, or None.
     """
 
     first: int
@@ -55,11 +55,11 @@ class Span(NamedTuple):
 
 
 class Scale(NamedTuple):
-    """Which ticks a column stands for; it changes seldom while the game runs.
+    """Which ticks a column stands for; it changes rarely while the game runs.
 
     Attributes:
         first: The first tick of the first column.
-        each: How many ticks a column stands for: 1, 2, 5, 10, 20, 50 and so on.
+        each: Ticks per column: 1, 2, 5, 10, 20, 50 and so on.
     """
 
     first: int
@@ -67,7 +67,7 @@ class Scale(NamedTuple):
 
     @classmethod
     def to_hold(cls, span: Span, width: int) -> Scale:
-        """The finest scale at which all of a span has room."""
+        """Return the finest scale at which a span fits."""
         ticks = max(span.last, span.other_last or 0) - span.first + 1
         each, factors = 1, [2, 2.5, 2]
         while each * width < ticks:
@@ -76,22 +76,22 @@ class Scale(NamedTuple):
         return cls(span.first, each)
 
     def column(self, tick: int) -> int:
-        """The column of a tick."""
+        """Return the column of a tick."""
         return (tick - self.first) // self.each
 
     def ticks(self, column: int) -> tuple[int, int]:
-        """The first and the last tick of a column."""
+        """Return the first and the last tick of a column."""
         begin = self.first + column * self.each
         return begin, begin + self.each - 1
 
 
 def track(span: Span, width: int, has: Callable[[MarkKind, int, int], bool]) -> Content:
-    """The line: the ticks that are known, and the most telling mark in each column.
+    """Return the line: the known ticks, and the most important mark in each column.
 
     Args:
-        span: What there is to show.
+        span: The content.
         width: Columns to fill.
-        has: Whether a kind of mark is in the ticks from one to another.
+        has: Returns whether a kind of mark is in a range of ticks.
     """
     scale = Scale.to_hold(span, width)
     here = scale.column(span.tick)
@@ -108,7 +108,7 @@ def track(span: Span, width: int, has: Callable[[MarkKind, int, int], bool]) -> 
 def _at(
     span: Span, begin: int, end: int, has: Callable[[MarkKind, int, int], bool]
 ) -> tuple[str, str]:
-    """The sign and the style of one column."""
+    """Return the sign and the style of one column."""
     if span.parted is not None and begin <= span.parted <= end:
         return PARTING[:2]
     if begin <= span.last:

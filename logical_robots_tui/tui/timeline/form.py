@@ -1,4 +1,4 @@
-"""Making a breakpoint: what happens, to what, and to whom."""
+"""The form for a breakpoint: what happens, to what, and to whom."""
 
 from __future__ import annotations
 
@@ -40,15 +40,15 @@ _KEYS = {
     True: "↑↓ choose   enter go on   esc close",
     False: "tab next   → complete   enter set   esc close",
 }
-"""What keys do, by whether it is being chosen what happens."""
+"""The keys, by whether an event is being chosen."""
 
 
 class BreakpointForm(Dialog[Breakpoint]):
-    """Asks for a breakpoint, with the names that there are.
+    """Asks for a breakpoint, with completion of names.
 
     Args:
-        level: Where it is to be hit.
-        program: Whose predicates it may name, or None before there is one.
+        level: The level.
+        program: The program with its predicates, or None before the first.
     """
 
     DEFAULT_CSS = """
@@ -73,7 +73,7 @@ class BreakpointForm(Dialog[Breakpoint]):
         self._check = QuestionCheck(self, program)
 
     def compose(self) -> ComposeResult:
-        """What happens, and up to three names."""
+        """Yield the event, and up to three names."""
         with Vertical(id="box") as box:
             box.border_title = "Stop when…"
             yield Listing(
@@ -100,13 +100,13 @@ class BreakpointForm(Dialog[Breakpoint]):
             yield Static(_KEYS[True], id="keys", markup=False)
 
     def on_mount(self) -> None:
-        """Begin with what happens."""
+        """Start with the event."""
         self.query_one("#events", OptionList).focus()
         self._arrange()
         self._list_names()
 
     def on_descendant_focus(self) -> None:
-        """Say what keys do here."""
+        """Show the keys."""
         self.query_one("#keys", Static).update(_KEYS[isinstance(self.focused, OptionList)])
 
     @property
@@ -120,7 +120,7 @@ class BreakpointForm(Dialog[Breakpoint]):
 
     @on(OptionList.OptionHighlighted)
     def _arrange(self) -> None:
-        """Ask only for what belongs to the event."""
+        """Show only the fields of the event."""
         event = self._event
         subject = self.query_one("#subject", Input)
         subject.display = event in _SUBJECTS
@@ -136,7 +136,7 @@ class BreakpointForm(Dialog[Breakpoint]):
 
     @on(Input.Changed)
     def _list_names(self) -> None:
-        """Show the names that begin as what was typed."""
+        """List the names that start with the typed text."""
         self._check.forget()
         names = subjects(self._event, self._level, self._program)
         for field, among in (("subject", names), ("robot", self._robots)):

@@ -1,4 +1,4 @@
-"""Prompts of the timeline: a tick, and a question in Logica that is checked before use."""
+"""Prompts of the timeline: a tick, and a question in Logica."""
 
 from __future__ import annotations
 
@@ -29,11 +29,11 @@ READING = "Reading the question…"
 
 
 class QuestionCheck:
-    """Compiles a question in the background of a dialog, and says what is wrong with it.
+    """Compiles a question in the background of a dialog, and shows its errors.
 
     Args:
-        dialog: Has a line for complaints.
-        program: What the question is about.
+        dialog: The dialog, with a line for errors.
+        program: The program that the question is about.
     """
 
     def __init__(self, dialog: Screen[Any], program: Program | None) -> None:
@@ -41,7 +41,7 @@ class QuestionCheck:
         self._program = program
 
     def begin(self, query: str, good: Callable[[], object]) -> None:
-        """Look at a question, and call `good` if it can be asked; an earlier one is given up."""
+        """Check a question, and call `good` if it is valid; cancels an earlier check."""
         program = self._program
         if program is None:
             good()
@@ -58,24 +58,24 @@ class QuestionCheck:
         in_background(self._dialog, look, "question", exclusive=True)
 
     def forget(self) -> None:
-        """Give up what is under way: another text is being typed."""
+        """Cancel the check, because another text is being typed."""
         self._dialog.workers.cancel_group(self._dialog, "question")
         self._dialog.query_one("#complaint").display = False
 
     def say(self, words: str) -> None:
-        """Say something about what was typed."""
+        """Show a message about the typed text."""
         complaint = self._dialog.query_one("#complaint", Static)
         complaint.update(Content(one_line(words)))
         complaint.display = True
 
 
 class QuestionPrompt(Dialog[str]):
-    """Asks for a question, and gives it if the program can be asked so.
+    """Asks for a question, and returns it if it is valid.
 
     Args:
-        title: What for.
-        text: What stands there already.
-        program: What the question is about.
+        title: The title.
+        text: The initial text.
+        program: The program that the question is about.
     """
 
     DEFAULT_CSS = """
@@ -89,7 +89,7 @@ class QuestionPrompt(Dialog[str]):
         self._check = QuestionCheck(self, program)
 
     def compose(self) -> ComposeResult:
-        """A line to type in, and what is wrong with it."""
+        """Yield the line, and its errors."""
         with Vertical(id="box") as box:
             box.border_title = Content(self._title_text)
             placeholder = "such as Near(robot_name:, d:), d < 20"
@@ -108,12 +108,12 @@ class QuestionPrompt(Dialog[str]):
 
 
 class TickPrompt(Dialog[int]):
-    """Asks for a number of a tick, and gives it.
+    """Asks for the number of a tick.
 
     Args:
-        title: What for.
-        here: The tick on the screen, to count from with ``+50`` or ``-50``.
-        complaint: Says why a tick won't do, or "".
+        title: The title.
+        here: The current tick, to which ``+50`` and ``-50`` are relative.
+        complaint: Returns why a tick is invalid, or "".
     """
 
     DEFAULT_CSS = """
@@ -127,7 +127,7 @@ class TickPrompt(Dialog[int]):
         self._complaint = complaint
 
     def compose(self) -> ComposeResult:
-        """A line to type in, and what is wrong with it."""
+        """Yield the line, and its errors."""
         with Vertical(id="box") as box:
             box.border_title = Content(self._title_text)
             yield Input(placeholder="such as 120, +50 or -50", id="tick")
@@ -151,7 +151,7 @@ class TickPrompt(Dialog[int]):
 
 
 def tick_of(text: str, here: int) -> int | None:
-    """The tick that was typed, or None if it is none; a sign counts from the tick `here`."""
+    """Return the typed tick, or None if it is invalid; a sign makes it relative to `here`."""
     found = re.fullmatch(r"([+-]?)([0-9]{1,12})", text.replace(" ", "").replace(",", ""))
     if found is None:
         return None

@@ -1,4 +1,4 @@
-"""Searching the known ticks for those in which a question holds."""
+"""Searching the history for ticks in which a question holds."""
 
 from __future__ import annotations
 
@@ -19,16 +19,16 @@ if TYPE_CHECKING:
 
 __all__ = ["Search"]
 
-_PATIENCE = 0.5  # seconds without a word
+_PATIENCE = 0.5  # seconds before the first message
 _NO_PROGRAM = "There is no program yet."
 
 
 class Search:
-    """Goes to the next tick in which a question holds, or to the last one before.
+    """Goes to the next or previous tick in which a question holds.
 
     Args:
-        session: Whose ticks.
-        ui: Where to say and ask.
+        session: The session.
+        ui: The user interface.
         go_to: Goes to a tick.
     """
 
@@ -51,7 +51,7 @@ class Search:
             await self.go(1)
 
     async def go(self, way: Literal[-1, 1]) -> None:
-        """Go to the nearest tick on one side in which the question holds.
+        """Go to the nearest tick in one direction in which the question holds.
 
         Args:
             way: 1 for later ticks, -1 for earlier ones.
@@ -69,7 +69,7 @@ class Search:
 
         def told(tick: int) -> None:
             if about != self._about(session.game):
-                raise Superseded  # the player went on to something else
+                raise Superseded  # the player has moved on
             patience.told(tick)
 
         from logical_robots_tui.game import search_ticks
@@ -100,14 +100,14 @@ class Search:
         self._ui.tell(f"{words}: {question}.{trouble or more}")
 
     def _about(self, game: Game | None) -> object:
-        """What a search belongs to: with any other, its result says nothing."""
+        """Return what a search depends on; if it changes, the result is void."""
         if game is None:
             return None
         return game, game.program, game.history.turns, game.frame.tick, self._question
 
 
 class _Patience:
-    """Says once, of a search that takes its time, that it goes on."""
+    """Reports once that a long search is still running."""
 
     def __init__(self, ui: Ui) -> None:
         self._ui = ui
@@ -115,7 +115,7 @@ class _Patience:
         self._has_told = False
 
     def told(self, tick: int) -> None:
-        """Take note of how far it has come."""
+        """Note the progress."""
         if not self._has_told and monotonic() > self._began + _PATIENCE:
             self._has_told = True
-            self._ui.tell(f"Searching, at tick {tick}… To go to any tick ends it.")
+            self._ui.tell(f"Searching, at tick {tick}… Go to any tick to stop.")

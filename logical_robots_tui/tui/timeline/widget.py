@@ -1,4 +1,4 @@
-"""The timeline on the screen: a line that is clicked, dragged, or driven with keys."""
+"""The timeline widget: clicked, dragged, or driven with keys."""
 
 from __future__ import annotations
 
@@ -23,12 +23,12 @@ if TYPE_CHECKING:
 
 __all__ = ["Timeline"]
 
-_NOTE_SHARE = 3  # the note takes one part in so many
+_NOTE_SHARE = 3  # the note's share of the width is one in so many
 _NOTE_WIDTHS = (18, 48)
 
 
 class Timeline(Widget, can_focus=True):
-    """Shows where the tick on the screen is among those that are known, and what happened then."""
+    """Shows the current tick among the known ones, and what happened when."""
 
     DEFAULT_CSS = """
     Timeline { height: 1; background: $background; }
@@ -49,10 +49,10 @@ class Timeline(Widget, can_focus=True):
     ALLOW_SELECT: ClassVar[bool] = False
 
     class Pointed(Message):
-        """The mouse points at a tick that is to be shown.
+        """The mouse points at a tick.
 
         Attributes:
-            tick: Which one; of several that one column stands for the first.
+            tick: The tick; the first one of its column.
         """
 
         def __init__(self, tick: int) -> None:
@@ -71,8 +71,8 @@ class Timeline(Widget, can_focus=True):
         """Show a session's history.
 
         Args:
-            session: Whose.
-            robot: Whose changes of memory to mark, or None for all.
+            session: The session.
+            robot: The robot whose memory changes are marked, or None for all.
         """
         self._history, self._robot = session.history, robot
         if self._history is not None:
@@ -92,17 +92,17 @@ class Timeline(Widget, can_focus=True):
             repaint(self)
 
     def render(self) -> Content:
-        """The line, as wide as the widget."""
+        """Return the line, as wide as the widget."""
         return self._line
 
     def on_resize(self) -> None:
-        """Draw anew for another width."""
+        """Draw again for the new width."""
         self._line = self._drawn()
         self.refresh()
 
     @property
     def _width(self) -> int:
-        """Columns of the track."""
+        """The columns of the track."""
         least, most = _NOTE_WIDTHS
         note = min(max(self.size.width // _NOTE_SHARE, least), most)
         return max(self.size.width - note - 2, 1)
@@ -120,7 +120,7 @@ class Timeline(Widget, can_focus=True):
         return Content(" ").append(line).append(" ").append(self._note(self.size.width - width - 2))
 
     def _note(self, width: int) -> Content:
-        """What happened in the tick on the screen, or else what history holds."""
+        """Return what happened at the current tick, or the range of the history."""
         span, history = self._span, self._history
         marks = history.marks.at(span.tick) if history is not None else ()
         said = [part for mark in marks if (part := self._said(mark))]
@@ -145,7 +145,7 @@ class Timeline(Widget, can_focus=True):
     # -- the mouse -----------------------------------------------------------------------------
 
     def on_mouse_down(self, event: events.MouseDown) -> None:
-        """Go to the tick under the pointer, and follow the pointer."""
+        """Go to the tick under the pointer, and start dragging."""
         event.stop()
         if event.button == 1 and 1 <= event.x <= self._width:
             self._is_dragged = True
@@ -159,7 +159,7 @@ class Timeline(Widget, can_focus=True):
             self._point(min(max(event.x, 1), last + 1))
 
     def on_mouse_up(self) -> None:
-        """Let go."""
+        """Stop dragging."""
         self._is_dragged = False
         self.release_mouse()
 

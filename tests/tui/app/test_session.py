@@ -83,7 +83,7 @@ class Unseen(EditView):
 
     def redraw(self) -> None: ...
 
-    def obeys(self, key: str) -> bool:
+    def handles(self, key: str) -> bool:
         return False
 
     def do(self, command_id: str) -> None: ...

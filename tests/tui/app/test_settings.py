@@ -81,10 +81,10 @@ def test_what_is_printed_sets_the_same(tmp_path: Path, given: Settings) -> None:
     ("text", "said"),
     [
         ("theme = 'nigth'", ":1: theme: 'nigth' is not known. Did you mean \"night\"?"),
-        ("\nframes = 90", ":2: frames: 90 is not a whole number from 1 to 60."),
+        ("\nframes = 90", ":2: frames: 90 is not an integer from 1 to 60."),
         ("cones = 1", ":1: cones: 1 is neither true nor false."),
         ("thema = 'night'", ':1: there is no setting "thema". Did you mean "theme"?'),
-        ("keys = 3", ":1: keys: this is to be a table, [keys]."),
+        ("keys = 3", ":1: keys: this must be a table, [keys]."),
         ("[keys]\nrum = 'n'", ':2: keys: there is no command "rum". Did you mean "run"?'),
         ("[keys]\nrun = 7", ":2: keys.run: 7 is not a key; write it as a string."),
         ("[keys]\nrun = 'F13'", ':2: keys.run: there is no key "F13"; write n, ?, F5, ^R or'),
@@ -95,9 +95,9 @@ def test_what_is_printed_sets_the_same(tmp_path: Path, given: Settings) -> None:
         ("trails = true\n[keys]\ntrails = '^A'", ":3: keys.trails: ^A can't be used: GNU screen"),
         ("[keys]\nrun = 'n'", ":2: keys.run: n is the key of step. Give that another key, or"),
         ("[keys]\nrun = 'F9'\nstep = 'f9'", ":3: keys.step: F9 is the key of run. Give that"),
-        ("theme = x", "Invalid value (at line 1, column 9). Nothing of it is used."),
-        ("theme = " + "[" * 20_000, "it is nested too deeply. Nothing of it is used."),
-        ("theme = '\udcff'", "it is no text in UTF-8. Nothing of it is used."),
+        ("theme = x", "Invalid value (at line 1, column 9). The file is ignored."),
+        ("theme = " + "[" * 20_000, "it is nested too deeply. The file is ignored."),
+        ("theme = '\udcff'", "it is not UTF-8 text. The file is ignored."),
     ],
 )
 def test_what_is_wrong_is_named_with_its_place(tmp_path: Path, text: str, said: str) -> None:

@@ -192,15 +192,15 @@ async def test_a_ray_and_a_robot_are_brought_out_in_the_labyrinth(data_dir: Path
         plain = labyrinth._cells.plain()
         node = next(node for node in nodes(game) if node.ray is not None)
         view(game).action_move(nodes(game).index(node))
-        await game.until(lambda: labyrinth.brought_out == Highlight("Solo", node.ray))
+        await game.until(lambda: labyrinth.highlighted == Highlight("Solo", node.ray))
         with_ray = labyrinth._cells.plain()
         assert with_ray != plain
         view(game).action_move(-1000)
         go_to(game, "Sensor(")
-        await game.until(lambda: labyrinth.brought_out == Highlight("Solo"))
+        await game.until(lambda: labyrinth.highlighted == Highlight("Solo"))
         assert labyrinth._cells.plain() not in (plain, with_ray)
         game.inspector.inspect(ASK)
-        await game.until(lambda: labyrinth.brought_out is None)
+        await game.until(lambda: labyrinth.highlighted is None)
         assert labyrinth._cells.plain() == plain
 
 
@@ -211,9 +211,9 @@ async def test_a_ray_is_not_brought_out_in_another_tick(data_dir: Path) -> None:
         labyrinth = game.main.labyrinth.view
         view(game).action_move(next(n for n, e in enumerate(nodes(game)) if e.ray is not None))
         await game.press("1")
-        await game.until(lambda: labyrinth.brought_out is not None)
+        await game.until(lambda: labyrinth.highlighted is not None)
         await game.press("n")
-        await game.until(lambda: game.tick == 2 and labyrinth.brought_out is None)
+        await game.until(lambda: game.tick == 2 and labyrinth.highlighted is None)
 
 
 async def test_a_value_is_opened_as_a_tree(data_dir: Path) -> None:

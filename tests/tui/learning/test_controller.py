@@ -56,7 +56,7 @@ async def test_hints_are_revealed_one_at_a_time_and_stay_so(data_dir: Path, shor
         assert not game.shows("Just go.")
         assert game.shows("h next hint")
         await game.pilot.click("#more")
-        await game.until(lambda: game.shows("These are all hints."))
+        await game.until(lambda: game.shows("There are no more."))
         assert not game.shows("h next hint")
         await game.press("h", "h", "q")
         await game.until(lambda: game.app.screen is game.main)
@@ -254,7 +254,7 @@ async def test_the_players_program_comes_back_with_its_level(data_dir: Path) -> 
         await game.until(lambda: game.session.level.name == FIRST)
         assert game.editor.text == AHEAD
         await game.until(lambda: game.session.state.applied == AHEAD)
-        assert game.shows("Your program for this level is back.")
+        assert game.shows("Your program for this level has been restored.")
 
 
 async def test_text_that_is_kept_as_a_version_is_not_offered_as_unsaved(data_dir: Path) -> None:

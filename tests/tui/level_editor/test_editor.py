@@ -124,4 +124,4 @@ def test_several_turns_are_one_step_and_a_beacon_is_not_turned() -> None:
     assert editor.level.robots == level.robots
     editor.select_next(1)
     editor.turn(1)
-    assert complaints == ["Select a robot to turn."]
+    assert complaints == ["Select a robot first."]

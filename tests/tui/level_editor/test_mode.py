@@ -83,7 +83,7 @@ async def test_a_robot_is_stopped_by_a_wall_and_taken_elsewhere_under_way(
         assert not is_by_the_book(session.history, session.opened, game.tick)
         await s.press("u", "u", "u")
         await s.press("escape")
-        await game.until(lambda: game.shows("What becomes of the changes"))
+        await game.until(lambda: game.shows("What should happen to your changes"))
         await s.press("t")
         await game.until(lambda: not game.main.editing.is_on)
         assert np.array_equal(session.level.walls, s.mode.levels.saved.walls)
@@ -260,7 +260,7 @@ async def test_a_save_under_way_when_the_level_is_left_keeps_what_was_done_since
         assert game.session.opened.name != "room"
         game.main.session.open_level(load_level(room_file), game.session.source, STILL)
         await s.press("M")
-        await game.until(lambda: game.shows("unsaved changes of the level are back"))
+        await game.until(lambda: game.shows("unsaved changes to the level have been restored"))
         assert s.level.beacons == newest
 
 
@@ -272,7 +272,7 @@ async def test_changes_are_kept_as_a_new_level_that_the_chooser_shows(
         await s.press("b")
         await s.drag((100, 20), (100, 60))
         await s.press("M")
-        await game.until(lambda: game.shows("What becomes of the changes"))
+        await game.until(lambda: game.shows("What should happen to your changes"))
         await s.press("k")
         await game.until(lambda: game.shows("Save the level as"))
         await game.until(lambda: game.app.screen.query("#name"))
@@ -335,8 +335,8 @@ async def test_what_was_edited_is_offered_after_a_hangup(data_dir: Path, room_fi
         await s.drag((100, 20), (100, 60))
     assert said(room_file) == ROOM
     async with opened(data_dir) as game:
-        await game.until(lambda: game.shows("Go on editing the level “A room”"))
-        await game.until(lambda: game.shows("Yes, go on"))
+        await game.until(lambda: game.shows("Continue editing the level “A room”"))
+        await game.until(lambda: game.shows("Yes, continue"))
         await game.press("y")
         await game.until(lambda: game.main.editing.is_on and game.session.level.width == 280)
         await game.until(lambda: game.session.level.walls[40, 100])
@@ -372,6 +372,6 @@ async def test_all_that_can_become_of_the_changes_is_in_sight(
         await s.press("a", "enter", "s")
         await s.game.until(lambda: s.mode.is_saved)
         await s.press("c", "enter", "h", "M")
-        await s.game.until(lambda: s.game.shows("What becomes of the changes"))
+        await s.game.until(lambda: s.game.shows("What should happen to your changes"))
         answers = ("Save", "Keep as a level", "Just for this game", "Throw away")
         assert all(s.game.shows(f" {answer} ") for answer in answers)

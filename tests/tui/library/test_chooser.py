@@ -232,7 +232,7 @@ async def test_unsaved_text_comes_back_with_its_program(data_dir: Path) -> None:
         await game.press("enter")
         await game.until(lambda: game.session.source.name == "mine")
         assert game.editor.text == "hello" + PAPER
-        await game.until(lambda: game.shows("unsaved text of mine is back"))
+        await game.until(lambda: game.shows("unsaved text of mine has been restored"))
 
 
 @pytest.mark.parametrize(("key", "kind"), [("o", Chooser), ("l", LevelScreen)])

@@ -21,7 +21,7 @@ from logical_robots_tui.tui.labyrinth.view import LabyrinthView
 from logical_robots_tui.tui.layout.dialogs import Question
 from logical_robots_tui.tui.level_editor.controller import LevelEditing
 from logical_robots_tui.tui.library.save_dialog import SaveAs
-from logical_robots_tui.tui.terminal.crash_report import OwnMistake
+from logical_robots_tui.tui.terminal.crash_report import BugReport
 from tests.terminal import Terminal
 from tests.tui.conftest import CHARACTERS, LEVELS, PAPER, opened
 from tests.waiting import PATIENCE, SOON, until
@@ -281,7 +281,7 @@ async def test_nobody_leaves_unasked_a_level_that_cannot_be_kept(data_dir: Path)
 async def test_a_mistake_of_our_own_keeps_the_text_and_shows_no_traceback(
     data_dir: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    with pytest.raises(OwnMistake) as caught:  # noqa: PT012 - it is raised at the end
+    with pytest.raises(BugReport) as caught:  # noqa: PT012 - it is raised at the end
         async with opened(data_dir) as game:
             await game.press("2", *"hello")
             await game.until(lambda: game.editor.text.startswith("hello"))

@@ -26,7 +26,7 @@ async def test_the_next_session_goes_on_exactly_there_whatever_programs_it_took(
         await game.press("n", "n")
         await game.until(lambda: game.tick == 5)
         there = game.session.frame
-        game.app.last_words()
+        game.app.save_unsaved()
         await game.press("n")
         await game.until(lambda: game.tick == 6)
 

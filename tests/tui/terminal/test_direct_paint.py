@@ -10,7 +10,7 @@ from textual.geometry import Region
 
 from logical_robots_tui.tui.labyrinth.drawing.cells import BOLD, CONTINUED, Cells, text_id
 from logical_robots_tui.tui.terminal.cell_diff import Difference
-from logical_robots_tui.tui.terminal.direct_paint import Spot
+from logical_robots_tui.tui.terminal.direct_paint import PaintTarget
 from tests.terminal import looks
 
 COLUMNS, ROWS = 14, 6
@@ -61,7 +61,7 @@ def test_a_spot_shows_its_cells_but_where_something_lies_over_it(
     covered = {(x, y) for region in over for y in region.line_range for x in region.column_range}
     straight, by_strips = pyte.Screen(COLUMNS, ROWS), pyte.Screen(COLUMNS, ROWS)
     ours, theirs = (Difference(COLUMNS, ROWS, colours) for _ in range(2))
-    spot = Spot(ours, SPOT, over)
+    spot = PaintTarget(ours, SPOT, over)
     for cells, changes in (
         (before, [(row, 0, SPOT.width) for row in range(SPOT.height)]),
         (now, now.changes(before)),

@@ -100,7 +100,7 @@ FAILS = """if True:
     def take(*_):
         raise LookupError("made by a test")
 
-    driver.Incoming.take = take
+    driver.InputFilter.take = take
     sys.exit(main(sys.argv[1:]))
 """
 

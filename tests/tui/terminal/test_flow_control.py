@@ -9,9 +9,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from logical_robots_tui.tui.terminal.driver import Unmarked
+from logical_robots_tui.tui.terminal.driver import UnbracketedPasteDetector
 from logical_robots_tui.tui.terminal.flow_control import PATIENCE, Line
-from logical_robots_tui.tui.terminal.input_filter import Incoming, Pasted
+from logical_robots_tui.tui.terminal.input_filter import InputFilter, Pasted
 
 
 def watch(rate: float, way: float, frame: int, seconds: float = 20.0) -> tuple[float, float]:
@@ -96,7 +96,7 @@ def test_answers_are_heard_wherever_they_come_in_and_a_paste_around_them_stays_w
     texts: list[str], size: int
 ) -> None:
     came = "\x1b[200~" + "\x1b[12;34R".join(texts) + "\x1b[201~"
-    incoming, answers = Incoming(), 0
+    incoming, answers = InputFilter(), 0
     found: list[str | Pasted] = []
     # A cut right after an escape is left out: that may be the escape key.
     for chunk in re.findall(rf"(?s).{{{size}}}(?:(?<=\x1b).)?|.+", came):
@@ -107,7 +107,7 @@ def test_answers_are_heard_wherever_they_come_in_and_a_paste_around_them_stays_w
 
 
 def test_the_escape_key_is_not_held_back() -> None:
-    assert Incoming().take(b"a\x1b", 0.0) == (["a\x1b"], 0)
+    assert InputFilter().take(b"a\x1b", 0.0) == (["a\x1b"], 0)
 
 
 LINES = "A(x) :- B(x);\r" * 8
@@ -131,7 +131,7 @@ LINES = "A(x) :- B(x);\r" * 8
 def test_lines_that_come_in_at_once_are_a_paste_unless_it_is_marked(
     before: str, typed: str, pasted: bool
 ) -> None:
-    unmarked = Unmarked()
+    unmarked = UnbracketedPasteDetector()
     assert not unmarked.paste_in(before)
     lines = typed.replace("\r\n", "\n").replace("\r", "\n")
     assert unmarked.paste_in(typed) == (lines if pasted else "")

@@ -11,9 +11,9 @@ import pytest
 
 from logical_robots_tui.tui.terminal.input_filter import (
     MOST_PASTED,
-    CarefulParser,
-    Incoming,
+    InputFilter,
     Pasted,
+    TolerantParser,
 )
 
 CHUNK = 4096
@@ -23,7 +23,7 @@ class Input:
     """Takes in bytes as the driver does, and remembers what they come to."""
 
     def __init__(self) -> None:
-        self.incoming, self.parser = Incoming(), CarefulParser()
+        self.incoming, self.parser = InputFilter(), TolerantParser()
         self.keys: list[str] = []
         self.pasted: list[int] = []
         self.answers = 0
@@ -36,7 +36,7 @@ class Input:
             for piece in pieces:
                 if isinstance(piece, Pasted):
                     self.pasted.append(len(piece))
-                    self.parser = CarefulParser()
+                    self.parser = TolerantParser()
                 else:
                     self.keys += [getattr(m, "key", str(m)) for m in self.parser.feed(piece)]
         return self

@@ -62,7 +62,7 @@ def test_a_value_a_failed_step_and_nothing_are_told_apart() -> None:
     value = ProofDifference("value", asked, Node("read", "memory.n", values=(3,)), None)
     assert derivation(Comparison("Ada", value)).plain.splitlines()[1:] == [
         "  here   memory.n = 3",
-        "  there  there is nothing in its place",
+        "  there  missing here",
     ]
     step = ProofDifference("step", asked, Node("condition", "d < 20", holds=False), None)
     assert "d < 20  does not hold" in derivation(Comparison("Ada", step)).plain

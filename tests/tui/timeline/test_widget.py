@@ -87,7 +87,7 @@ async def test_a_tick_is_gone_to_by_its_number_and_one_that_is_not_there_says_wh
         await game.press("g")
         await game.until(lambda: isinstance(game.app.screen, TickPrompt))
         await type_in(game, "300")
-        await game.until(lambda: game.shows("History holds ticks 0 to 20, not 300."))
+        await game.until(lambda: game.shows("The history holds ticks 0 to 20, not 300."))
         game.app.screen.query_one(Input).value = "-8"
         await game.press("enter")
         await game.until(lambda: game.app.screen is game.main and game.tick == 12)

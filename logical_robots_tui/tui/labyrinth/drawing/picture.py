@@ -156,7 +156,7 @@ class Picture:
         undecided = frozenset(d.robot_name for d in frame.decisions if d.desire is None)
         letter(cells, self._lettering, robots, undecided, seen, viewport, look)
         if look.highlight is not None:
-            _bring_out(cells, look.highlight, frame, viewport, look)
+            _draw_highlight(cells, look.highlight, frame, viewport, look)
 
         self.cells = cells
         return cells
@@ -275,7 +275,7 @@ def _state_colour(robot: RobotState, colours: dict[str, RGB], palette: Palette) 
     return palette.dead if robot.dead else colours.get(robot.name, palette.dead)
 
 
-def _bring_out(
+def _draw_highlight(
     cells: Cells, highlight: Highlight, frame: Frame, viewport: Viewport, look: Look
 ) -> None:
     """Draw a ray from where the robot sensed, or a ring around where it is afterwards."""
