@@ -6,9 +6,8 @@ Without `confine` everything is allowed.
 from __future__ import annotations
 
 import os
-from dataclasses import dataclass
 from errno import EACCES, EDQUOT
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -23,8 +22,7 @@ MOST_BYTES = 200 * 2**20
 WHY = "restricted mode allows only your own files"
 
 
-@dataclass(frozen=True, slots=True)
-class _Confinement:
+class _Confinement(NamedTuple):
     own: str
     readable: tuple[str, ...]
 

@@ -6,7 +6,6 @@ import fcntl
 import os
 import re
 from contextlib import suppress
-from secrets import token_hex
 from typing import TYPE_CHECKING
 
 from logical_robots_tui.confinement import check_quota
@@ -56,7 +55,7 @@ def write_atomically(path: Path, text: str | bytes) -> None:
 def _opened_beside(path: Path) -> tuple[Path, int]:
     """Create a temporary file in the same folder, locked while it is being written."""
     while True:
-        temporary = path.with_name(f".{path.name}.{token_hex(4)}")
+        temporary = path.with_name(f".{path.name}.{os.urandom(4).hex()}")
         handle = os.open(temporary, os.O_WRONLY | os.O_CREAT | os.O_EXCL | os.O_CLOEXEC, 0o666)
         with suppress(OSError):  # a file system without locks
             fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)

@@ -5,7 +5,6 @@ from __future__ import annotations
 import asyncio
 import math
 import sys
-from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from logical_robots_tui.cli.failure import ProgramFileError
@@ -79,7 +78,7 @@ def play_in_lines(level_name: str | None, program: str | None, data_dir: Path) -
         level = load_level(level_name or level_to_begin_with(progress))
         source, kept = program_to_begin_with(progress, level, program, own)
         if kept is not None and kept != source.text:
-            source = replace(source, text=kept)
+            source = source._replace(text=kept)
             _say("Loaded your last program for this level.")
         try:
             compiled = Program.compile(source.text)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields, replace
+from dataclasses import fields, replace
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from logical_robots_tui.world.level import Level
@@ -19,8 +19,7 @@ _APART = {*_LISTS, "walls", "name", "source"}
 _VALUES = tuple(field.name for field in fields(Level) if field.name not in _APART)
 
 
-@dataclass(frozen=True, slots=True)
-class Delta:
+class Delta(NamedTuple):
     """The change from one level to another, in both directions.
 
     Attributes:

@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 import json
-from dataclasses import asdict, dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 from logical_robots_tui.errors import InputError
 from logical_robots_tui.game.reference import is_shipped, level_key
@@ -80,8 +79,7 @@ def keep_if_own(progress: Progress, key: str, text: str) -> None:
         progress.keep(key, text)
 
 
-@dataclass(frozen=True, slots=True)
-class Place:
+class Place(NamedTuple):
     """A tick, and how to get there: same level, same programs, same ticks.
 
     Attributes:
@@ -100,7 +98,7 @@ class Place:
 
     def as_text(self) -> str:
         """Serialise the place for `from_text`."""
-        return json.dumps(asdict(self), ensure_ascii=False)
+        return json.dumps(self._asdict(), ensure_ascii=False)
 
     @classmethod
     def from_text(cls, text: str) -> Place:

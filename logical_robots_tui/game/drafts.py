@@ -3,10 +3,8 @@
 from __future__ import annotations
 
 import fcntl
-import hashlib
 import json
 import os
-import secrets
 import threading
 from contextlib import suppress
 from dataclasses import asdict, dataclass, field, replace
@@ -70,7 +68,7 @@ class Drafts:
 
     def __init__(self, folder: Path) -> None:
         self.folder = folder
-        self._session = secrets.token_hex(8)
+        self._session = os.urandom(8).hex()
         self._guard = threading.RLock()
         self._lock: int | None = None
         self._turn = self._turns_before = 0
@@ -256,6 +254,8 @@ class Drafts:
 
 def _fingerprint(key: Key) -> str:
     """A short name for a key: the same key, the same name."""
+    import hashlib  # takes time that the first picture needs
+
     return hashlib.sha256(" ".join(key).encode("utf-8", "surrogatepass")).hexdigest()[:16]
 
 

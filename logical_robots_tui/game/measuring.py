@@ -189,7 +189,7 @@ def _measured(level: Level, program: Program, known: Measures | None) -> Measure
 def _as_record(found: Measures | None) -> dict[str, object] | None:
     if found is None:
         return None
-    return {name: getattr(found, name) for name in found.__slots__}
+    return {name: getattr(found, name) for name in found._fields}
 
 
 def _say(**what: object) -> None:

@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-import csv
 from functools import lru_cache
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from logical_robots_tui.mind.source_text import prepare, statements
 from logical_robots_tui.progress import Measures
 from logical_robots_tui.shipped import shipped_folder
 
@@ -50,6 +48,8 @@ def reference_for(level: Level) -> Measures | None:
 @lru_cache(maxsize=1)
 def reference_table() -> Mapping[str, Measures]:
     """Return the measures of all reference programs by level name."""
+    import csv  # takes time that the first picture needs
+
     try:
         with (shipped_folder("levels") / FILE_NAME).open(encoding="utf-8", newline="") as file:
             return {row["level"]: _measures(row) for row in csv.DictReader(file)}
@@ -73,5 +73,7 @@ def count_rules(text: str) -> int:
     Every statement counts as one, however long it is and however many cases it has; annotations,
     which begin with ``@``, don't.
     """
+    from logical_robots_tui.mind.source_text import prepare, statements
+
     source = prepare(text)
     return sum(source.text[start] != "@" for start, _ in statements(source))

@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING, Literal, NamedTuple
 
 from logical_robots_tui.confinement import check_mine
 from logical_robots_tui.errors import InputError
@@ -36,8 +35,7 @@ SUFFIX = ".l"
 MAX_PROGRAM_BYTES = 1_000_000
 
 
-@dataclass(frozen=True, slots=True)
-class Source:
+class Source(NamedTuple):
     """A program's text and its file.
 
     Attributes:

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, Literal, TypeAlias
+from typing import TYPE_CHECKING, Literal, NamedTuple, TypeAlias
 
 from logical_robots_tui.game.reference import count_rules
 from logical_robots_tui.game.source import shipped_texts
@@ -27,8 +26,7 @@ _REFUSALS: dict[Verdict, str] = {
 }
 
 
-@dataclass(frozen=True, slots=True)
-class Victory:
+class Victory(NamedTuple):
     """The tick in which a level was won.
 
     Attributes:

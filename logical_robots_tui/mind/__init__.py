@@ -1,8 +1,9 @@
 """The mind: Logica programs compiled to SQLite; sensors and memories in, decisions out.
 
-In the compile process `checking` looks for mistakes, `compiling` makes SQL of text, `tuning` makes
-that quick, `clauses` takes rules apart, and `diagnosis` makes all of them ready to be watched over
-a whole run. Here `sqlite` holds the rows of a moment, a `Mind` asks for them, and `why` explains.
+In the compile process, `checking` looks for mistakes, `compiling` turns text into SQL, `tuning`
+makes that faster, `clauses` decomposes rules, and `diagnosis` prepares programs to be watched over
+a whole run. In the main process, `sqlite` holds the rows of a moment, a `Mind` queries them, and
+`why` explains.
 """
 
 from typing import TYPE_CHECKING

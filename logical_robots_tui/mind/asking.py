@@ -1,4 +1,4 @@
-"""Asking a program's predicates at a moment: the quick way, or the plain one where that matters."""
+"""Querying a program's predicates at a moment: tuned, or plain where the difference matters."""
 
 from __future__ import annotations
 
@@ -49,14 +49,14 @@ Answer: TypeAlias = "tuple[tuple[str, ...], list[tuple[Value, ...]]]"
 class Asking:
     """The databases of a mind.
 
-    The quick way computes some things earlier than the program asks for them. So when it fails,
-    the plain one is asked: only that knows whether it matters, and what to say.
+    Tuned queries compute some things earlier than the program asks for them. When one fails, the
+    plain query decides whether that matters and which error to report.
 
     Args:
-        program: What to ask.
+        program: The program.
         limits: Bounds on memory, on values and on results.
-        plain: Whether to take the plain way only.
-        frozen: Whether nobody changes what is given or answered, then or later.
+        plain: Whether to use the plain queries only.
+        frozen: Whether inputs and answers never change, then or later.
     """
 
     def __init__(
@@ -77,8 +77,8 @@ class Asking:
     def each(
         self, predicate: str, moment: Moment, within: Within
     ) -> Iterator[tuple[View, Answer | FailureError]]:
-        """Rows of a predicate for each view of a moment, or why there are none."""
-        # All at once: in between, the caller may ask for something else.
+        """Return the rows of a predicate for each view of a moment, or the error."""
+        # All at once: the caller may query something else in between.
         answers = self._quick_answers(self._program.tuned.get(predicate), moment, within)
         yield from zip(moment.views, answers, strict=False)
         for view in moment.views[len(answers) :]:
@@ -96,14 +96,14 @@ class Asking:
         in_order: bool,
         viewers: Collection[str] | None = None,
     ) -> Iterator[tuple[View, Answer]]:
-        """Rows of a question for each view of a moment.
+        """Return the rows of a question for each view of a moment.
 
         Args:
             question: Compiled for the program.
-            moment: What it is asked of.
-            within: Bounds; more rows are left out.
-            in_order: Whether it matters in which order the rows of a view are.
-            viewers: Names of the robots in whose reasoning to ask, by default all.
+            moment: The moment.
+            within: Limits; rows beyond them are left out.
+            in_order: Whether the order of a view's rows matters.
+            viewers: Names of the robots in whose minds to ask, by default all.
 
         Raises:
             FailureError: It failed, or took too long.
@@ -120,7 +120,7 @@ class Asking:
             yield view, self._ask(tuned, question.sql, moment, view, within)
 
     def rows(self, predicate: str, moment: Moment, view: View, within: Within) -> Answer:
-        """Rows of a predicate for one view.
+        """Return the rows of a predicate for one view.
 
         Raises:
             FailureError: It failed, took too long, or has too many rows.
@@ -134,7 +134,7 @@ class Asking:
     def plan(
         self, predicate: str, moment: Moment, view: View, within: Within
     ) -> tuple[str, tuple[str, ...]]:
-        """The tuned SQL of a predicate, or "", and SQLite's plan for what is run.
+        """Return the tuned SQL of a predicate, or "", and SQLite's plan for the SQL that is run.
 
         Raises:
             FailureError: It can't be prepared.
@@ -151,7 +151,7 @@ class Asking:
         return "", plan_lines(self.plainly(f"{_PLAN}{sql}", moment, view, within)[1])
 
     def still_grew(self, moment: Moment, view: View, within: Within) -> Iterator[tuple[str, int]]:
-        """Recursions that still changed in their last step, and how many steps that was."""
+        """Return recursions that still changed in their last step, and the number of steps."""
         for predicate, (steps, sql) in self._program.recursions.items():
             try:
                 tuned = self._program.tuned.get(f"{predicate} grows")
@@ -162,7 +162,7 @@ class Asking:
                 yield predicate, steps
 
     def close(self) -> None:
-        """Free the databases."""
+        """Close the databases."""
         self._plain.close()
         if self._tuned is not None:
             self._tuned.close()
@@ -175,7 +175,7 @@ class Asking:
         within: Within,
         parameters: Sequence[Scalar] = (),
     ) -> Answer:
-        """Rows of any query over ``Sensor`` and ``Memory`` for one view.
+        """Return the rows of any query over ``Sensor`` and ``Memory`` for one view.
 
         Raises:
             FailureError: It failed, or took too long.
@@ -193,7 +193,7 @@ class Asking:
         return self._plain
 
     def sql_of(self, predicate: str) -> str:
-        """The plain query for the rows of a predicate, or "" where it has none."""
+        """Return the plain query for the rows of a predicate, or "" if it has none."""
         return self._program.statements.get(predicate, "")
 
     # -- inside --------------------------------------------------------------------------------
@@ -207,7 +207,7 @@ class Asking:
     def _quick_answers(
         self, tuned: Tuned | None, moment: Moment, within: Within, *, in_order: bool = True
     ) -> Sequence[Answer]:
-        """Answers for the first views of a moment, up to one for which there is no quick one."""
+        """Return answers for the first views, up to the first one without a tuned answer."""
         if self._tuned is None or tuned is None:
             return ()
         if tuned.together and moment.apart and len(moment.views) > 1:
@@ -225,10 +225,10 @@ class Asking:
     def _joint_answers(
         self, tuned: Tuned, moment: Moment, within: Within, *, in_order: bool
     ) -> list[Answer] | None:
-        """Answers for all views from one query, or None.
+        """Return answers for all views from one query, or None.
 
-        Where the order matters, that is so if there is more than one row for one of them: only the
-        query of one view tells in which order its rows are.
+        None if the order matters and a view has several rows: only the query of one view gives the
+        order of its rows.
         """
         assert self._tuned is not None
         most = len(moment.views) if in_order else _MOST_TOGETHER
@@ -250,7 +250,7 @@ class Asking:
         *,
         in_order: bool = True,
     ) -> list[Answer] | None:
-        """Answers for all views from rows that end with the number of their viewer."""
+        """Return answers for all views from rows that end with the number of their viewer."""
         numbers = [row[-1] for row in found]
         viewers = set(numbers)
         if in_order and len(viewers) < len(found):
@@ -279,7 +279,7 @@ class Asking:
             return None
 
     def _finished(self, raw: RawAnswer, tuned: Tuned, within: Within) -> Answer | None:
-        """An answer with its records put together, or None if one can't be."""
+        """Return an answer with its records assembled, or None if that fails."""
         columns, rows = raw
         if not tuned.result:
             return columns, self._read_all(rows, within)
@@ -305,7 +305,7 @@ class Asking:
 
 
 def _tables(program: Program, limits: Limits, *, frozen: bool) -> TunedTables | None:
-    """The tables for the tuned queries of a program, if it has any."""
+    """Return the tables for a program's tuned queries, if it has any."""
     if not program.tuned:
         return None
     robot = program.tuned.get("Robot")
@@ -317,7 +317,7 @@ _READY = frozenset({float, int, type(None)})
 
 
 def _put_together(values: Sequence[Value], places: Sequence[_Place]) -> tuple[Value, ...]:
-    """A row whose records were given field by field."""
+    """Return a row with its records assembled from their fields."""
     return tuple(
         [
             dict(zip(fields, values[first:last], strict=True)) if fields else values[first]
@@ -327,14 +327,14 @@ def _put_together(values: Sequence[Value], places: Sequence[_Place]) -> tuple[Va
 
 
 _Place: TypeAlias = "tuple[tuple[str, ...], int, int]"
-"""The fields of a record, or () for what is none, and where they begin and end in a row."""
+"""The fields of a record, or () if it is not a record, and its first and last place in a row."""
 
 
 @cache
 def _places(
     result: tuple[tuple[str, tuple[str, ...]], ...],
 ) -> tuple[tuple[str, ...], Sequence[_Place], Sequence[int]]:
-    """The columns of a result, their places in a row given field by field, places of truths."""
+    """Return a result's columns, their places in the flat row, and the places of booleans."""
     ends = [*accumulate(len(fields) or 1 for _, fields in result)]
     places = [
         (tuple(f.removesuffix(TRUTH_MARK) for f in fields), last - (len(fields) or 1), last)

@@ -1,6 +1,6 @@
-"""What the compile process made, on disk, by content of what it was asked.
+"""Results of the compile process on disk, keyed by the content of the request.
 
-An entry is a digest of the rest, then JSON. What is read is checked, and a mind trusts no entry
+An entry is a digest and JSON. Entries are checked when they are read, and a mind trusts them no
 more than it trusts a program.
 """
 
@@ -30,16 +30,16 @@ T = TypeVar("T")
 
 
 def folder() -> Path | None:
-    """Where compiled programs are kept, or None for nowhere."""
+    """Return the folder for compiled programs, or None for no cache."""
     return cache_place("compiled")
 
 
 def find(request: bytes, kind: type[T]) -> T | None:
-    """What the compiler as it is now made of a request before, or None.
+    """Return what this version of the compiler returned for a request, or None.
 
     Args:
-        request: What is asked of the compile process, one line of JSON.
-        kind: The dataclass that it made.
+        request: A request to the compile process, one line of JSON.
+        kind: The dataclass of the result.
     """
     entries, name = _entries(), _name(request)
     content = None if entries is None else entries.read(name, _LARGEST)
@@ -59,7 +59,7 @@ def find(request: bytes, kind: type[T]) -> T | None:
 
 
 def keep(request: bytes, made: DataclassInstance) -> None:
-    """Keep what was made of a request, and remove the oldest if there is too much."""
+    """Store the result of a request, and evict the oldest entries if there are too many."""
     entries = _entries()
     if entries is None:
         return
@@ -85,5 +85,5 @@ def _digest(body: bytes) -> bytes:
 
 @cache
 def _maker() -> bytes:
-    """What stands for everything that turns a text into a program, as it is now."""
+    """Return a digest of everything that affects compilation."""
     return digest_of_code([Path(__file__).parent], ("logica", "sqlglot"))

@@ -1,4 +1,4 @@
-"""Compiling in a process of its own, which can be killed; results are kept by content."""
+"""Compiling in a separate process that can be killed; results are cached by content."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ if TYPE_CHECKING:
 __all__ = ["Report", "check_text", "compiled", "stop_compiling"]
 
 Report: TypeAlias = "Callable[[int, int], None]"
-"""Told how many predicates of how many are compiled."""
+"""Called with the number of compiled predicates and of all."""
 
 T = TypeVar("T", bound="DataclassInstance")
 
@@ -39,7 +39,7 @@ _KEPT = 64
 _LOOK_SECONDS = 0.02
 _LARGEST_ANSWER = 32_000_000  # bytes
 _PASSED_ON = ("DYLD_LIBRARY_PATH", "LD_LIBRARY_PATH", "PYTHONHOME")
-"""The parts of the environment without which Python itself may not start."""
+"""Environment variables without which Python itself may not start."""
 
 
 def compiled(
@@ -50,27 +50,27 @@ def compiled(
     limits: Limits | None = None,
     report: Report | None = None,
 ) -> T:
-    """What the compile process makes of a request, or made of the same one before. Blocks.
+    """Return the compile process's result for a request, possibly from the cache. Blocks.
 
     Args:
-        request: What to compile, as the compile process knows it.
-        kind: The dataclass that it makes of it.
-        stop: Set it from another thread to give up; takes effect within 0.1 s.
+        request: The request to the compile process.
+        kind: The dataclass of the result.
+        stop: Set it from another thread to cancel; takes effect within 0.1 s.
         limits: Bounds on time and memory.
-        report: Called meanwhile with the number of predicates compiled and of all.
+        report: Called with the number of compiled predicates and of all.
 
     Raises:
-        ProgramError: The program is wrong, too large, or takes too long to compile.
+        ProgramError: The program has errors, is too large, or takes too long to compile.
         Stopped: `stop` was set.
     """
     return _compiler.answer(request, kind, limits or Limits(), stop, report)
 
 
 def check_text(text: str, limits: Limits | None) -> None:
-    """Refuse what is too long to compile, or no text at all.
+    """Refuse text that is too long to compile, or that is not text.
 
     Raises:
-        ProgramError: It is.
+        ProgramError: The text is refused.
     """
     most = (limits or Limits()).program_characters
     if len(text) > most:
@@ -85,12 +85,12 @@ def check_text(text: str, limits: Limits | None) -> None:
 
 
 def stop_compiling() -> None:
-    """End the compile process, if there is one."""
+    """End the compile process, if it runs."""
     _compiler.close()
 
 
 class _Compiler:
-    """One warm compile process and the programs that it has compiled."""
+    """A warm compile process and its results."""
 
     def __init__(self) -> None:
         self._process: subprocess.Popen[bytes] | None = None
@@ -106,14 +106,14 @@ class _Compiler:
         stop: threading.Event | None,
         report: Report | None,
     ) -> T:
-        """What the process makes of a request, or made of it before.
+        """Return the process's result for a request, possibly from memory.
 
         Args:
             request: What to compile.
-            kind: The dataclass that it is; its name in lower case is what the answer is called.
+            kind: The dataclass of the result; its lower-case name is the answer's key.
             limits: Bounds on time and memory.
-            stop: Set it from another thread to give up.
-            report: Told of progress.
+            stop: Set it from another thread to cancel.
+            report: Called with the progress.
         """
         line = json.dumps(request).encode()
         key = hashlib.sha256(line).digest()
@@ -155,7 +155,7 @@ class _Compiler:
         stop: threading.Event | None,
         report: Report | None,
     ) -> T:
-        """Have it compiled. A process that was not heard to the end is ended."""
+        """Have the request compiled; end the process if it does not answer completely."""
         try:
             found: dict[str, Any] = {}
             for answer in self._exchange(line + b"\n", limits, deadline, stop):
@@ -165,7 +165,7 @@ class _Compiler:
                 if report is not None:
                     report(found["done"], found["all"])
             if "trace" in found:
-                _log.error("The compiler stumbled over a program.\n%s", found["trace"])
+                _log.error("The compiler failed on a program.\n%s", found["trace"])
             if "diagnostics" in found:
                 raise ProgramError(tuple(record(Diagnostic, d) for d in found["diagnostics"]))
             return record(kind, found[kind.__name__.lower()])
@@ -181,7 +181,7 @@ class _Compiler:
     def _exchange(
         self, request: bytes, limits: Limits, deadline: float, stop: threading.Event | None
     ) -> Iterator[bytes]:
-        """The lines that the process says about a request."""
+        """Yield the lines of the process's answer to a request."""
         process = self._started(limits)
         assert process.stdin is not None
         assert process.stdout is not None
@@ -206,7 +206,7 @@ class _Compiler:
             if readable:
                 piece = os.read(out_of, 1 << 20)
                 if not piece or len(answer) > _LARGEST_ANSWER:
-                    raise OSError("the compile process ended or would not stop talking")
+                    raise OSError("the compile process ended or sent too much")
                 answer += piece
 
     def _started(self, limits: Limits) -> subprocess.Popen[bytes]:
@@ -224,13 +224,13 @@ class _Compiler:
             bufsize=0,
             cwd="/",
             env=_environment(),
-            start_new_session=True,  # an interrupt from the keyboard is for the game alone
+            start_new_session=True,  # a keyboard interrupt is for the game alone
         )
         return self._process
 
 
 def _environment() -> dict[str, str]:
-    """Where Python finds what it needs, and nothing else of this process's environment."""
+    """Return what Python needs of this process's environment."""
     home = str(Path(__file__).resolve().parents[2])
     paths = [home, *(str(Path(p).resolve()) for p in sys.path if p)]
     return {
@@ -247,7 +247,7 @@ def _check(stop: threading.Event | None) -> None:
 
 
 def _not_text(text: str) -> int | None:
-    """Offset of a character that no text has, or None."""
+    """Return the offset of a character that is not valid in text, or None."""
     try:
         text.encode()
     except UnicodeEncodeError as error:

@@ -1,4 +1,4 @@
-"""From the rows of `Robot` to decisions, with a notice for everything that is unusual."""
+"""Decisions from the rows of `Robot`, with a notice for everything unusual."""
 
 from __future__ import annotations
 
@@ -23,13 +23,13 @@ __all__ = ["blame", "cut_offs", "decide", "note_stranger"]
 
 
 def note_stranger(name: Value, notices: list[Notice]) -> None:
-    """Note, once, a row of `Robot` that is for no robot of the level."""
+    """Note, once, a row of `Robot` for a robot that is not in the level."""
     if any(n.kind in ("null name", "unknown robot") for n in notices):
         return
     if name is None:
-        notices.append(Notice("null name", "Robot gave a row whose robot_name is null."))
+        notices.append(Notice("null name", "Robot has a row whose robot_name is null."))
     else:
-        notices.append(Notice("unknown robot", f"Robot gave a row for {name!r}, who is not here."))
+        notices.append(Notice("unknown robot", f"Robot has a row for {name!r}, who is not here."))
 
 
 def decide(
@@ -41,7 +41,7 @@ def decide(
     size_of: Callable[[Value], int],
     heaviest: int,
 ) -> Decision:
-    """The decision that follows from the rows of `Robot` for one robot; of several the last.
+    """Return the decision from the rows of `Robot` for one robot; the last of several rows counts.
 
     Args:
         name: Name of the robot.
@@ -63,7 +63,7 @@ def decide(
         )
     row = rows[-1]
     if "memory" not in row:
-        notices.append(Notice("no memory", "Robot has no memory column: memory stays as it was."))
+        notices.append(Notice("no memory", "Robot has no memory column: the memory is unchanged."))
         return Decision(name, _desire(row.get("desire"), notices), memory, tuple(notices))
     new = row["memory"]
     size = size_of(new)
@@ -77,7 +77,7 @@ def decide(
         )
     else:
         return Decision(name, _desire(row.get("desire"), notices), new, tuple(notices), weight)
-    said = f"The new memory {too_much}: memory stays as it was."
+    said = f"The new memory {too_much}: the memory is unchanged."
     notices.append(Notice("no memory", said))
     return Decision(name, _desire(row.get("desire"), notices), memory, tuple(notices))
 
@@ -95,7 +95,7 @@ def _desire(value: Value, notices: list[Notice]) -> Desire | None:
         power = _power(value.get(engine))
         if power is None:
             what = _short(value[engine]) if engine in value else "missing"
-            notices.append(Notice("bad engine", f"{engine} is {what}: it stands still."))
+            notices.append(Notice("bad engine", f"{engine} is {what}: it stops."))
         engines[engine] = power or 0.0
     return Desire(**engines)
 
@@ -104,9 +104,9 @@ _SPELLED = re.compile(r"\s*[-+]?(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?\s*", re.ASCII)
 
 
 def _power(value: Value) -> float | None:
-    """An engine's power as a finite number, or None where it is none.
+    """Return an engine's power as a finite number, or None if it is not one.
 
-    A text that spells a number counts as that, as it does for the platform's JavaScript.
+    A text that spells a number counts as that number, as in the platform's JavaScript.
     """
     if not isinstance(value, (int, float)) and not (
         isinstance(value, str) and _SPELLED.fullmatch(value)
@@ -134,15 +134,15 @@ def blame(
     view: View,
     within: Within,
 ) -> Notice:
-    """Say which predicate failed first, and on whose rows.
+    """Return a notice about the predicate that failed first, and on whose rows.
 
     Args:
-        failure: What became of `Robot`.
-        asking: Whom to ask for the predicates.
-        needed: Predicates that `Robot` needs, those first that others of them need.
-        moment: What was reasoned over.
-        view: What failed of it.
-        within: What the thought may use up.
+        failure: The failure of `Robot`.
+        asking: Answers queries for the predicates.
+        needed: Predicates that `Robot` uses, each after those that it uses.
+        moment: The moment.
+        view: The view that failed.
+        within: The budget of the thought.
     """
     whose = " and ".join(view.viewers[:3])
     if len(view.viewers) > 3:
@@ -177,10 +177,10 @@ def _fails(predicate: str, asking: Asking, moment: Moment, view: View, within: W
 
 
 def cut_offs(asking: Asking, moment: Moment, view: View, within: Within) -> Iterator[Notice]:
-    """A notice for each recursion that was still changing when it reached its last step."""
+    """Return a notice for each recursion that was still changing at its last step."""
     for predicate, steps in asking.still_grew(moment, view, within):
         yield Notice(
             "recursion",
-            f"The recursion of {predicate} was still growing after {steps} steps, what "
-            f"lies further is missing: @Recursive({predicate}, N) says how far it goes.",
+            f"The recursion of {predicate} was still growing after {steps} steps; "
+            f"later rows are missing. @Recursive({predicate}, N) sets the number of steps.",
         )

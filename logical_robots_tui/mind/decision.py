@@ -1,4 +1,4 @@
-"""What a program decides for one robot in one tick."""
+"""A program's decision for one robot in one tick."""
 
 from __future__ import annotations
 
@@ -29,11 +29,11 @@ UNRELIABLE: frozenset[NoticeKind] = frozenset({"late", "no room"})
 
 @dataclass(frozen=True, slots=True)
 class Notice:
-    """Something about a decision that a player should know; it never stops the game.
+    """Something unusual about a decision; it never stops the game.
 
     Attributes:
-        kind: What sort of thing happened. What the clock has ended is ``late``, what found no room
-            in the memory of the machine ``no room``: what follows depends on the machine.
+        kind: The kind. ``late`` means that a time limit cut the thought short, ``no room`` that the
+            machine had too little memory; both depend on the machine.
         message: One plain sentence.
     """
 
@@ -46,11 +46,11 @@ class Decision:
     """One robot's desire and new memory, or why there is none.
 
     Attributes:
-        robot_name: Whose decision this is.
-        desire: What the engines should do; None stops the robot for this tick.
+        robot_name: The robot.
+        desire: The engine power; None stops the robot for this tick.
         memory: What the robot remembers from now on.
-        notices: What was unusual about it, in the order found.
-        weight: At least the bytes of the objects that the memory is made of; 0 if nobody knows.
+        notices: Notices, in order.
+        weight: A lower bound for the bytes of the memory's objects; 0 if unknown.
     """
 
     robot_name: str
@@ -61,5 +61,5 @@ class Decision:
 
     @property
     def is_reliable(self) -> bool:
-        """Whether it would be the same on any machine: neither clock nor memory ended it."""
+        """Whether it is the same on any machine: no time limit or lack of memory affected it."""
         return not any(notice.kind in UNRELIABLE for notice in self.notices)

@@ -1,4 +1,4 @@
-"""What is wrong with a program, where, and what to do about it, in text that can be shown."""
+"""Errors and warnings of a program: what is wrong, where, and what to do."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ class ProgramError(LogicalRobotsError):
     """A program can't be compiled.
 
     Attributes:
-        diagnostics: At least one, in the order of the text.
+        diagnostics: At least one, in text order.
     """
 
     title = "This program can't run yet"
@@ -56,13 +56,13 @@ class QueryError(LogicalRobotsError):
 
 
 class Stopped(LogicalRobotsError):  # noqa: N818 - not an error: somebody asked for it
-    """The work was stopped on request before it was done."""
+    """The caller stopped the work before it was done."""
 
     title = "Stopped"
 
 
 def printable(text: str) -> str:
-    """A text of the same length without control, bidirectional and other invisible characters."""
+    """Return a text with control, bidirectional and invisible characters replaced one by one."""
     if text.isprintable():
         return text
     return "".join(c if c.isprintable() else "\N{REPLACEMENT CHARACTER}" for c in text)

@@ -1,4 +1,4 @@
-"""What SQLite complains about while a program thinks, in plain words."""
+"""SQLite's errors during a think, in plain words."""
 
 from __future__ import annotations
 
@@ -20,15 +20,15 @@ if TYPE_CHECKING:
 __all__ = ["SQLITE_ERRORS", "FailureError", "failures_in_words", "in_plain_words"]
 
 SQLITE_ERRORS = (sqlite3.Error, sqlite3.Warning)
-"""What a query may raise that is SQLite's."""
+"""Exceptions that SQLite may raise for a query."""
 
 
 class FailureError(Exception):
     """A query failed; the message is for the player.
 
     Attributes:
-        slow: Whether it took too long, so that trying again would as well.
-        late: Whether it was the clock that ended it.
+        slow: Whether it took too long, so that trying again would, too.
+        late: Whether the time limit ended it.
     """
 
     def __init__(self, message: str, *, slow: bool = False, late: bool = False) -> None:
@@ -39,10 +39,10 @@ class FailureError(Exception):
 
 @contextmanager
 def failures_in_words(within: Within) -> Iterator[None]:
-    """Turn whatever a query may end with into a `FailureError` for the player.
+    """Turn any exception of a query into a `FailureError` for the player.
 
     Args:
-        within: What the query may use up.
+        within: The budget of the query.
     """
     try:
         yield
@@ -66,7 +66,7 @@ def _slow(within: Within) -> FailureError:
 
 
 def in_plain_words(error: Exception) -> str:
-    """What an error of SQLite means to a player; never SQL."""
+    """Return what an error of SQLite means to a player, without SQL."""
     text = str(error)
     for pattern, words in _WORDS:
         if found := re.search(pattern, text):
@@ -75,7 +75,7 @@ def in_plain_words(error: Exception) -> str:
 
 
 _WORDS = (
-    (r"malformed JSON", "a field was asked of something that is neither a record nor a list"),
+    (r"malformed JSON", "a field was read from something that is neither a record nor a list"),
     (
         r"user-defined",
         "a function was given a value that it can't use, such as text instead of a list",
@@ -86,20 +86,20 @@ _WORDS = (
     ),
     (
         r"too many references|tables in a join",
-        "it is put together from too many predicates; mention long ones less often",
+        "it combines too many predicates; mention long ones less often",
     ),
-    (r"too many arguments", "a list that is written out, or a call, has too many parts"),
+    (r"too many arguments", "a list or a call has too many parts"),
     (r"not authorized|prohibited|not a query", "it uses something that robots may not use"),
     (r"too big|out of memory", "a value became too large"),
-    (r"integer overflow", "a whole number became too large"),
+    (r"integer overflow", "an integer became too large"),
     (r"no such function: (\w+)", r"there is no function \1"),
     (r"wrong number of arguments to function (\w+)", r"\1 has the wrong number of arguments"),
-    (r"misuse of aggregate", "an aggregate stands where a plain value is needed"),
+    (r"misuse of aggregate", "an aggregate is used where a plain value is needed"),
     (r"misuse of window", "a function is used that needs an order of rows"),
-    (r"no such column: (?:\w+\.)?(col\d+)", "a column without a name is used that is not there"),
-    (r"no such column: (?:\w+\.)?(\w+)", r"a column \1 is used that is not there"),
+    (r"no such column: (?:\w+\.)?(col\d+)", "a positional column is used that does not exist"),
+    (r"no such column: (?:\w+\.)?(\w+)", r"a column \1 is used that does not exist"),
     (r"no such table: (?:\w+\.)?(\w+)", r"there is no predicate \1"),
     (r"same number of result columns", "its rules have different columns"),
-    (r'near "\.": syntax', "it passes on the whole of a record (..r); name the fields instead"),
+    (r'near "\.": syntax', "it passes on a whole record (..r); name the fields instead"),
     (r"circular reference", "it depends on itself in a way that can't be computed"),
 )

@@ -1,6 +1,6 @@
-"""Bounds on what a program may use, and how many bytes values take as objects.
+"""Limits for programs, and the sizes of values as Python objects.
 
-Their text says little about that: an empty record has two characters and takes 64 bytes.
+JSON text says little about that: an empty record has two characters and takes 64 bytes.
 """
 
 from __future__ import annotations
@@ -28,31 +28,31 @@ _LEAST_WEIGHT = 8_000  # also for one of a thousand robots
 
 @dataclass(frozen=True, slots=True)
 class Limits:
-    """Bounds on what a program may use; every one can be set.
+    """Limits for programs; each can be set.
 
     Attributes:
-        compile_seconds: Longest compilation.
-        compile_bytes: Address space of the process that compiles.
-        program_characters: Longest program.
-        think_steps: Longest thought of all robots together in one tick, in steps of SQLite's
-            virtual machine; a call of a function of ours counts for 10, and each character that
-            it is given or gives for one more. The same on every machine.
-        think_seconds: A guard for whoever waits for a thought that does much in few steps: how long
-            it may take while the process has a processor. What it ends is marked, because it may
-            go otherwise elsewhere.
-        query_steps: Longest query of the inspector, in the same steps.
-        query_seconds: The guard of such a query.
-        mind_bytes: Memory of SQLite in this process, for all minds together; the smallest value
-            that a process has seen is the one that holds, because SQLite never raises it again.
-        value_bytes: Largest single text, list or record while thinking, as SQLite stores it.
-        think_rows: Most rows of `Robot` for one evaluation.
-        rows: Most rows that a query of the inspector shows; the rest is left out.
-        result_bytes: Most text in the result of one evaluation or one query.
-        memory_bytes: Largest memory of one robot, as JSON in UTF-8.
-        memory_weight: Largest memory of one robot, as the objects that it is made of.
-        memories_weight: The same for all robots together; each has an equal part.
-        think_weight: The same for all rows that one thought, or one query, gives.
-        depth: How deep records and lists in a result may be nested.
+        compile_seconds: The longest compilation.
+        compile_bytes: Address space of the compile process.
+        program_characters: The longest program.
+        think_steps: The longest think of all robots in one tick, in steps of SQLite's virtual
+            machine; a call of one of our functions counts 10, plus one for each character
+            of its arguments and result. The same on every machine.
+        think_seconds: The time limit for a think that does much in few steps, in processor
+            seconds. A think that it ends is marked as unreliable, because another machine may
+            differ.
+        query_steps: The longest query of the inspector, in the same steps.
+        query_seconds: The time limit for such a query.
+        mind_bytes: SQLite's memory in this process, for all minds together. The smallest value
+            that a process has seen applies, because SQLite never raises it again.
+        value_bytes: The largest single text, list or record during a think, as SQLite stores it.
+        think_rows: The most rows of `Robot` in one evaluation.
+        rows: The most rows that a query of the inspector shows.
+        result_bytes: The most text in the result of one evaluation or query.
+        memory_bytes: The largest memory of one robot, as JSON in UTF-8.
+        memory_weight: The largest memory of one robot, as Python objects.
+        memories_weight: The same for all robots together; each has an equal share.
+        think_weight: The same for all rows of one think or query.
+        depth: The deepest nesting of records and lists in a result.
     """
 
     compile_seconds: float = 30.0
@@ -74,7 +74,7 @@ class Limits:
     depth: int = 100
 
     def weight_of_each(self, robots: int) -> int:
-        """Bytes of objects that the memory of each of so many robots may be made of."""
+        """Return the bytes of objects for the memory of each of so many robots."""
         part = self.memories_weight // max(robots, 1)
         return min(self.memory_weight, max(part, _LEAST_WEIGHT))
 
@@ -85,18 +85,18 @@ class Limits:
 
 
 HEAVIEST_CHARACTER = 44
-"""Bytes that no value takes for each character of its JSON text."""
+"""Upper bound for the bytes of objects per character of JSON text."""
 
-_RECORD, _FIELD = 184, 28  # CPython's dict, for its least size and for each field
+_RECORD, _FIELD = 184, 28  # CPython's dict: its least size, and the size of a field
 _LIST, _ITEM = 56, 8
 _TEXT = 50
 _NUMBER = 32
 
-_LONG = 10_000  # characters of a text from which on it is looked at closely
+_LONG = 10_000  # characters from which on a text is examined closely
 
 
 def weight_of(value: Value, most: int) -> int:
-    """Bytes that a value takes as objects, or some number above `most`.
+    """Return the bytes of a value as objects, or any number above `most`.
 
     Args:
         value: Any value.
@@ -121,7 +121,7 @@ def weight_of(value: Value, most: int) -> int:
 
 
 def weight_of_text(text: str) -> int:
-    """At least as many bytes as what JSON text stands for takes as objects."""
+    """Return an upper bound for the bytes of objects that JSON text stands for."""
     if len(text) < _LONG:
         return len(text) * HEAVIEST_CHARACTER
     parts = text.count(",") * (_ITEM + _FIELD + _NUMBER) + text.count('"') * _TEXT
@@ -138,13 +138,13 @@ def is_bounded() -> bool:
 
 
 def check_room(size: int) -> None:
-    """See whether the process may still take so many bytes of address space.
+    """Check that the process may still use so many bytes of address space.
 
-    Not all that a thought needs fails softly where there is no room: orjson crashes. So there has
-    to be enough before it begins.
+    Some code crashes when memory runs out, such as orjson, so there must be enough before a think
+    begins.
 
     Raises:
-        MemoryError: There is less.
+        MemoryError: There is not enough.
     """
     if not is_bounded():
         return

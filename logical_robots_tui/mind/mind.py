@@ -29,25 +29,25 @@ if TYPE_CHECKING:
 
 __all__ = ["Mind"]
 
-_ROOM = 320 * 1024**2  # bytes of address space; what SQLite and all rows may take at most
+_ROOM = 320 * 1024**2  # bytes of address space that SQLite and all rows may take
 
 Memories = Mapping[str, Value]
 
-_EXPLAINED_ROWS = 20_000  # of one predicate, to find derivations among
+_EXPLAINED_ROWS = 20_000  # rows of one predicate, to find derivations among
 
 
 class Mind:
-    """Thinks for all robots of a tick. Use it in one thread at a time.
+    """Thinks for all robots of a tick. Use it from one thread at a time.
 
     Args:
-        program: What to think.
-        memory: Whose memories a robot's program sees: ``own``, ``seen`` or ``all``.
-        sensor: Whose sensors it sees: ``own`` or ``all``. A program's ``@Visible`` goes first.
-        limits: Bounds on time and size.
-        plain: Whether to evaluate the SQL as it was generated, which is slower and means the same.
-        frozen: Whether nobody ever changes a record or a list in what this mind is given or gives,
-            as a game doesn't: then what stays the same from tick to tick stays the same object,
-            and is not looked at again.
+        program: The robots' program.
+        memory: Whose memories a robot sees: ``own``, ``seen`` or ``all``.
+        sensor: Whose sensors it sees: ``own`` or ``all``. A program's ``@Visible`` has priority.
+        limits: Limits on time and size.
+        plain: Whether to evaluate the SQL as generated, which is slower but equivalent.
+        frozen: Whether the caller never changes a record or list that it passes or receives, as a
+            game doesn't. Then values that stay the same stay the same objects and are not
+            processed again.
     """
 
     def __init__(
@@ -66,7 +66,7 @@ class Mind:
         self.limits = limits or Limits()
         self._sizes = Sizes() if frozen else None
         self._moment: Moment | None = None
-        # What `Robot` gave at that moment, as far as that is known.
+        # What `Robot` returned at that moment, as far as known.
         self._thought: list[tuple[View, Answer]] = []
         self._asking = Asking(program, self.limits, plain=plain, frozen=frozen)
         self._within = Within.of_thought(self.limits)
@@ -79,15 +79,15 @@ class Mind:
         *,
         stop: threading.Event | None = None,
     ) -> list[Decision]:
-        """Decide once for every robot that has a sensor row, in the order of the rows.
+        """Decide for every robot that has a sensor row, in the order of the rows.
 
         Args:
             rows: ``{"robot_name": ..., "sensor": {...}}`` per robot.
-            memories: What each robot remembers, by name; one that is missing remembers null.
+            memories: Each robot's memory, by name; null if missing.
             stop: Set it from another thread to give up.
 
         Raises:
-            Stopped: `stop` was set before the thought was finished.
+            Stopped: `stop` was set before the think was finished.
         """
         moment = self._moment_of(rows, memories)
         within = self._within  # exact where the last thought took too many steps
@@ -109,7 +109,7 @@ class Mind:
         return decisions
 
     def _decisions(self, moment: Moment, memories: Memories, within: Within) -> list[Decision]:
-        """One decision for each robot of a moment."""
+        """Return one decision for each robot of a moment."""
         names = moment.names
         answers: dict[str, list[Mapping[str, Value]]] = {name: [] for name in names}
         strangers: dict[str, list[Notice]] = {}
@@ -125,7 +125,7 @@ class Mind:
                 ended = [*cut_offs(self._asking, moment, view, within)]
                 cut_off |= dict.fromkeys(view.viewers, ended)
             columns, found = answer
-            mine = frozenset(view.viewers)
+            mine = view.viewers if len(view.viewers) == 1 else frozenset(view.viewers)
             self._thought.append((view, answer))
             for values in found:
                 row = dict(zip(columns, values, strict=True))
@@ -164,13 +164,13 @@ class Mind:
         *,
         stop: threading.Event | None = None,
     ) -> Table:
-        """Rows of any predicate of the program, or of Sensor or Memory, at one moment.
+        """Return the rows of any predicate of the program, or of Sensor or Memory, at one moment.
 
-        Where robots reason separately, each robot's rows are given, marked with its name.
+        Where robots think separately, each row is marked with its robot's name.
 
         Raises:
-            QueryError: No such predicate, it has no rows of its own, or it failed.
-            Stopped: `stop` was set before the answer was there.
+            QueryError: There is no such predicate, it has no rows of its own, or it failed.
+            Stopped: `stop` was set before the query was finished.
         """
         if predicate == "Sensor":
             return Table(
@@ -196,19 +196,19 @@ class Mind:
         stop: threading.Event | None = None,
         in_order: bool = True,
     ) -> Table:
-        """What a question about the program gives at one moment.
+        """Answer a question about the program at one moment.
 
         Args:
-            question: Compiled for the program of this mind.
+            question: A question compiled for this mind's program.
             rows: As for `think`.
             memories: As for `think`.
-            viewers: Names of the robots in whose reasoning to ask, by default all.
-            stop: Set it from another thread to give up.
-            in_order: Whether it matters in which order the rows are; without, it may be quicker.
+            viewers: Names of the robots in whose minds to ask, by default all.
+            stop: Set it from another thread to cancel.
+            in_order: Whether the order of the rows matters; without it may be faster.
 
         Raises:
             QueryError: It failed.
-            Stopped: `stop` was set before the answer was there.
+            Stopped: `stop` was set before the question was answered.
         """
         moment = self._moment_of(rows, memories)
 
@@ -232,21 +232,21 @@ class Mind:
         viewers: Collection[str] | None = None,
         stop: threading.Event | None = None,
     ) -> Iterator[tuple[str, list[dict[str, Value]] | None]]:
-        """Rows of several predicates in each robot's reasoning at a moment.
+        """Return the rows of several predicates in each robot's mind at a moment.
 
         Args:
             predicates: Their names.
             rows: As for `think`.
             memories: As for `think`.
-            viewers: Names of the robots in whose reasoning to ask, by default all.
-            stop: Set it from another thread to give up.
+            viewers: Names of the robots in whose minds to ask, by default all.
+            stop: Set it from another thread to cancel.
 
         Yields:
-            Names of predicates with their rows, once for each view; None if it fails, or has more
-            rows than the limits allow.
+            The rows of each predicate, one entry per view; None if it fails or has more rows
+            than the limits allow.
 
         Raises:
-            Stopped: `stop` was set meanwhile.
+            Stopped: `stop` was set.
         """
         moment = Moment(rows, memories, self.memory, self.sensor)
         for view in moment.views:
@@ -269,9 +269,9 @@ class Mind:
         *,
         stop: threading.Event | None = None,
     ) -> Explainer:
-        """Whom to ask why, about what one robot thinks at one moment, until this is asked again.
+        """Return an explainer for one robot at one moment; valid until the next call.
 
-        Takes what `think` takes, and the robot's name.
+        Takes the arguments of `think`, and the robot's name.
 
         Raises:
             QueryError: There is no such robot.
@@ -295,17 +295,17 @@ class Mind:
         *,
         stop: threading.Event | None = None,
     ) -> QueryPlan:
-        """How a predicate is computed at one moment, and how long it takes.
+        """Return how a predicate is computed at one moment, and how long it takes.
 
         Args:
             predicate: One of the program's own predicates.
             rows: As for `think`.
             memories: As for `think`.
-            stop: Set it from another thread to give up.
+            stop: Set it from another thread to cancel.
 
         Raises:
             QueryError: It has no rows of its own, or it failed.
-            Stopped: `stop` was set meanwhile.
+            Stopped: `stop` was set.
         """
         known = self.program.predicate(predicate)
         if known is None or predicate not in self.program.statements:
@@ -323,7 +323,7 @@ class Mind:
         return QueryPlan(predicate, generated, tuned, plan, milliseconds)
 
     def close(self) -> None:
-        """Free the databases."""
+        """Close the databases."""
         self._asking.close()
 
     # -- inside --------------------------------------------------------------------------------
@@ -338,7 +338,7 @@ class Mind:
         return Within.of_query(self.limits, rows, stop, cut=cut)
 
     def _moment_of(self, rows: Sequence[SensorRow], memories: Memories) -> Moment:
-        """What is reasoned over; the last one again where nobody changes it and it is the same."""
+        """Return the moment; the previous one if nothing can have changed."""
         last = self._moment
         if last is None or last.sensors is not rows or last.remembered is not memories:
             last = Moment(rows, memories, self.memory, self.sensor)
@@ -347,7 +347,7 @@ class Mind:
         return last
 
     def _has_thought(self, moment: Moment) -> bool:
-        """Whether the rows of `Robot` are known for each view of a moment."""
+        """Return whether the rows of `Robot` are known for each view of a moment."""
         return len(self._thought) == len(moment.views)
 
     def _table(
@@ -387,7 +387,7 @@ class Mind:
         return self._collected(answers(within.again()))
 
     def _collected(self, answers: Iterable[tuple[View, Answer]]) -> Table:
-        """The answers for all views as one table."""
+        """Return the answers for all views as one table."""
         separate = not (self.memory == "all" and self.sensor == "all")
         by_viewer = ((view.viewers[0], *answer) for view, answer in answers)
         return table_of(by_viewer, self.limits.rows, separate=separate)

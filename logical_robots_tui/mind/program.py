@@ -30,22 +30,22 @@ INPUTS: Mapping[str, tuple[str, ...]] = {
     "Sensor": ("robot_name", "sensor"),
     "Memory": ("robot_name", "memory"),
 }
-"""The predicates that the game supplies, with their columns."""
+"""The game's own predicates, with their columns."""
 
 STEPS = "t_0_steps_of_"
-"""What the name of a named query begins with that has the steps of a recursion."""
+"""The prefix of named queries with the steps of a recursion."""
 
 TRUTH_MARK = "?"
-"""What the name of a field ends with, in the result of a tuned query, that is a truth."""
+"""The suffix of boolean fields in the result of a tuned query."""
 
 
 VALUE = "logica_value"
-"""The column in which a function keeps its value."""
+"""The column with the value of a function."""
 
 
 @dataclass(frozen=True, slots=True)
 class Predicate:
-    """A predicate that an inspector can name.
+    """A predicate that the inspector can show.
 
     Attributes:
         name: As written in the program.
@@ -53,7 +53,7 @@ class Predicate:
         line: Line of its first rule in the program's text, from 1, or None.
         has_rows: False for a function of its arguments, which has no rows of its own.
         reason: Why it has no rows, one sentence, or "".
-        is_function: Whether it has rows only for given arguments.
+        is_function: Whether it needs arguments.
     """
 
     name: str
@@ -66,14 +66,14 @@ class Predicate:
 
 @dataclass(frozen=True, slots=True)
 class Question:
-    """What is asked of a program at one tick, compiled.
+    """A compiled question about a program.
 
     Attributes:
-        text: As it was typed.
+        text: The question as typed.
         sql: The query.
-        gives: What its rows are: those of a predicate or of conditions; the ``value`` of an
-            expression, one; or whether conditions without variables hold, "true" or "false".
-        tuned: The same query for quicker tables, if it could be rewritten.
+        gives: The kind of its rows: the ``rows`` of a predicate or of conditions, the single
+            ``value`` of an expression, or the ``truth`` of conditions without variables.
+        tuned: The same query for tuned tables, if it could be rewritten.
     """
 
     text: str
@@ -84,22 +84,22 @@ class Question:
 
 @dataclass(frozen=True, slots=True)
 class Tuned:
-    """A query rewritten for tables that hold all robots' rows, with fields in columns.
+    """A query rewritten for tables with all robots' rows and with fields in columns.
 
     Attributes:
         sql: The query. Its parameters are the numbers of the first and the last visible row of
             ``Sensor``, then of ``Memory``.
-        bounds: How many of these parameters it has.
-        columns: By name of a table the columns of it that are read, beside ``id``.
-        result: Names of the columns of the answer, each with the fields of its record where the
-            query gives these as columns of their own, those of truths with `TRUTH_MARK`; () if it
-            gives the answer as it is.
-        together: The query for all viewers at once, where each sees its own sensor only, or "".
-            It has one more column, the viewer's number, and as last parameter how much further
-            the visible rows of ``Memory`` begin from one viewer to the next.
-        together_alike: The same where all viewers see the same memories, without that parameter.
-        crowd: The first query and the two together as they are for many robots, where those for
-            few are not the same; else ().
+        bounds: The number of these parameters.
+        columns: For each table, the columns that are read besides ``id``.
+        result: Names of the answer's columns, each with the fields of its record if the query
+            returns them as separate columns, boolean ones with `TRUTH_MARK`; () if the
+            answer needs no assembly.
+        together: The query for all viewers at once, if each sees only its own sensor, or "". It has
+            one more column, the viewer's number, and as last parameter the offset between the
+            visible rows of ``Memory`` of successive viewers.
+        together_alike: The same for viewers that all see the same memories, without that parameter.
+        crowd: The first query and the two together for many robots, if they differ from those for
+            few; else ().
     """
 
     sql: str
@@ -111,14 +111,14 @@ class Tuned:
     crowd: tuple[str, ...] = ()
 
     def for_crowd(self) -> Tuned:
-        """The same for many robots."""
+        """Return the same for many robots."""
         if not self.crowd:
             return self
         one, together, alike = self.crowd
         return replace(self, sql=one, together=together, together_alike=alike, crowd=())
 
     def for_all(self, *, alike: bool) -> tuple[str, int]:
-        """The query for all viewers, or "", and how many parameters it has.
+        """Return the query for all viewers, or "", and its number of parameters.
 
         Args:
             alike: Whether all viewers see the same memories.
@@ -130,23 +130,23 @@ class Tuned:
 
 @dataclass(frozen=True, slots=True)
 class Program:
-    """A compiled program; make one with `Program.compile`.
+    """A compiled program; create one with `Program.compile`.
 
     Attributes:
         text: The Logica text.
-        predicates: Inputs first, then the program's own in the order of the text, then the prelude.
-        statements: One SQL query by predicate name, for those that have rows.
-        memory: Visibility of memories that the program asks for with ``@Visible``, or None.
-        sensor: Visibility of sensors that the program asks for with ``@Visible``, or None.
-        warnings: What may not do what was meant, in the order of the text.
-        needed: The predicates with rows that `Robot` leans on, each after what it leans on itself;
-            `Robot` is the last.
-        uses: By predicate of the program's own the predicates that it mentions, also those
-            of the game and of the prelude, in the order in which it does.
-        recursions: For each recursive predicate how many steps it takes, and an SQL query for
-            whether one more would change anything.
-        tuned: The same queries for quicker tables, by predicate name and for recursions by
-            ``name + " grows"``; of those that could be rewritten.
+        predicates: Inputs first, then the program's own in text order, then the prelude.
+        statements: One SQL query per predicate with rows.
+        memory: The visibility of memories that ``@Visible`` sets, or None.
+        sensor: The visibility of sensors that ``@Visible`` sets, or None.
+        warnings: Warnings, in text order.
+        needed: The predicates with rows that `Robot` uses, each after those that it uses itself;
+            `Robot` is last.
+        uses: For each of the program's predicates those that it mentions, including the game's
+            and the prelude's, in order.
+        recursions: For each recursive predicate its number of steps, and an SQL query for whether
+            another step would change anything.
+        tuned: The queries that could be rewritten for tuned tables, by predicate name; those of
+            `recursions` by ``name + " grows"``.
     """
 
     text: str
@@ -169,16 +169,16 @@ class Program:
         limits: Limits | None = None,
         report: Report | None = None,
     ) -> Program:
-        """Compile Logica text. Blocks; the work is done in a process of its own.
+        """Compile Logica text in a separate process. Blocks.
 
         Args:
             text: The program.
-            stop: Set it from another thread to give up; takes effect within 0.1 s.
-            limits: Bounds on the text and on compiling it.
-            report: Called meanwhile with the number of predicates compiled and of all.
+            stop: Set it from another thread to cancel; takes effect within 0.1 s.
+            limits: Limits for the text and for compiling it.
+            report: Called with the number of compiled predicates and of all.
 
         Raises:
-            ProgramError: The program is wrong; holds diagnostics with line, column and hint.
+            ProgramError: The program has errors; holds diagnostics with line, column and hint.
             Stopped: `stop` was set.
         """
         from logical_robots_tui.mind.compilation import check_text, compiled
@@ -189,15 +189,15 @@ class Program:
     def question(
         self, query: str, *, stop: threading.Event | None = None, limits: Limits | None = None
     ) -> Question:
-        """Compile a question about this program, to be answered by `Mind.ask`. Blocks.
+        """Compile a question about this program, for `Mind.ask`. Blocks.
 
         Args:
-            query: A call, an expression, conditions, or whole rules of which the last is asked.
-            stop: Set it from another thread to give up.
-            limits: Bounds on the text and on compiling it.
+            query: A call, an expression, conditions, or rules, of which the last is queried.
+            stop: Set it from another thread to cancel.
+            limits: Limits for the text and for compiling it.
 
         Raises:
-            ProgramError: The query is wrong; the diagnostics speak of its lines and columns.
+            ProgramError: The query has errors; the diagnostics refer to its lines and columns.
             Stopped: `stop` was set.
         """
         from logical_robots_tui.mind.compilation import check_text, compiled
@@ -218,13 +218,13 @@ class Program:
         stop: threading.Event | None = None,
         limits: Limits | None = None,
     ) -> Probing:
-        """Take the rules of a predicate apart, for `Mind.why`. Blocks.
+        """Decompose the rules of a predicate, for `Mind.why`. Blocks.
 
         Args:
             predicate: One of this program's own predicates.
-            within: A predicate made with ``:=`` in whose rules it is asked, or "".
-            stop: Set it from another thread to give up.
-            limits: Bounds on compiling.
+            within: A predicate made with ``:=``, for whose copy of the rules this is, or "".
+            stop: Set it from another thread to cancel.
+            limits: Limits for compiling.
 
         Raises:
             QueryError: There is no such predicate, or it can't be computed.
@@ -247,8 +247,8 @@ class Program:
         try:
             return compiled(request, Probing, stop=stop, limits=limits)
         except ProgramError as error:
-            raise QueryError(f"{predicate} can't be taken apart: {error}") from None
+            raise QueryError(f"{predicate} can't be explained: {error}") from None
 
     def predicate(self, name: str) -> Predicate | None:
-        """The predicate of that name, or None."""
+        """Return the predicate of that name, or None."""
         return next((p for p in self.predicates if p.name == name), None)

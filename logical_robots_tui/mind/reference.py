@@ -6,8 +6,7 @@ Each line below reads ``signature -- summary -- example => result``; the result 
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING, Literal, NamedTuple
 
 from logical_robots_tui.mind.similar_names import closest
 
@@ -19,8 +18,7 @@ __all__ = ["REFERENCE", "FunctionHelp", "find_help", "similar"]
 Kind = Literal["function", "aggregate", "operator"]
 
 
-@dataclass(frozen=True, slots=True)
-class FunctionHelp:
+class FunctionHelp(NamedTuple):
     """Help on one function, aggregate or operator.
 
     Attributes:

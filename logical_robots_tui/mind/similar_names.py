@@ -1,4 +1,4 @@
-"""Names that look alike: "did you mean"."""
+"""Similar names, for "did you mean"."""
 
 from __future__ import annotations
 
@@ -12,14 +12,14 @@ __all__ = ["closest", "distance"]
 
 
 def closest(name: str, known: Iterable[str], cutoff: float = 0.76) -> str:
-    """The known name that looks most like a name, whatever the case of its letters, or ""."""
+    """Return the known name closest to a name, ignoring case, or ""."""
     by_lower = {k.lower(): k for k in sorted(known, reverse=True) if k.isidentifier()}
     found = difflib.get_close_matches(name.lower(), by_lower, n=1, cutoff=cutoff)
     return by_lower[found[0]] if found else ""
 
 
 def distance(left: str, right: str) -> int:
-    """How many letters to put in, take out, change or swap to get from one name to the other.
+    """Return the number of edits (insert, delete, change, swap letters) between two names.
 
     The optimal string alignment distance.
     """

@@ -1,14 +1,12 @@
-"""Places in a program's text, and what is done to the text before the parser sees it.
+"""Places in a program's text, and preparing the text for the parser.
 
-Every change keeps the length of the text, so that a place found later is a place in what the
-player wrote.
+Every change keeps the length of the text, so that offsets are valid in the player's text.
 """
 
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING, Literal, NamedTuple
 
 from logical_robots_tui.mind.diagnostics import Diagnostic
 
@@ -17,26 +15,25 @@ if TYPE_CHECKING:
 
 __all__ = ["INNER_QUOTE", "Prepared", "diagnostic_at", "diagnostic_for", "prepare", "statements"]
 
-_DEEPEST = 60  # brackets in brackets; SQLite's parser gives up at about 100
+_DEEPEST = 60  # nested brackets; SQLite's parser fails at about 100
 _CLOSES = {")": "(", "}": "{", "]": "["}
 _SPACE_BEFORE_BRACE = re.compile(r"(?<![\w`])([A-Z]\w*)(\s+)\{")
 _IMPORT = re.compile(r"(?:^|;)\s*(import)\s")
 _SINGLE_QUOTED = re.compile(r"'[^'\n]*'")
 
 INNER_QUOTE = "\ue022"
-"""What stands, for the parser, for a double quote in a text in single quotes."""
+"""The parser's replacement for a double quote in a single-quoted text."""
 
 
-@dataclass(frozen=True, slots=True)
-class Prepared:
-    """A program's text made ready for the parser.
+class Prepared(NamedTuple):
+    """A program's text prepared for the parser.
 
     Attributes:
-        text: The same text, of the same length, without comments, with ``Name {`` as ``Name{ ``,
-            and with texts in double quotes.
-        skeleton: The same again with what stands in quotes blanked, to search for names in.
-        problems: Mistakes seen on the way that the parser would explain worse.
-        broken: Offsets of those mistakes; the statements around them need not be parsed.
+        text: The text, of the same length, without comments, with ``Name {`` as ``Name{ ``, and
+            with double-quoted texts.
+        skeleton: The same with quoted texts blanked, to search for names.
+        problems: Errors that the parser would explain worse.
+        broken: Offsets of those errors; the statements around them need not be parsed.
         ends: Offsets of the ``;`` that end statements.
     """
 
@@ -59,7 +56,7 @@ def prepare(source: str) -> Prepared:
         blank = "".join("\n" if c == "\n" else " " for c in token)
         kept.append(blank if kind == "comment" else _in_double_quotes(token))
         if kind == "comment" and token.startswith("/*") and not _is_closed(token, "/*", "*/"):
-            brackets.complain(at, 2, "this comment is never closed", "Add */ at its end.")
+            brackets.report(at, 2, "this comment is never closed", "Add */ at its end.")
         if kind == "string":
             brackets.string(at, token)
         elif kind == "other":
@@ -70,7 +67,7 @@ def prepare(source: str) -> Prepared:
     brackets.end_statement()
     bare = "".join(skeleton)
     for found in _IMPORT.finditer(bare):
-        brackets.complain(
+        brackets.report(
             found.start(1),
             6,
             "robots can't import other files",
@@ -83,7 +80,7 @@ def prepare(source: str) -> Prepared:
 
 
 def statements(source: Prepared) -> Iterator[tuple[int, int]]:
-    """Start and end of each statement, without the space around it and its ``;``."""
+    """Return start and end of each statement, without surrounding space and its ``;``."""
     start = 0
     for end in (*source.ends, len(source.text)):
         piece = source.text[start:end]
@@ -94,7 +91,7 @@ def statements(source: Prepared) -> Iterator[tuple[int, int]]:
 
 
 class _Brackets:
-    """Watches brackets and quotes; no more than one complaint about the brackets of a statement."""
+    """Checks brackets and quotes; reports at most one bracket error per statement."""
 
     def __init__(self, source: str) -> None:
         self.problems: list[Diagnostic] = []
@@ -104,20 +101,20 @@ class _Brackets:
         self._opened: list[tuple[str, int]] = []
         self._complained = False
 
-    def complain(self, at: int, length: int, message: str, hint: str) -> None:
+    def report(self, at: int, length: int, message: str, hint: str) -> None:
         self.problems.append(diagnostic_at(self._source, at, length, message, hint))
         self.places.append(at)
 
     def string(self, at: int, token: str) -> None:
-        """See a quoted text."""
+        """Process a quoted text."""
         quote = '"""' if token.startswith('"""') else token[0]
         if not _is_closed(token, quote, quote):
             self._complained = True
             message = f"this text is never closed with {quote}"
-            self.complain(at, len(token), message, f"Add {quote} at its end.")
+            self.report(at, len(token), message, f"Add {quote} at its end.")
 
     def see(self, at: int, character: str) -> None:
-        """See a character outside of texts and comments."""
+        """Process a character outside texts and comments."""
         if character == ";":
             self.ends.append(at)
             self.end_statement()
@@ -126,15 +123,15 @@ class _Brackets:
             if len(self._opened) > _DEEPEST and not self._complained:
                 self._complained = True
                 hint = "Give parts of it names of their own."
-                self.complain(at, 1, "brackets are nested too deeply here", hint)
+                self.report(at, 1, "brackets are nested too deeply here", hint)
         elif character in _CLOSES:
             self._close(at, character)
 
     def end_statement(self) -> None:
-        """A statement ends; what is open now is never closed."""
+        """End a statement; open brackets are never closed."""
         if self._opened and not self._complained:
             bracket, place = self._opened[0]
-            self.complain(place, 1, f"this '{bracket}' is never closed", "Add the closing bracket.")
+            self.report(place, 1, f"this '{bracket}' is never closed", "Add the closing bracket.")
         self._opened.clear()
         self._complained = False
 
@@ -145,12 +142,12 @@ class _Brackets:
             return
         elif not self._opened:
             self._complained = True
-            self.complain(at, 1, f"this '{character}' closes nothing", "Remove it.")
+            self.report(at, 1, f"this '{character}' closes nothing", "Remove it.")
         else:
             self._complained = True
             bracket, place = self._opened[-1]
             line = self._source.count("\n", 0, place) + 1
-            self.complain(
+            self.report(
                 at,
                 1,
                 f"this '{character}' does not match the '{bracket}' of line {line}",
@@ -170,7 +167,7 @@ def diagnostic_at(
     hint: str = "",
     severity: Literal["error", "warning"] = "error",
 ) -> Diagnostic:
-    """A diagnostic for a place in the text given as an offset."""
+    """Return a diagnostic for a place in the text given as an offset."""
     start = max(0, min(start, len(source)))
     before = source[:start]
     line_start = before.rfind("\n") + 1
@@ -192,13 +189,13 @@ def diagnostic_for(
     hint: str = "",
     severity: Literal["error", "warning"] = "error",
 ) -> Diagnostic:
-    """A diagnostic for a piece of the text out of a syntax tree, which knows its place."""
+    """Return a diagnostic for a piece of a syntax tree, which knows its place."""
     start: int = getattr(piece, "start", 0)
     return diagnostic_at(source, start, len(piece), message, hint, severity)
 
 
 def _token(source: str, at: int) -> tuple[int, str]:
-    """End and kind of the token at an offset: a comment, a quoted text, or one character."""
+    """Return end and kind of the token at an offset: a comment, a quoted text, or one character."""
     if source[at] == "#":
         end = source.find("\n", at)
         return (len(source) if end < 0 else end), "comment"
@@ -219,14 +216,14 @@ def _token(source: str, at: int) -> tuple[int, str]:
 
 
 def _in_double_quotes(token: str) -> str:
-    """A text in double quotes, where the parser knows no others; as long as it was."""
+    """Return a text in double quotes, the only ones that the parser knows, with the same length."""
     if token[0] != "'" or len(token) < len("''"):
         return token
     return '"' + token[1:-1].replace('"', INNER_QUOTE) + '"'
 
 
 def _join_braces(text: str, bare: str) -> str:
-    """Turn ``Name {`` into ``Name{ ``, which is how the parser wants an aggregate."""
+    """Turn ``Name {`` into ``Name{ ``, the parser's form of an aggregate."""
     pieces: list[str] = []
     at = 0
     for found in _SPACE_BEFORE_BRACE.finditer(bare):

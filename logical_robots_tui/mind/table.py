@@ -1,4 +1,4 @@
-"""What a mind answers with: the rows of a predicate, or how they are computed."""
+"""A mind's answers: the rows of a predicate, or how they are computed."""
 
 from __future__ import annotations
 
@@ -19,9 +19,9 @@ class Table:
 
     Attributes:
         columns: Names of the columns.
-        rows: Values; records are dicts, lists are lists.
-        viewers: For each row the robot in whose reasoning it holds; () when all reason alike.
-        truncated: Whether there were more rows than are shown.
+        rows: The values; records are dicts, lists are lists.
+        viewers: For each row the robot in whose mind it holds; () if all think alike.
+        truncated: Whether further rows were left out.
     """
 
     columns: tuple[str, ...]
@@ -36,12 +36,12 @@ def table_of(
     *,
     separate: bool,
 ) -> Table:
-    """Several answers as one table.
+    """Return several answers as one table.
 
     Args:
-        answers: In whose reasoning, names of the columns, and rows.
-        most: How many rows to show.
-        separate: Whether it matters in whose reasoning a row holds.
+        answers: For each, its viewers, column names and rows.
+        most: The most rows to show.
+        separate: Whether robots think separately.
     """
     columns: Sequence[str] = ()
     rows: list[tuple[Value, ...]] = []
@@ -62,14 +62,14 @@ def table_of(
 
 @dataclass(frozen=True, slots=True)
 class QueryPlan:
-    """How a predicate is computed at a moment, for one robot or for all that reason alike.
+    """How a predicate is computed at a moment, for one robot or for all that think alike.
 
     Attributes:
         predicate: Its name.
-        generated: The SQL as the compiler generated it.
-        tuned: The SQL that is run in its place, or "" if it is run as it is.
-        plan: SQLite's plan for what is run, one step a line, indented.
-        milliseconds: How long it took, for all robots together.
+        generated: The generated SQL.
+        tuned: The tuned SQL that is run instead, or "".
+        plan: SQLite's plan for the SQL that is run, one indented step per line.
+        milliseconds: The time for all robots together.
     """
 
     predicate: str
@@ -80,7 +80,7 @@ class QueryPlan:
 
 
 def plan_lines(rows: Sequence[Sequence[Any]]) -> tuple[str, ...]:
-    """The steps of a plan, indented, from the rows of SQLite: number, parent, unused, words."""
+    """Return the steps of a plan, indented, from SQLite's rows: number, parent, unused, text."""
     depths = {0: -1}
     lines = []
     for number, parent, _, words in rows:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
 from datetime import UTC, datetime
 from typing import TYPE_CHECKING, Any
 
@@ -255,4 +254,6 @@ def _storable(text: str) -> str:
 
 
 def _digest(text: str) -> str:
+    import hashlib  # takes time that the first picture needs
+
     return hashlib.sha256(_storable(text).encode()).hexdigest()

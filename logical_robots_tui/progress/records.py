@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Literal, TypeAlias
+from typing import TYPE_CHECKING, Literal, NamedTuple, TypeAlias
 
 if TYPE_CHECKING:
     from datetime import datetime
@@ -13,8 +12,7 @@ __all__ = ["NEW", "Bests", "LevelRecord", "Measures", "State", "Version"]
 State: TypeAlias = Literal["new", "in work", "won"]
 
 
-@dataclass(frozen=True, slots=True)
-class Measures:
+class Measures(NamedTuple):
     """The measures of a victory; less is better, except for `wins`.
 
     Attributes:
@@ -32,8 +30,7 @@ class Measures:
     starts: int = 0
 
 
-@dataclass(frozen=True, slots=True)
-class Bests:
+class Bests(NamedTuple):
     """The best of each measure, possibly of different programs; None if not measured yet.
 
     Attributes:
@@ -51,8 +48,7 @@ class Bests:
     starts: int = 0
 
 
-@dataclass(frozen=True, slots=True)
-class LevelRecord:
+class LevelRecord(NamedTuple):
     """A player's work on one level.
 
     Attributes:
@@ -64,12 +60,11 @@ class LevelRecord:
 
     state: State = "new"
     hints: int = 0
-    bests: Bests = field(default_factory=Bests)
+    bests: Bests = Bests()
     versions: int = 0
 
 
-@dataclass(frozen=True, slots=True)
-class Version:
+class Version(NamedTuple):
     """A program that a player has used in a level.
 
     Attributes:

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import math
 import re
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, TypeVar
+from typing import TYPE_CHECKING, NamedTuple, TypeVar
 
 from logical_robots_tui.shipped import did_you_mean
 from logical_robots_tui.world.level import LevelError
@@ -27,8 +26,7 @@ _T = TypeVar("_T")
 _COLOR = re.compile(r"#[0-9a-fA-F]{3}(?:[0-9a-fA-F]{3})?|[A-Za-z]{3,30}")
 
 
-@dataclass(frozen=True, slots=True)
-class Fields:
+class Fields(NamedTuple):
     """One record of a level file. Every method raises ``LevelError`` with the key's place.
 
     A key whose value is null counts as missing.

@@ -39,7 +39,7 @@ def test_findings_are_told_with_line_tick_and_what_to_look_at(
     finding = data["findings"][0]
     assert (finding["severity"], finding["kind"], finding["line"]) == ("warning", "no rows", 1)
     assert finding["tick"] == 1
-    assert "The rule of Near in line 1 never gave a row" in finding["message"]
+    assert "The rule of Near in line 1 never had a row" in finding["message"]
     assert finding["hint"]
 
 

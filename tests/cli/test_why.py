@@ -124,7 +124,7 @@ def test_what_would_have_to_differ_is_told_of_a_rule_without_a_row(
     asked = ("why", level, program, "--tick", 3, "--robot", "Pip", "--predicate", "Near")
     (only,) = command(*asked).data["nearest"]
     assert (only["rule"], only["line"], only["text"]) == (1, 2, "5")
-    assert only["said"] == "`sensor.clock > 5` is missed: sensor.clock is 2 too little."
+    assert only["said"] == "`sensor.clock > 5` fails: sensor.clock is 2 too little."
     with in_terminal(*asked) as terminal:
         assert terminal.finish() == 1
         assert "Each of these would give the rule in line 1 a row:" in terminal.text

@@ -53,7 +53,7 @@ async def test_of_a_program_in_which_all_is_used_there_is_nothing_to_tell(tmp_pa
 
 
 MISTAKES = {
-    "a rule that never gave a row": (
+    "a rule that never had a row": (
         f"Far(robot_name:) :- Sensor(robot_name:, sensor:),\n  sensor.clock > 9000;\n"
         f"A(robot_name:) :- Sensor(robot_name:), ~Far(robot_name:);\n"
         f'Robot(robot_name:, {ENGINES}, memory: "") :- A(robot_name:);',

@@ -90,7 +90,7 @@ def test_any_other_text_stands_still(text: str) -> None:
 
 
 def test_an_engine_without_end_is_not_called_null() -> None:
-    assert engines("1 / 0") == (0, ["left_engine is infinite: it stands still."])
+    assert engines("1 / 0") == (0, ["left_engine is infinite: it stops."])
 
 
 def test_a_number_without_end_stays_one_in_a_record() -> None:

@@ -50,7 +50,7 @@ def complaint(text: str) -> tuple[int, int, str, str]:
         ("Memory(robot_name: 1);\n" + GOOD, 1, 1, "Memory is supplied by the game"),
         (ROBOT + '\nm = SqlExpr("1", {});', 2, 5, "can't write SQL"),
         (ROBOT + "\nm = x, `(select 1 as x)`(x:);", 2, 8, "can't write SQL"),
-        (ROBOT + '\nm = ReadFile("/etc/passwd");', 2, 5, "ReadFile is not there for robots"),
+        (ROBOT + '\nm = ReadFile("/etc/passwd");', 2, 5, "ReadFile is not available to robots"),
         (ROBOT + "\nm = (if 1 == 1 then 2);", 2, 9, "this 'if' can't be read"),
         ("A(1);\n\0", 2, 1, "not text"),
     ],

@@ -97,6 +97,12 @@ def test_records_in_lists_are_not_passed_as_text() -> None:
     }
 
 
+def test_argmin_needs_no_function_of_ours_and_no_record() -> None:
+    sql = Program.compile(TOLD).tuned["Robot"].sql
+    assert "ARG_M" not in sql.upper()
+    assert "'arg'" not in sql
+
+
 def test_argmin_beside_another_extreme_stays_a_function() -> None:
     text = f"""
     Road(start: r.start, best? ArgMin= r.length -> r.doubt, far? Max= r.length) distinct :-

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, Literal, TypeAlias, get_args
+from typing import TYPE_CHECKING, Literal, NamedTuple, TypeAlias, get_args
 
 from logical_robots_tui.mind import NoticeKind
 from logical_robots_tui.shipped import did_you_mean
@@ -36,8 +35,7 @@ OF_QUESTIONS = frozenset[Event]({"rows", "no rows", "change"})
 """The events that require evaluating the program."""
 
 
-@dataclass(frozen=True, slots=True)
-class Breakpoint:
+class Breakpoint(NamedTuple):
     """A condition at which a run stops, in the tick in which it begins to hold.
 
     Attributes:
@@ -84,8 +82,7 @@ class Breakpoint:
                 return f"{who} {self.event} {self.subject or 'an area'}"
 
 
-@dataclass(frozen=True, slots=True)
-class Hit:
+class Hit(NamedTuple):
     """A breakpoint that was hit.
 
     Attributes:

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, TypeAlias
+from typing import TYPE_CHECKING, NamedTuple, TypeAlias
 
 from logical_robots_tui.mind import QueryError
 
@@ -27,8 +26,7 @@ Path: TypeAlias = "tuple[str | int, ...]"
 """The path into a value: field names and list indices."""
 
 
-@dataclass(frozen=True, slots=True)
-class Pin:
+class Pin(NamedTuple):
     """A number of rows, or one value in one row.
 
     Attributes:
@@ -69,11 +67,10 @@ class Pin:
 
     def deeper(self, path: Path) -> Pin:
         """Return the pin of a part of the value."""
-        return replace(self, path=self.path + path)
+        return self._replace(path=self.path + path)
 
 
-@dataclass(frozen=True, slots=True)
-class Reading:
+class Reading(NamedTuple):
     """The value of a pin at a tick.
 
     Attributes:

@@ -1,1 +1,1 @@
-"""What is wrong with a program, told before or instead of running it. In the compile process."""
+"""Mistakes in a program, found before it runs. In the compile process."""

@@ -1,4 +1,4 @@
-"""The functions that are built into Logica: which of them run here, with how many arguments."""
+"""Logica's built-in functions: which of them exist here, and their numbers of arguments."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ __all__ = ["arity", "is_built_in", "names", "runs"]
 
 _QL = expr_translate.QL
 _SPECIAL = frozenset({"Aggr", "Cast"})
-"""Functions that the package writes itself, without a template."""
+"""Functions that the package compiles without a template."""
 
 _TWO_ARGUMENTS = frozenset(
     {"Concat", "DateAddDay", "DateDiffDay", "Element", "Join", "Like", "MagicalEntangle", "Split"}
@@ -30,18 +30,18 @@ _REFUSED = sqlite3.SQLITE_DENY
 
 @functools.cache
 def names() -> frozenset[str]:
-    """Names of all functions, operators and aggregates that the package takes as built in."""
+    """Return the names of all functions, operators and aggregates that the package has built in."""
     return frozenset(_QL.BasisFunctions())
 
 
 def is_built_in(name: str) -> bool:
-    """Whether the package takes a call of this name for a built-in function."""
+    """Return whether the package treats a call of this name as a built-in function."""
     return name in names()
 
 
 @functools.cache
 def arity(name: str) -> tuple[int, float]:
-    """Fewest and most arguments of a built-in function."""
+    """Return the fewest and most arguments of a built-in function."""
     if name in _QL.ANALYTIC_FUNCTIONS:
         count = 4 if name.startswith("Window") else 3
         return count, count
@@ -57,7 +57,7 @@ def arity(name: str) -> tuple[int, float]:
 
 @functools.cache
 def runs(name: str) -> bool:
-    """Whether a built-in function exists in the SQLite of a mind, tried out."""
+    """Return whether a built-in function works in a mind's SQLite, by trying it."""
     if name in _INTERNAL:
         return False
     if name in _SPECIAL or name in _QL.BUILT_IN_INFIX_OPERATORS:
@@ -103,7 +103,7 @@ def _compiles(expression: str) -> bool:
 def _connection() -> sqlite3.Connection:
     connection = sqlite3.connect(":memory:", check_same_thread=False)
     registry.install(connection)
-    # SQLite sets up its JSON tables at their first use, which the authorizer would refuse.
+    # SQLite creates its JSON tables on first use, which the authorizer would refuse.
     connection.execute("SELECT 1 FROM json_each('[]')").fetchall()
     connection.set_authorizer(_authorize)
     return connection

@@ -1,4 +1,4 @@
-"""What is wrong with a program that would compile silently and fail later, or is not allowed."""
+"""Mistakes that compile silently and fail later, and things that are not allowed."""
 
 from __future__ import annotations
 
@@ -60,7 +60,7 @@ _ANNOTATIONS = frozenset(
     }
 )
 IGNORED = frozenset({"@CompileAsTvf"})
-"""Annotations that mean nothing here, and change nothing where they mean something."""
+"""Annotations that have no effect here and don't change results elsewhere."""
 
 _OUTSIDE = frozenset(
     [
@@ -76,11 +76,11 @@ _OUTSIDE = frozenset(
         "WriteFile",
     ]
 )
-"""What the package gives to programs that are trusted with the machine they run on."""
+"""What the package offers to programs that are trusted with the machine."""
 
 
 def check(parsed: Parsed, text: str) -> list[Diagnostic]:
-    """What would compile silently and fail later, in the order of the text, warnings too."""
+    """Return errors and warnings that would compile silently, in text order."""
     rules = parsed.rules
     known = {n: s for n, s in signatures(rules).items() if n not in parsed.doubtful}
     inference = Inference(rules, text, parsed.doubtful)
@@ -103,7 +103,7 @@ def check(parsed: Parsed, text: str) -> list[Diagnostic]:
     return sorted(unique.values(), key=lambda p: (p.line, p.column, p.severity))
 
 
-_FLAG = "FlagValue"  # gives what @DefineFlag says
+_FLAG = "FlagValue"  # the value set by @DefineFlag
 
 
 def _annotations(rules: list[Rule], text: str) -> Iterator[Diagnostic]:
@@ -143,7 +143,7 @@ _ARGUMENTS = {
 
 
 def _fits(rule: Rule, kind: str) -> bool:
-    """Whether an annotation has a predicate and then only literals of some kind."""
+    """Return whether an annotation has a predicate followed by literals of a kind."""
     values = [value_of(fv) or {} for fv in rule["head"]["record"]["field_value"]]
     named = [isinstance(field, str) for field in fields(rule["head"]["record"])]
     if not values or "the_predicate" not in values[0].get("literal", {}):
@@ -161,7 +161,7 @@ def _supplied(rules: list[Rule], text: str) -> Iterator[Diagnostic]:
 
 
 def _names(rules: list[Rule], text: str, doubtful: frozenset[str]) -> Iterator[Diagnostic]:
-    """Names that mean nothing, or nothing that a robot may use."""
+    """Find names that are not defined, or that robots may not use."""
     own = {*(head_name(r) for r in rules), *defined(rules), *doubtful, *_types(rules)}
     known = {*own, *defined(list(prelude_rules())), *INPUTS}
     left_open = parameters(rules) - {lacking(rules).get(MAIN)}
@@ -175,13 +175,13 @@ def _names(rules: list[Rule], text: str, doubtful: frozenset[str]) -> Iterator[D
             continue
         seen.add(name)
         if name == "SqlExpr" or re.match(r"`\W*\w", name):
-            yield diagnostic_for(text, name, "robots can't write SQL", "Say it in Logica.")
+            yield diagnostic_for(text, name, "robots can't use SQL", "Write it in Logica.")
         elif re.fullmatch(r"-\s*\w+", name):
             other = name[1:].strip()
             message = f"a minus can't stand right before {other}"
-            yield diagnostic_for(text, name, message, f"Put a space between: - {other}(...).")
+            yield diagnostic_for(text, name, message, f"Add a space: - {other}(...).")
         elif name in _OUTSIDE:
-            message = f"{name} is not there for robots"
+            message = f"{name} is not available to robots"
             yield diagnostic_for(text, name, message, "Robots can only think.")
         elif builtins.is_built_in(name):
             if name.isidentifier() and not builtins.runs(name) and name != _FLAG:
@@ -190,7 +190,7 @@ def _names(rules: list[Rule], text: str, doubtful: frozenset[str]) -> Iterator[D
         elif re.fullmatch(r"[A-Za-z][\w.]*", name) and name != "nil":
             hint = _instead(name, known) or "Define it, or correct its name."
             if name in values:
-                hint = "Names of variables have small letters only."
+                hint = "Names of variables are lower case."
             yield diagnostic_for(text, name, f"{name} is not defined", hint)
 
 
@@ -199,7 +199,7 @@ def _is_value(node: Rule) -> bool:
 
 
 def _types(rules: list[Rule]) -> Iterator[str]:
-    """Names that stand for types: in `TryCast` and after `~`."""
+    """Return names that stand for types: in `TryCast` and after `~`."""
     for call, _ in calls(rules):
         if call["predicate_name"] in ("TryCast", "~"):
             for name in called(call["record"]["field_value"][1:]):
@@ -226,24 +226,24 @@ _INSTEAD = {
 
 
 def _instead(name: str, known: set[str]) -> str:
-    """A hint at what a name may have meant, or ""."""
+    """Return a hint about what a name may have meant, or ""."""
     if name in _INSTEAD:
         return f"Use {_INSTEAD[name]}."
     working = {n for n in builtins.names() if n.isidentifier() and n[:1].isupper()}
     close = closest(name, known | {n for n in working if len(n) > 1})
-    if not close and len(name) > 2:  # in short names one slip is a large part
+    if not close and len(name) > 2:  # in short names one typo is a large part
         close = next((n for n in sorted(working) if distance(name, n) == 1), "")
     if close and (close in known or builtins.runs(close)):
         return f"Did you mean {close}?"
     return "`logical-robots help` lists all functions." if builtins.is_built_in(name) else ""
 
 
-_SHORTEST = 4  # letters of a word that can be recognised as misspelt
-_LONG = 7  # letters of a word in which two may be wrong
+_SHORTEST = 4  # letters in a word that can be recognised as misspelt
+_LONG = 7  # letters in a word that may have two errors
 
 
 def typos(rules: list[Rule], text: str) -> Iterator[Diagnostic]:
-    """Warnings about variables that are probably meant to be another one of their rule."""
+    """Warn about variables that are probably misspelt."""
     for rule in rules:
         if head_name(rule).startswith("@"):
             continue
@@ -263,7 +263,7 @@ def typos(rules: list[Rule], text: str) -> Iterator[Diagnostic]:
 
 
 def _is_shorthand(node: Rule) -> bool:
-    """Whether this is `name:`, which names a column and its variable at once."""
+    """Return whether this is `name:`, which names a column and its variable at once."""
     if "field" not in node:
         return False
     variable = node["value"].get("expression", {}).get("variable")
@@ -271,7 +271,7 @@ def _is_shorthand(node: Rule) -> bool:
 
 
 def _looks_like(name: str, other: str) -> bool:
-    """Whether two names differ by a slip in one long word and by nothing that means something."""
+    """Return whether two names differ only by a typo in one long word."""
     left, right = name.split("_"), other.split("_")
     if len(left) != len(right):
         return False

@@ -1,4 +1,4 @@
-"""What the `logica` package complains about, told in plain words with its place in the text."""
+"""The `logica` package's errors in plain words, with their place in the text."""
 
 from __future__ import annotations
 
@@ -36,10 +36,10 @@ COMPLAINTS = (
     ValueError,
     RuntimeError,
 )
-"""What the package raises about a program that it can't compile; it does not keep to its own."""
+"""Exceptions of the package for programs that it can't compile, including unintended ones."""
 
 FUNCTION = "{} is a function of its arguments; it has no rows of its own."
-OPEN = "{} leans on {}, which is left open for := to fill in; it has no rows of its own."
+OPEN = "{} uses {}, which is a parameter for :=; it has no rows of its own."
 
 _NO_CONDITION = "this is not a condition"
 _UNREAD = (
@@ -59,13 +59,13 @@ _OWN = (parse.ParsingException, rule_translate.RuleCompileException, functors.Fu
 def explain(
     error: BaseException, text: str, source: Prepared, within: tuple[int, int] | None = None
 ) -> Diagnostic:
-    """The diagnostic for an exception of the package.
+    """Return the diagnostic for an exception of the package.
 
     Args:
         error: The exception.
         text: The program.
         source: The same, prepared.
-        within: Start and end of the statement that it is about, if that is known.
+        within: Start and end of the statement that it is about, if known.
     """
     start, end = within or _rule(error, source)
     if isinstance(error, RecursionError) or isinstance((error.args or (None,))[0], RecursionError):
@@ -82,25 +82,25 @@ def explain(
             again = where.find(sign, found + 1, end) if sign == ":-" else found
             at, length = max(found, again), len(sign)
     if "'" in source.skeleton[at : at + length]:
-        hint = 'Texts stand in double quotes: "like this".'
+        hint = 'Put text in double quotes: "like this".'
     elif message == _NO_CONDITION and _FIELD.fullmatch(value := text[at : at + length].strip()):
-        hint = f"A value alone is no condition: write {value} == true, or name it: x = {value}."
+        hint = f"A value alone is not a condition: write {value} == true, or name it: x = {value}."
     elif message in _UNREAD and (known := _foreign(source.skeleton[at : at + length])):
         hint = known
     elif (made := source.skeleton.find(":=", start, end)) >= 0 and ":-" in source.text[start:made]:
-        at, length, message = made, 2, "':=' can't stand in the body of a rule"
+        at, length, message = made, 2, "':=' can't be used in the body of a rule"
         hint = "Write '=' for a value; ':=' makes a predicate from another."
     return diagnostic_at(text, at, length, message, hint)
 
 
 def at_word(name: str, text: str, source: Prepared, message: str, hint: str) -> Diagnostic:
-    """A diagnostic at the first mention of a name."""
+    """Return a diagnostic at the first mention of a name."""
     found = re.search(rf"(?<![\w@]){re.escape(name)}(?!\w)", source.skeleton)
     return diagnostic_at(text, found.start() if found else 0, len(name), message, hint)
 
 
 def plain_message(error: BaseException) -> str:
-    """The package's message without colours, in one line."""
+    """Return the package's message in one line, without colours."""
     if not isinstance(error, _OWN):
         return "Logica can't compile this"
     message = _plain_text(error)
@@ -111,13 +111,13 @@ def plain_message(error: BaseException) -> str:
 
 
 def unassigned(error: BaseException) -> list[str]:
-    """The variables of which the package says that they have no value."""
+    """Return the variables that the package says have no value."""
     found = _UNASSIGNED.search(_plain_text(error))
     return [n.split(" in rule for ")[0] for n in found.group(1).split(", ")] if found else []
 
 
 def is_function(error: BaseException) -> bool:
-    """Whether the package complains only that arguments are missing."""
+    """Return whether the package only complains about missing arguments."""
     return bool(unassigned(error)) or "not passed a required argument" in str(error)
 
 
@@ -128,7 +128,7 @@ def _plain_text(error: BaseException) -> str:
 def _without_value(
     names: list[str], text: str, source: Prepared, start: int, end: int
 ) -> Diagnostic:
-    """The diagnostic for variables without a value: those mentioned once are the cause."""
+    """Return the diagnostic for variables without a value; those mentioned once are the cause."""
     rule = source.skeleton[start:end]
     culprits = [name for name in names if len(_mentions(name, rule)) == 1] or names
     what = " and ".join(culprits) + (" is" if len(culprits) == 1 else " are")
@@ -145,8 +145,8 @@ def _mentions(name: str, rule: str) -> list[int]:
     return [found.start() for found in re.finditer(pattern, rule)]
 
 
-_AT_SIGN = {":-": "there are two ':-'", "|": "'|' can't stand", "${": "a text can't hold"}
-"""What is better shown at the sign that it speaks of."""
+_AT_SIGN = {":-": "there are two ':-'", "|": "'|' can't be used", "${": "a text can't hold"}
+"""Messages that are better shown at the sign they are about."""
 
 _WORDS = frozenset({"if", "then", "else", "in", "is", "not", "distinct", "null", "true", "false"})
 
@@ -157,31 +157,31 @@ _PLAIN = (
     (r"^Found no call in rule head", "a rule starts with a predicate such as Robot(...)"),
     (r"^Too many :-", "there are two ':-' in one rule; is a ';' missing before the second?"),
     (r"should have been split by :- ", "there are two ':-' here"),
-    (r"^Unexpected :- in record", "a ':-' can't stand between parentheses"),
+    (r"^Unexpected :- in record", "a ':-' can't be used in parentheses"),
     (r"^Can not parse rule head|^Too many distinct", "the head of this rule can't be understood"),
     (r"^Denotation (\w+) should go last", r"the word \1 comes last in the head"),
     (r"split by (else|then)", "this 'if' can't be read"),
     (r"^If-then-else clause", "an 'if' gives a value; it is not a condition"),
     (r"split by =", "this needs exactly one '='"),
-    (r"split by : in", "more than one value stands here"),
+    (r"split by : in", "there is more than one value here"),
     (r"^Aggregating predicate must be", "a head that aggregates needs the word distinct"),
     (r"^Aggregation of fields is only", "only the head of a rule can aggregate with '?'"),
     (r"^Aggregated fields have to", "what is aggregated needs a name before the '?'"),
     (r"^Unexpected text in the head", "this does not belong in the head of a rule"),
     (r"^Too many '=' in predicate", "there is more than one '=' in the head of this rule"),
     (r"^Variables starting with x_", "names of variables can't start with x_"),
-    (r"^Record fields may not start", "names of fields start with a small letter"),
+    (r"^Record fields may not start", "names of fields start with a lower case letter"),
     (r"^Backticks in variable", "give this column a variable"),
     (r"^Positional argument can not", "arguments without a name come before those with one"),
     (r"^Field \.\.<rest_of> must", "'..' comes last"),
-    (r"^Field \.\.<rest_of> in record", "'..' can't stand in a record"),
+    (r"^Field \.\.<rest_of> in record", "'..' can't be used in a record"),
     (r"^Subscript must be", "names of fields are lower case"),
     (r"^Array subscription must", "an index is a number, without a name"),
-    (r"^Negation", "'~' stands before what it denies"),
+    (r"^Negation", "'~' goes before what it negates"),
     (r"^Incorrect syntax for functor", "this is not a predicate made from another"),
-    (r"^Disjunction is disallowed", "'|' can't stand in an aggregate or a negation"),
+    (r"^Disjunction is disallowed", "'|' can't be used in an aggregate or a negation"),
     (r"^Tables with no columns", "a predicate needs at least one column"),
-    (r"circular dependency of In", "these lists depend on each other in a circle"),
+    (r"circular dependency of In", "these lists depend on each other"),
     (r"^Could not create record", "a whole row can't be used as a value"),
     (r"^Built-in function (\S+) takes", r"\1 has the wrong number of arguments"),
     (r"^Unsupported supposedly built-in function: (\S+)", r"\1 can't be used as a function"),
@@ -191,7 +191,7 @@ _PLAIN = (
     (r"^Failed to eliminate recursion of (\S+)", r"\1 can't be recursive in this way"),
     (r"^Functor (\S+) is applied to arguments (\S+),", r"\1 does not use \2"),
     (r"^Rules for (\S+) when making", r"there is no predicate \1 to make this from"),
-    (r"^Could not resolve Make", "these predicates are made from each other in a circle"),
+    (r"^Could not resolve Make", "these predicates are made from each other"),
     (r"^Bad functor call", "this is not a predicate made from another"),
     (r"^Signature differs for bodies of ([^\s.]+)", r"the rules of \1 aggregate differently"),
     (r"^Inconsistency in distinct", "some rules of this predicate are distinct and some are not"),
@@ -200,7 +200,7 @@ _PLAIN = (
     (r"^Cast must have", "Cast needs a value and the name of a type in quotes"),
     (r"^Unspecified flag: (\S+)", r"there is no flag \1"),
     (r"^Annotation (\S+) must be applied to an existing predicate.*predicate (\S+)$",
-     r"\1 speaks of \2, which is not defined"),
+     r"\1 refers to \2, which is not defined"),
     (r"Bad annotation|annotation", "this annotation can't be understood"),
 )  # fmt: skip
 
@@ -214,18 +214,18 @@ _HINTS = (
     (r"belong in the head", "Is a ';' missing before it?"),
     (r"needs the word distinct", "Write it between the head and ':-'."),
     (r"distinct and some", "Write distinct in all of its heads, or in none."),
-    (r"can't compile this", "Take away what you added last to find what it stumbles over."),
+    (r"can't compile this", "Undo your last changes to find the cause."),
     (r"missing before|two ':-'", "Rules end with ';'."),
-    (r"between parentheses", "Aggregates take braces: Sum{x :- Item(x)}."),
+    (r"in parentheses", "Aggregates use braces: Sum{x :- Item(x)}."),
     (r"starts with a predicate", "Names of predicates start with a capital letter."),
-    (r"fields start with a small|fields are lower", "Write it with small letters and '_'."),
+    (r"fields start with a lower|fields are lower", "Use lower case letters and '_'."),
     (r"can't start with x_", "Choose another name."),
     (r"without a name come before", "Name all that follow, or move this one to the front."),
     (r"only the head|aggregated needs a name", "Heads aggregate like this: P(x, best? Max= v)."),
     (r"made from another", "Write New := Old(Used: Other);"),
     (r"in an aggregate or a negation", "Give the alternatives a predicate of their own."),
     (r"nothing to start from", "Add a rule of it that does not mention itself."),
-    (r"can't be recursive", "Recursion goes through predicates, not through functions."),
+    (r"can't be recursive", "Recursion works for predicates, not for functions."),
     (r"exactly one '='", "Heads aggregate like this: P(x, best? Max= v)."),
     (r"whole row", "Name the columns that you need."),
     (r"at least one column", "Give it an argument or a value."),
@@ -233,11 +233,11 @@ _HINTS = (
     (r"aggregate differently", "Use the same aggregate in all of them."),
     (r"does not use", "Name a predicate that its rules mention."),
     (r"more than one '='", "A head has one value: F(x) = y :- ..."),
-    (r"a text can't hold", "Write '$' and '{' apart."),
+    (r"a text can't hold", "Separate '$' and '{'."),
     (r"'~' stands before", "Write ~P(x) or ~(a == b)."),
     (r"comes last", "Move it to the end."),
     (r"annotation can't", "For example: @Recursive(P, 50); @OrderBy(P, \"col0\"); @Limit(P, 3);"),
-    (r"there is no flag", 'Say what it is: @DefineFlag("name", "value");'),
+    (r"there is no flag", 'Define it: @DefineFlag("name", "value");'),
     (r"which is not defined", "Define it, or remove the annotation."),
 )  # fmt: skip
 
@@ -246,11 +246,11 @@ _FOREIGN = (
     (r"\A(//|--|/\*)", "Comments begin with '#'."),
     (r"\n(?P<next>[A-Z@]\w*)", "Rules end with ';'. Is one missing before {next}?"),
     (r"\A(?=.*\bthen\b)(?!.*\belse\b)", "Every 'if' needs an 'else': (if a < b then c else d)."),
-    (r"(?<!\bis )\bnot\b", "Write ~(a == b) or ~P(x) for what is not so."),
+    (r"(?<!\bis )\bnot\b", "Write ~(a == b) or ~P(x) for negation."),
     (r"\band\b", "Write ',' between conditions, and '&&' within an expression."),
     (r"\bor\b", "Write '|' between conditions, and '||' within an expression."),
 )
-"""What other languages write, or what was forgotten, in a piece of text that can't be read."""
+"""Syntax of other languages, or forgotten parts, in a piece of text that can't be parsed."""
 
 
 def _foreign(piece: str) -> str:
@@ -265,7 +265,7 @@ def _hint(message: str) -> str:
 
 
 def _rule(error: BaseException, source: Prepared) -> tuple[int, int]:
-    """Start and end of the rule that an exception of the compiler is about."""
+    """Return start and end of the rule that an exception of the compiler is about."""
     rule = getattr(error, "rule_str", "")
     if isinstance(rule, parse.HeritageAwareString) and rule.heritage == source.text:
         return rule.start, rule.stop
@@ -279,7 +279,7 @@ def _rule(error: BaseException, source: Prepared) -> tuple[int, int]:
 
 
 def _place(error: BaseException, source: Prepared, start: int, end: int) -> tuple[int, int]:
-    """Offset and length of what an exception is about."""
+    """Return offset and length of what an exception is about."""
     location = getattr(error, "location", None)
     if isinstance(location, parse.HeritageAwareString) and location.heritage == source.text:
         at, stop = location.start, location.stop

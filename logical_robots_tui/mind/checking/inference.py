@@ -1,8 +1,8 @@
-"""Fields that certainly do not exist, found by following what is known through the rules.
+"""Fields that certainly do not exist, found by tracing shapes through the rules.
 
-What a variable holds is known where it comes from `Sensor`, from a record in the text, or from a
-column or argument that has the same shape wherever it is defined or given. Everything else is
-unknown, and nothing is said about it.
+The shape of a variable is known if it comes from `Sensor`, from a record in the text, or from a
+column or argument that has the same shape wherever it is defined or passed. All other shapes are
+unknown, and nothing is reported about them.
 """
 
 from __future__ import annotations
@@ -30,9 +30,9 @@ if TYPE_CHECKING:
 
 __all__ = ["Inference"]
 
-_ROUNDS = 6  # how far a shape is followed from predicate to predicate
-_MOST_STEPS = 100_000  # nested aggregates are looked at again and again
-_LIST = "A list is meant here, such as sensor.radar, [1, 2] or Range(10)."
+_ROUNDS = 6  # how far a shape is traced from predicate to predicate
+_MOST_STEPS = 100_000  # nested aggregates are visited repeatedly
+_LIST = "A list is needed here, such as sensor.radar, [1, 2] or Range(10)."
 _CHOOSING = frozenset({"ArgMin", "ArgMax"})
 _COLLECTING = frozenset({"List"})
 _SAME = frozenset({"Sort", "Unique"})
@@ -42,11 +42,11 @@ Column: TypeAlias = tuple[str, "int | str"]
 
 
 class _TooManyStepsError(Exception):
-    """The program is too entangled to be followed."""
+    """The program is too complex to trace."""
 
 
 class Inference:
-    """What is known about a program's values.
+    """The known shapes of a program's values.
 
     Args:
         rules: Syntax trees as written.
@@ -72,11 +72,11 @@ class Inference:
 
     @property
     def problems(self) -> list[Diagnostic]:
-        """Fields that certainly do not exist."""
+        """Return diagnostics for fields that certainly do not exist."""
         return list(self._problems.values())
 
     def column(self, predicate: str, name: str) -> list[Shape | None]:
-        """Shapes of a column in each rule of a predicate."""
+        """Return the shapes of a column in each rule of a predicate."""
         found = []
         for rule in self._heads.get(predicate, []):
             for fv in rule["head"]["record"]["field_value"]:
@@ -87,7 +87,7 @@ class Inference:
     # -- through all rules ---------------------------------------------------------------------
 
     def _settle(self) -> bool:
-        """Go through the rules until nothing new is learnt; False if that takes too long."""
+        """Visit the rules until nothing new is learnt; return False if that takes too long."""
         for _ in range(_ROUNDS):
             before = (dict(self._columns), dict(self._arguments))
             self._problems.clear()
@@ -120,7 +120,7 @@ class Inference:
         }
 
     def _parameters(self, rule: Rule) -> Scope:
-        """What is known of the arguments of a function, from all of its calls."""
+        """Return the known shapes of a function's arguments, from all its calls."""
         scope: Scope = {}
         for fv in rule["head"]["record"]["field_value"]:
             expression = value_of(fv)
@@ -131,7 +131,7 @@ class Inference:
         return scope
 
     def _scope(self, rule: Rule, outer: Scope) -> Scope:
-        """What is known about the variables of a rule or an aggregate."""
+        """Return the known shapes of the variables of a rule or aggregate."""
         scope = dict(outer)
         if "body" in rule:
             before: Scope | None = None
@@ -182,15 +182,15 @@ class Inference:
             self._bind(inclusion["element"], shape.element, scope)
         elif "the_number" in literal or "the_string" in literal:
             heritage = inclusion["list"]["expression_heritage"]
-            self._complain(heritage, f"{_source(inclusion['list'])} is not a list", _LIST)
+            self._report(heritage, f"{_source(inclusion['list'])} is not a list", _LIST)
         elif shape is not None:
             heritage = inclusion["list"]["expression_heritage"]
             message = f"{shape.title} is {_kind(shape)}, not a list"
-            self._complain(heritage, message, _LIST)
+            self._report(heritage, message, _LIST)
         self._shape(inclusion["element"], scope)
 
     def _bind(self, pattern: Rule, shape: Shape | None, scope: Scope) -> None:
-        """Note that a variable, or a record of variables, has a shape."""
+        """Record the shape of a variable, or of a record of variables."""
         if shape is None:
             return
         if "variable" in pattern:
@@ -208,7 +208,7 @@ class Inference:
     # -- expressions ---------------------------------------------------------------------------
 
     def _shape(self, node: Rule, scope: Scope) -> Shape | None:
-        """The shape of an expression, if it is certain; looks at all that is in it."""
+        """Return the shape of an expression, or None if uncertain; visits all its parts."""
         if "variable" in node:
             return scope.get(node["variable"]["var_name"])
         if "record" in node:
@@ -252,10 +252,10 @@ class Inference:
             return shape.fields.get(name)
         if isinstance(shape, ListOf):
             hint = f"Take its elements one by one: x in {_source(subscript['record'])}, x.{name}."
-            self._complain(name, f"{shape.title} is a list; it has no field {name}", hint)
+            self._report(name, f"{shape.title} is a list; it has no field {name}", hint)
         elif isinstance(shape, Scalar):
             hint = "It is a plain value; only records have fields."
-            self._complain(name, f"{shape.title} has no field {name}", hint)
+            self._report(name, f"{shape.title} has no field {name}", hint)
         return None
 
     def _call(self, call: Rule, scope: Scope) -> Shape | None:
@@ -288,12 +288,12 @@ class Inference:
         return None
 
     def _give(self, name: str, argument: int | str, shape: Shape | None) -> None:
-        """Note what a predicate is called with."""
+        """Record the shape of an argument in a call."""
         if isinstance(argument, str) and (found := re.fullmatch(r"col(\d+)", argument)):
             argument = int(found.group(1))
         self._given.setdefault((name, argument), []).append(shape)
 
-    # -- complaints ----------------------------------------------------------------------------
+    # -- reports -------------------------------------------------------------------------------
 
     def _check_field(self, name: Any, shape: Record) -> None:
         if not isinstance(name, str) or name in shape.fields:
@@ -302,10 +302,10 @@ class Inference:
         close = closest(name, known, 0.6)
         hint = f"Did you mean {close}?" if close else f"It has {', '.join(known)}."
         if len(hint) > 120:
-            hint = "Compare with where it is made."
-        self._complain(name, f"{shape.title} has no field {name}", hint)
+            hint = "Compare with its definition."
+        self._report(name, f"{shape.title} has no field {name}", hint)
 
-    def _complain(self, piece: str, message: str, hint: str) -> None:
+    def _report(self, piece: str, message: str, hint: str) -> None:
         start = getattr(piece, "start", None)
         if start is not None and len(hint) <= 120:
             self._problems[start] = diagnostic_for(self._text, piece, message, hint)
@@ -320,7 +320,7 @@ def _names_in(rule: Rule) -> Iterator[str]:
 
 
 def _common(shapes: list[Shape | None]) -> Shape | None:
-    """The shape that all have, or None."""
+    """Return the shape that all share, or None."""
     first = shapes[0] if shapes else None
     return first if all(shape == first for shape in shapes) else None
 

@@ -1,4 +1,4 @@
-"""Predicates that a program leaves open, for ``New := Old(Open: Given)`` to fill in."""
+"""Parameters of a program: predicates that ``New := Old(Open: Given)`` substitutes."""
 
 from __future__ import annotations
 
@@ -15,13 +15,13 @@ __all__ = ["filled_in", "lacking", "parameters"]
 
 
 def parameters(rules: list[Rule]) -> frozenset[str]:
-    """Names of the predicates that are filled in somewhere and defined nowhere."""
+    """Return the names of predicates that are substituted somewhere and defined nowhere."""
     filled = {name for rule in rules for name in filled_in(rule)}
     return frozenset(filled.difference(heads(rules)))
 
 
 def lacking(rules: list[Rule]) -> dict[str, str]:
-    """By name of a predicate one that it leans on and that is left open there."""
+    """Return for each predicate that uses an unsubstituted parameter the name of that parameter."""
     own, left_open = heads(rules), parameters(rules)
 
     def first_open(name: str, filled: frozenset[str], seen: set[str]) -> Iterator[str]:
@@ -40,7 +40,7 @@ def lacking(rules: list[Rule]) -> dict[str, str]:
 
 
 def filled_in(rule: Rule) -> list[str]:
-    """Names that a rule with ``:=`` fills in."""
+    """Return the names that a rule with ``:=`` substitutes."""
     if head_name(rule) != "@Make":
         return []
     arguments = rule["head"]["record"]["field_value"]

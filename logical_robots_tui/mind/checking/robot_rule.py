@@ -1,4 +1,4 @@
-"""What the rule for `Robot` must give: a name, a desire with two engines, a memory."""
+"""The rule for `Robot`: it must have a name, a desire with two engines, and a memory."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ _EXAMPLE = (
 
 
 def main_predicate(rules: list[Rule], text: str) -> Iterator[Diagnostic]:
-    """What is missing in the heads of `Robot`, or that there is none."""
+    """Find what is missing in the heads of `Robot`, or report that there is none."""
     found = heads(rules).get(MAIN, [])
     if not found:
         message = "there is no Robot predicate"
@@ -49,7 +49,7 @@ def main_predicate(rules: list[Rule], text: str) -> Iterator[Diagnostic]:
 
 
 def engines(rules: list[Rule], inference: Inference, text: str) -> Iterator[Diagnostic]:
-    """Engines whose names are misspelt or missing in a desire."""
+    """Find misspelt or missing engines in a desire."""
     literals = [
         [name for name in fields(node["record"]) if isinstance(name, str)]
         for node in nodes(rules)
@@ -80,7 +80,7 @@ def _by_place(problems: Iterable[Diagnostic]) -> dict[tuple[int, int], Diagnosti
 
 
 def _misspelt(names: Iterable[str], text: str, cutoff: float = 0.76) -> Iterator[Diagnostic]:
-    """Fields that are meant to be an engine which the record lacks."""
+    """Find fields that are misspelt engines."""
     missing = set(_ENGINES) - set(names)
     for name in names:
         meant = closest(name, missing, cutoff)
@@ -96,7 +96,7 @@ def _missing(robot: str, column: str, others: list[str], text: str) -> Diagnosti
         return diagnostic_for(text, close, message, f"Write {column} instead of {close}.")
     if column == "memory":
         message = "Robot has no memory; it will never change"
-        hint = 'Add memory: with anything to remember, or memory: "".'
+        hint = 'Add memory: with a value to remember, or memory: "".'
         return diagnostic_for(text, robot, message, hint, "warning")
     hint = "Its columns are robot_name:, desire: and memory:."
     return diagnostic_for(text, robot, f"Robot has no {column}", hint)

@@ -1,4 +1,4 @@
-"""Shapes of values: which fields a record has, and what a list holds."""
+"""Shapes of values: the fields of a record, and the elements of a list."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ class Scalar:
     """A number, text or boolean of the sensor.
 
     Attributes:
-        title: What to call it.
+        title: Its name in messages.
     """
 
     title: str
@@ -27,8 +27,8 @@ class ListOf:
     """A list.
 
     Attributes:
-        element: The shape of each of its elements, or None if that is unknown.
-        title: What to call it.
+        element: The shape of its elements, or None if unknown.
+        title: Its name in messages.
     """
 
     element: Shape | None
@@ -40,9 +40,9 @@ class Record:
     """A record whose fields are all known.
 
     Attributes:
-        fields: Shape by name; None where it is unknown.
-        title: What to call it.
-        names: The names as they stand in the program's text, which know their places.
+        fields: Shapes by name; None if unknown.
+        title: Its name in messages.
+        names: The names as in the program's text, with their places.
     """
 
     fields: Mapping[str, Shape | None]

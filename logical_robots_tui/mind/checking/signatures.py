@@ -1,4 +1,4 @@
-"""What columns a predicate has, and whether all that define or call it agree about them."""
+"""Columns of predicates, and whether all rules and calls agree about them."""
 
 from __future__ import annotations
 
@@ -38,10 +38,10 @@ class Signature:
     """The columns of a predicate.
 
     Attributes:
-        count: How many go by position.
-        named: Names of the others.
-        has_value: Whether it is a function, which has a value.
-        required: Which of those by position its value can't be computed without.
+        count: The number of positional columns.
+        named: Names of the named columns.
+        has_value: Whether it is a function.
+        required: The positional columns that its value depends on.
     """
 
     count: int
@@ -56,7 +56,7 @@ class Signature:
 
 
 def signatures(rules: list[Rule]) -> dict[str, Signature]:
-    """Signatures of the predicates about which all rules agree."""
+    """Return the signatures of predicates whose rules agree."""
     found = {name: Signature(0, frozenset(columns), False) for name, columns in INPUTS.items()}
     for name, own in {**heads(list(prelude_rules())), **heads(rules)}.items():
         candidates = {_signature(rule) for rule in own}
@@ -67,7 +67,7 @@ def signatures(rules: list[Rule]) -> dict[str, Signature]:
 
 
 def collisions(rules: list[Rule], text: str) -> Iterator[Diagnostic]:
-    """Rules that do not define the same predicate as the first of that name."""
+    """Find rules that disagree with the first rule of the same predicate."""
     for name, own in heads(rules).items():
         first, *others = own
         if name.isidentifier() and (problem := _hides_built_in(name, first, rules)):
@@ -84,7 +84,7 @@ def collisions(rules: list[Rule], text: str) -> Iterator[Diagnostic]:
 def wrong_calls(
     rules: list[Rule], known: Mapping[str, Signature], text: str
 ) -> Iterator[Diagnostic]:
-    """Calls with arguments that the predicate does not have."""
+    """Find calls with arguments that the predicate does not have."""
     own = heads(rules)
     used = _used(own)
     for rule in rules:
@@ -101,7 +101,7 @@ def wrong_calls(
 
 
 def _used(own: Mapping[str, list[Rule]]) -> set[str]:
-    """Names of the predicates that `Robot` leans on, or of all if there is none."""
+    """Return the predicates that `Robot` uses, or all if there is no `Robot`."""
     if MAIN not in own:
         return {*own}
     used = set[str]()
@@ -115,7 +115,7 @@ def _used(own: Mapping[str, list[Rule]]) -> set[str]:
 
 
 def given_twice(rules: list[Rule], text: str) -> Iterator[Diagnostic]:
-    """Fields and arguments that have two values."""
+    """Find fields and arguments with two values."""
     for node in nodes(rules):
         seen = set()
         for fv in node.get("field_value", ()):
@@ -127,7 +127,7 @@ def given_twice(rules: list[Rule], text: str) -> Iterator[Diagnostic]:
 
 
 def _is_named_built_in(name: str) -> bool:
-    """Whether this is a built-in function that is called by its name, not an operator."""
+    """Return whether this is a built-in function called by its name, not an operator."""
     return name[:1].isupper() and builtins.is_built_in(name) and builtins.runs(name)
 
 
@@ -144,7 +144,7 @@ def _signature(rule: Rule) -> Signature | None:
 
 
 def _in_value(rule: Rule) -> frozenset[int]:
-    """Places of the arguments that the value of a function without conditions mentions."""
+    """Return the places of arguments in the value of a function without conditions."""
     record = rule["head"]["record"]["field_value"]
     values = [fv for fv in record if fv["field"] == VALUE]
     mentioned = {node["variable"]["var_name"] for node in nodes(values) if "variable" in node}
@@ -157,7 +157,7 @@ def _in_value(rule: Rule) -> frozenset[int]:
 
 
 def _difference(first: Rule, other: Rule) -> tuple[str, str] | None:
-    """What makes two rules of one name contradict each other, and what to do."""
+    """Describe how two rules of one name contradict each other, with a hint."""
     if "@Make" in (head_name(first), head_name(other)):
         return "{0} is already defined in line {1}", "Give one of them another name."
     one, two = _signature(first), _signature(other)
@@ -168,10 +168,10 @@ def _difference(first: Rule, other: Rule) -> tuple[str, str] | None:
         return "{0} is " + what + " in line {1}, but not here", "Give one of them another name."
     if (one.count, one.named) != (two.count, two.named):
         columns = str(one).replace("{", "{{")
-        hint = f"All rules of a predicate have the same columns, there {columns}."
+        hint = f"All rules of a predicate have the same columns; there it has {columns}."
         if len(hint) > 120:
             hint = "All rules of a predicate have the same columns."
-        return "{0} has other columns in line {1}", hint
+        return "{0} has different columns in line {1}", hint
     if ("distinct_denoted" in first) != ("distinct_denoted" in other):
         where = "in line {1}, but not here" if "distinct_denoted" in first else "here only"
         return "{0} is distinct " + where, "Write distinct in all of its heads, or in none."
@@ -203,15 +203,15 @@ def _wrong_call(
             hint = f"Did you mean {close}?" if close else _shape(signature)
             yield diagnostic_for(text, field, f"{name} has no column {field}", hint)
     if for_value and not signature.has_value:
-        hint = f"Write {name}(...) as a condition, or give it a value: {name}(...) = ...;"
-        message = f"{name} is no function; it has no value"
+        hint = f"Use {name}(...) as a condition, or give it a value: {name}(...) = ...;"
+        message = f"{name} is not a function; it has no value"
         yield diagnostic_for(text, name, message, hint if len(hint) <= 120 else "")
 
 
 def _left_out(call: Rule, signature: Signature, text: str) -> Iterator[Diagnostic]:
-    """What to say of a function that is called without arguments that its value needs.
+    """Report a function that is called without arguments that its value needs.
 
-    Without others it has its values whatever these are.
+    Without other arguments it returns all its values.
     """
     name = call["predicate_name"]
     given: list[Any] = fields(call["record"])
@@ -219,7 +219,7 @@ def _left_out(call: Rule, signature: Signature, text: str) -> Iterator[Diagnosti
     if missing and "*" not in given:
         here = sum(isinstance(field, int) for field in given)
         message = f"{name} takes {_arguments(signature.count)}, here {_are(here)}"
-        yield diagnostic_for(text, name, message, "Add what is missing.")
+        yield diagnostic_for(text, name, message, "Add the missing arguments.")
 
 
 def _too_many(name: str, given: int, signature: Signature) -> str:
@@ -231,11 +231,11 @@ def _too_many(name: str, given: int, signature: Signature) -> str:
 def _shape(signature: Signature) -> str:
     named = sorted(signature.named)
     if named and not signature.count:
-        hint = f"Name what you want of it: ({', '.join(f'{n}:' for n in named)})."
+        hint = f"Name the columns that you need: ({', '.join(f'{n}:' for n in named)})."
     elif named:
         hint = f"Its named columns are {', '.join(named)}."
     else:
-        hint = "Its columns have no names; they go by position." if signature.count else ""
+        hint = "Its columns are positional; they have no names." if signature.count else ""
     return hint if len(hint) <= 120 else ""
 
 
@@ -245,7 +245,7 @@ def _wrong_built_in(call: Rule, text: str) -> Iterator[Diagnostic]:
     least, most = builtins.arity(name)
     named = [field for field in given if isinstance(field, str)]
     if named:
-        hint = f"Write {name}(...) with plain values in their order."
+        hint = f"Write {name}(...) with plain values in order."
         yield diagnostic_for(text, named[0], f"the arguments of {name} have no names", hint)
     elif not least <= len(given) <= most:
         takes = _arguments(least)
@@ -254,7 +254,7 @@ def _wrong_built_in(call: Rule, text: str) -> Iterator[Diagnostic]:
         elif most > least:
             takes = f"{least} to {most:.0f} arguments"
         message = f"{name} takes {takes}, here {_are(len(given))}"
-        yield diagnostic_for(text, name, message, "Look at `logical-robots help " + name + "`.")
+        yield diagnostic_for(text, name, message, "See `logical-robots help " + name + "`.")
 
 
 def _arguments(count: float) -> str:

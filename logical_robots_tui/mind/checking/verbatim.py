@@ -1,4 +1,4 @@
-"""Texts that the compiler puts into SQL as they are: types, columns, and flags within texts."""
+"""Text that the compiler inserts into SQL unchanged: types, columns, and flags in texts."""
 
 from __future__ import annotations
 
@@ -21,16 +21,16 @@ _TYPES = (
     *("BIGINT", "BOOL", "BOOLEAN", "DOUBLE", "FLOAT", "FLOAT64", "INT", "INT64", "INTEGER"),
     *("NUMERIC", "REAL", "STRING", "TEXT", "VARCHAR"),
 )
-_PLAIN = re.compile(r"[^'\"`$\\\n]*")  # ends no text of SQL
+_PLAIN = re.compile(r"[^'\"`$\\\n]*")  # can't end an SQL text
 _COLUMNS = re.compile(r"\s*(\w+)(?:\s+(?:ASC|DESC))?\s*", re.ASCII | re.IGNORECASE)
 
 
 def verbatim(rules: list[Rule], known: Mapping[str, Signature], text: str) -> Iterator[Diagnostic]:
-    """What stands where a type or a column has to, and is none; flags that would end a text.
+    """Find invalid types and columns, and flags that would end an SQL text.
 
     Args:
-        rules: Of the program.
-        known: Signatures of its predicates, as far as there are any.
+        rules: Rules of the program.
+        known: Known signatures of its predicates.
         text: The program.
     """
     for call, _ in calls(rules):
@@ -39,7 +39,7 @@ def verbatim(rules: list[Rule], known: Mapping[str, Signature], text: str) -> It
                 name = _string(value)
                 if name is None or name.strip().upper() not in _TYPES:
                     shown = "this" if name is None else name[:40]
-                    message = f"{shown} is no type that Cast knows"
+                    message = f"{shown} is not a type that Cast knows"
                     hint = f"Write one of these in quotes: {', '.join(_TYPES)}."
                     yield diagnostic_for(text, call["predicate_name"], message, hint)
     is_within_a_text = any("${" in literal for rule in rules for literal in _strings(rule))
@@ -48,7 +48,7 @@ def verbatim(rules: list[Rule], known: Mapping[str, Signature], text: str) -> It
             for value in rule["head"]["record"]["field_value"][1:2]:
                 if _PLAIN.fullmatch(_string(value) or "") is None:
                     message = "a flag that ${...} puts into a text can't hold quotes, \\ or $"
-                    hint = 'Write FlagValue("name") in place of ${name}.'
+                    hint = 'Write FlagValue("name") instead of ${name}.'
                     yield diagnostic_for(text, "@DefineFlag", message, hint)
         if head_name(rule) == "@Make" and any(map(_is_cast, nodes(rule))):
             yield diagnostic_for(text, "Cast", "Cast can't be given to a functor", "Call it.")
@@ -57,9 +57,9 @@ def verbatim(rules: list[Rule], known: Mapping[str, Signature], text: str) -> It
             literal = (value_of(predicate) or {}).get("literal", {})
             name = literal.get("the_predicate", {}).get("predicate_name", "")
             for column in columns:
-                ordered = _string(column)  # what is no text is told elsewhere
+                ordered = _string(column)  # other types are reported elsewhere
                 if ordered is not None and (wrong := _wrong_column(ordered, known.get(name))):
-                    hint = 'Name columns and nothing else, such as @OrderBy(P, "col0 DESC");'
+                    hint = 'Write only names of columns, such as @OrderBy(P, "col0 DESC");'
                     yield diagnostic_for(text, "@OrderBy", wrong, hint)
 
 
@@ -81,7 +81,7 @@ def _columns_of(signature: Signature) -> set[str]:
 
 
 def _strings(rule: Rule) -> Iterator[str]:
-    """All that is written in quotes in a rule."""
+    """Return all quoted text in a rule."""
     for node in nodes(rule):
         found = node.get("the_string")
         if isinstance(found, str):

@@ -1,5 +1,5 @@
-"""Rules taken apart into clauses, each with one query for its derivations: in the compile process.
+"""Rules decomposed into clauses, each with one query for its derivations. In the compile process.
 
-`decomposition` does it for a predicate; `normal_form` makes a clause of each choice of
-alternatives.
+`decomposition` handles a predicate; `normal_form` turns each choice of alternatives into a
+clause.
 """

@@ -1,4 +1,4 @@
-"""Pieces of bodies, heads and calls in the syntax tree. In the compile process."""
+"""Parts of bodies, heads and calls in the syntax tree. In the compile process."""
 
 from __future__ import annotations
 
@@ -27,12 +27,12 @@ MOST_CLAUSES = 32
 
 
 class Names:
-    """What is known of the predicates that rules may call.
+    """What is known about the predicates that rules may call.
 
     Args:
-        functions: By name of one that has rows only for given arguments the columns to give.
-        tables: By name of any other the table with its rows.
-        origins: By name of a copy what it is a copy of, and in which predicate.
+        functions: For each predicate that needs arguments, the columns that must be given.
+        tables: For each other predicate, the table with its rows.
+        origins: For each copy, its original and the predicate that it belongs to.
     """
 
     def __init__(
@@ -46,16 +46,16 @@ class Names:
         self.origins = origins
 
     def is_own(self, name: str) -> bool:
-        """Whether the program has rules for a predicate."""
+        """Return whether the program defines a predicate."""
         return name in self.functions or name in self.tables
 
     def call(self, name: str, arguments: Mapping[str, str]) -> Call:
-        """A call of a predicate."""
+        """Return a call of a predicate."""
         return Call(*self.origins.get(name, (name, "")), arguments)
 
 
 def head_of(rule: Rule) -> tuple[dict[str, Rule], dict[str, Rule]]:
-    """The expressions of the columns of a head, and the aggregations of the others."""
+    """Return the expressions of a head's plain columns, and the aggregations of the others."""
     fields = rule["head"]["record"]["field_value"]
     plain = {column_name(f["field"]): value_of(f) for f in fields if f["field"] != "*"}
     others = {column_name(f["field"]): f["value"].get("aggregation") for f in fields}
@@ -66,10 +66,10 @@ def head_of(rule: Rule) -> tuple[dict[str, Rule], dict[str, Rule]]:
 
 
 def alternatives(body: Iterable[Rule]) -> list[tuple[list[Rule], list[Rule]]]:
-    """Each choice of alternatives: the parts of the body then, and what was chosen.
+    """Yield each choice of alternatives: the parts of the body, and what was chosen.
 
     Raises:
-        TooManyError: There are more than can be told.
+        TooManyError: There are too many to show.
     """
     found: list[tuple[list[Rule], list[Rule]]] = [([], [])]
     for part in body:
@@ -91,18 +91,18 @@ def alternatives(body: Iterable[Rule]) -> list[tuple[list[Rule], list[Rule]]]:
 
 
 class TooManyError(Exception):
-    """A body has more choices of alternatives than can be told one by one."""
+    """A body has too many choices of alternatives."""
 
 
 def values_in(call: Rule, column: str) -> Iterator[Rule]:
-    """The expression that a call has for a column, if it has one."""
+    """Return the expression that a call has for a column, or None."""
     for argument in call.get("record", {}).get("field_value", ()):
         if column_name(argument["field"]) == column and "expression" in argument["value"]:
             yield argument["value"]["expression"]
 
 
 def is_denial(combine: Rule) -> bool:
-    """Whether this is how the package writes that something has no rows."""
+    """Return whether this is the package's form of a negation."""
     (column,) = combine["head"]["record"]["field_value"]
     argument = column["value"].get("aggregation", {}).get("argument", {})
     literal = argument.get("literal", {}).get("the_number", {}).get("number")
@@ -110,7 +110,7 @@ def is_denial(combine: Rule) -> bool:
 
 
 def plain_text(tree: Any) -> str:
-    """A text that is the same for the same expressions, wherever they stand."""
+    """Return a text that is equal for equal expressions, wherever they are."""
     if isinstance(tree, dict):
         inner = (f"{k}:{plain_text(v)}" for k, v in tree.items() if k not in _HERITAGE)
         return f"{{{','.join(inner)}}}"

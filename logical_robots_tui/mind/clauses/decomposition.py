@@ -1,7 +1,7 @@
-"""A predicate's rules taken apart and compiled. In the compile process.
+"""Decomposing a predicate's rules and compiling them. In the compile process.
 
-The predicates that a rule calls are tables for its queries, filled with the rows that they have at
-the moment in question: so what is told of a rule is true of just these rows.
+The predicates that a rule calls are tables for its queries, filled with their rows at the moment in
+question, so that explanations are true for exactly these rows.
 """
 
 from __future__ import annotations
@@ -50,15 +50,15 @@ def take_apart(
     is_quick: Callable[[str, int], bool],
     define: Callable[[str, tuple[str, ...]], None],
 ) -> Probing:
-    """Take the rules of a predicate apart.
+    """Decompose the rules of a predicate.
 
     Args:
         text: A program that can be compiled.
         predicate: One of its own predicates.
-        within: A predicate made with ``:=`` in whose copy of the rules it is asked, or "".
-        with_rows: Names of those that have rows of their own.
-        is_quick: Whether SQLite prepares a query with so many parameters without much ado.
-        define: Makes a table that these queries read.
+        within: A predicate made with ``:=``, for whose copy of the rules this is, or "".
+        with_rows: Names of predicates that have rows of their own.
+        is_quick: Whether SQLite can prepare a query with so many parameters in reasonable time.
+        define: Creates a table that these queries read.
     """
     source, raw = read_rules(text)
     expanded = expand(raw)
@@ -105,7 +105,7 @@ def _columns(rules: list[Rule]) -> tuple[str, ...]:
 
 
 def _prepared(sql: str) -> tuple[str, int]:
-    """A query as it is asked, and how many parameters it has then, at the least."""
+    """Return a query in its final form, and the fewest parameters that it has."""
     number = 1 + max((int(found) for found in _GIVEN_COLUMN.findall(sql)), default=-1)
     return with_given(sql, number), number
 
@@ -127,7 +127,7 @@ def _rule(rule: Rule, given: tuple[str, ...], builder: Builder) -> RuleParts:
 
 
 def _all(name: str, columns: tuple[str, ...], given: tuple[str, ...]) -> Rule:
-    """The rule for the rows of a function."""
+    """Return the rule for all rows of a function."""
     variables = {column: trees.variable(f"why_{i}") for i, column in enumerate(columns)}
     taken = {f"g{i}": variables[column] for i, column in enumerate(given)}
     named = {_field(column): value for column, value in variables.items()}
@@ -141,7 +141,7 @@ def _field(column: str) -> str | int:
 
 
 def _read(name: str, expanded: Expanded, functions: Collection[str]) -> set[str]:
-    """The predicates whose rows the rules of one read, also through functions."""
+    """Return the predicates whose rows the rules of one read, also through functions."""
     found: set[str] = set()
     waiting = [name]
     while waiting:
@@ -156,7 +156,7 @@ def _read(name: str, expanded: Expanded, functions: Collection[str]) -> set[str]
 
 
 def _functions(expanded: Expanded, with_rows: Collection[str]) -> dict[str, tuple[str, ...]]:
-    """By name of a predicate that has rows only for given arguments the columns to give."""
+    """Return for each predicate that needs arguments the columns that must be given."""
     found: dict[str, tuple[str, ...]] = {}
     named = {*expanded.rules} - {*expanded.origins}
     grew = True
@@ -175,7 +175,7 @@ def _functions(expanded: Expanded, with_rows: Collection[str]) -> dict[str, tupl
 
 
 def _needed(rules: list[Rule], functions: Mapping[str, tuple[str, ...]]) -> tuple[str, ...]:
-    """The columns without which some rule has no rows, one after the other."""
+    """Return the columns without which some rule has no rows."""
     needed: list[str] = []
     columns = [column for column in head_of(rules[0])[0] if column != VALUE]
     for column in columns:
@@ -187,7 +187,7 @@ def _needed(rules: list[Rule], functions: Mapping[str, tuple[str, ...]]) -> tupl
 
 
 def _open(rule: Rule, given: list[str], functions: Mapping[str, tuple[str, ...]]) -> set[str]:
-    """The columns whose values are not known; all of them, if the body can't be asked."""
+    """Return the columns with unknown values; all of them if the body can't be queried."""
     head, body = head_of(rule)[0], flat(rule.get("body"))
     variables = frozenset[str]().union(*map(names, [*body, *head.values()]))
     known = frozenset[str]().union(*(names(head[column]) for column in given if column in head))
@@ -199,7 +199,7 @@ def _open(rule: Rule, given: list[str], functions: Mapping[str, tuple[str, ...]]
 
 
 def _value_calls(tree: object) -> list[Rule]:
-    """The calls in expressions, outside of aggregates."""
+    """Yield the calls in expressions, outside aggregates."""
     found: list[Rule] = []
     waiting = [tree]
     while waiting:
@@ -217,7 +217,7 @@ def _value_calls(tree: object) -> list[Rule]:
 
 
 def _circle(name: str, expanded: Expanded) -> set[str]:
-    """The predicates that call each other in a circle with one; none if there is no circle."""
+    """Return the predicates in a recursion with one, or none."""
     reach = expanded.reach(name)
     if name not in reach:
         return set()
@@ -227,9 +227,9 @@ def _circle(name: str, expanded: Expanded) -> set[str]:
 def _is_founded(
     circle: set[str], expanded: Expanded, functions: Mapping[str, Collection[str]]
 ) -> bool:
-    """Whether rows of a recursion can be told from rows that were there before.
+    """Return whether a recursion's rows can be explained by earlier rows.
 
-    Not where a step needs all rows of the one before: a denial, an aggregate over them in a body,
+    Not if a step needs all rows of the previous one: a negation, an aggregate over them in a body,
     or a sum in a head.
     """
     for name in circle:
@@ -255,7 +255,7 @@ def _compiled(
     text: str,
     source: Prepared,
 ) -> dict[str, str]:
-    """SQL by name of a query; predicates that are no functions are tables."""
+    """Return SQL by name of a query; predicates other than functions are tables."""
     own = [deep_copy(rule) for name in functions for rule in expanded.rules[name]]
     flags = [deep_copy(rule) for rule in expanded.others if head_name(rule) == "@DefineFlag"]
     rules = [*own, *flags, *probes.values()]
@@ -267,7 +267,7 @@ def _compiled(
 def _sources(
     wanted: Collection[str], expanded: Expanded, text: str, source: Prepared
 ) -> dict[str, str]:
-    """SQL for the rows of copies that ``:=`` has made."""
+    """Return SQL for the rows of copies that ``:=`` made."""
     copies = sorted(name for name in wanted if name in expanded.rules and name not in INPUTS)
     if not copies:
         return {}
@@ -284,5 +284,5 @@ def _statements(
         try:
             found[name] = compiled.FormattedPredicateSql(name).rstrip().removesuffix(";")
         except error_messages.COMPLAINTS:
-            continue  # what can't be asked alone is told to be so
+            continue  # reported as not computable alone
     return found

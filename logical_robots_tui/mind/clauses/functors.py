@@ -1,4 +1,4 @@
-"""Predicates made with ``:=``, written out as rules of their own. In the compile process."""
+"""Predicates made with ``:=``, expanded into rules of their own. In the compile process."""
 
 from __future__ import annotations
 
@@ -19,15 +19,14 @@ __all__ = ["Expanded", "expand", "made_from", "recursions_written_out", "rename"
 
 @dataclass(frozen=True, slots=True)
 class Expanded:
-    """The rules of a program without any ``:=``.
+    """The rules of a program with every ``:=`` expanded.
 
     Attributes:
-        rules: By name of a predicate its rules, also of the copies that ``:=`` makes.
+        rules: The rules of each predicate, including copies made by ``:=``.
         others: Annotations.
-        names: By what is asked for, a predicate and the made one in whose copy it stands, the
-            name of the copy.
-        origins: The same the other way round.
-        bases: By name of a made predicate the one that it is made from in the end.
+        names: The name of the copy, by predicate and the made predicate that it belongs to.
+        origins: The reverse of `names`.
+        bases: For each made predicate, the one that it is ultimately made from.
     """
 
     rules: dict[str, list[Rule]]
@@ -37,16 +36,16 @@ class Expanded:
     bases: dict[str, str] = field(default_factory=dict)
 
     def name_of(self, predicate: str, within: str) -> str:
-        """The name of a predicate, or of its copy in a made one."""
+        """Return the name of a predicate, or of its copy in a made one."""
         return self.names.get((predicate, within), predicate)
 
     def reach(self, name: str) -> set[str]:
-        """Names of the predicates that one leans on, directly or not."""
+        """Return the names of the predicates that one uses, directly or indirectly."""
         return reached(self.rules.get(name, []), self.rules)
 
 
 def expand(raw: Iterable[Rule]) -> Expanded:
-    """Write out what is made with ``:=``.
+    """Expand every ``:=``.
 
     Args:
         raw: The rules of a program that can be compiled, as written.
@@ -67,12 +66,12 @@ def expand(raw: Iterable[Rule]) -> Expanded:
 
 
 def recursions_written_out(raw: list[Rule]) -> list[Rule]:
-    """The rules with all ``:=`` written out, if one makes a recursive predicate, else as they are.
+    """Return the rules with every ``:=`` expanded if one makes a recursive predicate, or unchanged.
 
-    For a recursion that the package makes, it has to unroll.
+    The package must unroll a recursion that it makes itself.
 
     Args:
-        raw: The rules of a program, as written.
+        raw: The rules of a program as written.
     """
     if not any(head_name(rule) == "@Make" for rule in raw):
         return raw
@@ -111,7 +110,7 @@ def _make(name: str, make: Rule, expanded: Expanded) -> None:
     reached = {base, *expanded.reach(base)}
     touched = {p for p in reached - filled.keys() if expanded.reach(p) & filled.keys()} | {base}
     copies = {p: f"{p}_in_{name}" for p in touched if p in expanded.rules} | {base: name}
-    # Plain texts: the name of a rule that was copied does not stand where the copy was ordered.
+    # Plain text: the name of a copied rule is not at the place of the ``:=``.
     renaming = {f"{old}": f"{new}" for old, new in {**copies, **filled}.items()}
     for original, copy in copies.items():
         rules = deep_copy(expanded.rules.get(original, []))
@@ -127,7 +126,7 @@ def _make(name: str, make: Rule, expanded: Expanded) -> None:
 
 
 def rename(tree: Any, names: Mapping[str, str]) -> None:
-    """Give the predicates that a syntax tree mentions other names, in place."""
+    """Rename the predicates in a syntax tree, in place."""
     waiting = [tree]
     while waiting:
         node = waiting.pop()
@@ -135,7 +134,7 @@ def rename(tree: Any, names: Mapping[str, str]) -> None:
             for key in ("call", "predicate", "the_predicate"):
                 inner = node.get(key)
                 if isinstance(inner, dict) and inner.get("predicate_name") in names:
-                    # What was written knows where it stands.
+                    # Written names keep their place.
                     inner.setdefault("written", inner["predicate_name"])
                     inner["predicate_name"] = names[str(inner["predicate_name"])]
             if isinstance(node.get("operator"), str) and node["operator"] in names:
@@ -146,7 +145,7 @@ def rename(tree: Any, names: Mapping[str, str]) -> None:
 
 
 def made_from(make: Rule) -> tuple[str, dict[str, Rule]]:
-    """What a rule of ``@Make`` makes a predicate from, and what is filled in, by name."""
+    """Return what a ``@Make`` rule makes a predicate from, and the substitutions by name."""
     first, second, third = map(value_of, make["head"]["record"]["field_value"][:3])
     assert first is not None
     assert second is not None
@@ -157,5 +156,5 @@ def made_from(make: Rule) -> tuple[str, dict[str, Rule]]:
 
 
 def _named(value: Rule) -> str:
-    """The predicate that an expression names, or ""."""
+    """Return the predicate that an expression names, or ""."""
     return str(value.get("literal", {}).get("the_predicate", {}).get("predicate_name", ""))

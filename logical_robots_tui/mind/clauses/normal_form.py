@@ -1,8 +1,8 @@
-"""Taking bodies apart: a clause for each choice of alternatives, with a query for derivations.
+"""Decomposing bodies: a clause for each choice of alternatives, with a query for its derivations.
 
-In the compile process. Where an expression calls a predicate of the program, the call becomes a
-part of the body of its own, as the compiler makes it, so that its value is mentioned in many
-places but asked for once.
+In the compile process. A call of the program's own predicate in an expression becomes a separate
+part of the body, as in the compiler, so that its value is computed once however often it is
+mentioned.
 """
 
 from __future__ import annotations
@@ -51,23 +51,23 @@ if TYPE_CHECKING:
 __all__ = ["PROBE", "Builder"]
 
 PROBE = "WhyProbe"
-"""What the names of the queries begin with."""
+"""The prefix of the queries' names."""
 
 _AUXILIARY = "why_"
-_DEEPEST = 4  # bodies within bodies
-_MOST_COLUMNS = 90  # SQLite takes 100
+_DEEPEST = 4  # nesting of bodies
+_MOST_COLUMNS = 90  # SQLite's limit is 100
 
 
 class Builder:
-    """Takes bodies apart and collects the queries to be compiled for that.
+    """Decomposes bodies and collects the queries to be compiled.
 
     Args:
         text: The program.
         source: The same, prepared.
-        known: What is known of the predicates.
+        known: What is known about the predicates.
 
     Attributes:
-        probes: The rules whose rows the queries give, by their names.
+        probes: The rules that define the queries' rows, by name.
     """
 
     def __init__(self, text: str, source: Prepared, known: Names) -> None:
@@ -83,14 +83,14 @@ class Builder:
         given: Mapping[str, Rule],
         depth: int = 0,
     ) -> tuple[Clause, ...]:
-        """The clauses of a body.
+        """Return the clauses of a body.
 
         Args:
             body: Its parts.
-            head: The expressions of the columns that are not aggregated.
-            collected: The aggregations of the others.
-            given: By name of a column of the table of given values the variable that has it.
-            depth: How deep within other bodies it stands.
+            head: The expressions of the columns without aggregation.
+            collected: The aggregations of the other columns.
+            given: For each column of the table of given values, its variable.
+            depth: The nesting within other bodies.
         """
         return tuple(
             _ClauseBuilder(self, parts, head, collected, given, depth).clause(taken)
@@ -98,11 +98,11 @@ class Builder:
         )
 
     def span(self, tree: Any) -> Span:
-        """Where a piece of a syntax tree stands."""
+        """Return the place of a piece of a syntax tree."""
         return span_of(tree, self._text, self._source)
 
     def _choices(self, body: Sequence[Rule]) -> Iterator[tuple[list[Rule], tuple[Span, ...]]]:
-        """The body with each choice of its alternatives; as it is, if there are too many."""
+        """Return the body for each choice of alternatives, or unchanged if there are too many."""
         try:
             found = alternatives(body)
         except TooManyError:
@@ -125,7 +125,7 @@ class _ClauseBuilder:
     ) -> None:
         self._builder, self._depth = builder, depth
         self._names = builder.known
-        self._calls: dict[str, Rule] = {}  # by name of the variable with its value
+        self._calls: dict[str, Rule] = {}  # by the variable of their value
         self._columns: dict[str, tuple[str, Rule]] = {}
         self._used: set[str] = set()
         self._body: list[Rule] = []
@@ -154,14 +154,14 @@ class _ClauseBuilder:
         self._all = everything
 
     def clause(self, taken: tuple[Span, ...]) -> Clause:
-        """Take it apart."""
+        """Return the clause for the chosen alternatives."""
         ordered, left = in_order(self._body, self._scope, self._known)
         if left:
             together = left[0] if len(left) == 1 else {"conjunction": {"conjunct": left}}
             ordered.append((together, self._scope.variables))
         before = [self._known, *(after for _, after in ordered)]
         steps = []
-        wanted: list[set[str]] = []  # by step the columns that it is told with
+        wanted: list[set[str]] = []  # for each step, the columns to show
         for (part, after), known in zip(ordered, before, strict=False):
             self._used = set()
             steps.append(self._step(part, known, after))
@@ -192,7 +192,7 @@ class _ClauseBuilder:
     # -- calls -----------------------------------------------------------------------------------
 
     def _without_calls(self, tree: Rule) -> list[Rule]:
-        """A part with the calls in its expressions before it, the inner ones first."""
+        """Return a part preceded by the calls in its expressions, inner ones first."""
         tree = deep_copy(tree)
         found: list[Rule] = []
 
@@ -262,7 +262,7 @@ class _ClauseBuilder:
         return "condition"
 
     def _shown(self, part: Rule) -> list[Rule]:
-        """The expressions of a step that tell why it holds."""
+        """Return the expressions of a step that explain why it holds."""
         if "inclusion" in part:
             return [part["inclusion"]["list"]]
         if "unification" in part:
@@ -295,7 +295,7 @@ class _ClauseBuilder:
         return replace(self._names.call(name, arguments), terms=terms)
 
     def _reads(self, call: Rule) -> tuple[Term, ...]:
-        """What is read of a sensor or a memory, anywhere in the clause."""
+        """Return everything read from a sensor or a memory in the clause."""
         found: dict[str, Rule] = {}
         columns = INPUTS.get(str(call["predicate_name"]), ())
         for column in (*columns, "*") if columns else ():
@@ -338,7 +338,7 @@ class _ClauseBuilder:
         return Term(kind, span, self._column(tree), parts, names_of(tree, kind))
 
     def _inner(self, combine: Rule) -> Body | None:
-        """The body of an aggregate or a denial."""
+        """Return the body of an aggregate or a negation."""
         body = flat(combine.get("body"))
         if not body or self._depth >= _DEEPEST:
             return None
@@ -362,7 +362,7 @@ class _ClauseBuilder:
     # -- queries ---------------------------------------------------------------------------------
 
     def _column(self, tree: Rule) -> str:
-        """The column with the value of an expression, or "" where there are too many."""
+        """Return the column with the value of an expression, or "" if there are too many."""
         key = plain_text(tree)
         if key not in self._columns and len(self._columns) >= _MOST_COLUMNS:
             return ""
@@ -371,7 +371,7 @@ class _ClauseBuilder:
         return place
 
     def _query(self, body: Sequence[Rule], known: frozenset[str], wanted: set[str]) -> str:
-        """A query for the ways in which a body holds, with the wanted columns known by then."""
+        """Return a query for the ways in which a body holds, with the wanted columns."""
         columns: dict[str | int, Rule] = {"one": trees.number("1")}
         columns |= {
             place: tree

@@ -1,4 +1,4 @@
-"""Which variables a part of a rule needs, and which it gives a value. In the compile process."""
+"""Variables that a part of a rule needs, and those that it binds. In the compile process."""
 
 from __future__ import annotations
 
@@ -17,33 +17,33 @@ __all__ = ["EVERY_COLUMN", "Scope", "column_name", "combines", "flat", "in_order
 
 
 class _EveryColumn:
-    """What contains the name of every column."""
+    """Contains every column name."""
 
     def __contains__(self, column: object) -> bool:
         return True
 
 
 EVERY_COLUMN = _EveryColumn()
-"""The columns to give to a function of which nobody knows which it needs."""
+"""The columns of a function whose required columns are unknown."""
 
 
 def column_name(field: str | int) -> str:
-    """The column that a field of a head or a call is: those by position are col0, col1 ..."""
+    """Return the column of a field in a head or call; positional ones are col0, col1 ..."""
     return f"col{field}" if isinstance(field, int) else str(field)
 
 
 def names(tree: Any, *, inside: bool = False) -> frozenset[str]:
-    """Names of the variables in a syntax tree.
+    """Return the names of the variables in a syntax tree.
 
     Args:
         tree: The tree.
-        inside: Whether to look into aggregates and what is denied, too.
+        inside: Whether to include aggregates and negations.
     """
     return frozenset(map(str, rule_translate.AllMentionedVariables(tree, inside)))
 
 
 def flat(body: Rule | None) -> list[Rule]:
-    """The parts of a body, side by side."""
+    """Yield the parts of a body without nesting."""
     if body is None:
         return []
     if "conjunction" not in body:
@@ -52,12 +52,11 @@ def flat(body: Rule | None) -> list[Rule]:
 
 
 class Scope:
-    """The variables of a body, seen from within and from without.
+    """The variables of a body and of its surroundings.
 
     Args:
-        functions: By name of a predicate that has rows only for given arguments the columns that
-            have to be given.
-        variables: Variables that are meant where they are mentioned inside aggregates.
+        functions: For each predicate that needs arguments, the columns that must be given.
+        variables: Variables that aggregates inside refer to.
     """
 
     def __init__(self, functions: Mapping[str, Container[str]], variables: Iterable[str]) -> None:
@@ -65,15 +64,15 @@ class Scope:
         self.variables = frozenset(variables)
 
     def mentioned(self, tree: Any) -> frozenset[str]:
-        """The variables of this scope that a syntax tree mentions, at any depth."""
+        """Return the variables of this scope that a syntax tree mentions, at any depth."""
         return names(tree) | (names(tree, inside=True) & self.variables)
 
     def gives(self, part: Rule, known: frozenset[str]) -> frozenset[str] | None:
-        """The variables that have a value after a part, or None if it can't be asked yet.
+        """Return the variables that are bound after a part, or None if it can't be evaluated yet.
 
         Args:
             part: The part.
-            known: The variables that have a value before it.
+            known: The variables that are bound before it.
         """
         if "disjunction" in part:
             return self._choice(part, known)
@@ -100,7 +99,7 @@ class Scope:
         return found
 
     def _matched(self, pattern: Rule, known: frozenset[str]) -> frozenset[str] | None:
-        """After a value is matched with a pattern."""
+        """Return the variables bound after matching a value with a pattern."""
         if "variable" in pattern:
             return known | {str(pattern["variable"]["var_name"])}
         return known if self.mentioned(pattern) <= known else None
@@ -130,11 +129,11 @@ class Scope:
 def in_order(
     parts: Iterable[Rule], scope: Scope, known: frozenset[str]
 ) -> tuple[list[tuple[Rule, frozenset[str]]], list[Rule]]:
-    """Parts in an order in which each can be asked, that of the text as far as possible.
+    """Order parts so that each can be evaluated, in text order where possible.
 
     Returns:
-        The parts, each with the variables that have a value after it; and those for which what
-        they need is never known.
+        The parts, each with the variables bound after it; and the parts whose variables are never
+        bound.
     """
     waiting = list(parts)
     ordered: list[tuple[Rule, frozenset[str]]] = []
@@ -152,7 +151,7 @@ def in_order(
 
 
 def _equated(part: Rule) -> tuple[Rule, Rule] | None:
-    """The two sides of an equation, or None if a part is not one."""
+    """Return the two sides of an equation, or None for any other part."""
     if "unification" in part:
         pair = part["unification"]
         return pair["left_hand_side"], pair["right_hand_side"]
@@ -163,7 +162,7 @@ def _equated(part: Rule) -> tuple[Rule, Rule] | None:
 
 
 def combines(tree: Any) -> Iterator[Rule]:
-    """The aggregates in a syntax tree, not those inside of others."""
+    """Yield the outermost aggregates in a syntax tree."""
     waiting = [tree]
     while waiting:
         node = waiting.pop()

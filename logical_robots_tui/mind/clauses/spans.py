@@ -1,4 +1,4 @@
-"""Where in a program's text a piece of its syntax tree stands. In the compile process."""
+"""Places of pieces of the syntax tree in a program's text. In the compile process."""
 
 from __future__ import annotations
 
@@ -17,10 +17,10 @@ _OPENS = {"(": ")", "[": "]", "{": "}"}
 
 
 def span_of(tree: Any, text: str, source: Prepared) -> Span:
-    """Where the text of a syntax tree stands.
+    """Return the place of a syntax tree's text.
 
     Args:
-        tree: The tree, with the places that the parser gave its pieces.
+        tree: The tree, with the places from the parser.
         text: The program.
         source: The same, prepared.
     """
@@ -31,7 +31,7 @@ def span_of(tree: Any, text: str, source: Prepared) -> Span:
 
 
 def span_of_text(start: int, stop: int, text: str) -> Span:
-    """A piece of a text, given by its offsets."""
+    """Return a piece of a text, given by its offsets."""
     while start < stop and text[start].isspace():
         start += 1
     lines = (
@@ -53,7 +53,7 @@ def _places(tree: Any, text: str) -> Iterator[tuple[int, int]]:
 
 
 def _closed(skeleton: str, start: int, stop: int) -> int:
-    """Where a piece ends if the brackets that are opened in it are to be closed in it, too."""
+    """Extend a piece to close the brackets that it opens."""
     open_brackets: list[str] = []
     for at in range(start, len(skeleton)):
         character = skeleton[at]

@@ -1,4 +1,4 @@
-"""Expressions: of which kind they are, and which parts tell where their value comes from."""
+"""Kinds of expressions, and the parts that explain where their value comes from."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ __all__ = ["chain_root", "chains", "kind_of", "names_of", "parts_of"]
 
 
 def kind_of(tree: Rule) -> TermKind:
-    """Of which kind an expression is."""
+    """Return the kind of an expression."""
     if "literal" in tree and "the_list" not in tree["literal"]:
         return "literal"
     if "variable" in tree:
@@ -36,7 +36,7 @@ def kind_of(tree: Rule) -> TermKind:
 
 
 def parts_of(tree: Rule, kind: TermKind) -> list[Rule]:
-    """The parts of an expression that tell where its value comes from."""
+    """Return the parts of an expression that explain where its value comes from."""
     if kind == "if":
         implication = tree["implication"]
         branches = implication["if_then"]
@@ -58,7 +58,7 @@ def parts_of(tree: Rule, kind: TermKind) -> list[Rule]:
 
 
 def names_of(tree: Rule, kind: TermKind) -> tuple[str, ...]:
-    """The names of the fields of a record, or the way that is read into one."""
+    """Return the field names of a record, or the path that is read from one."""
     if kind == "record":
         return tuple(str(f["field"]) for f in _fields(tree) if "expression" in f["value"])
     names: list[str] = []
@@ -70,7 +70,7 @@ def names_of(tree: Rule, kind: TermKind) -> tuple[str, ...]:
 
 
 def chains(tree: Any) -> Iterator[Rule]:
-    """What is read of records in a syntax tree: ``sensor.radar``, ``memory.plan.at``."""
+    """Yield the field accesses in a syntax tree: ``sensor.radar``, ``memory.plan.at``."""
     waiting = [tree]
     while waiting:
         node = waiting.pop()
@@ -84,7 +84,7 @@ def chains(tree: Any) -> Iterator[Rule]:
 
 
 def chain_root(tree: Rule) -> str:
-    """The variable that an expression reads fields of, and does nothing else; or ""."""
+    """Return the variable at the root of a chain of field accesses, or ""."""
     if "subscript" not in tree:
         return ""
     while "subscript" in tree:
@@ -98,7 +98,7 @@ def _fields(tree: Rule) -> list[Rule]:
 
 
 def _inside(tree: Rule) -> Iterator[Rule]:
-    """The parts of a calculation or a list that have a story of their own."""
+    """Return the parts of a calculation or list that need their own explanation."""
     waiting: list[Any] = list(tree.values())
     waiting.reverse()
     while waiting:

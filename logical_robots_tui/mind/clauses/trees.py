@@ -1,4 +1,4 @@
-"""Pieces of syntax trees, as the `logica` package's parser makes them. In the compile process."""
+"""Building syntax trees in the form of the `logica` package's parser. In the compile process."""
 
 from __future__ import annotations
 
@@ -17,33 +17,33 @@ __all__ = ["asked", "equal", "make", "number", "rule", "variable"]
 
 
 def variable(name: str) -> Rule:
-    """A variable."""
+    """Return a variable."""
     return {"variable": {"var_name": name}}
 
 
 def number(text: str) -> Rule:
-    """A number."""
+    """Return a number."""
     return {"literal": {"the_number": {"number": text}}}
 
 
 def asked(predicate: str, columns: Mapping[Any, Rule]) -> Rule:
-    """A call of a predicate, as part of a body."""
+    """Return a call of a predicate, as part of a body."""
     return {"predicate": {"predicate_name": predicate, "record": _record(columns)}}
 
 
 def equal(left: Rule, right: Rule) -> Rule:
-    """An equation, as part of a body."""
+    """Return an equation, as part of a body."""
     return {"unification": {"left_hand_side": left, "right_hand_side": right}}
 
 
 def rule(name: str, columns: Mapping[Any, Rule], body: Iterable[Rule], text: str) -> Rule:
-    """A rule; each of its parts is copied, so that none stands in two places.
+    """Return a rule; its parts are copied, so that no node is shared.
 
     Args:
         name: The predicate that it defines.
         columns: The expressions of its head.
         body: The parts of its body.
-        text: What to call it in a complaint.
+        text: Its text in error messages.
     """
     found: Rule = {
         "head": {
@@ -58,12 +58,12 @@ def rule(name: str, columns: Mapping[Any, Rule], body: Iterable[Rule], text: str
 
 
 def make(name: str, base: str, given: Mapping[Any, Rule]) -> Rule:
-    """A rule that makes a predicate from another, with ``:=``.
+    """Return a rule that makes a predicate from another, with ``:=``.
 
     Args:
         name: The new predicate.
-        base: What it is made from.
-        given: What is filled in, by the names of what is left open.
+        base: The original.
+        given: The substitutions, by name of the parameter.
     """
     predicates = [{"literal": {"the_predicate": {"predicate_name": each}}} for each in (name, base)]
     columns: dict[str | int, Rule] = dict(enumerate([*predicates, {"record": _record(given)}]))

@@ -1,4 +1,4 @@
-"""From Logica text to SQL, by the `logica` package. Runs in the compile process only.
+"""From Logica text to SQL with the `logica` package. Runs in the compile process only.
 
 The package keeps global state, so one process compiles one program at a time.
 """
@@ -56,14 +56,14 @@ _MOST_DIAGNOSTICS = 25
 
 
 def compile_text(text: str, report: Report | None = None) -> Program:
-    """Compile a program and every predicate of it.
+    """Compile a program and all its predicates.
 
     Args:
         text: Logica text.
-        report: Called with the number of predicates that are compiled and of all.
+        report: Called with the number of compiled predicates and of all.
 
     Raises:
-        ProgramError: The program is wrong; tells everything that can be told at once.
+        ProgramError: The program has errors; holds all that can be found at once.
     """
     source = prepare(text)
     parsed = parse_statements(text, source)
@@ -91,9 +91,9 @@ def compile_text(text: str, report: Report | None = None) -> Program:
 
 
 def read_rules(text: str) -> tuple[Prepared, list[Rule]]:
-    """The text of a program that can be compiled, prepared, and its rules as written.
+    """Return the prepared text of a program and its rules as written.
 
-    Who takes a program apart asks for one predicate after the other, so the last one is at hand.
+    The last result is cached, because callers decompose one predicate after the other.
     """
     source, rules = _read(text)
     return source, package_patches.deep_copy(rules)
@@ -106,16 +106,16 @@ def _read(text: str) -> tuple[Prepared, list[Rule]]:
 
 
 def plain_rules(rules: list[Rule], text: str) -> list[Rule]:
-    """The rules of a program without what only the game knows."""
+    """Return the rules of a program without the game's own annotations."""
     return _take_visibility(rules, text)[0]
 
 
 def compiled_rules(rules: list[Rule], text: str, source: Prepared) -> RobotProgram:
-    """The package's program of some rules and the prelude.
+    """Return the package's program for some rules and the prelude.
 
     Args:
-        rules: As written.
-        text: The program that they are from.
+        rules: Rules as written.
+        text: The program that they come from.
         source: The same, prepared.
 
     Raises:
@@ -133,7 +133,7 @@ def compiled_rules(rules: list[Rule], text: str, source: Prepared) -> RobotProgr
 
 
 def _refuse(found: list[Diagnostic]) -> None:
-    """Stop if there is an error among what was found."""
+    """Raise an error if there is one among the diagnostics."""
     if any(problem.severity == "error" for problem in found):
         wrong = {(p.line, p.column) for p in found if p.severity == "error"}
         found = [p for p in found if p.severity == "error" or (p.line, p.column) not in wrong]
@@ -143,7 +143,7 @@ def _refuse(found: list[Diagnostic]) -> None:
 
 
 class RobotProgram(universe.LogicaProgram):  # type: ignore[misc]  # the package has no types
-    """The package's program, computed in one query that makes no tables."""
+    """The package's program, as single queries that create no tables."""
 
     def __init__(self, rules: list[Rule], **options: Any) -> None:
         self.steps: dict[str, int] = {}
@@ -152,7 +152,7 @@ class RobotProgram(universe.LogicaProgram):  # type: ignore[misc]  # the package
         super().__init__(rules, **options)
 
     def growth_checks(self, statements: Mapping[str, str]) -> dict[str, tuple[int, str]]:
-        """For each recursive predicate its steps, and a query for whether more would matter."""
+        """Return each recursive predicate's steps, and a query for whether more would matter."""
         checks = {
             name: (steps, growth_check(statements[name], name, steps))
             for name, steps in self.steps.items()
@@ -164,10 +164,10 @@ class RobotProgram(universe.LogicaProgram):  # type: ignore[misc]  # the package
         return {name: check for name, check in checks.items() if check[1]}
 
     def FormattedPredicateSql(self, name: str) -> str:
-        """The SQL of a predicate, in which types are those of DuckDB.
+        """Return the SQL of a predicate, with DuckDB's types.
 
         Raises:
-            Exception: As the package raises them, for what can't be compiled.
+            Exception: The package's exceptions, if it can't be compiled.
         """
         known = next((f for f in self.fixpoints if f.name == name), None)
         if known is None:
@@ -175,7 +175,7 @@ class RobotProgram(universe.LogicaProgram):  # type: ignore[misc]  # the package
         return as_on_duckdb(with_fixpoints(f"SELECT * FROM {name}", self._steps()))  # noqa: S608 - a name
 
     def _steps(self) -> dict[Fixpoint, str]:
-        """The query for a step of each recursion that is computed by iterating."""
+        """Return the query for a step of each recursion that is computed by iterating."""
         if not self._step_queries:
             self._step_queries = {
                 fixpoint: super(RobotProgram, self).FormattedPredicateSql(fixpoint.step)
@@ -184,7 +184,7 @@ class RobotProgram(universe.LogicaProgram):  # type: ignore[misc]  # the package
         return self._step_queries
 
     def UnfoldRecursion(self, rules: list[Rule]) -> list[Rule]:
-        """Unroll every recursion in place, where the package would repeat statements."""
+        """Unroll every recursion in place; the package would repeat statements."""
         annotations = universe.Annotations(rules, {"logica_default_engine": "sqlite"})
         depths: dict[str, Any] = annotations.annotations.get("@Recursive", {})
         for options in depths.values():
@@ -207,7 +207,7 @@ class RobotProgram(universe.LogicaProgram):  # type: ignore[misc]  # the package
 
 
 def _endless(error: BaseException, raw: list[Rule], text: str) -> Diagnostic | None:
-    """The diagnostic for a recursion that never begins, at the predicate that mentions itself."""
+    """Return the diagnostic for a recursion without a start, at the predicate that is recursive."""
     message = error_messages.plain_message(error)
     own = heads(raw)
     reach = {name: {str(c) for c in called(rules) if c in own} for name, rules in own.items()}
@@ -223,7 +223,7 @@ def _endless(error: BaseException, raw: list[Rule], text: str) -> Diagnostic | N
 def _compile_predicates(
     compiled: RobotProgram, raw: list[Rule], text: str, source: Prepared, report: Report
 ) -> tuple[dict[str, str], list[Predicate], list[Diagnostic]]:
-    """SQL by predicate, all predicates, and what is wrong if `Robot` can't be compiled."""
+    """Return SQL by predicate, all predicates, and the errors if `Robot` can't be compiled."""
     statements: dict[str, str] = {}
     predicates = []
     problems: list[Diagnostic] = []
@@ -253,14 +253,14 @@ def _compile_predicates(
 
 
 def _with_prelude(rules: list[Rule]) -> list[Rule]:
-    """The rules, with those of the prelude that the program does not define itself."""
+    """Return the rules and those of the prelude that the program does not define."""
     own = set(defined(rules))
     added = [r for r in prelude_rules() if head_name(r) not in own]
     return [*(_ground_in_query(r) for r in rules), *package_patches.deep_copy(added)]
 
 
 def _ground_in_query(rule: Rule) -> Rule:
-    """Compute a grounded predicate once per query and not in a table of its own."""
+    """Compute a grounded predicate once per query instead of in a table."""
     if head_name(rule) != "@Ground":
         return rule
     rule = package_patches.deep_copy(rule)
@@ -272,7 +272,7 @@ def _ground_in_query(rule: Rule) -> Rule:
 def _take_visibility(
     rules: list[Rule], text: str
 ) -> tuple[list[Rule], dict[str, Any], list[Diagnostic]]:
-    """Separate ``@Visible``, which the package does not know, and what is ignored."""
+    """Separate ``@Visible``, which the package does not know, and annotations without effect."""
     visibility: dict[str, Any] = {}
     rest = []
     problems = []
@@ -303,7 +303,7 @@ def _second_text(rule: Rule) -> str:
 
 
 def _lacks_arguments(error: BaseException, rules: list[Rule]) -> bool:
-    """Whether a predicate can't be computed only because it is a function of its arguments."""
+    """Return whether a predicate can't be computed only because it is a function."""
     arguments = {
         node["variable"]["var_name"]
         for rule in rules
@@ -315,7 +315,7 @@ def _lacks_arguments(error: BaseException, rules: list[Rule]) -> bool:
 
 
 def _uses(rules: list[Rule]) -> dict[str, tuple[str, ...]]:
-    """By predicate of the program's own the predicates that it mentions, in the order it does."""
+    """Return for each of the program's predicates those that it mentions, in order."""
     own = heads(rules)
     library = (name for name in map(head_name, prelude_rules()) if name.isidentifier())
     known = {*own, *INPUTS, *library}
@@ -333,7 +333,7 @@ def _uses(rules: list[Rule]) -> dict[str, tuple[str, ...]]:
 
 
 def _needed(uses: Mapping[str, tuple[str, ...]], statements: Mapping[str, str]) -> tuple[str, ...]:
-    """The predicates with rows that `Robot` leans on, itself last, each after what it leans on."""
+    """Return the predicates with rows that `Robot` uses, each after those it uses, `Robot` last."""
     ordered: list[str] = []
     seen = set()
 

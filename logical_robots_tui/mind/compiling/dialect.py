@@ -1,4 +1,4 @@
-"""The SQL that Logica is compiled to: the package's SQLite dialect with DuckDB's meaning."""
+"""The SQL dialect for Logica: the package's SQLite dialect with DuckDB's semantics."""
 
 from __future__ import annotations
 
@@ -16,14 +16,14 @@ _ALWAYS_JSON = (".sensor", ".value")
 
 
 class RobotDialect(dialects.SqLiteDialect):  # type: ignore[misc]  # the package has no types
-    """SQLite with DuckDB's division, no exceptions on null, and only functions of our own."""
+    """SQLite with DuckDB's division, no errors on null, and only our own functions."""
 
     def BuiltInFunctions(self) -> dict[str, str | None]:
-        """Functions by Logica name, as SQL templates."""
+        """Return functions by Logica name, as SQL templates."""
         functions: dict[str, str | None] = dict(super().BuiltInFunctions())
         functions.update(
             {
-                # An expression that the optimiser can't move out of its subquery.
+                # An expression that the optimizer can't move out of its subquery.
                 "MagicalEntangle": "IIF({1} = 0, {0}, NULL)",
                 "Set": "list_of_distinct({0})",
                 "Join": "join_list({0}, {1})",
@@ -32,7 +32,7 @@ class RobotDialect(dialects.SqLiteDialect):  # type: ignore[misc]  # the package
                 "Concat": "concat_two_lists({0}, {1})",
                 "Split": "split_text(%s)",
                 "If": "IIF(%s)",
-                # MIN, but also of records, of which it need not be the least.
+                # MIN, but also for records; it need not be the least of them.
                 "1": "any_value(%s)",
                 "AnyValue": "any_value(%s)",
                 "Format": "formatted(%s)",
@@ -42,7 +42,7 @@ class RobotDialect(dialects.SqLiteDialect):  # type: ignore[misc]  # the package
                 "ToFloat64": "CAST(%s AS REAL)",
                 "Range": "number_range({0})",
                 "Unique": "unique_list({0})",
-                # DuckDB has no list where there is nothing to list.
+                # Like DuckDB, return null instead of an empty list.
                 "List": "NULLIF(json_group_array({0}), '[]')",
                 "Least": "least(%s)",
                 "Greatest": "greatest(%s)",
@@ -55,7 +55,7 @@ class RobotDialect(dialects.SqLiteDialect):  # type: ignore[misc]  # the package
         return functions
 
     def InfixOperators(self) -> dict[str, str]:
-        """Operators by Logica name, as SQL templates."""
+        """Return operators by Logica name, as SQL templates."""
         return {
             **super().InfixOperators(),
             "/": "divide(%s, %s)",
@@ -65,7 +65,7 @@ class RobotDialect(dialects.SqLiteDialect):  # type: ignore[misc]  # the package
         }
 
     def Subscript(self, record: str, subscript: str, record_is_table: bool) -> str:
-        """SQL of `record.subscript`; a column that may hold plain text gives null."""
+        """Return the SQL of `record.subscript`; null for a column that may hold plain text."""
         if record_is_table:
             return f"{record}.{subscript}"
         field = subscript.replace("'", "''")
@@ -75,13 +75,13 @@ class RobotDialect(dialects.SqLiteDialect):  # type: ignore[misc]  # the package
         return sql
 
     def LibraryProgram(self) -> str:
-        """Nothing: the prelude is added to the rules of the program before they are compiled."""
+        """Return nothing: the prelude is added to the program's rules instead."""
         return ""
 
     def DecorateCombineRule(self, rule: dict[str, Any], var: str) -> dict[str, Any]:
-        """Tie what is aggregated to its own subquery, the package's way.
+        """Tie an aggregated expression to its own subquery, as the package does.
 
-        The pair of `argument -> value` is tied part by part, so that it need never be built.
+        The pair `argument -> value` is tied in parts, so that it need never be built.
         """
         pair = _pair(rule)
         if pair is None:
@@ -98,7 +98,7 @@ class RobotDialect(dialects.SqLiteDialect):  # type: ignore[misc]  # the package
 
 
 def _pair(rule: dict[str, Any]) -> dict[str, Any] | None:
-    """The call of `->` that a combine aggregates, if that is what it does."""
+    """Return the call of `->` that a combine aggregates, or None."""
     value = rule["head"]["record"]["field_value"][0]["value"]
     argument = value["aggregation"]["expression"]["call"]["record"]["field_value"][0]["value"]
     call: dict[str, Any] | None = argument.get("expression", {}).get("call")

@@ -1,8 +1,8 @@
 """Recursion by iterating to a fixed point.
 
-The package unrolls a recursion, and where a step mentions its predicate twice it is put into itself
-twice as often with each step. Here the step is compiled once, over the rows of the step before;
-these pass from row to row of one recursive query as a list::
+The package unrolls a recursion, and a step that mentions its predicate twice doubles the SQL with
+each step. Here the step is compiled once, over the rows of the previous step, which pass through
+one recursive query as a list::
 
     WITH RECURSIVE
     t_0_steps_of_T AS (
@@ -42,7 +42,7 @@ class Fixpoint:
 
     Attributes:
         name: Its name.
-        depth: How many steps follow on the first one, at most.
+        depth: The most steps after the first one.
     """
 
     name: str
@@ -50,7 +50,7 @@ class Fixpoint:
 
     @property
     def before(self) -> str:
-        """The predicate that has the rows of the step before."""
+        """The predicate with the rows of the previous step."""
         return f"{self.name}_LastStep"
 
     @property
@@ -62,14 +62,14 @@ class Fixpoint:
 def fixpoints(
     rules: list[Rule], depth_of: Callable[[str], int]
 ) -> tuple[list[Rule], list[Fixpoint]]:
-    """Take recursions out of some rules; those that can't be, the package unrolls.
+    """Extract the recursions from some rules; the package unrolls those that can't be extracted.
 
     Args:
         rules: All rules, rewritten for the package.
         depth_of: The most steps of a recursive predicate.
 
     Returns:
-        The rules, with one that computes a step in place of each recursion; and the recursions.
+        The rules, with a rule for one step in place of each recursion; and the recursions.
     """
     own: dict[str, list[Rule]] = {}
     for rule in rules:
@@ -96,7 +96,7 @@ def fixpoints(
 
 
 def _circle(name: str, uses: Mapping[str, set[str]], without: str = "") -> set[str]:
-    """The predicates that lean on a predicate and that it leans on; itself, if it is recursive."""
+    """Return the predicates in a recursion with one, including itself if it is recursive."""
     below = _below(name, uses, without)
     return {other for other in below if name in _below(other, uses, without)}
 
@@ -113,7 +113,7 @@ def _below(name: str, uses: Mapping[str, set[str]], without: str) -> set[str]:
 
 
 def _begins(start: str, own: Mapping[str, list[Rule]], circle: set[str]) -> bool:
-    """Whether a recursion has something to start from."""
+    """Return whether a recursion has something to start from."""
     begun: set[str] = set()
     while True:
         waiting = circle - begun
@@ -142,7 +142,7 @@ def _without(name: str, rules: list[Rule]) -> list[Rule]:
 
 
 def _step(fixpoint: Fixpoint, circle: set[str], own: Mapping[str, list[Rule]]) -> Iterator[Rule]:
-    """Copies of the rules of a circle, which compute a step out of the step before."""
+    """Return copies of a recursion's rules that compute a step from the previous one."""
     names = {name: f"{name}_For_{fixpoint.step}" for name in circle}
     for name in circle | {fixpoint.name}:
         for rule in own[name]:
@@ -158,11 +158,11 @@ def _step(fixpoint: Fixpoint, circle: set[str], own: Mapping[str, list[Rule]]) -
 
 
 def with_fixpoints(statement: str, steps: Mapping[Fixpoint, str]) -> str:
-    """A statement in which predicates that are computed by iterating are named queries.
+    """Return a statement with named queries for predicates that are computed by iterating.
 
     Args:
-        statement: A query as it was generated.
-        steps: Queries for a step, as generated, each after those that it leans on.
+        statement: A generated query.
+        steps: Generated queries for a step, each after those that it uses.
     """
     if not any(fixpoint.name in statement for fixpoint in steps):
         return statement
@@ -174,7 +174,7 @@ def with_fixpoints(statement: str, steps: Mapping[Fixpoint, str]) -> str:
 
 
 def grows(fixpoint: Fixpoint, steps: Mapping[Fixpoint, str]) -> str:
-    """A query for 1 if the last step of a recursion still changed something, else 0."""
+    """Return a query for 1 if the last step of a recursion still changed something, else 0."""
     last = f"step > {fixpoint.depth} AND found IS NOT before"
     query = f"SELECT EXISTS (SELECT 1 FROM {STEPS}{fixpoint.name} WHERE {last})"  # noqa: S608 - our own SQL
     return sql.written(_with_steps(sql.parse(query), steps), pretty=True)
@@ -193,21 +193,21 @@ def _with_steps(tree: exp.Query, steps: Mapping[Fixpoint, str]) -> exp.Query:
 
 
 def _read_instead(tree: exp.Query, name: str, other: str) -> None:
-    """Let a query read another table, under the name that the one had in it."""
+    """Make a query read another table under the same alias."""
     for table in list(tree.find_all(exp.Table)):
         if table.name == name:
             table.replace(exp.alias_(exp.to_table(other), table.alias_or_name, table=True))
 
 
 def _queries(fixpoint: Fixpoint, step: exp.Query) -> list[exp.Expr]:
-    """The named queries for the steps of a recursion, and for the rows of the last one."""
+    """Return the named queries for the steps of a recursion and for its final rows."""
     columns = _columns(step)
     name, before = f"{STEPS}{fixpoint.name}", f"t_0_before_{fixpoint.name}"
     _read_instead(step, fixpoint.before, before)
     rows = exp.CTE(
         this=sql.parse(_rows(columns, f"{name}.found")),
         alias=exp.TableAlias(this=exp.to_identifier(before)),
-        materialized=True,  # or it is taken apart again for each row that is joined
+        materialized=True,  # or it would be evaluated again for each joined row
     )
     named = step.args.get("with_")
     step.set("with_", exp.With(expressions=[rows, *(named.expressions if named else [])]))
@@ -229,13 +229,13 @@ def _queries(fixpoint: Fixpoint, step: exp.Query) -> list[exp.Expr]:
 
 
 def _rows(columns: list[str], listed: str) -> str:
-    """A query for rows that stand in a list of lists."""
+    """Return a query for the rows in a list of lists."""
     values = (f"json_extract(listed.value, '$[{n}]') AS {c}" for n, c in enumerate(columns))
     return f"SELECT {', '.join(values)} FROM json_each({listed}) AS listed"  # noqa: S608 - our own SQL
 
 
 def _columns(query: Any) -> list[str]:
-    """The names of the columns of a query, as they are written in SQL."""
+    """Return the names of a query's columns, as in SQL."""
     while isinstance(query, exp.Subquery | exp.SetOperation) or query.is_star:
         query = query.args["from_"].this if isinstance(query, exp.Select) else query.this
     return [sql.written(item.args["alias"]) for item in query.expressions]
@@ -245,7 +245,7 @@ _PIECE = re.compile(r"'(?:[^']|'')*'|\"(?:[^\"]|\"\")*\"|[()]|\bSELECT\b")
 
 
 def growth_check(statement: str, predicate: str, steps: int) -> str:
-    """A query for 1 if the last step of a recursion still changed something, else 0.
+    """Return a query for 1 if the last step of a recursion still changed something, else 0.
 
     Args:
         statement: The compiled query of the predicate, ``WITH <steps> SELECT <last step>``.
@@ -253,7 +253,7 @@ def growth_check(statement: str, predicate: str, steps: int) -> str:
         steps: How many times it was unrolled.
 
     Returns:
-        SQL, or "" where the steps can't be told apart.
+        SQL, or "" if the steps can't be identified.
     """
     if not statement.startswith("WITH "):
         return ""
@@ -267,7 +267,7 @@ def growth_check(statement: str, predicate: str, steps: int) -> str:
 
 
 def _last_query(statement: str) -> int | None:
-    """Offset of the query after all named ones: the SELECT outside of parentheses."""
+    """Return the offset of the final SELECT, after all named queries."""
     depth = 0
     for found in _PIECE.finditer(statement):
         piece = found.group()

@@ -1,13 +1,12 @@
-"""Functions of the `logica` package that are replaced, most so that compiling takes half the time.
+"""Replacements for functions of the `logica` package, most of which halve the compile time.
 
-The package puts expressions into each other without copying them, so the same part hangs in many
-places, and walks through it once for every place. Here it is walked through once. And for every
-character that its parser looks at, it makes texts that know where they stand; but nobody asks that
-of what is only looked at. And it copies whole programs again and again, with every text in them,
-though texts never change.
+The package shares subtrees of expressions and visits a shared subtree once for each of its parents;
+here it is visited once. For every character that its parser looks at, the package creates a text
+that knows its place, which is not needed for characters that are only compared. And it repeatedly
+deep-copies whole programs with all their texts, although texts never change.
 
-Besides, columns and predicates that are called like a word of SQL, such as ``from`` and ``Index``,
-are quoted or renamed: the package writes their names as they are, and SQLite stumbles over some.
+Columns and predicates with the name of an SQL keyword, such as ``from`` or ``Index``, are quoted or
+renamed: the package writes names unchanged, and SQLite fails on some of them.
 """
 
 from __future__ import annotations
@@ -40,7 +39,7 @@ def replace_variable(old_var: Any, new_expr: Any, s: dict[str, Any] | list[Any])
 
     Args:
         old_var: Name of the variable.
-        new_expr: The tree that takes its place everywhere; not copied.
+        new_expr: The tree that replaces it everywhere; not copied.
         s: The tree; changed in place.
     """
     assert isinstance(s, dict | list)
@@ -64,11 +63,11 @@ def replace_variable(old_var: Any, new_expr: Any, s: dict[str, Any] | list[Any])
 def mentioned_variables(
     x: Any, dive_in_combines: bool = False, this_is_select: bool = False
 ) -> set[Any]:
-    """Names of the variables in a syntax tree of the package.
+    """Return the names of the variables in a syntax tree of the package.
 
     Args:
         x: The tree.
-        dive_in_combines: Whether to look into aggregating expressions.
+        dive_in_combines: Whether to include aggregating expressions.
         this_is_select: Whether the tree is a record of columns, one of which may be called
             ``variable``.
     """
@@ -92,9 +91,9 @@ def mentioned_variables(
 
 
 def deep_copy(tree: Any) -> Any:
-    """A copy of a syntax tree of the package, which shares its texts with it.
+    """Return a copy of a syntax tree that shares its texts.
 
-    What hangs in several places of the tree is one thing in the copy, too.
+    A subtree that is shared in the tree is shared in the copy, too.
     """
     return _copied(tree, {})
 
@@ -119,7 +118,7 @@ def _copied(node: Any, done: dict[int, Any]) -> Any:
 
 
 def _slice(self: parse.HeritageAwareString, start: int, stop: int) -> parse.HeritageAwareString:
-    """A part of a text that knows where it stands."""
+    """Return a part of a text that knows its place."""
     size = len(self)
     part = parse.HeritageAwareString.__new__(
         parse.HeritageAwareString, str.__getitem__(self, slice(start, stop))
@@ -143,13 +142,13 @@ _traverse = parse.Traverse
 
 
 def _traverse_plain(text: str) -> Iterator[tuple[int, str | None, str]]:
-    """As the package's: the places of a text, with the brackets that are open there."""
+    """Yield a text's places with the brackets that are open there, as the package does."""
     found: Iterator[tuple[int, str | None, str]] = _traverse(str(text))
     return found
 
 
 def split(text: parse.HeritageAwareString, separator: str) -> list[parse.HeritageAwareString]:
-    """As the package's `SplitRaw`: the parts of a text between separators outside of brackets.
+    """Return the parts of a text between separators outside brackets, as `SplitRaw` does.
 
     Raises:
         parse.ParsingException: Brackets or quotes don't match.
@@ -198,13 +197,13 @@ _MORE_WORDS = """
 """
 
 _NO_ALIASES = _RESERVED | frozenset(_MORE_WORDS.split())
-"""What a table can't be called in a query."""
+"""Names that a table can't have in a query."""
 
 _as_it_is = rule_translate.LogicaFieldToSqlField
 
 
 def sql_field(field: Any) -> Any:
-    """The name of a column in SQL.
+    """Return the name of a column in SQL.
 
     Args:
         field: Its name in Logica, or its number.
@@ -217,11 +216,11 @@ _allocate = rule_translate.NamesAllocator.AllocateTable
 
 
 def table_name(self: Any, hint_for_user: Any = None) -> Any:
-    """A name for a table of a query.
+    """Return a name for a table of a query.
 
     Args:
         self: The package's allocator of names.
-        hint_for_user: The name of the predicate whose rows it has.
+        hint_for_user: The name of the predicate with its rows.
     """
     if isinstance(hint_for_user, str) and hint_for_user.lower() in _NO_ALIASES:
         self.allocated_tables.add(hint_for_user)
@@ -229,7 +228,7 @@ def table_name(self: Any, hint_for_user: Any = None) -> Any:
 
 
 def install() -> None:
-    """Let the package use them."""
+    """Replace the package's functions."""
     parse.HeritageAwareString.GetSlice = _slice
     parse.HeritageAwareString.__getitem__ = _item
     parse.Traverse = _traverse_plain

@@ -1,7 +1,7 @@
-"""Parsing statement by statement, so that every mistake is found and every node knows its place.
+"""Parsing statement by statement, so that every error is found and every node knows its place.
 
-The package's parser gives each piece of a syntax tree the text that it came from, with its place
-there. Here that place is an offset in the program's text.
+The package's parser gives each node the text that it came from, with its place. Here that place is
+an offset in the program's text.
 """
 
 from __future__ import annotations
@@ -30,12 +30,12 @@ _NAME = re.compile(r"[A-Z]\w*")
 
 @dataclass(frozen=True, slots=True)
 class Parsed:
-    """What could be read of a program.
+    """The parsed part of a program.
 
     Attributes:
         rules: Syntax trees as written, in the order of the text.
-        problems: Mistakes in the statements that could not be read.
-        doubtful: Names in those statements, about which nothing can be said.
+        problems: Errors in the statements that could not be parsed.
+        doubtful: Names in those statements, about which nothing is known.
     """
 
     rules: list[Rule]
@@ -45,7 +45,7 @@ class Parsed:
 
 def parse_statements(text: str, source: Prepared) -> Parsed:
     """Parse every statement that can be parsed."""
-    parse.TOO_MUCH = "too much"  # a program can switch the package to other syntax for good
+    parse.TOO_MUCH = "too much"  # a program could switch the package's syntax permanently
     parse.EnactIncantations(source.text)
     rules: list[Rule] = []
     problems = list(source.problems)
@@ -63,7 +63,7 @@ def parse_statements(text: str, source: Prepared) -> Parsed:
 
 
 def rewritten(rules: list[Rule]) -> list[Rule]:
-    """The rules in the form that the package compiles: without disjunctions and the like."""
+    """Return the rules in the form that the package compiles, without disjunctions."""
     for rewriting in (
         parse.DisjunctiveNormalForm,
         parse.MultiBodyAggregation,
@@ -74,7 +74,7 @@ def rewritten(rules: list[Rule]) -> list[Rule]:
 
 
 def _with_quotes(rules: Iterator[Rule]) -> list[Rule]:
-    """The rules, with the double quotes that stand in texts in single quotes."""
+    """Return the rules with the double quotes inside single-quoted texts restored."""
     found = list(rules)
     for node in nodes(found):
         text = (

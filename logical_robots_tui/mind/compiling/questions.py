@@ -1,7 +1,7 @@
-"""A question about a program: a call, an expression, conditions, or rules. In the compile process.
+"""Questions about a program: a call, an expression, conditions, or rules. In the compile process.
 
-What is asked becomes a rule behind the program's own, on lines of its own, so that everything
-that is said about it has its place in what was typed.
+A question becomes a rule after the program's own, on separate lines, so that diagnostics have their
+place in what was typed.
 """
 
 from __future__ import annotations
@@ -34,14 +34,14 @@ Gives: TypeAlias = Literal["rows", "value", "truth"]
 
 
 def compile_question(text: str, query: str) -> Question:
-    """Compile what is asked of a program.
+    """Compile a question about a program.
 
     Args:
         text: A program that can be compiled.
-        query: What is asked.
+        query: The question.
 
     Raises:
-        ProgramError: The query is wrong; the diagnostics speak of its lines and columns.
+        ProgramError: The query has errors; the diagnostics refer to its lines and columns.
     """
     source = prepare(query)
     if source.problems:
@@ -49,7 +49,7 @@ def compile_question(text: str, query: str) -> Question:
     bare = source.text.strip()
     if not bare:
         hint = "Type a predicate, such as Robot, or an expression."
-        raise ProgramError((Diagnostic(1, 1, "nothing is asked", hint),))
+        raise ProgramError((Diagnostic(1, 1, "the question is empty", hint),))
     own = heads(read_rules(text)[1])
     before, after = "", ""
     gives: Gives = "rows"
@@ -76,16 +76,16 @@ def compile_question(text: str, query: str) -> Question:
 
 
 def _names() -> Iterator[str]:
-    """Names for what is asked, until one is free."""
+    """Yield names for the question's predicate, until one is free."""
     yield "Asked"
     yield from (f"Asked{number}" for number in itertools.count(2))
 
 
 def _compiled(whole: str, asked: str, *, is_bare: bool) -> str:
-    """The SQL of a predicate.
+    """Return the SQL of a predicate.
 
     Raises:
-        ProgramError: The whole is wrong.
+        ProgramError: The text has errors.
     """
     source = prepare(whole)
     parsed = parse_statements(whole, source)
@@ -107,7 +107,7 @@ def _compiled(whole: str, asked: str, *, is_bare: bool) -> str:
 
 
 def _placed(diagnostic: Diagnostic, first: int, query: str) -> Diagnostic:
-    """A diagnostic of the whole text at its place in the query, or at the query's start."""
+    """Return a diagnostic of the whole text at its place in the query, or at the query's start."""
     line = diagnostic.line - first + 1
     if 1 <= line <= query.count("\n") + 1:
         return replace(diagnostic, line=line)
@@ -115,10 +115,10 @@ def _placed(diagnostic: Diagnostic, first: int, query: str) -> Diagnostic:
 
 
 def _defined(query: str, source: Prepared, own: Mapping[str, list[Rule]]) -> str:
-    """The last predicate that a query defines.
+    """Return the last predicate that a query defines.
 
     Raises:
-        ProgramError: The query can't be read, or defines what the program has already.
+        ProgramError: The query can't be parsed, or redefines a predicate of the program.
     """
     parsed = parse_statements(query, source)
     if parsed.problems:
@@ -126,21 +126,21 @@ def _defined(query: str, source: Prepared, own: Mapping[str, list[Rule]]) -> str
     defined = heads(parsed.rules)
     for name in defined:
         if name in own or name in INPUTS:
-            message = f"{name} is in the program already"
-            hint = "Give yours another name."
+            message = f"the program already defines {name}"
+            hint = "Use another name."
             raise ProgramError((diagnostic_for(query, name, message, hint),))
     if not defined:
-        raise ProgramError((Diagnostic(1, 1, "this defines no predicate that could be asked"),))
+        raise ProgramError((Diagnostic(1, 1, "this defines no predicate"),))
     return str(list(defined)[-1])
 
 
 def _frame(
     name: str, query: str, source: Prepared, own: Mapping[str, list[Rule]]
 ) -> tuple[str, str, Gives]:
-    """What stands before and behind a query to make a rule of it, and what that gives.
+    """Return the text before and after a query that makes it a rule, and the kind of its result.
 
     Raises:
-        ProgramError: It can't be read.
+        ProgramError: It can't be parsed.
     """
     text = parse.HeritageAwareString(source.text)
     try:
@@ -162,7 +162,7 @@ def _frame(
 
 
 def _is_value(body: Rule, own: Mapping[str, list[Rule]]) -> bool:
-    """Whether what could be a condition is meant as an expression: a function, a calculation."""
+    """Return whether a possible condition is meant as an expression: a function or calculation."""
     name = str(body.get("predicate", {}).get("predicate_name", ""))
     if name in own:
         return any(VALUE in fields(rule["head"]["record"]) for rule in own[name])
@@ -170,7 +170,7 @@ def _is_value(body: Rule, own: Mapping[str, list[Rule]]) -> bool:
 
 
 def _in_text(tree: Rule) -> Iterator[str]:
-    """Names of the variables of a syntax tree in the order of the text, once each."""
+    """Return the names of a syntax tree's variables in text order, once each."""
     found = (node["variable"]["var_name"] for node in nodes(tree) if "variable" in node)
     yield from dict.fromkeys(
         str(name) for name in sorted(found, key=lambda n: getattr(n, "start", 0))

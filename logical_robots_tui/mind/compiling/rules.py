@@ -1,4 +1,4 @@
-"""Rules as the `logica` package parses them: who defines and who calls what."""
+"""Rules as the `logica` package parses them: definitions and calls."""
 
 from __future__ import annotations
 
@@ -57,47 +57,47 @@ Ord(text) = SqlExpr("unicode_of({t})", {t: text});
 Num(x) = x;
 Str(x) = x;
 """
-"""Everyday predicates that every program may use.
+"""Common predicates that every program may use.
 
-A program that defines one of them itself uses its own; so none of them may lean on another.
-Aggregates take ``argument -> value`` pairs, which the compiler knows as ``{arg:, value:}``.
+A program can define its own instead, so none of them may use another.
+Aggregates take ``argument -> value`` pairs, which the compiler sees as ``{arg:, value:}``.
 """
 
 Rule: TypeAlias = dict[str, Any]
 """A node of a syntax tree."""
 
 COMPARISONS = frozenset({"!=", "<", "<=", "==", ">", ">=", "in", "is", "is not"})
-"""The operators whose value is a truth about their operands' values."""
+"""Operators that return a boolean from any operands."""
 
 JUNCTIONS = frozenset({"&&", "||"})
-"""The operators whose value is a truth about truths, but for ``!``."""
+"""Operators that return a boolean from booleans, except ``!``."""
 
 CONDITIONS = COMPARISONS | JUNCTIONS | {"!", "IsNull"}
-"""Whatever has a truth as its value and can stand in a rule as a condition."""
+"""Expressions with a boolean value that can be used as a condition."""
 
 TRUTHS = CONDITIONS | {"EndsWith", "Like", "StartsWith"}
-"""All operators and functions whose value is a truth."""
+"""All operators and functions with a boolean value."""
 
 
 def head_name(rule: Rule) -> str:
-    """Name of the predicate or annotation that a rule is for."""
+    """Return the predicate or annotation that a rule defines."""
     name: str = rule["head"]["predicate_name"]
     return name
 
 
 @functools.cache
 def prelude_rules() -> tuple[Rule, ...]:
-    """The rules of the prelude. Don't change them."""
+    """Return the rules of the prelude. Don't change them."""
     return tuple(parse.ParseFile(_PRELUDE)["rule"])
 
 
 def defined(rules: list[Rule]) -> Iterator[str]:
-    """Names of the program's own predicates in the order of the text, once each."""
+    """Return the program's own predicates in text order, once each."""
     return iter(heads(rules))
 
 
 def heads(rules: list[Rule]) -> dict[str, list[Rule]]:
-    """The rules of each predicate of the program's own, in the order of the text."""
+    """Return the rules of each of the program's predicates, in text order."""
     found: dict[str, list[Rule]] = {}
     for rule in rules:
         name = head_name(rule)
@@ -109,7 +109,7 @@ def heads(rules: list[Rule]) -> dict[str, list[Rule]]:
 
 
 def subject(rule: Rule) -> str:
-    """Name of the predicate that an annotation speaks of, or ""."""
+    """Return the predicate that an annotation is about, or ""."""
     try:
         literal = rule["head"]["record"]["field_value"][0]["value"]["expression"]["literal"]
         name: str = literal["the_predicate"]["predicate_name"]
@@ -119,18 +119,18 @@ def subject(rule: Rule) -> str:
 
 
 def fields(record: Rule) -> list[Any]:
-    """Names of a record's fields or a call's arguments: numbers for those by position."""
+    """Return the names of a record's fields or a call's arguments; positional ones are numbers."""
     return [fv["field"] for fv in record["field_value"]]
 
 
 def value_of(field_value: Rule) -> Rule | None:
-    """The expression of a field, or None if it is aggregated."""
+    """Return the expression of a field, or None if it is aggregated."""
     expression: Rule | None = field_value["value"].get("expression")
     return expression
 
 
 def nodes(tree: Any) -> Iterator[Rule]:
-    """All nodes of a syntax tree, the outer before the inner."""
+    """Yield all nodes of a syntax tree, outer before inner."""
     waiting = [tree]
     while waiting:
         branch = waiting.pop()
@@ -142,7 +142,7 @@ def nodes(tree: Any) -> Iterator[Rule]:
 
 
 def calls(tree: Any) -> Iterator[tuple[Rule, bool]]:
-    """All calls in a syntax tree, and whether each is of a function, for its value."""
+    """Yield all calls in a syntax tree, and whether each is a function call."""
     for node in nodes(tree):
         if isinstance(node.get("call"), dict):
             yield node["call"], True
@@ -151,7 +151,7 @@ def calls(tree: Any) -> Iterator[tuple[Rule, bool]]:
 
 
 def called(tree: Any) -> Iterator[str]:
-    """Names of all predicates, functions and aggregates that a syntax tree mentions."""
+    """Return the names of all predicates, functions and aggregates that a syntax tree mentions."""
     for node in nodes(tree):
         for key in ("call", "predicate", "the_predicate"):
             if isinstance(node.get(key), dict):
@@ -161,7 +161,7 @@ def called(tree: Any) -> Iterator[str]:
 
 
 def reached(tree: Any, rules: Mapping[str, Any]) -> set[str]:
-    """Names of the predicates that a syntax tree leans on, directly or not.
+    """Return the names of the predicates that a syntax tree uses, directly or indirectly.
 
     Args:
         tree: The tree.

@@ -1,4 +1,4 @@
-"""Rewrites of the syntax tree that no SQL template can do: types and truths as text."""
+"""Rewrites of the syntax tree that SQL templates can't express: types, and booleans as text."""
 
 from __future__ import annotations
 
@@ -33,14 +33,14 @@ TYPES = {
     "TEXT": "Str",
     "VARCHAR": "Str",
 }
-"""What a type may be called in capitals, and what it is called here."""
+"""Accepted names of types, in upper case, and their name here."""
 
 
 def spell_out(rules: list[Rule], text: str, source: Prepared) -> None:
-    """Replace, in place, the type in `TryCast` by its text, and name `ToString` of a truth.
+    """Replace, in place, the type in `TryCast` by its text, and `ToString` of a boolean.
 
     Raises:
-        ProgramError: A `TryCast` has not two arguments.
+        ProgramError: A `TryCast` does not have two arguments.
     """
     for call in _calls(rules):
         values = call["record"]["field_value"]
@@ -54,7 +54,7 @@ def spell_out(rules: list[Rule], text: str, source: Prepared) -> None:
 
 
 def _name_type(call: dict[str, Any], second: dict[str, Any]) -> None:
-    """Let a `TryCast` to a type be one to its text; in an example, a type is a value of it."""
+    """Pass the type of a `TryCast` as text; in an example, a type becomes a value of that type."""
     try:
         wanted = to_json(_type(second["expression"]))
     except KeyError:
@@ -94,7 +94,7 @@ def _with_samples(tree: Any) -> Any:
 
 
 def _calls(tree: Any) -> list[dict[str, Any]]:
-    """All calls in a tree, the inner ones first."""
+    """Yield all calls in a tree, inner ones first."""
     found: list[dict[str, Any]] = []
     branches = tree.values() if isinstance(tree, dict) else tree if isinstance(tree, list) else ()
     for branch in branches:
@@ -111,10 +111,10 @@ def _is_truth(expression: dict[str, Any]) -> bool:
 
 
 def _type(expression: dict[str, Any]) -> Any:
-    """The type that an expression spells: ``{a: Num}``, ``[Str]``, ``Bool``, ``"BIGINT"``.
+    """Return the type that an expression names: ``{a: Num}``, ``[Str]``, ``Bool``, ``"BIGINT"``.
 
     Raises:
-        KeyError: It is something else: an example of what is wanted.
+        KeyError: It is not a type but an example.
     """
     if "record" in expression:
         fields = expression["record"]["field_value"]
@@ -131,7 +131,7 @@ def _type(expression: dict[str, Any]) -> Any:
 
 
 def _sql_type(spelled: str) -> Any:
-    """The type that a text spells in SQL, such as ``STRUCT(a BIGINT, b VARCHAR[])``."""
+    """Return the type that an SQL text describes, such as ``STRUCT(a BIGINT, b VARCHAR[])``."""
     spelled = spelled.strip()
     if spelled.endswith("[]"):
         return [_sql_type(spelled[:-2])]
@@ -142,7 +142,7 @@ def _sql_type(spelled: str) -> Any:
 
 
 def _parts(text: str) -> list[str]:
-    """Text split at the commas outside parentheses."""
+    """Return a text split at the commas outside parentheses."""
     parts, depth = [""], 0
     for character in text:
         depth += {"(": 1, ")": -1}.get(character, 0)
@@ -158,6 +158,6 @@ def _no_type(text: str, source: Prepared) -> Any:
         "TryCast",
         text,
         source,
-        "TryCast needs a value and an example of what it is to be",
+        "TryCast needs a value and an example of the result",
         'Such as TryCast(memory, {count: 0, seen: [""]}), or types: {count: Num, seen: [Str]}.',
     )

@@ -1,6 +1,6 @@
-"""Whole rows, as in ``Sensor(..r), r.sensor``: each of their columns gets a variable of its own.
+"""Whole rows, as in ``Sensor(..r), r.sensor``: each of their columns becomes a variable.
 
-SQLite has no value that is a row, and no list of what is left of one. So ``P(..r)`` becomes
+SQLite has no row values, and no list of the columns that a call leaves out. ``P(..r)`` becomes
 ``P(a: r_a, b: r_b), r = {a: r_a, b: r_b}`` where the columns of ``P`` are known.
 """
 
@@ -26,11 +26,11 @@ if TYPE_CHECKING:
 __all__ = ["written_out"]
 
 _REST = "*"
-_ROUNDS = 10  # how far columns are followed from predicate to predicate
+_ROUNDS = 10  # how far columns are traced from predicate to predicate
 
 
 def written_out(rules: list[Rule]) -> None:
-    """Write whole rows out in place, where it is known which columns they have."""
+    """Expand whole rows in place, where their columns are known."""
     if not any(_REST in fields(node) for node in nodes(rules) if "field_value" in node):
         return
     columns = _columns(rules)
@@ -40,7 +40,7 @@ def written_out(rules: list[Rule]) -> None:
 
 
 def _columns(rules: list[Rule]) -> dict[str, list[str]]:
-    """Columns by name of the predicates that have the same in all rules, all with names."""
+    """Return the columns of predicates that have the same named columns in all rules."""
     open_ = {name for rule in rules for name in filled_in(rule)}
     known = {name: list(columns) for name, columns in INPUTS.items()}
     own = {**heads(list(prelude_rules())), **heads(rules)}
@@ -58,7 +58,7 @@ def _columns(rules: list[Rule]) -> dict[str, list[str]]:
 
 
 def _columns_of(rule: Rule, known: dict[str, list[str]]) -> list[str] | None:
-    """The columns in the head of a rule, or None if they are not all known by name."""
+    """Return the columns in the head of a rule, or None if some have no names."""
     columns: list[str] = []
     for fv in rule["head"]["record"]["field_value"]:
         if fv["field"] == _REST:
@@ -74,7 +74,7 @@ def _columns_of(rule: Rule, known: dict[str, list[str]]) -> list[str] | None:
 
 
 def _rows(rule: Rule, known: dict[str, list[str]]) -> dict[str, list[str]]:
-    """Names of the variables that stand for whole rows in a body, with their columns."""
+    """Return the variables for whole rows in a body, with their columns."""
     return {
         str((value_of(fv) or {})["variable"]["var_name"]): _left(node["predicate"], known)
         for node in nodes(rule)
@@ -83,7 +83,7 @@ def _rows(rule: Rule, known: dict[str, list[str]]) -> dict[str, list[str]]:
 
 
 def _rest_of(call: Any, known: dict[str, list[str]]) -> Rule | None:
-    """The ``..r`` of a call of a predicate whose columns are known."""
+    """Return the ``..r`` of a call of a predicate with known columns."""
     if not isinstance(call, dict) or call["predicate_name"] not in known:
         return None
     rest = [fv for fv in call["record"]["field_value"] if fv["field"] == _REST]
@@ -91,7 +91,7 @@ def _rest_of(call: Any, known: dict[str, list[str]]) -> Rule | None:
 
 
 def _left(call: Rule, known: dict[str, list[str]]) -> list[str]:
-    """The columns that a call does not name."""
+    """Return the columns that a call does not name."""
     named = fields(call["record"])
     return [name for name in known[call["predicate_name"]] if name not in named]
 
@@ -140,6 +140,6 @@ def _variable(name: str) -> Rule:
 
 
 def _is_record(row: str, names: dict[str, str]) -> Rule:
-    """The condition that a row is the record of its columns."""
+    """Return the condition that a row is the record of its columns."""
     record = {"record": {"field_value": _field_values(names)}, "expression_heritage": row}
     return {"unification": {"left_hand_side": _variable(row), "right_hand_side": record}}

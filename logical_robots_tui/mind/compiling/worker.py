@@ -1,8 +1,8 @@
-"""The compile process: a program per line in, its compiled form per line out.
+"""The compile process: reads a program per line, writes its compiled form per line.
 
-It ends when its standard input is closed, even in the middle of a program. Before it sees the
-first program it gives up everything that compiling does not need: it can open no file, write
-none, and start no process.
+It ends when its standard input is closed, even in the middle of a program. Before the first
+program it gives up all permissions that compiling does not need: it can't open or write files, or
+start processes.
 """
 
 from __future__ import annotations
@@ -58,22 +58,22 @@ _SAMPLES = (
 
 
 def main() -> None:
-    """Serve compile requests until standard input ends.
+    """Serve requests until standard input ends.
 
-    The arguments of the process are the bytes of address space that it may use, and the seconds
-    of computing that one program may take.
+    The process's arguments are its bytes of address space, and the processor seconds for one
+    program.
     """
     collect_seldom()
     address_space, seconds = int(sys.argv[1]), int(sys.argv[2])
     answers = os.fdopen(os.dup(1), "w", encoding="utf-8")
-    # The package prints; nothing of that may reach the player's screen or the answers.
+    # The package prints; its output must not reach the screen or the answers.
     silence = os.open(os.devnull, os.O_WRONLY)
     os.dup2(silence, 1)
     os.dup2(silence, 2)
     requests: queue.Queue[str] = queue.Queue()
     threading.Thread(target=_read, args=(sys.stdin, requests), daemon=True).start()
     _warm_up()
-    _give_up_what_is_not_needed(address_space)
+    _drop_permissions(address_space)
     while True:
         request = json.loads(requests.get())
         _limit(resource.RLIMIT_CPU, int(_computed()) + seconds)
@@ -100,7 +100,7 @@ def _warm_up() -> None:
     gc.freeze()
 
 
-def _give_up_what_is_not_needed(address_space: int) -> None:
+def _drop_permissions(address_space: int) -> None:
     signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
     _limit(resource.RLIMIT_AS, address_space, final=True)
     _limit(resource.RLIMIT_CORE, 0, final=True)
@@ -111,7 +111,7 @@ def _give_up_what_is_not_needed(address_space: int) -> None:
 
 
 def _limit(kind: int, amount: int, *, final: bool = False) -> None:
-    """Set a limit of this process, for good if `final`; not every system has every one."""
+    """Set a limit of this process, permanently if `final`; some systems lack some limits."""
     hard = resource.getrlimit(kind)[1]
     with contextlib.suppress(OSError, ValueError):
         resource.setrlimit(kind, (amount, amount if final else hard))
@@ -129,7 +129,7 @@ def _read(lines: IO[str], requests: queue.Queue[str]) -> None:
 
 
 def _answer(request: dict[str, Any], report: Report | None = None) -> dict[str, object]:
-    """The answer to a request: a program, a question about one, or what takes it apart."""
+    """Return the answer to a request for a program, a question, a decomposition or a checkup."""
     text = request["text"]
     try:
         if "query" in request:
@@ -146,10 +146,10 @@ def _answer(request: dict[str, Any], report: Report | None = None) -> dict[str, 
         shown = error.diagnostics[:_MOST_DIAGNOSTICS]
         return {"diagnostics": [asdict(_plain(d)) for d in shown]}
     except MemoryError:
-        pass  # an answer takes some, too: what was computed has to go first
+        pass  # frees the memory of the computation before answering
     except RecursionError:
         return _refusal("the program is nested too deeply", "Give parts of it names of their own.")
-    except Exception:  # the package may raise anything; the next program is to find us alive
+    except Exception:  # the package may raise anything, and the process must survive
         refusal = _refusal("the compiler gave up on this program", "Try a simpler one.")
         return {**refusal, "trace": traceback.format_exc()}
     return _refusal(
@@ -159,10 +159,10 @@ def _answer(request: dict[str, Any], report: Report | None = None) -> dict[str, 
 
 
 def _question(text: str, query: str) -> Question:
-    """A question about a program.
+    """Return a compiled question about a program.
 
     Raises:
-        ProgramError: It is wrong, or SQLite can't prepare it in reasonable time.
+        ProgramError: It has errors, or SQLite can't prepare it in reasonable time.
     """
     question = compile_question(text, query)
     database = Database()
@@ -175,7 +175,7 @@ def _question(text: str, query: str) -> Question:
 
 
 def _probing(text: str, request: dict[str, Any]) -> Probing:
-    """The rules of a predicate, taken apart as far as SQLite can prepare it in reasonable time."""
+    """Return a predicate's decomposed rules, as far as SQLite can prepare them in time."""
     predicate, within = request["predicate"], request["within"]
     database = Database()
     try:
@@ -187,7 +187,7 @@ def _probing(text: str, request: dict[str, Any]) -> Probing:
 
 
 def _checkup(text: str, functions: frozenset[str]) -> Checkup:
-    """A program made ready to be watched, as far as SQLite can prepare it in reasonable time."""
+    """Return a program prepared to be watched, as far as SQLite can prepare it in time."""
     plain, tuned = Database(), Database(layout=COLUMNS_LAYOUT)
     tuned.offer(WHOLE_RAY, lambda _: None)
     try:
@@ -199,10 +199,10 @@ def _checkup(text: str, functions: frozenset[str]) -> Checkup:
 
 
 def _try_out(program: Program) -> None:
-    """Refuse a program whose statements SQLite itself can't prepare in reasonable time.
+    """Refuse a program whose statements SQLite can't prepare in reasonable time.
 
-    SQLite puts named subqueries into each other before it looks whether it was interrupted, so
-    this is done here, where it can be killed, and not first while the robots wait.
+    SQLite inlines named subqueries before it checks for interrupts, so this is done here, where the
+    process can be killed, and not while the robots wait.
     """
     if sum(map(len, program.statements.values())) > _MOST_SQL:
         raise _tangled()
@@ -220,17 +220,17 @@ def _try_out(program: Program) -> None:
                 raise _tangled()
     finally:
         database.close()
-    # What is wrong with a predicate that Robot can do without is told to those who ask for it.
+    # Errors in predicates that Robot does not use are reported when they are queried.
     culprit = next((name for name in program.needed if name in failed), None)
     for predicate in program.predicates if MAIN in failed else ():
         if predicate.name == culprit:
             message = f"{predicate.name} can't be computed: {failed[predicate.name]}"
-            hint = "Look at its rules and at the annotations that name it."
+            hint = "Check its rules and the annotations that name it."
             raise ProgramError((Diagnostic(predicate.line or 1, 1, message, hint),))
 
 
 def _tuned(program: Program) -> Program:
-    """The program with quicker queries beside its own, where SQLite can prepare them."""
+    """Return the program with tuned queries beside its own, where SQLite can prepare them."""
     order = sorted(program.statements, key=lambda name: name not in program.needed)
     statements = {
         "Robot": program.statements["Robot"],
@@ -241,12 +241,12 @@ def _tuned(program: Program) -> Program:
 
 
 def _tuned_question(question: Question, columns: dict[str, Any]) -> Question:
-    """The question with a quicker query beside its own, where SQLite can prepare it.
+    """Return the question with a tuned query beside its own, where SQLite can prepare it.
 
     Args:
-        question: What is asked.
-        columns: By name of a table the columns of it that the program's queries read: those of the
-            question are among them, so that one table serves all.
+        question: The question.
+        columns: For each table, the columns that the program's queries read, including those of the
+            question, so that one table serves all.
     """
     tuned = tune(question.sql, Known.closed(columns), for_all=True, by_name=True)
     found = {} if tuned is None else _prepared({"": tuned})
@@ -254,7 +254,7 @@ def _tuned_question(question: Question, columns: dict[str, Any]) -> Question:
 
 
 def _prepared(every: dict[str, Tuned]) -> dict[str, Tuned]:
-    """Those of some tuned queries that SQLite can prepare in reasonable time."""
+    """Return the tuned queries that SQLite can prepare in reasonable time."""
     database = Database(layout=COLUMNS_LAYOUT)
     database.offer(WHOLE_RAY, lambda _: None)
     kept = {}
@@ -270,7 +270,7 @@ def _prepared(every: dict[str, Tuned]) -> dict[str, Tuned]:
 
 
 def _is_prepared_soon(database: Database, sql: str, bounds: int = 0) -> bool:
-    """Whether SQLite can prepare a query with so many parameters, and without much ado."""
+    """Return whether SQLite can prepare a query with so many parameters in reasonable time."""
     began = process_time()
     try:
         database.prepare(sql, (0,) * bounds)
@@ -285,7 +285,7 @@ def _tangled() -> ProgramError:
             Diagnostic(
                 1,
                 1,
-                "the program becomes too large when its predicates are put into each other",
+                "the program becomes too large when its predicates are inlined",
                 "Mention long predicates less often.",
             ),
         )

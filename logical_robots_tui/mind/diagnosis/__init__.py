@@ -1,6 +1,6 @@
-"""Diagnosis: what a program's rules and conditions did in a whole run, and what that tells.
+"""Diagnosis: what a program's rules and conditions did in a whole run, and what stands out.
 
-In the compile process `tracing` makes queries for all rules and conditions and `memory` looks for
-what memories hold. In a mind `counting` counts what the queries give tick by tick, `telling` says
-what stands out, and `nearest` which one change would have given a rule a row.
+In the compile process, `tracing` generates queries for all rules and conditions, and `memory` finds
+what memories hold. In a mind, `counting` counts the queries' rows tick by tick, `telling` reports
+what stands out, and `nearest` finds single changes that would have given a rule a row.
 """

@@ -1,4 +1,4 @@
-"""A program made ready to be watched. In the compile process."""
+"""Preparing a program to be watched. In the compile process."""
 
 from __future__ import annotations
 
@@ -37,12 +37,12 @@ def check_up(
     is_quick: Callable[[str, int], bool],
     is_quick_tuned: Callable[[str, int], bool],
 ) -> Checkup:
-    """Make a program ready to be watched.
+    """Prepare a program to be watched.
 
     Args:
         text: A program that can be compiled.
-        functions: Names of its predicates that have rows only for given arguments.
-        is_quick: Whether SQLite prepares a query with so many parameters without much ado.
+        functions: Names of its predicates that need arguments.
+        is_quick: Whether SQLite can prepare a query with so many parameters in reasonable time.
         is_quick_tuned: The same for tuned queries.
     """
     source, raw = read_rules(text)
@@ -108,14 +108,14 @@ def _site(
 
 
 def _key(rule: Rule, span: Span) -> str:
-    """What a fact is found by: the text in its first column, or else all that it says."""
+    """Return a fact's key: the text in its first column, or all of its text."""
     first = value_of(rule["head"]["record"]["field_value"][0]) if "body" not in rule else None
     found = text_of(first or {})
     return span.text if found is None else found
 
 
 def _is_constant(rules: list[Rule]) -> bool:
-    """Whether these are the rules of a function without arguments that only has a value."""
+    """Return whether these are the rules of a constant: no arguments and no conditions."""
     fields = [fv["field"] for rule in rules for fv in rule["head"]["record"]["field_value"]]
     return (
         fields == [VALUE]
@@ -131,10 +131,10 @@ def _trace_what_is_made(
     needed: set[str],
     functions: frozenset[str],
 ) -> dict[str, tuple[str, dict[str, Rule]]]:
-    """Trace the rules of predicates made with ``:=``, with what is filled in there.
+    """Trace the rules of predicates made with ``:=``, with their substitutions.
 
     Returns:
-        By name of a probe the predicate that it is about, and what is to be filled in.
+        By name of a probe, its predicate and the substitutions.
     """
     fillings: dict[str, tuple[str, dict[str, Rule]]] = {}
     made = {n: made_from(rules[0]) for n, rules in own.items() if head_name(rules[0]) == "@Make"}
@@ -158,7 +158,7 @@ def _filled_in(
     fillings: Mapping[str, tuple[str, dict[str, Rule]]],
     own: Mapping[str, list[Rule]],
 ) -> tuple[dict[str, str], list[Rule]]:
-    """By name of a probe what to ask for it, and the rules that make that."""
+    """Return for each probe the predicate to query, and the rules that define it."""
     names = {name: name for name in asked}
     makes = []
     for name, (rule, _) in asked.items():

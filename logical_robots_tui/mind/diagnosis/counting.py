@@ -1,4 +1,4 @@
-"""What the rules and conditions of a program did, counted over the ticks of a run."""
+"""Counts of what the rules and conditions of a program did over the ticks of a run."""
 
 from __future__ import annotations
 
@@ -15,25 +15,25 @@ if TYPE_CHECKING:
 
 __all__ = ["Count", "RuleCount", "Tally", "is_always_true", "is_true"]
 
-_MOST_VALUES = 60  # that are kept of what was compared at a place
+_MOST_VALUES = 60  # compared values that are kept for a place
 
 
 @dataclass(slots=True)
 class Count:
-    """What was seen at a site; ticks are those that were looked at.
+    """Statistics of a site; ticks are those that were examined.
 
     Attributes:
         reached: The first tick in which it was reached, or None.
-        ways: In how many ways it was reached, in all looks together.
-        passed: In how many ways a part was passed.
-        looks: In how many looks it was reached.
+        ways: The number of ways in which it was reached, over all looks.
+        passed: The number of ways in which a part was passed.
+        looks: The number of looks in which it was reached.
         true: The first tick in which it was true, or a part gave rows; or None.
         false: The first tick in which it was false, or None.
         null: The first tick in which it was null, or None.
-        left: Values that stood on the one side of an equation.
-        right: Values that stood on the other side.
-        least: The least difference of the two sides of a comparison, or None.
-        greatest: The greatest one, or None.
+        left: Values of the left side of an equation.
+        right: Values of the right side.
+        least: The least difference between the sides of a comparison, or None.
+        greatest: The greatest difference, or None.
     """
 
     reached: int | None = None
@@ -51,12 +51,12 @@ class Count:
 
 @dataclass(slots=True)
 class RuleCount:
-    """What a rule gave.
+    """Statistics of a rule.
 
     Attributes:
-        asked: The first tick in which it was looked at, or None.
+        asked: The first tick in which it was examined, or None.
         gave: The first tick in which it gave a row, or None.
-        looks: How often it was looked at.
+        looks: How often it was examined.
     """
 
     asked: int | None = None
@@ -65,17 +65,17 @@ class RuleCount:
 
 
 class Tally:
-    """Counts for all that a checkup watches.
+    """Statistics of everything that a checkup watches.
 
     Args:
-        checkup: What is watched.
+        checkup: The checkup.
 
     Attributes:
-        sites: By number of a site what was seen there.
-        rules: By number of a rule what it gave.
-        ticks: The ticks that were looked at, in the order in which they were.
-        given_up: Numbers of the probes that failed once, so that they can't tell what never was.
-        robots: By name of a robot and tick how many rows each rule of `Robot` gave for it.
+        sites: Statistics by number of the site.
+        rules: Statistics by number of the rule.
+        ticks: The examined ticks, in order of examination.
+        given_up: Numbers of probes that failed once, so that they can't prove a "never".
+        robots: By robot and tick, how many rows each rule of `Robot` had for it.
     """
 
     def __init__(self, checkup: Checkup) -> None:
@@ -84,16 +84,16 @@ class Tally:
         self.rules = [RuleCount() for _ in checkup.rules]
         self.ticks: list[int] = []
         self.given_up: set[int] = set()
-        # Parts that are reached only if what stands before them holds.
+        # Parts that are reached only if the parts before them hold.
         self._waited_for = {probe.before for probe in checkup.probes}
         self.robots: dict[tuple[str, int], dict[int, int]] = {}
 
     def add(self, tick: int, number: int, rows: Sequence[Mapping[str, Value]]) -> None:
-        """Count what a probe gave.
+        """Count the rows of a probe.
 
         Args:
             tick: The tick.
-            number: Which probe.
+            number: The probe.
             rows: Its answer.
         """
         if not self.ticks or self.ticks[-1] != tick:
@@ -132,7 +132,7 @@ class Tally:
                 rule.gave = _first(rule.gave, tick)
 
     def give_up(self, number: int) -> None:
-        """Note that a probe failed: nothing is said of what only it can tell."""
+        """Note that a probe failed: nothing is reported that depends on it."""
         probe = self.checkup.probes[number]
         self.given_up.add(number)
         for place in {probe.after, probe.before, *(column.site for column in probe.columns)} - {-1}:
@@ -147,7 +147,7 @@ class Tally:
             self.rules[probe.gives].gave = _first(self.rules[probe.gives].gave, 0)
 
     def doubtful_probes(self) -> list[int]:
-        """Numbers of the probes that may still tell something new of what seems never to happen."""
+        """Return the probes that may still show that something does happen."""
         sites = {
             number
             for number, (site, count) in enumerate(zip(self.checkup.sites, self.sites, strict=True))
@@ -222,20 +222,20 @@ class Tally:
 
 
 def _is_doubtful(site: Site, count: Count) -> bool:
-    """Whether something would be said of a site, if nothing else was seen there."""
+    """Return whether a site would be reported if nothing else happens there."""
     if site.kind in ("leaf", "value"):
         return False
     return count.reached is None or count.true is None or is_always_true(site, count)
 
 
 def is_always_true(site: Site, count: Count) -> bool:
-    """Whether a condition was reached, and never false or null."""
+    """Return whether a condition was reached, and never false or null."""
     seen = count.true is not None and count.false is None and count.null is None
     return site.kind in TESTS and seen
 
 
 def is_true(value: Value) -> bool | None:
-    """Whether a value is true as a condition in SQL; None if that is unknown."""
+    """Return whether a value is true as an SQL condition; None if unknown."""
     if value is None:
         return None
     return bool(value) if isinstance(value, int | float) else False

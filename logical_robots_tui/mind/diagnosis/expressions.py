@@ -1,4 +1,4 @@
-"""Syntax trees of bodies and expressions, put into each other. In the compile process."""
+"""Building syntax trees of bodies and expressions. In the compile process."""
 
 from __future__ import annotations
 
@@ -32,13 +32,13 @@ __all__ = [
 ]
 
 ORDERING = frozenset({"<", "<=", ">", ">="})
-"""Comparisons that can be missed by a little."""
+"""Comparisons that can fail by a small margin."""
 
 _FALSE = {"literal": {"the_bool": {"the_bool": "false"}}}
 
 
 def filled(tree: Any, given: Mapping[str, Rule]) -> Any:
-    """A copy of a syntax tree with expressions in the place of variables."""
+    """Return a copy of a syntax tree with variables replaced by expressions."""
     if isinstance(tree, list):
         return [filled(each, given) for each in tree]
     if not isinstance(tree, dict):
@@ -50,7 +50,7 @@ def filled(tree: Any, given: Mapping[str, Rule]) -> Any:
 
 
 def as_expression(part: Rule) -> Rule:
-    """A condition of a body as an expression that is true or not."""
+    """Return a condition of a body as a boolean expression."""
     pair = equated(part)
     if pair is not None:
         return _call("==", left=pair[0], right=pair[1])
@@ -58,7 +58,7 @@ def as_expression(part: Rule) -> Rule:
 
 
 def equated(part: Rule) -> tuple[Rule, Rule] | None:
-    """The two sides of an equation in a body, or None if a part is not one."""
+    """Return the two sides of an equation in a body, or None for any other part."""
     if "unification" in part:
         pair = part["unification"]
         return pair["left_hand_side"], pair["right_hand_side"]
@@ -69,7 +69,7 @@ def equated(part: Rule) -> tuple[Rule, Rule] | None:
 
 
 def as_part(condition: Rule, *, holds: bool) -> Rule:
-    """A part of a body that holds where an expression is true, or where it is false or null."""
+    """Return a part that holds where an expression is true, or where it is false or null."""
     known = _call("Coalesce", condition, _FALSE)
     if holds:
         return {"predicate": _call("!=", left=known, right=_FALSE)["call"]}
@@ -77,13 +77,13 @@ def as_part(condition: Rule, *, holds: bool) -> Rule:
 
 
 def operands(call: Rule) -> list[Rule]:
-    """The arguments of a call."""
+    """Return the arguments of a call."""
     values = map(value_of, call["record"]["field_value"])
     return [value for value in values if value is not None]
 
 
 def compared(condition: Rule) -> tuple[str, Rule, Rule] | None:
-    """The comparison of a condition and its two sides, or None."""
+    """Return the comparison of a condition and its two sides, or None."""
     call = condition.get("call", {})
     sides = operands(call) if call else []
     name = str(call.get("predicate_name", ""))
@@ -91,25 +91,25 @@ def compared(condition: Rule) -> tuple[str, Rule, Rule] | None:
 
 
 def text_of(expression: Rule) -> str | None:
-    """The text that a literal is, or None if an expression is none."""
+    """Return the text of a literal, or None for any other expression."""
     found = expression.get("literal", {}).get("the_string")
     return None if found is None else str(found["the_string"])
 
 
 def field_of(subscript: Rule) -> str:
-    """The field that is taken from a record."""
+    """Return the field that is read from a record."""
     return str(subscript["subscript"]["literal"]["the_symbol"]["symbol"])
 
 
 def counted(
     name: str, columns: Mapping[str, Rule], differences: Mapping[int, Rule], body: Sequence[Rule]
 ) -> Rule:
-    """A rule that counts the ways in which a body holds, by the values of columns.
+    """Return a rule that counts the ways in which a body holds, grouped by columns.
 
     Args:
         name: The predicate that it defines.
-        columns: What they are counted by.
-        differences: Numbers of which the least and the greatest are to be told.
+        columns: The columns to group by.
+        differences: Numbers whose least and greatest value is wanted.
         body: The body.
     """
     head: dict[str | int, Rule] = {}
@@ -137,17 +137,17 @@ def _call(name: str, *given: Rule, **named: Rule) -> Rule:
 
 
 def difference(left: Rule, right: Rule) -> Rule:
-    """The first of two numbers less the second."""
+    """Return the difference of two numbers."""
     return _call("-", left=left, right=right)
 
 
 def is_null(value: Rule) -> Rule:
-    """Whether a value is null, as a condition."""
+    """Return the condition that a value is null."""
     return _call("IsNull", value)
 
 
 def parameters(rule: Rule) -> list[tuple[int | str, str]] | None:
-    """Fields of a function's head with the variables there, or None if it has others."""
+    """Return the fields of a function's head with their variables, or None if it has others."""
     found = []
     for fv in rule["head"]["record"]["field_value"]:
         if fv["field"] == VALUE:
@@ -160,7 +160,7 @@ def parameters(rule: Rule) -> list[tuple[int | str, str]] | None:
 
 
 def outer_calls(tree: Any, own: Container[str]) -> Iterator[Rule]:
-    """The calls of the program's own predicates in a syntax tree, outside of its aggregates."""
+    """Yield the calls of the program's own predicates in a syntax tree, outside aggregates."""
     waiting = [tree]
     while waiting:
         node = waiting.pop()

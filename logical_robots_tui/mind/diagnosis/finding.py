@@ -1,4 +1,4 @@
-"""A finding: something in a run that may be a mistake, and where to look."""
+"""A finding: something in a run that may be a mistake, and its place."""
 
 from __future__ import annotations
 
@@ -34,16 +34,16 @@ Severity = Literal["warning", "note"]
 
 @dataclass(frozen=True, slots=True)
 class Finding:
-    """What was found.
+    """A likely mistake.
 
     Attributes:
-        kind: What sort of thing.
-        severity: ``warning`` for what is hardly meant, ``note`` for what may well be.
-        span: Where it stands in the program, or None if it is not one place.
-        tick: The first tick of it.
-        message: What was found, one plain sentence.
+        kind: The kind.
+        severity: ``warning`` for what is hardly intended, ``note`` for what may well be.
+        span: Its place in the program, or None if there is no single place.
+        tick: The first tick in which it happened.
+        message: The finding, one plain sentence.
         hint: What to look at, one sentence.
-        others: Further places that have a part in it, the nearest first.
+        others: Related places, the nearest first.
         robot: The robot that it is about, or "".
     """
 

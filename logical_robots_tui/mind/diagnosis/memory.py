@@ -1,4 +1,4 @@
-"""Which fields of memory a program writes, and which texts it compares. In the compile process."""
+"""Memory fields that a program writes, and texts that it compares. In the compile process."""
 
 from __future__ import annotations
 
@@ -26,11 +26,11 @@ _DEEPEST = 8
 def written_fields(
     own: Mapping[str, list[Rule]], functions: frozenset[str], text: str, source: Prepared
 ) -> tuple[list[Field], bool]:
-    """The fields of the records that `Robot` gives for memories, and whether there may be others.
+    """Return the fields of `Robot`'s memory records, and whether there may be others.
 
     Args:
         own: The rules of the program's own predicates.
-        functions: Names of those that have rows only for given arguments.
+        functions: Names of those that need arguments.
         text: The program.
         source: The same, prepared.
     """
@@ -74,7 +74,7 @@ def written_fields(
 def texts_of(
     rules: Iterable[Rule], own: Container[str], text: str, source: Prepared
 ) -> Iterator[Field]:
-    """The texts in some rules that are compared with something, or given to a predicate.
+    """Return the texts in some rules that are compared or passed to a predicate.
 
     Args:
         rules: The rules.
@@ -91,7 +91,7 @@ def texts_of(
 
 
 def _meant_for_something(node: Rule, own: Container[str], *, is_fact: bool) -> Iterator[Rule]:
-    """The values in a node that are to be equal to something else, or a fact."""
+    """Yield the values in a node that are compared with something, or are in a fact."""
     for key in ("call", "predicate"):
         call = node.get(key)
         if isinstance(call, dict) and "record" in call:
@@ -109,7 +109,7 @@ def _meant_for_something(node: Rule, own: Container[str], *, is_fact: bool) -> I
 
 
 def _bound(value: Rule, rule: Rule) -> Rule | None:
-    """What a variable is equal to in a body, if that is the value of an expression."""
+    """Return the expression that a variable is equal to in a body, or None."""
     for part in flat(rule.get("body")):
         pair = part.get("unification")
         if pair is not None and pair["left_hand_side"] == value:

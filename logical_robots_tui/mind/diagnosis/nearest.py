@@ -1,4 +1,4 @@
-"""The nearest miss: which one change of a rule would have given it a row."""
+"""The nearest miss: single changes that would have given a rule a row."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 __all__ = ["Suggestion", "nearest_misses"]
 
 MOST = 5
-"""So many changes are suggested at most."""
+"""The most suggestions."""
 
 _MOST_TRIED = 16
 _ASKED = "NearestMiss"
@@ -36,12 +36,12 @@ _TRUTHS = {"true": True, "false": False}
 
 @dataclass(frozen=True, slots=True)
 class Suggestion:
-    """A change after which a rule would have had a row; it was tried.
+    """A change after which a rule would have had a row; it was tested.
 
     Attributes:
-        text: What was missed, and by how much; one plain sentence.
-        span: What is to be changed.
-        change: What would stand there; "" if nothing.
+        text: What failed, and by how much; one plain sentence.
+        span: The place to change.
+        change: The new text; "" to remove it.
     """
 
     text: str
@@ -62,25 +62,25 @@ def nearest_misses(
     sensor: Literal["own", "all"] = "own",
     stop: threading.Event | None = None,
 ) -> tuple[Suggestion, ...]:
-    """The changes of one place each that would have given a rule a row, the smallest first. Blocks.
+    """Return the single changes that would have given a rule a row, the smallest first. Blocks.
 
     Args:
         program: The program.
         predicate: One of its own predicates.
-        number: Which of its rules, from 0.
-        robot: In whose reasoning.
+        number: The index of the rule, from 0.
+        robot: The robot in whose mind.
         rows: The sensors of the moment, as `Mind.think` takes them.
         memories: The memories of the moment.
-        given: Values of columns that a row is to have, as `Mind.why` takes them.
+        given: Values of columns that a row must have, as `Mind.why` takes them.
         memory: Whose memories a robot sees, as `Mind` takes it.
         sensor: Whose sensors it sees, as `Mind` takes it.
-        stop: Set it from another thread to give up.
+        stop: Set it from another thread to cancel.
 
     Returns:
-        () if the rule gave a row, or if no one change is enough.
+        () if the rule has a row, or if no single change is enough.
 
     Raises:
-        QueryError: The program is too entangled.
+        QueryError: The program is too complex.
         Stopped: `stop` was set.
     """
     checkup = check_up(program, stop=stop)
@@ -99,7 +99,7 @@ def nearest_misses(
 
 @dataclass(frozen=True)
 class _Moment:
-    """Whose moment it is."""
+    """A moment for one robot."""
 
     robot: str
     rows: Sequence[SensorRow]
@@ -108,7 +108,7 @@ class _Moment:
 
 
 class _Nearest:
-    """Looks for changes and tries them."""
+    """Searches for changes and tests them."""
 
     def __init__(
         self,
@@ -141,10 +141,10 @@ class _Nearest:
                 break
         return tuple(found)
 
-    # -- what might be changed -----------------------------------------------------------------
+    # -- candidates ----------------------------------------------------------------------------
 
     def _candidates(self, rule: int) -> Iterator[tuple[float, Suggestion]]:
-        """Changes with how large they are."""
+        """Yield changes with their size."""
         stop = self._stopped(rule)
         if stop is None:
             return
@@ -162,7 +162,7 @@ class _Nearest:
             yield 50.0, Suggestion(f"Without `{stop.span.text}` the rule holds.", stop.span, "")
 
     def _stopped(self, rule: int) -> Site | None:
-        """The part of the rule, or of a function that it asks, that nothing fulfilled."""
+        """Return the first part of the rule, or of a function it calls, that failed."""
         found = asked = None
         for number, site in enumerate(self._checkup.sites):
             count = self._tally.sites[number]
@@ -222,8 +222,8 @@ class _Nearest:
             size = abs(lacks) / (abs(number) or 1)
         except ValueError:
             new, size = f"({limit}) {sign} {more:.6g}", 1.0
-        how = f"{abs(lacks):.4g} {what}" if lacks else "just the limit"
-        said = f"`{site.span.text}` is missed: {site.other} is {how}."
+        how = f"{abs(lacks):.4g} {what}" if lacks else "exactly the limit"
+        said = f"`{site.span.text}` fails: {site.other} is {how}."
         yield min(size, 10.0), Suggestion(said, span, new)
 
     def _of_pair(self, site: Site, count: Count) -> Iterator[tuple[float, Suggestion]]:
@@ -242,7 +242,7 @@ class _Nearest:
                 yield size + 1, Suggestion(said, span, new)
 
     def _fields(self, within: Span) -> Iterator[tuple[float, Suggestion]]:
-        """Fields of memory that are read and not there, and others that are."""
+        """Yield memory fields that are read but missing, with existing ones."""
         memory = self._moment.memories.get(self._moment.robot)
         there = list(map(str, memory)) if isinstance(memory, dict) else []
         for field in self._checkup.reads:
@@ -256,7 +256,7 @@ class _Nearest:
                 yield (0.5 if other == close else 3.0), Suggestion(said, span, other)
 
     def _of_call(self, site: Site) -> Iterator[tuple[float, Suggestion]]:
-        """A call that gave nothing: the same without one column, or with a text that is there."""
+        """Yield changes of a call without rows: without one column, or with a known text."""
         for start, stop in _arguments(self._program.text, site.span):
             argument = self._program.text[start:stop]
             named = _ARGUMENT.fullmatch(argument)
@@ -277,7 +277,7 @@ class _Nearest:
             yield 4.0, Suggestion(said, span, "")
 
     def _known(self, predicate: str, column: str) -> list[Value]:
-        """The values in a column of a predicate, in the robot's reasoning."""
+        """Return the values in a column of a predicate, in the robot's mind."""
         try:
             question = self._program.question(
                 f"{predicate}({column}: value)", stop=self._moment.stop
@@ -293,10 +293,10 @@ class _Nearest:
             question, there.rows, there.memories, viewers=(there.robot,), stop=there.stop
         )
 
-    # -- trying a change -----------------------------------------------------------------------
+    # -- testing a change ---------------------------------------------------------------------
 
     def _works(self, rule: RuleSite, suggestion: Suggestion) -> bool:
-        """Whether the rule has a row after a change."""
+        """Return whether the rule has a row after a change."""
         span, change = suggestion.span, suggestion.change
         text = self._program.text
         if not change and text[span.start : span.stop] != "~":
@@ -329,7 +329,7 @@ class _Nearest:
 
 
 def _unlikeness(text: Value, other: Value) -> float:
-    """How little two values look alike: 0 for the same but for upper case or type."""
+    """Return the dissimilarity of two values: 0 if only case or type differs."""
     one, two = str(text), str(other)
     if one.lower() == two.lower():
         return 0.0
@@ -337,7 +337,7 @@ def _unlikeness(text: Value, other: Value) -> float:
 
 
 def _arguments(text: str, call: Span) -> Iterator[tuple[int, int]]:
-    """Begin and end of the arguments of a call."""
+    """Return begin and end of a call's arguments."""
     start = text.find("(", call.start, call.stop) + 1
     depth, begin, is_quoted = 0, start, False
     for at in range(start, call.stop):
@@ -359,7 +359,7 @@ def _arguments(text: str, call: Span) -> Iterator[tuple[int, int]]:
 
 
 def _with_comma(text: str, span: Span) -> Span:
-    """An argument and the comma after or before it."""
+    """Return an argument and the comma after or before it."""
     stop = span.stop
     while stop < len(text) and text[stop].isspace():
         stop += 1

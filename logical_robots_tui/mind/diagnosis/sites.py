@@ -1,4 +1,4 @@
-"""The places of a program that are watched in a run, as data for the compile process and a mind."""
+"""The watched places of a program, as data for the compile process and a mind."""
 
 from __future__ import annotations
 
@@ -25,24 +25,24 @@ SiteKind = Literal["part", "condition", "branch", "operand", "text", "denial", "
 
 @dataclass(frozen=True, slots=True)
 class Site:
-    """A place that is watched.
+    """A watched place.
 
     Attributes:
-        kind: ``part`` (of a body, that gives rows: a call, an element of a list, alternatives),
-            ``condition`` (of a body), ``denial`` (of a body), ``branch`` (what stands behind
-            ``if``), ``operand`` (of ``&&``, ``||`` or ``!``), ``text`` (given to a function that
-            compares it), ``leaf`` (a value that an ``if`` chooses, or a rule has) or ``value``
-            (what may be null in one; true means that it is).
-        span: Where it stands.
-        rule: Number of the rule that it stands in.
-        literal: The text that it compares with, or None if it is no equation with a text.
-        other: What is compared with that text or, with a number, by ``<`` and the like; or "".
+        kind: ``part`` (of a body, with rows: a call, an element of a list, alternatives),
+            ``condition`` (of a body), ``denial`` (of a body), ``branch`` (the condition of an
+            ``if``), ``operand`` (of ``&&``, ``||`` or ``!``), ``text`` (passed to a function that
+            compares it), ``leaf`` (a value that an ``if`` chooses, or a rule's value) or ``value``
+            (a part that may be null; true means that it is).
+        span: Its place in the text.
+        rule: Number of its rule.
+        literal: The text that it is compared with, or None.
+        other: The expression that is compared with that text or with a number; or "".
         operator: The comparison, ``&&``, ``||`` or "".
-        predicate: What a call calls, or "".
-        within: The predicate made with ``:=`` in whose rules it is watched, or "".
-        places: Where the values in it come from, the nearest places first.
-        stands: Whether it stands in the ``body`` of a rule, in what an ``aggregate`` goes over, or
-            in something that is ``denied``.
+        predicate: The predicate that a call calls, or "".
+        within: The predicate made with ``:=`` whose rules it belongs to, or "".
+        places: Where its values come from, the nearest places first.
+        stands: Whether it is in the ``body`` of a rule, within an ``aggregate``, or
+            within something ``denied``.
     """
 
     kind: SiteKind
@@ -58,23 +58,23 @@ class Site:
 
     @property
     def is_step(self) -> bool:
-        """Whether the rule gives no row when nothing fulfils it."""
+        """Whether the rule has no row if nothing satisfies this."""
         return self.kind in ("part", "condition", "denial") and self.stands == "body"
 
 
 @dataclass(frozen=True, slots=True)
 class RuleSite:
-    """A rule that is watched.
+    """A watched rule.
 
     Attributes:
-        predicate: What it is a rule of.
-        span: Where it stands.
-        is_function: Whether it has rows only for given arguments.
-        is_needed: Whether `Robot` leans on it.
+        predicate: The predicate that it defines.
+        span: Its place in the text.
+        is_function: Whether it needs arguments.
+        is_needed: Whether `Robot` uses it.
         is_fact: Whether it has no body.
-        key: What it says, the same for two that say the same.
-        memory: Where it says what a robot remembers, or None.
-        body: Where its body stands, or None.
+        key: Equal for facts that mean the same.
+        memory: The place of a robot's memory in it, or None.
+        body: The place of its body, or None.
     """
 
     predicate: str
@@ -92,11 +92,11 @@ class Column:
     """A column of a probe's answer.
 
     Attributes:
-        site: Number of the site that it tells of.
-        guard: Columns that must be true, or must not be, for the place to be reached.
-        kind: ``truth``, ``text`` (what is compared with the site's text), ``pair`` (the two sides
-            of an equation) or ``always``: there is no such column, being reached is all that is
-            asked; or ``skip``: it is not asked here.
+        site: Number of its site.
+        guard: Columns that must be true, or must not be, for the site to be reached.
+        kind: ``truth``, ``text`` (the value compared with the site's text), ``pair`` (the two sides
+            of an equation), ``always`` (no column; reaching the site is enough) or ``skip`` (not
+            examined here).
     """
 
     site: int
@@ -106,22 +106,22 @@ class Column:
 
 @dataclass(frozen=True, slots=True)
 class Probe:
-    """A query for the ways in which the beginning of a body holds, counted by truth values.
+    """A query for the ways in which the beginning of a body holds, grouped by boolean values.
 
-    Its columns are c0, c1 ... as far as they are there, and for the right sides of pairs dN; for
-    comparisons of numbers also lN and hN, the least and the greatest difference between the two
-    sides; then ``n``, the number of ways.
+    Its columns are c0, c1 ..., and dN for the right sides of pairs; for comparisons of numbers also
+    lN and hN, the least and the greatest difference between the sides; then ``n``, the number of
+    ways.
 
     Attributes:
         name: Its name.
-        columns: What its columns tell.
-        after: Number of the site, a part, that the rows show to have held, or -1.
-        before: Number of the site, a part, that is reached by the rows, or -1.
+        columns: The meaning of its columns.
+        after: Number of the site, a part, that holds in these rows, or -1.
+        before: Number of the site, a part, that these rows reach, or -1.
         filters: Columns that must be true for `before` to be reached, or the rule to give a row.
-        gives: Number of the rule that gives a row then, or -1.
-        robot: Whether there is a column ``who``, the robot that the row is for.
-        closeness: ``closer`` if it also tells of values, which takes longer; ``wider`` if it is
-            the same without these.
+        gives: Number of the rule that has a row then, or -1.
+        robot: Whether there is a column ``who`` with the robot.
+        closeness: ``closer`` if it includes values, which takes longer; ``wider`` if it is the same
+            without values.
     """
 
     name: str
@@ -136,11 +136,11 @@ class Probe:
 
 @dataclass(frozen=True, slots=True)
 class Field:
-    """A field of memory that is read or written.
+    """A memory field that is read or written.
 
     Attributes:
         name: Its name.
-        span: Where.
+        span: Its place in the text.
     """
 
     name: str
@@ -149,19 +149,19 @@ class Field:
 
 @dataclass(frozen=True, slots=True)
 class Checkup:
-    """A program made ready to be watched.
+    """A program prepared to be watched.
 
     Attributes:
         rules: Its rules.
-        sites: What is watched.
-        probes: What is asked at a tick.
-        program: The same as a program, whose predicates they are.
-        reads: Fields of memory that it reads.
-        writes: Fields of memory that it writes.
-        reads_all: Whether it may read others: it uses a memory as a whole.
-        writes_all: Whether it may write others: it is not seen what it writes.
-        texts: The texts that it compares or has in its facts.
-        left_out: How many probes could not be made.
+        sites: The watched places.
+        probes: The queries for a tick.
+        program: The compiled program that contains the probes.
+        reads: Memory fields that it reads.
+        writes: Memory fields that it writes.
+        reads_all: Whether it may read others, because it uses a memory as a whole.
+        writes_all: Whether it may write others, because its memory is not a plain record.
+        texts: Texts in its comparisons and facts.
+        left_out: The number of probes that could not be made.
     """
 
     rules: tuple[RuleSite, ...]
@@ -179,15 +179,15 @@ class Checkup:
 def check_up(
     program: Program, *, stop: threading.Event | None = None, limits: Limits | None = None
 ) -> Checkup:
-    """Make a program ready to be watched; what was made ready before is at hand. Blocks.
+    """Prepare a program to be watched; results are cached. Blocks.
 
     Args:
         program: The program.
-        stop: Set it from another thread to give up.
-        limits: Bounds on compiling.
+        stop: Set it from another thread to cancel.
+        limits: Limits for compiling.
 
     Raises:
-        QueryError: It is too entangled for that.
+        QueryError: The program is too complex.
         Stopped: `stop` was set.
     """
     functions = [p.name for p in program.predicates if p.is_function]

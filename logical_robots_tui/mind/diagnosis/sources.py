@@ -1,4 +1,4 @@
-"""Where the values in an expression come from, in the text of a program. In the compile process."""
+"""Where the values of an expression come from in a program's text. In the compile process."""
 
 from __future__ import annotations
 
@@ -36,10 +36,10 @@ class Sources:
         self._text, self._source, self._own = text, source, own
 
     def of(self, tree: Any, rule: Rule) -> tuple[Span, ...]:
-        """Where the values in an expression of a rule come from, the nearest places first.
+        """Return where the values in an expression of a rule come from, the nearest places first.
 
-        Those are what its variables are equal to, and the rules of the predicates that give
-        variables their values or that it calls; and then where the values in these come from.
+        These are the expressions equal to its variables, and the rules of the predicates that bind
+        them or that it calls; then recursively the places for the values in these.
         """
         found: dict[int, Span] = {}
         seen: set[tuple[int, str]] = set()
@@ -58,7 +58,7 @@ class Sources:
     def _next(
         self, tree: Any, rule: Rule, seen: set[tuple[int, str]]
     ) -> Iterator[tuple[Any, Any, Rule]]:
-        """Places one step away: what to show, what to go on with, and the rule it stands in."""
+        """Yield places one step away: what to show, what to continue with, and its rule."""
         for name in dict.fromkeys(map(str, called(tree))):
             yield from self._rules(name, seen)
         for variable in sorted(names(tree, inside=True)):
@@ -76,7 +76,7 @@ class Sources:
                     yield from self._rules(str(part["predicate"]["predicate_name"]), seen)
 
     def _rules(self, name: str, seen: set[tuple[int, str]]) -> Iterator[tuple[Any, Any, Rule]]:
-        """The rules of a predicate, but its facts."""
+        """Return the rules of a predicate except facts."""
         if (0, name) in seen:
             return
         seen.add((0, name))
@@ -89,6 +89,6 @@ class Sources:
 
 
 def _given_by(part: Rule) -> frozenset[str]:
-    """The variables that a call in a body may give their values."""
+    """Return the variables that a call in a body may bind."""
     call = part.get("predicate")
     return names(call) if isinstance(call, dict) and "record" in call else frozenset()

@@ -19,27 +19,27 @@ if TYPE_CHECKING:
 
 __all__ = ["rule_findings", "shortened"]
 
-_LONGEST = 60  # characters of the program that are quoted
+_LONGEST = 60  # characters in a quotation
 _MOST_LISTED = 4  # values
 
 
 def rule_findings(tally: Tally, *, won: bool) -> list[Finding]:
-    """Findings about rules and conditions, the most telling first.
+    """Return findings about rules and conditions, the most significant first.
 
     Args:
-        tally: What was counted in the run.
-        won: Whether the run was won: then what never happened was hardly needed.
+        tally: The statistics of the run.
+        won: Whether the run was won, so that what never happened was hardly needed.
     """
-    return list(_Teller(tally, won=won).findings())
+    return list(_Reporter(tally, won=won).findings())
 
 
 def shortened(text: str) -> str:
-    """A piece of a program, short enough for a message."""
+    """Return a piece of a program, shortened for a message."""
     return text if len(text) <= _LONGEST else f"{text[: _LONGEST - 3]}..."
 
 
-class _Teller:
-    """Makes findings of counts."""
+class _Reporter:
+    """Turns statistics into findings."""
 
     def __init__(self, tally: Tally, *, won: bool) -> None:
         self._tally = tally
@@ -70,13 +70,13 @@ class _Teller:
                     site,
                     count,
                     f"{_quoted(site)} was never false{_in(site)}.",
-                    "Whatever it is to keep out never came; is it the right comparison?",
+                    "It never excluded anything; is it the right comparison?",
                 )
 
     # -- rules ---------------------------------------------------------------------------------
 
     def _silent(self) -> dict[int, int | None]:
-        """Rules that never gave a row, each with the site at which that ended."""
+        """Return rules without rows, each with the site at which they failed."""
         silent = {}
         for number, rule in enumerate(self._checkup.rules):
             count = self._tally.rules[number]
@@ -85,7 +85,7 @@ class _Teller:
         return silent
 
     def _stopped(self, rule: int) -> int | None:
-        """The last site of a rule's body that was reached and never passed."""
+        """Return the last site of a rule's body that was reached and never passed."""
         found = None
         for number, site in enumerate(self._checkup.sites):
             if site.rule == rule and site.is_step:
@@ -112,7 +112,7 @@ class _Teller:
                 "note",
                 rule.span,
                 self._tally.ticks[0],
-                f"This rule of {rule.predicate} never gave a row, for {site.predicate} has none.",
+                f"This rule of {rule.predicate} never had a row; {site.predicate} has none.",
                 f"Look at {site.predicate} first.",
                 (site.span,),
             )
@@ -122,15 +122,15 @@ class _Teller:
             self._severity,
             site.span,
             count.reached or self._tally.ticks[0],
-            f"The rule of {rule.predicate} in line {rule.span.line} never gave a row: {reason}",
-            "If it should have, look at what this compares or asks for.",
+            f"The rule of {rule.predicate} in line {rule.span.line} never had a row: {reason}",
+            "If it should have, check this condition.",
             (rule.span, *site.places),
         )
 
     # -- sites ---------------------------------------------------------------------------------
 
     def _of_text(self, number: int, site: Site) -> Finding | None:
-        """A finding about a text that was never met."""
+        """Return a finding about a text that never occurred."""
         count = self._tally.sites[number]
         if site.literal is None or count.reached is None or count.true is not None:
             return None
@@ -138,13 +138,13 @@ class _Teller:
             return None
         self._said.add(number)
         close = _alike(site.literal, count.left)
-        hint = f"Is {_value(close)} meant?" if close else f"It was {_listed(count.left)}."
+        hint = f"Did you mean {_value(close)}?" if close else f"It was {_listed(count.left)}."
         message = f'{shortened(site.other)} was never "{site.literal}"{_in(site)}.'
         severity: Severity = "warning" if close else self._severity
         return self._finding("never true", severity, site, count, message, hint)
 
     def _of_site(self, number: int, site: Site) -> Finding | None:
-        """A finding about a condition that was never true."""
+        """Return a finding about a condition that was never true."""
         count = self._tally.sites[number]
         if (
             count.reached is None
@@ -155,22 +155,22 @@ class _Teller:
         if site.kind == "part" and site.predicate in ("", "Sensor", "Memory"):
             return None
         if site.kind == "part" and site.stands == "denied":
-            return None  # told of where it is denied
+            return None  # reported where it is negated
         self._said.add(number)
         if self._is_explained(site):
             return None
         is_null = site.kind in TESTS and count.false is None
         what: FindingKind = "always null" if is_null else "never true"
         reason = self._why_not(site, count)
-        hint = "Look at what it compares."
+        hint = "Check what it compares."
         if is_null:
-            hint = "Something in it has no value: no such field, or nothing to choose from."
+            hint = "Part of it has no value: a missing field, or an aggregate of nothing."
         return self._finding(
             what, self._severity, site, count, reason[0].upper() + reason[1:], hint
         )
 
     def _is_explained(self, whole: Site) -> bool:
-        """Whether one of the operands of ``&&`` was never true, so that the whole never was."""
+        """Return whether an operand of ``&&`` was never true, which explains the whole."""
         if whole.operator != "&&":
             return False
         inner = [
@@ -214,7 +214,7 @@ class _Teller:
 
 
 def _holds_in(whole: Span, part: Span) -> bool:
-    """Whether a place is a part of another one, and not all of it."""
+    """Return whether a place is a proper part of another one."""
     return (
         whole.start <= part.start
         and part.stop <= whole.stop
@@ -231,7 +231,7 @@ def _in(site: Site) -> str:
 
 
 def _missed(site: Site, count: Count) -> str:
-    """By how much a comparison was missed."""
+    """Return by how much a comparison failed."""
     lacks = None
     if site.operator in ("<", "<="):
         lacks, what = count.least, "too much"
@@ -240,7 +240,7 @@ def _missed(site: Site, count: Count) -> str:
     if lacks is None:
         return ""
     if not lacks:
-        return f"; at best {shortened(site.other)} was just the limit"
+        return f"; at best {shortened(site.other)} was exactly the limit"
     return f"; at best {shortened(site.other)} was {abs(lacks):.4g} {what}"
 
 
@@ -258,7 +258,7 @@ def _listed(values: Iterable[Value]) -> str:
 
 
 def _alike(text: str, values: Iterable[Value]) -> str:
-    """The text among some values that another one is probably a misspelling of, or ""."""
+    """Return the text among some values that another one probably misspells, or ""."""
     texts = [value for value in values if isinstance(value, str) and value]
     by_case = (value for value in texts if value.lower() == text.lower())
     near = (v for v in texts if distance(v.lower(), text.lower()) <= (2 if len(text) > 5 else 1))

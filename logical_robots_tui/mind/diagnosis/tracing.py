@@ -1,4 +1,4 @@
-"""Queries for all that a rule does: its parts, its conditions, the functions that it asks.
+"""Queries for everything that a rule does: its parts, its conditions, the functions that it calls.
 
 In the compile process.
 """
@@ -37,18 +37,18 @@ if TYPE_CHECKING:
 __all__ = ["Tracer"]
 
 _LEAVES = ("desire", VALUE)
-"""Columns of which is watched where an ``if`` takes their values from."""
+"""Columns whose ``if`` branches are watched."""
 
 
 class Tracer(ValueTracing):
-    """Goes through rules, part by part."""
+    """Traces rules part by part."""
 
     def rule(self, rule: Rule, *, tells_robot: bool) -> None:
         """Trace a rule that has rows of its own.
 
         Args:
-            rule: As it was parsed.
-            tells_robot: Whether to tell for which robot it gives a row.
+            rule: The rule as parsed.
+            tells_robot: Whether to include the robot that a row is for.
         """
         columns = {fv["field"]: fv["value"] for fv in rule["head"]["record"]["field_value"]}
         head = {column_name(f): v.get("expression") for f, v in columns.items()}
@@ -85,7 +85,7 @@ class Tracer(ValueTracing):
         self._emit(at.trail, gives=number, who=filled(who, at.given) if who else None)
 
     def _parts(self, parts: Sequence[Rule], at: At) -> At | None:
-        """Go through the parts of a body; None if some can never be asked."""
+        """Trace the parts of a body; return None if some can never be evaluated."""
         ordered, left = in_order(parts, at.scope, at.known)
         for part, known in ordered:
             at = self._part(part, at, known)
@@ -125,7 +125,7 @@ class Tracer(ValueTracing):
         return replace(self._next(at, site, filled(part, at.given)), known=known)
 
     def _in_part(self, part: Rule, at: At) -> None:
-        """What stands within a part that gives rows."""
+        """Trace what is inside a part with rows."""
         if "disjunction" in part:
             for branch in part["disjunction"]["disjunct"]:
                 self._aside(flat(branch), at, at.scope, at.given, ())
@@ -139,7 +139,7 @@ class Tracer(ValueTracing):
                 self._value(value, at)
 
     def _next(self, at: At, site: int, part: Rule) -> At:
-        """After a part that gives rows."""
+        """Continue after a part with rows."""
         trail = at.trail
         body = [*self._all_of(at), part]
         self._emit(trail, before=site)
@@ -156,7 +156,7 @@ class Tracer(ValueTracing):
         values: Sequence[tuple[Rule, bool]],
         **changed: Any,
     ) -> None:
-        """Go through a body that stands within an expression or a part, and what is made of it."""
+        """Trace a body inside an expression or a part."""
         trail = Trail(Segment(self._all_of(at)))
         within = replace(at, trail=trail, scope=scope, given=given, guard=(), **changed)
         done = self._parts(parts, within)
@@ -170,7 +170,7 @@ class Tracer(ValueTracing):
                 del self.probes[name]
 
     def _asked(self, name: str, call: Rule, at: At) -> tuple[Rule, At] | None:
-        """The one rule of a function that stands as a condition, and a place in it."""
+        """Return the only rule of a function that is used as a condition, and a place in it."""
         rules = self._own.get(name, [])
         if len(rules) != 1 or name in at.inside or head_value(rules[0]) is not None:
             return None
@@ -187,7 +187,7 @@ class Tracer(ValueTracing):
         return bool(name) and not is_call and not self._relations(part)
 
     def _bound(self, part: Rule, known: frozenset[str]) -> tuple[str, Rule] | None:
-        """The variable that a part gives a value, and the value; or None."""
+        """Return the variable that a part binds, and its value; or None."""
         pair = equated(part)
         if pair is None:
             return None
@@ -207,6 +207,6 @@ class Tracer(ValueTracing):
             self._memories.add(self._called(name, at))
 
     def _relations(self, tree: Any) -> list[Rule]:
-        """The calls in a tree of predicates that may have no row, outside of aggregates."""
+        """Yield the calls in a tree of predicates that may have no row, outside aggregates."""
         own = self._own.keys() - self._functions
         return list(outer_calls(tree, own))

@@ -1,7 +1,7 @@
-"""The conditions in an expression, and what the functions in it do. In the compile process.
+"""Conditions in expressions and in the functions that they call. In the compile process.
 
-What a function does depends on what it is given. So its conditions are looked at where it is
-asked, with the arguments in the place of its parameters.
+What a function does depends on its arguments. So its conditions are watched at each call, with the
+arguments in place of its parameters.
 """
 
 from __future__ import annotations
@@ -33,20 +33,20 @@ if TYPE_CHECKING:
 
 __all__ = ["ValueTracing", "head_value"]
 
-_DEEPEST = 8  # functions in functions
+_DEEPEST = 8  # nesting of functions
 _NOT_VALUES = frozenset({"TryCast"})  # the second argument is a type
 
 
 class ValueTracing(Watching):
-    """Watches what expressions do; bodies are gone through by who extends it."""
+    """Watches expressions; subclasses trace bodies."""
 
     def _value(self, tree: Rule, at: At, *, is_leaf: bool = False) -> None:
-        """What is in an expression that is computed at a place.
+        """Trace an expression that is computed at a place.
 
         Args:
             tree: The expression.
             at: The place.
-            is_leaf: Whether to watch which value it takes where an ``if`` chooses.
+            is_leaf: Whether to watch which value an ``if`` chooses.
         """
         if "implication" in tree:
             for branch in tree["implication"]["if_then"]:
@@ -61,7 +61,7 @@ class ValueTracing(Watching):
         name = str(call.get("predicate_name", ""))
         if is_leaf and "literal" not in tree:
             self._nulls(tree, at)
-            # What a predicate with rows gives is watched in its own rules.
+            # A predicate with rows is watched in its own rules.
             told = {"places": ()} if name in self._own and name not in self._functions else {}
             self._add(at, self._site("leaf", tree, at, **told), (), "always")
         if name in CONDITIONS:
@@ -88,7 +88,7 @@ class ValueTracing(Watching):
             self.reads_all = True
 
     def _nulls(self, tree: Rule, at: At) -> None:
-        """Watch whether what a leaf is computed from is null."""
+        """Watch whether the values that a leaf is computed from are null."""
         waiting = [tree]
         while waiting:
             node = waiting.pop(0)
@@ -102,7 +102,7 @@ class ValueTracing(Watching):
                 waiting += operands(node["call"])
 
     def _truth(self, condition: Rule, at: At, kind: Any) -> int:
-        """Watch a condition; returns its column, or -1 if there are too many."""
+        """Watch a condition; return its column, or -1 if there are too many."""
         call = condition.get("call", {})
         name = str(call.get("predicate_name", ""))
         found = compared(condition)
@@ -151,7 +151,7 @@ class ValueTracing(Watching):
         return column
 
     def _combine(self, combine: Rule, at: At) -> None:
-        """What an aggregate goes over."""
+        """Trace the body of an aggregate."""
         inner = flat(combine.get("body"))
         (column,) = combine["head"]["record"]["field_value"]
         argument = column["value"].get("aggregation", {}).get("argument")
@@ -168,7 +168,7 @@ class ValueTracing(Watching):
         self._aside(inner, at, scope, given, values, stands=stands)
 
     def _function(self, name: str, call: Rule, at: At, *, is_leaf: bool) -> None:
-        """What a function does with what it is given."""
+        """Trace a function with its arguments."""
         if name in at.inside or len(at.inside) >= _DEEPEST:
             return
         for rule in self._own.get(name, ()):
@@ -183,7 +183,7 @@ class ValueTracing(Watching):
                 self._value(value, found, is_leaf=is_leaf)
 
     def _read(self, subscript: Rule, at: At) -> None:
-        """A field that is taken from a record."""
+        """Note a field that is read from a record."""
         record = subscript["record"]
         base = filled(record, at.given)
         while str(base.get("call", {}).get("predicate_name", "")) in ("TryCast", "Coalesce"):
@@ -197,7 +197,7 @@ class ValueTracing(Watching):
             self._value(record, at)
 
     def _entered(self, rule: Rule, name: str, call: Rule, at: At) -> At | None:
-        """The place at the beginning of a function's rule that is asked at another place."""
+        """Return the place at the beginning of the rule of a function that is called."""
         expected = parameters(rule)
         values = {column_name(fv["field"]): value_of(fv) for fv in call["record"]["field_value"]}
         if expected is None or id(rule) not in self._numbers:
@@ -235,11 +235,11 @@ class ValueTracing(Watching):
         values: Sequence[tuple[Rule, bool]],
         **changed: Any,
     ) -> None:
-        """Go through a body that stands within an expression or a part, and what is made of it."""
+        """Trace a body inside an expression or a part."""
         raise NotImplementedError
 
 
 def head_value(rule: Rule) -> Rule | None:
-    """The expression for the value of a function, or None."""
+    """Return the expression for the value of a function, or None."""
     columns = rule["head"]["record"]["field_value"]
     return next((value_of(column) for column in columns if column["field"] == VALUE), None)

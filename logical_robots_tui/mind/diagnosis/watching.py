@@ -1,4 +1,4 @@
-"""Sites and the predicates that are asked for them, collected. In the compile process."""
+"""Collecting sites, and the predicates that query them. In the compile process."""
 
 from __future__ import annotations
 
@@ -21,12 +21,12 @@ if TYPE_CHECKING:
 __all__ = ["PROBE", "At", "Segment", "Stands", "Trail", "Watching"]
 
 PROBE = "DiagnosisProbe"
-"""What the names of the predicates begin with that are made to be asked."""
+"""The prefix of the generated predicates."""
 
 _MOST_COLUMNS = 90  # of a probe; SQLite allows 100
 
 _EXPLAINED = (*TESTS, "leaf")
-"""Sites of these kinds say where the values in them come from."""
+"""Kinds of sites that record where their values come from."""
 
 Stands: TypeAlias = Literal["body", "aggregate", "denied"]
 Guard: TypeAlias = tuple[tuple[int, bool], ...]
@@ -34,14 +34,14 @@ Guard: TypeAlias = tuple[tuple[int, bool], ...]
 
 @dataclass
 class Segment:
-    """What is asked at once: a body up to a part that gives rows, and what is tested there.
+    """A body up to a part with rows, and the tests there: the content of one query.
 
     Attributes:
-        body: What all rows fulfil.
-        columns: What is tested.
-        trees: The same as conditions.
-        asked: By column what is asked in the query.
-        differences: By column the difference of the two sides that it compares.
+        body: Conditions that all rows satisfy.
+        columns: The tests.
+        trees: The tests as conditions.
+        asked: For each column, its expression in the query.
+        differences: For each column, the difference of the two compared sides.
         after: Number of the site of the part at its end, or -1.
     """
 
@@ -55,12 +55,12 @@ class Segment:
 
 @dataclass
 class Trail:
-    """How far a body has been gone through; changes on the way.
+    """The progress of tracing a body; mutable.
 
     Attributes:
-        segment: The present one.
+        segment: The current one.
         filters: Its columns that must be true.
-        probes: Names of those that were made.
+        probes: Names of the generated probes.
     """
 
     segment: Segment
@@ -73,14 +73,14 @@ class At:
     """Where an expression is computed.
 
     Attributes:
-        trail: The body around it.
-        rule: Number of the rule that it is written in.
+        trail: The enclosing body.
+        rule: Number of the enclosing rule.
         scope: Its variables.
-        known: Those that have a value.
-        given: By variable what it stands for in the query.
-        guard: What holds there beside the filters.
-        inside: Names of the functions that it is in.
-        stands: Whether that is in the body of a rule, an aggregate or something that is denied.
+        known: The bound variables.
+        given: What each variable stands for in the query.
+        guard: What holds there besides the filters.
+        inside: Names of the enclosing functions.
+        stands: Whether it is in the body of a rule, in an aggregate or in a negation.
     """
 
     trail: Trail
@@ -93,7 +93,7 @@ class At:
     stands: Stands = "body"
 
     def when(self, column: int, *, holds: bool) -> At:
-        """The same where a column is true, or is not."""
+        """Return the same place where a column is true, or is not."""
         return replace(self, guard=(*self.guard, (column, holds)))
 
 
@@ -104,16 +104,16 @@ class Watching:
         text: The program.
         source: The same, prepared.
         own: The rules of the program's own predicates.
-        functions: Names of those that have rows only for given arguments.
-        rules: All of these rules; their places here are their numbers.
+        functions: Names of those that need arguments.
+        rules: All these rules, by number.
 
     Attributes:
-        sites: What is watched.
-        probes: By name the rule of a predicate to be asked, and what it tells.
-        reads: Fields of memory that are read.
+        sites: The watched places.
+        probes: For each generated predicate its rule, and the meaning of its rows.
+        reads: Memory fields that are read.
         reads_all: Whether a memory is used as a whole.
-        left_out: How much there was too much of.
-        within: The predicate made with ``:=`` in whose rules is looked, or "".
+        left_out: The number of probes beyond the limits.
+        within: The predicate made with ``:=`` whose rules are traced, or "".
     """
 
     def __init__(
@@ -140,7 +140,7 @@ class Watching:
         self._fresh = 0
 
     def _all_of(self, at: At) -> list[Rule]:
-        """All that holds at a place, as parts of a body."""
+        """Return everything that holds at a place, as parts of a body."""
         segment = at.trail.segment
         guard = [as_part(filled(segment.trees[c], {}), holds=holds) for c, holds in at.guard]
         return [*segment.body, *guard]
@@ -152,7 +152,7 @@ class Watching:
         )
 
     def _called(self, name: str, at: At) -> str:
-        """What a variable is called in the query, if it is a variable there."""
+        """Return a variable's name in the query, or ""."""
         value = at.given.get(name)
         return name if value is None else str(value.get("variable", {}).get("var_name", ""))
 
@@ -164,7 +164,7 @@ class Watching:
         return span_of(tree, self._text, self._source)
 
     def _site(self, kind: Any, tree: Any, at: At, **told: Any) -> int:
-        """The number of a site, the same whenever the place is the same."""
+        """Return the number of a site, the same for the same place."""
         span = self._span(tree)
         key = (kind, span.start, span.stop, self.within)
         if key not in self._known_sites:
@@ -183,7 +183,7 @@ class Watching:
         kind: Any,
         condition: Rule | None = None,
     ) -> int:
-        """Add a column to what is asked at a place; -1 if there are too many."""
+        """Add a column to the query at a place; return -1 if there are too many."""
         segment = at.trail.segment
         number = len(segment.columns)
         if self._width(segment) + 4 > _MOST_COLUMNS:
@@ -196,13 +196,13 @@ class Watching:
         return number
 
     def _width(self, segment: Segment) -> int:
-        """How many columns the query of a segment has."""
+        """Return the number of columns of a segment's query."""
         return 2 + 2 * len(segment.differences) + sum(map(len, segment.asked.values()))
 
     def _emit(
         self, trail: Trail, before: int = -1, gives: int = -1, who: Rule | None = None
     ) -> None:
-        """Make the predicate that asks what is to be known of a segment."""
+        """Generate the predicate that queries a segment."""
         segment = trail.segment
         if not segment.body and not segment.columns and gives < 0:
             return

@@ -1,1 +1,1 @@
-"""The rows of a moment in SQLite, and what a program may compute there."""
+"""The rows of a moment in SQLite, and the functions that programs may use there."""

@@ -1,4 +1,4 @@
-"""What the SQL of a program may mention."""
+"""The tables and functions that a program's SQL may use."""
 
 from __future__ import annotations
 
@@ -109,8 +109,8 @@ BUILT_IN = frozenset(
 )
 """SQLite's own functions that may be called.
 
-Left out is what reaches beyond the query (``load_extension``, ``readfile``), what tells of the
-machine (``random``, ``date``, ``sqlite_version``), and what only makes large values out of
-nothing (``randomblob``, ``zeroblob``, ``hex``). Those that can take very long in a single call
-are replaced by functions of our own.
+Excluded are functions that reach beyond the query (``load_extension``, ``readfile``), reveal the
+machine (``random``, ``date``, ``sqlite_version``), or only create large values (``randomblob``,
+``zeroblob``, ``hex``). Functions that can take very long in a single call are replaced by our
+own.
 """

@@ -1,4 +1,4 @@
-"""What keeps each single call of a function short, whatever it is given."""
+"""Limits that keep each single function call short."""
 
 from __future__ import annotations
 
@@ -25,37 +25,37 @@ __all__ = [
 ]
 
 MAX_ITEMS = 20_000
-"""Items and fields of all lists and records in a value that a function takes apart."""
+"""Most items and fields of all lists and records in a value that a function parses."""
 
 MAX_RANGE = 100_000
-"""Numbers of a range."""
+"""Most numbers in a range."""
 
-_MAX_COLLECTED = 100_000  # items and fields of all that an aggregate collects
+_MAX_COLLECTED = 100_000  # items and fields of everything that an aggregate collects
 
 MAX_TEXT = 2_000_000
-"""Characters of a text that a function builds; SQLite bounds the bytes of it once more."""
+"""Most characters of a text that a function builds; SQLite also limits the bytes."""
 
 _SHORT = 2 * MAX_ITEMS  # a shorter text can't hold more than MAX_ITEMS items
 
 
 class TooLargeError(OverflowError):
-    """A value is larger than a function may take or make; SQLite reports it as too big."""
+    """A value is larger than a function accepts or returns; SQLite reports it as too big."""
 
 
 def check_items(count: float, most: int = MAX_ITEMS) -> None:
-    """Raise TooLargeError if a list would have too many items."""
+    """Raise TooLargeError if a list has too many items."""
     if count > most:
         raise TooLargeError(f"a list of {count:,} items")
 
 
 def check_text(length: int) -> None:
-    """Raise TooLargeError if a text would be too long."""
+    """Raise TooLargeError if a text is too long."""
     if length > MAX_TEXT:
         raise TooLargeError(f"a text of {length:,} characters")
 
 
 def counted(function: Callable[..., Any], work: Work) -> Callable[..., Any]:
-    """A function whose calls, and the characters that pass through them, are steps of some work."""
+    """Return a function whose calls and characters count as steps of some work."""
 
     def counted_function(*arguments: Any) -> Any:
         steps = STEPS_OF_A_CALL
@@ -63,41 +63,37 @@ def counted(function: Callable[..., Any], work: Work) -> Callable[..., Any]:
             if argument.__class__ is str:
                 steps += len(argument)
         work.steps -= steps
-        if work.is_over:
-            raise TooLargeError("the thought is to end")
+        if work.halted or work.steps < 0:
+            raise TooLargeError("the think was halted")
         return function(*arguments)
 
     return counted_function
 
 
-def guarded(
-    function: Callable[..., Any], work: Work | None, *, null_safe: bool
-) -> Callable[..., Any]:
-    """A function that ends when the work does and refuses lists that would take it long.
+def guarded(function: Callable[..., Any], work: Work, *, null_safe: bool) -> Callable[..., Any]:
+    """Return a function that stops when the work is halted, and refuses lists that would take long.
 
-    Its calls and the characters that pass through it count as steps of the work.
+    Its calls and the characters of its arguments and result count as steps of the work.
 
     Args:
-        function: Python function of SQLite values.
-        work: What it is part of, if that can be halted.
+        function: A Python function of SQLite values.
+        work: The work that it belongs to.
         null_safe: Whether null arguments give null without a call.
     """
 
     def guarded_function(*arguments: Any) -> Any:
         steps = STEPS_OF_A_CALL
         for argument in arguments:
-            if argument is None:
-                if null_safe:
-                    return None
-            elif argument.__class__ is str:
-                steps += len(argument)
-                if len(argument) > _SHORT:
+            if argument.__class__ is str:
+                length = len(argument)
+                steps += length
+                if length > _SHORT:
                     check_long(argument)
-        if work is None:
-            return function(*arguments)
+            elif argument is None and null_safe:
+                return None
         work.steps -= steps
         if work.halted or work.steps < 0:
-            raise TooLargeError("the thought is to end")
+            raise TooLargeError("the think was halted")
         result = function(*arguments)
         if result.__class__ is str:
             work.steps -= len(result)
@@ -107,13 +103,13 @@ def guarded(
 
 
 def check_long(text: str) -> None:
-    """Raise TooLargeError if a text, or the list or record that it spells, is too large."""
+    """Raise TooLargeError if a text, or the list or record in it, is too large."""
     check_text(len(text))
     check_items(_size(text))
 
 
 class Room:
-    """How much an aggregate may still collect."""
+    """The remaining capacity of an aggregate."""
 
     __slots__ = ("_characters", "_items", "_size")
 
@@ -123,7 +119,7 @@ class Room:
         self._characters = 0
 
     def take(self, value: Any, items: int = 1) -> None:
-        """Count a value, raising TooLargeError if it is too much."""
+        """Count a value; raise TooLargeError if it is too much."""
         self._items += items
         self._size += items
         check_items(self._items)
@@ -135,7 +131,7 @@ class Room:
 
 
 def _size(text: str) -> int:
-    """At least as many as the items and fields of all lists and records that a text spells."""
+    """Return an upper bound for the items and fields of all lists and records in a text."""
     if text.lstrip()[:1] not in ("[", "{"):
         return 0
     return text.count(",") + text.count("[") + text.count("{")

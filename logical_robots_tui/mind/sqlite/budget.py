@@ -1,4 +1,4 @@
-"""Bounding work: steps decide when a query ends, and a thread guards whoever waits for it."""
+"""Limiting work: steps decide when a query ends, and a thread enforces a time limit."""
 
 from __future__ import annotations
 
@@ -13,27 +13,27 @@ if TYPE_CHECKING:
 __all__ = ["STEPS_AT_ONCE", "STEPS_OF_A_CALL", "Budget", "Work"]
 
 STEPS_AT_ONCE = 20_000
-"""Steps of SQLite's virtual machine that are counted together: a fifth of a millisecond or more."""
+"""Steps of SQLite's virtual machine between two counts: a fifth of a millisecond or more."""
 
 STEPS_OF_A_CALL = 10
-"""What a call of a function of ours counts for, and one more for each character."""
+"""Steps that a call of one of our functions counts; each character counts one more."""
 
-_UNCOUNTED = 2**62  # steps of what we do ourselves
+_UNCOUNTED = 2**62  # for our own statements
 _LOOK_SECONDS = 0.02
-_QUIET_LOOKS = 50  # the thread goes to sleep when it has seen nothing to do for this long
+_QUIET_LOOKS = 50  # idle looks before the thread goes to sleep
 
 
 class Budget:
-    """What several evaluations may use up together.
+    """A budget shared by several evaluations.
 
-    The steps are the same on every machine, at every load. The seconds are a guard only.
+    Steps are the same on every machine under any load. The seconds are only a safeguard.
 
     Args:
-        steps: Of SQLite's virtual machine, with calls of functions and characters counted in.
-        seconds: Of a processor that this process may take meanwhile.
+        steps: Steps of SQLite's virtual machine, including function calls and characters.
+        seconds: Processor seconds of this process.
 
     Attributes:
-        steps: How many are left; negative when it took too many.
+        steps: Steps left; negative if it took too many.
         is_late: Whether the seconds ended it.
     """
 
@@ -46,14 +46,14 @@ class Budget:
 
 
 class Work:
-    """Something that can be under way, and be halted from outside.
+    """Work that can be halted from outside.
 
     Args:
-        halt: Ends the work; called in another thread, again and again until the work has ended.
+        halt: Ends the work; called in another thread repeatedly until the work has ended.
 
     Attributes:
-        steps: How many are left to it.
-        halted: Whether the work was told to end since it last began.
+        steps: Steps left.
+        halted: Whether the work was told to end since it began.
     """
 
     __slots__ = ("_budget", "_halt", "_stop", "halted", "steps")
@@ -69,8 +69,8 @@ class Work:
         """Start watching.
 
         Args:
-            budget: What it may use up.
-            stop: Halts the work when it is set.
+            budget: Its budget.
+            stop: Halts the work when set.
         """
         self._budget = budget
         self._stop = stop
@@ -79,27 +79,27 @@ class Work:
         _watcher.add(self)
 
     def end(self) -> None:
-        """Stop watching; when this returns, the work is not halted any more."""
+        """Stop watching; afterwards the work is not halted any more."""
         _watcher.remove(self)
         self._budget.steps, self.steps = self.steps, _UNCOUNTED
 
     @property
     def stopped(self) -> bool:
-        """Whether somebody asked for the end, as opposed to the budget being used up."""
+        """Return whether the caller halted it, as opposed to the budget being used up."""
         return self._stop is not None and self._stop.is_set()
 
     @property
     def is_over(self) -> bool:
-        """Whether the work is to end, or used up its steps."""
+        """Return whether the work was halted or has used up its steps."""
         return self.halted or self.steps < 0
 
     def count(self) -> bool:
-        """Count some steps of the virtual machine, and say whether it is to end."""
+        """Count some steps of the virtual machine, and return whether to end."""
         self.steps -= STEPS_AT_ONCE
         return self.steps < 0
 
     def look(self, seconds: float) -> None:
-        """Halt the work if that is due, so many seconds of a processor after the last look."""
+        """Halt the work if due, so many processor seconds after the last look."""
         self._budget.seconds -= seconds
         if self._budget.seconds < 0:
             self._budget.is_late = True
@@ -109,13 +109,13 @@ class Work:
 
 
 class _Watcher:
-    """The thread and what it looks after."""
+    """The watching thread and the work that it watches."""
 
     def __init__(self) -> None:
-        self.start_anew()
+        self.reset()
 
-    def start_anew(self) -> None:
-        """Forget the thread and all work, as a fork must: it has the lock but not the thread."""
+    def reset(self) -> None:
+        """Forget the thread and all work after a fork, which copies the lock but not the thread."""
         self._works: set[Work] = set()
         self._lock = threading.Lock()
         self._awake = threading.Event()
@@ -166,4 +166,4 @@ class _Watcher:
 
 
 _watcher = _Watcher()
-os.register_at_fork(after_in_child=_watcher.start_anew)
+os.register_at_fork(after_in_child=_watcher.reset)

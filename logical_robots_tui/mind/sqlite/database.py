@@ -1,4 +1,4 @@
-"""The database of a mind: in memory, its own tables, listed functions, nothing else."""
+"""A mind's database: in memory, with its own tables and listed functions only."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from logical_robots_tui.mind.sqlite.bounds import MAX_ITEMS, counted
 from logical_robots_tui.mind.sqlite.budget import STEPS_AT_ONCE, Work
 from logical_robots_tui.mind.sqlite.functions import registry
 from logical_robots_tui.mind.sqlite.layouts import PLAIN_LAYOUT
-from logical_robots_tui.mind.sqlite.moment import Within
+from logical_robots_tui.mind.sqlite.moment import LONG, Within
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Sequence
@@ -34,7 +34,7 @@ Answer: TypeAlias = "tuple[tuple[str, ...], Sequence[tuple[Any, ...]]]"
 """Column names and rows."""
 
 Scalar: TypeAlias = int | float | str | None
-"""A value as it stands in a table."""
+"""A value as stored in a table."""
 
 _ALLOWED_ACTIONS = frozenset({sqlite3.SQLITE_SELECT, sqlite3.SQLITE_RECURSIVE})
 
@@ -52,27 +52,29 @@ _SQLITE_LIMITS = {
     sqlite3.SQLITE_LIMIT_WORKER_THREADS: 0,
 }
 
+_MANY = 100  # rows from which on it may take a while to read them
+
 _DELETE = "DELETE FROM "
 
-_HALTED_LENGTH = 30  # no text longer than this can be made by a query that is to end
+_HALTED_LENGTH = 30  # longest text that a halted query can still make
 
 
 class TooSlowError(Exception):
-    """A query took more steps than it may, or, by the guard, too long."""
+    """A query took too many steps, or, by the time limit, too long."""
 
 
 class TooMuchError(Exception):
-    """A query needs more memory, or gives more, than it may; the message says which."""
+    """A query needs or returns more memory than allowed; the message says which."""
 
 
 class Database:
     """A private in-memory SQLite with the tables of a layout.
 
-    Use it in one thread at a time.
+    Use it from one thread at a time.
 
     Args:
-        limits: Bounds on memory, on values and on results.
-        layout: Which tables it has.
+        limits: Limits for memory, values and results.
+        layout: Its tables.
     """
 
     def __init__(self, limits: Limits | None = None, layout: Layout = PLAIN_LAYOUT) -> None:
@@ -97,7 +99,7 @@ class Database:
             {layout.script}
             """
         )
-        # SQLite sets up its JSON tables at their first use, which the authorizer would refuse.
+        # SQLite creates its JSON tables on first use, which the authorizer would refuse.
         self._connection.execute("SELECT 1 FROM json_each('[]'), json_tree('[]')").fetchall()
         self._trusted = True
         self._connection.set_authorizer(self._authorize)
@@ -108,7 +110,7 @@ class Database:
 
     @property
     def is_empty(self) -> bool:
-        """Whether nothing is filled in, or not any more: out of memory, SQLite takes it back."""
+        """Whether the tables are empty; SQLite rolls back when it runs out of memory."""
         return not self._connection.in_transaction
 
     def load(
@@ -119,7 +121,7 @@ class Database:
         """Replace the rows of ``Sensor`` and ``Memory`` in the plain layout, as SQLite values.
 
         Raises:
-            TooMuchError: A value is larger than a value may be.
+            TooMuchError: A value is too large.
         """
         self.fill("Sensor", (("INSERT INTO Sensor VALUES (?, ?)", sensors),))
         self.fill("Memory", (("INSERT INTO Memory VALUES (?, ?)", memories),))
@@ -134,18 +136,18 @@ class Database:
 
         Args:
             table: Its name.
-            inserts: Statements of ours, each with the SQLite values of each time that it is run.
-            gone: First and last ids of the rows that go before; by default all.
+            inserts: Our own statements, each with the SQLite values of each execution.
+            gone: First and last id of the rows to delete first; by default all.
 
         Raises:
-            TooMuchError: A value is larger than a value may be.
-            sqlite3.Error: A value is none of SQLite's.
+            TooMuchError: A value is too large.
+            sqlite3.Error: A value is not one of SQLite's types.
         """
         self._trusted = True
         connection = self._connection
         try:
             if not connection.in_transaction:
-                connection.execute("BEGIN")  # never ended: there is nobody to share with
+                connection.execute("BEGIN")  # never committed: nobody else reads it
             delete = _DELETE + table
             if gone is None:
                 connection.execute(self._own[delete])
@@ -167,26 +169,26 @@ class Database:
         most: int,
         within: Within | None = None,
     ) -> Answer:
-        """Column names and at most `most` rows of one query that may only read.
+        """Return the column names and at most `most` rows of one read-only query.
 
         Args:
             sql: One SELECT.
             parameters: Values of its numbered parameters.
-            most: Most rows to fetch.
-            within: How much it may use up; by default what the limits give a thought.
+            most: The most rows to fetch.
+            within: Its budget; by default that of a think.
 
         Raises:
-            Stopped: It was stopped meanwhile.
+            Stopped: The caller stopped it.
             TooSlowError: It took too many steps, or too long.
             TooMuchError: It needs too much memory, or its result is too large.
-            sqlite3.Error: It failed, or asked for what is not allowed.
+            sqlite3.Error: It failed, or used something that is not allowed.
         """
         if within is None:
             limits = self._limits
             within = Within(limits.think_steps, limits.think_seconds, most, None)
         budget, stop = within.budget, within.stop
         if stop is not None and stop.is_set():
-            raise Stopped("The program was stopped before it began to think.")
+            raise Stopped("The program was stopped before it started thinking.")
         if budget.is_late or budget.steps < 0:
             raise TooSlowError
         if within.anew:
@@ -197,7 +199,7 @@ class Database:
         work.begin(budget, stop)
         try:
             answer = self._fetch(sql, parameters, most)
-            within.note_size(self._bytes, len(answer[1]))
+            within.is_much = self._bytes > LONG or len(answer[1]) > _MANY
             return answer
         except (sqlite3.Error, MemoryError) as error:
             if work.halted and work.stopped:
@@ -213,15 +215,15 @@ class Database:
                 self._connection.setlimit(sqlite3.SQLITE_LIMIT_LENGTH, self._limits.value_bytes)
 
     def define(self, table: str, columns: Sequence[str], rows: Sequence[Sequence[Scalar]]) -> None:
-        """Fill a further table that queries may read, and make it if it is not there.
+        """Fill an additional table that queries may read, and create it if necessary.
 
         Args:
             table: Its name, an identifier.
             columns: Names of its columns.
-            rows: All its rows, as SQLite values.
+            rows: All rows, as SQLite values.
 
         Raises:
-            TooMuchError: It takes more memory than there is.
+            TooMuchError: There is not enough memory.
         """
         self._trusted = True
         connection = self._connection
@@ -239,22 +241,22 @@ class Database:
             raise self._too_much(error) from None
 
     def offer(self, name: str, function: Callable[..., Any], arguments: int = 1) -> None:
-        """Let queries call one more function; its errors are theirs, and so are its steps."""
+        """Register another function for queries; its errors and steps count as theirs."""
         self._connection.create_function(name, arguments, counted(function, self._work))
         self._offered.add(name)
 
     def prepare(self, sql: str, parameters: Sequence[int] = ()) -> None:
-        """Have SQLite translate a query, without running it.
+        """Let SQLite compile a query, without running it.
 
         Raises:
-            sqlite3.Error: It can't be, or asks for what is not allowed.
-            MemoryError: It needs more memory than there is.
+            sqlite3.Error: It can't be compiled, or uses something that is not allowed.
+            MemoryError: There is not enough memory.
         """
         self._trusted = False
         self._connection.execute(f"EXPLAIN {sql}", parameters).close()
 
     def close(self) -> None:
-        """Free everything."""
+        """Close the database."""
         self._connection.close()
 
     # -- inside --------------------------------------------------------------------------------
@@ -280,7 +282,7 @@ class Database:
         return columns, rows
 
     def _text(self, raw: bytes) -> str:
-        """A text of the result, counted while it is fetched."""
+        """Return a text of the result, counted while it is fetched."""
         self._bytes += len(raw)
         if self._bytes > self._most_bytes:
             raise self._too_many()
@@ -298,10 +300,10 @@ class Database:
         )
 
     def _halt(self) -> None:
-        """End the query under way, from another thread.
+        """End the running query, from another thread.
 
-        SQLite looks for an interrupt once per row. So that a row of many slow steps ends as well,
-        no step can make a text any more.
+        SQLite checks for an interrupt once per row. To end a row of many slow steps as well, texts
+        are limited to almost nothing.
         """
         self._connection.interrupt()
         self._connection.setlimit(sqlite3.SQLITE_LIMIT_LENGTH, _HALTED_LENGTH)
@@ -314,11 +316,11 @@ class Database:
         _database: str | None,
         _trigger: str | None,
     ) -> int:
-        """Say what a statement may do; SQLite asks while it prepares it."""
+        """Return what a statement may do; SQLite asks while it prepares it."""
         if self._trusted or action in _ALLOWED_ACTIONS:
             return sqlite3.SQLITE_OK
         if action == sqlite3.SQLITE_READ and first is not None:
-            # A named query of the statement is only mentioned here when its rows are counted.
+            # A named query is only mentioned here when its rows are counted.
             counted = second == "" and NAMED_QUERY.fullmatch(first) is not None
             if counted or first.lower() in self._readable:
                 return sqlite3.SQLITE_OK
@@ -330,7 +332,7 @@ class Database:
 
 
 class _Own(dict[str, str]):
-    """Statements of ours, marked so that no program can name one in the statement cache."""
+    """Our own statements, marked so that no program can name one in the statement cache."""
 
     def __init__(self, mark: str) -> None:
         super().__init__()
@@ -342,7 +344,7 @@ class _Own(dict[str, str]):
 
 
 def _whole(rows: Iterable[Sequence[Any]]) -> list[list[Any]]:
-    """Rows in which half characters, which SQLite can't store, are replaced."""
+    """Return rows with lone surrogates replaced, which SQLite can't store."""
     return [
         [v.encode("utf-8", "replace").decode() if isinstance(v, str) else v for v in row]
         for row in rows

@@ -1,4 +1,4 @@
-"""Rows for the tables of tuned queries, out of the sensors and memories of a moment."""
+"""Rows for the tables of tuned queries, from the sensors and memories of a moment."""
 
 from __future__ import annotations
 
@@ -19,39 +19,39 @@ if TYPE_CHECKING:
 __all__ = ["IN_SELF", "KINDS", "RAYS", "WHOLE_RAY", "fillings", "whole_ray"]
 
 RAYS = 1000
-"""Most rays of a radar; those of sensor row n are numbered from n * RAYS on."""
+"""Most rays of a radar; the rays of sensor row n have numbers from n * RAYS."""
 
 WHOLE_RAY = "t_0_whole_ray"
-"""The SQL function that gives the JSON text of a ray by its number."""
+"""The SQL function that returns the JSON text of a ray by its number."""
 
 KINDS = {"RobotRay": "robot", "BeaconRay": "beacon"}
-"""Tables of the rays that end at a kind of thing, which few do."""
+"""Tables of rays that end at a kind of object; few rays do."""
 
 IN_SELF = ("can_charge", "has_battery", "battery_level", "battery_capacity")
-"""Columns of ``Sensor`` that come from the record ``self`` of a sensor."""
+"""Columns of ``Sensor`` from a sensor's record ``self``."""
 
 
 def fillings(table: str, moment: Moment, columns: tuple[str, ...]) -> Sequence[Filling]:
-    """What fills a table with the rows of a moment.
+    """Return the statements that fill a table with the rows of a moment.
 
     Args:
         table: ``Sensor``, ``Memory`` or one of `KINDS`.
-        moment: Where the rows come from.
-        columns: Which columns to fill beside ``id``, in alphabetical order; those of fields of
-            memories with the field, as in ``field_0=seen``.
+        moment: The moment.
+        columns: The columns to fill besides ``id``, in alphabetical order; those of memory fields
+            with the field, as in ``field_0=seen``.
 
     Raises:
-        TypeError, KeyError, AttributeError, ValueError: Sensors have not the usual shape.
+        TypeError, KeyError, AttributeError, ValueError: Sensors don't have the usual shape.
     """
     return _FILLINGS[table](moment, columns)
 
 
 def whole_ray(moment: Moment, number: int | None) -> str | None:
-    """The JSON text of a ray of a moment.
+    """Return the JSON text of a ray of a moment.
 
     Args:
-        moment: Where the ray comes from.
-        number: Its ``id`` in the tables; where there is no ray, None.
+        moment: The moment.
+        number: Its ``id`` in the tables; None if there is no ray.
 
     Raises:
         IndexError, KeyError, TypeError: There is no such ray.
@@ -90,7 +90,7 @@ _FILLINGS: dict[str, Callable[[Moment, tuple[str, ...]], Sequence[Filling]]] = {
 
 @cache
 def _picked(columns: tuple[str, ...]) -> Callable[[Mapping[str, Any]], Sequence[Any]]:
-    """What takes the columns out of a ray."""
+    """Return the function that reads the columns from a ray."""
     if columns and columns[-1] == "value":
         pick = _picked(columns[:-1])
         return lambda ray: (*pick(ray), to_input(ray))

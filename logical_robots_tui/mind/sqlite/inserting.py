@@ -1,4 +1,4 @@
-"""Statements that fill the tables of tuned queries, and the values that they take."""
+"""Statements that fill the tables of tuned queries."""
 
 from __future__ import annotations
 
@@ -11,15 +11,15 @@ if TYPE_CHECKING:
 
 __all__ = ["Filling", "in_blocks", "insert_into"]
 
-_AT_ONCE = 16  # rows that are inserted with one statement; each fewer is a statement of its own
+_AT_ONCE = 16  # rows per statement; smaller batches each need their own statement
 
 
 class Filling(NamedTuple):
-    """What goes into a table.
+    """A batch of rows for a table.
 
     Attributes:
         insert: A statement that inserts one of the items.
-        items: Its values, each time.
+        items: The values of each execution.
     """
 
     insert: str
@@ -29,7 +29,7 @@ class Filling(NamedTuple):
 def in_blocks(
     table: str, columns: tuple[str, ...], rows: Sequence[Sequence[Any]]
 ) -> Sequence[Filling]:
-    """Rows for a table, many with one statement; nothing where there are none."""
+    """Yield the batches for a table, with many rows per statement."""
     if not rows:
         return ()
     together = len(rows) // _AT_ONCE * _AT_ONCE
@@ -44,7 +44,7 @@ def in_blocks(
 
 @cache
 def insert_into(table: str, columns: tuple[str, ...], rows: int = 1) -> str:
-    """A statement that inserts or replaces rows, with parameters for ``id`` and the columns."""
+    """Return a statement that inserts or replaces rows; parameters are ``id`` and the columns."""
     names = ", ".join(("id", *columns))
     row = ", ".join("?" * (len(columns) + 1))
     values = ", ".join([f"({row})"] * rows)

@@ -1,4 +1,4 @@
-"""Values that last: records and lists that stay the same objects from moment to moment."""
+"""Interning: equal records and lists stay the same objects from moment to moment."""
 
 from __future__ import annotations
 
@@ -11,15 +11,15 @@ if TYPE_CHECKING:
 
 __all__ = ["Lasting", "Sizes"]
 
-_SHORT = 100  # characters; less is read as quickly as it is found
-_LONG = 100_000  # characters; more is not kept, because the objects take far more
-_ROOM = 400_000  # characters that are read before those not seen meanwhile are forgotten
+_SHORT = 100  # characters; parsing a shorter text is as fast as looking it up
+_LONG = 100_000  # characters; longer texts are not kept, because their objects take far more
+_ROOM = 400_000  # characters parsed before entries that were not used meanwhile are dropped
 
 
 class Lasting:
-    """Reads values out of tables, for those who never change a record or a list.
+    """Parses values from tables, for callers who never change a record or list.
 
-    What follows can then be quick where nothing has changed: it sees the same object again.
+    Later steps can then skip values that are the same object as before.
     """
 
     def __init__(self) -> None:
@@ -28,12 +28,18 @@ class Lasting:
         self._room = _ROOM
 
     def read(self, value: Any, deepest: int) -> Value:
-        """As `from_sql`, with the same depth each time.
+        """Return a value as `from_sql` does, with the same depth each time.
 
         Raises:
             TooDeepError: As `from_sql` does.
         """
-        if value.__class__ is not str or not _SHORT <= len(value) < _LONG or value[0] not in "{[":
+        if value.__class__ is not str:
+            return from_sql(value, deepest)
+        length = len(value)
+        is_text = value[:1] not in _OPENING
+        if is_text and length < _SHORT and "\0" not in value:
+            return value
+        if is_text or not _SHORT <= length < _LONG:
             return from_sql(value, deepest)
         found = self._now.get(value)
         if found is None:
@@ -48,20 +54,22 @@ class Lasting:
 
 
 class Sizes:
-    """Bytes of memories, for those who never change a record or a list in one."""
+    """Sizes of memories, for callers who never change a record or list in one."""
 
     def __init__(self) -> None:
-        # By identity; what is kept here with its bytes can't give its identity to another.
+        # By identity; entries keep the object alive, so that no other gets its identity.
         self._now: dict[int, tuple[Value, int]] = {}
         self._before: dict[int, tuple[Value, int]] = {}
 
     def next_moment(self) -> None:
-        """Forget what was not asked for since the last time."""
+        """Drop entries that were not used since the last call."""
         self._before, self._now = self._now, {}
 
     def of(self, memory: Value) -> int:
         """As `size_of`."""
-        if memory.__class__ is not dict:
+        if memory.__class__ not in _NESTED:
+            return size_of(memory)
+        if not isinstance(memory, dict):
             return self._of_part(memory)
         parts = [part for part in memory.values() if part.__class__ in _NESTED]
         if not parts:
@@ -70,11 +78,10 @@ class Sizes:
         return size_of(shell) + sum(map(self._of_part, parts)) - len(parts)
 
     def _of_part(self, part: Value) -> int:
-        if part.__class__ not in _NESTED:
-            return size_of(part)
         known = self._before.get(id(part)) or self._now.get(id(part)) or (part, size_of(part))
         self._now[id(part)] = known
         return known[1]
 
 
 _NESTED = frozenset({dict, list})
+_OPENING = frozenset("{[")

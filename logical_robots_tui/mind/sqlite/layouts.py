@@ -1,4 +1,4 @@
-"""The tables that a mind reads: those that programs know, and quicker ones that say the same."""
+"""The tables that a mind reads: those that programs know, and tuned ones with the same content."""
 
 from __future__ import annotations
 
@@ -15,8 +15,8 @@ class Layout:
     """The tables of a database.
 
     Attributes:
-        script: SQL that makes them.
-        readable: Names in lower case of all that a query may read.
+        script: SQL that creates them.
+        readable: Lower-case names of everything that a query may read.
     """
 
     script: str
@@ -43,14 +43,13 @@ COLUMNS_LAYOUT = Layout(
     """,
     TABLES | {"item", "ray", "robotray", "beaconray"},
 )
-"""Numbered rows, with sensor fields and radar rays in columns of their own; the rays that end at
-robots and at beacons once more. For few robots: to make an index would take longer than to do
-without."""
+"""Numbered rows with sensor fields and radar rays as columns, and copies of the rays that end at
+robots and beacons. For few robots: creating an index would take longer than it saves."""
 
 LISTS_LAYOUT = Layout(
     f"{COLUMNS_LAYOUT.script} PRAGMA automatic_index = ON;", COLUMNS_LAYOUT.readable
 )
-"""The same for queries that say themselves where few robots do without an index."""
+"""For queries that decide themselves where few robots need no index."""
 
 CROWD_LAYOUT = Layout(
     LISTS_LAYOUT.script
@@ -60,4 +59,4 @@ CROWD_LAYOUT = Layout(
     """,
     COLUMNS_LAYOUT.readable,
 )
-"""The same for many robots."""
+"""For many robots."""

@@ -1,4 +1,4 @@
-"""The records of lists in memories, in a table where what is still there is left alone."""
+"""The table of records of lists in memories, updated only where they changed."""
 
 from __future__ import annotations
 
@@ -14,28 +14,28 @@ __all__ = ["Lists"]
 
 
 class Lists:
-    """What is in the table ``Item`` of a database.
+    """The content of the table ``Item`` of a database.
 
     Args:
-        frozen: Whether nobody changes a memory: then a list that is the same object as a moment
-            ago holds the same records.
+        frozen: Whether nobody changes a memory; then a list that is the same object as before has
+            the same records.
     """
 
     def __init__(self, *, frozen: bool) -> None:
         self._frozen = frozen
-        self._columns: tuple[str, ...] | None = ()  # None: nobody knows what is in the table
+        self._columns: tuple[str, ...] | None = ()  # None: unknown
         self._there: dict[int, list[Any]] = {}
 
     def fill(self, database: Database, moment: Moment, columns: tuple[str, ...]) -> None:
-        """Replace the records of lists that are new, or gone.
+        """Update the records of lists that changed.
 
         Args:
             database: The same as before, unless `forget` was called.
-            moment: Where the memories come from.
-            columns: As `spelled_item` has them.
+            moment: The moment.
+            columns: In the form of `spelled_item`.
 
         Raises:
-            Exception: As `items` and `Database.fill` do.
+            Exception: The exceptions of `items` and `Database.fill`.
         """
         there = self._there if self._frozen and columns == self._columns else {}
         fillings, now = items(moment, columns, there)
@@ -50,5 +50,5 @@ class Lists:
         self._columns, self._there = columns, now
 
     def forget(self) -> None:
-        """Begin anew with an empty table."""
+        """Start again with an empty table."""
         self._columns, self._there = (), {}

@@ -1,4 +1,4 @@
-"""What is reasoned over in one tick, by whom, and how many steps and rows that may take."""
+"""The sensors and memories of one tick, who sees which of them, and the budget of evaluations."""
 
 from __future__ import annotations
 
@@ -16,11 +16,11 @@ if TYPE_CHECKING:
     from logical_robots_tui.mind.limits import Limits
     from logical_robots_tui.values import SensorRow, Value
 
-__all__ = ["Moment", "TooHeavyError", "View", "Within"]
+__all__ = ["LONG", "Moment", "TooHeavyError", "View", "Within"]
 
 
 class View(NamedTuple):
-    """Robots that reason alike, and which rows of a moment they may see.
+    """Robots that think alike, and the rows of a moment that they see.
 
     Attributes:
         viewers: Names of the robots.
@@ -34,23 +34,23 @@ class View(NamedTuple):
 
 
 class Moment:
-    """The sensors and memories of one tick, arranged so that what a robot sees stands together.
+    """The sensors and memories of one tick, with the rows that a robot sees next to each other.
 
     Args:
         rows: Sensor rows.
-        memories: What each robot remembers, by name; one that is missing remembers null.
+        memories: Each robot's memory, by name; null if missing.
         memory: Whose memories a robot sees: ``own``, ``seen`` or ``all``.
         sensor: Whose sensors it sees: ``own`` or ``all``.
 
     Attributes:
         sensors: The sensor rows, numbered from 0.
         names: Names of the robots, in the same order.
-        remembered: What each robot remembers, by name.
-        memories: Numbers and names, ascending, of the memories to see: that of robot m, as robot n
-            sees it, has number n * `stride` + m.
-        stride: Number of robots; 0 where all of them see the same memories.
-        views: Who reasons over what.
-        apart: Whether each robot sees its own sensor only.
+        remembered: Each robot's memory, by name.
+        memories: Ascending numbers and names of the visible memories: robot m's memory, as seen by
+            robot n, has number n * `stride` + m.
+        stride: The number of robots; 0 if all see the same memories.
+        views: The views.
+        apart: Whether each robot sees only its own sensor.
     """
 
     def __init__(
@@ -88,7 +88,7 @@ class Moment:
             ]
 
     def rays_to(self, kind: str) -> Sequence[Sequence[tuple[int, Mapping[str, Any]]]]:
-        """For each robot the numbered rays of its radar that end at a kind of object."""
+        """Return for each robot the numbered rays of its radar that end at a kind of object."""
         found = self._rays_to.get(kind)
         if found is None:
             if self._objects is None:
@@ -100,13 +100,13 @@ class Moment:
         return found
 
     def one_by_one(self, view: View) -> Iterator[View]:
-        """The same for each robot alone, with the rows of the others left out."""
+        """Yield a view for each robot alone, without the rows of the others."""
         for name in view.viewers if len(view.viewers) > 1 else ():
             number = next(i for i, row in enumerate(self.sensors) if row["robot_name"] == name)
             yield View((name,), (number, number), (number, number))
 
     def _met(self) -> list[tuple[int, str]]:
-        """The memories that each robot sees when it sees those of the robots on its radar."""
+        """Return the memories that each robot sees if it sees those of robots on its radar."""
         names = self.names
         numbers = {name: number for number, name in enumerate(names)}
         found = []
@@ -122,32 +122,33 @@ _OBJECT = itemgetter("object")
 def _picked(
     kind: str, objects: Sequence[Any], row: SensorRow
 ) -> Sequence[tuple[int, Mapping[str, Any]]]:
-    """The numbered rays of a radar that end at a kind of object, where all their objects are."""
+    """Return the numbered rays of a radar that end at a kind of object."""
     radar = row["sensor"]["radar"]
     return [(n, radar[n]) for n, found in enumerate(objects) if found == kind]
 
 
 class TooHeavyError(Exception):
-    """Rows would take more memory than they may; the message says how much."""
+    """Rows would take too much memory; the message says how much."""
 
 
-_LONG = 10_000  # characters; shorter ones are bounded by the number of rows
-_MANY = 100  # rows from which on it may take a while to read them
+LONG = 10_000
+"""Characters of a text; shorter ones are bounded by the number of rows."""
+
 _CLOSE = 0.1  # of all steps; far more than what is counted inexactly
 
 
 class Within:
-    """The steps and the rows that several evaluations share.
+    """The budget of steps and rows that several evaluations share.
 
     Args:
-        steps: How many they may take together, as a `Budget` counts them.
-        seconds: The guard of that.
-        rows: Most rows of one evaluation.
-        stop: Ends them when it is set.
-        cut: Whether more rows are left out, as opposed to being a failure.
-        anew: Whether statements are prepared anew. SQLite counts the steps of a prepared statement
-            on from its last run; only anew is the count the same each time.
-        weight: Most bytes of objects that the rows of all evaluations are made of.
+        steps: Steps for all of them, as a `Budget` counts them.
+        seconds: The time limit.
+        rows: The most rows of one evaluation.
+        stop: Ends them when set.
+        cut: Whether further rows are left out instead of being an error.
+        anew: Whether to prepare statements again. SQLite continues counting the steps of a prepared
+            statement from its last run; only a new one gives the same count each time.
+        weight: The most bytes of objects in the rows of all evaluations.
 
     Attributes:
         budget: What is left.
@@ -198,22 +199,22 @@ class Within:
     def of_query(
         cls, limits: Limits, rows: int, stop: threading.Event | None, *, cut: bool = True
     ) -> Within:
-        """What a query may use up that shows so many rows."""
+        """Return the budget of a query that shows so many rows."""
         steps, seconds = limits.query_steps, limits.query_seconds
         return cls(steps, seconds, rows, stop, cut=cut, weight=limits.think_weight)
 
     @property
     def is_close(self) -> bool:
-        """Whether so little is left that the count has to be exact to say who took too many."""
+        """Return whether so little is left that the count must be exact to find who exceeded it."""
         return not self.anew and self.budget.steps < self.steps * _CLOSE
 
     def renew(self) -> None:
-        """Let everything begin that may be used up."""
+        """Reset the budget."""
         self._left = self.weight
         self.budget = Budget(self.steps, self.seconds)
 
     def again(self) -> Within:
-        """The same from the beginning, counted exactly."""
+        """Return the same budget unused, counted exactly."""
         seconds = max(self.budget.seconds, 0.0)
         return Within(
             self.steps,
@@ -225,21 +226,17 @@ class Within:
             weight=self.weight,
         )
 
-    def note_size(self, texts: int, rows: int) -> None:
-        """Say how large the answer is: the bytes of its texts, and how many rows it has."""
-        self.is_much = texts > _LONG or rows > _MANY
-
     def each(self, row: Sequence[Any]) -> Sequence[Any]:
-        """The row, unless the work is to end.
+        """Return the row, unless the work must end.
 
         Raises:
-            Stopped: It was stopped.
-            TooHeavyError: All rows together take too many bytes as objects.
+            Stopped: The caller stopped it.
+            TooHeavyError: All rows together take too much memory as objects.
         """
         if self.stop is not None and self.stop.is_set():
             raise Stopped("The program was stopped while its answer was read.")
         for value in row:
-            if value.__class__ is str and len(value) > _LONG:
+            if value.__class__ is str and len(value) > LONG:
                 is_text = value[0] not in "{["
                 self._left -= len(value) if is_text else weight_of_text(value)
                 if self._left < 0:

@@ -1,4 +1,4 @@
-"""The rays of all radars, in a table where those of a radar that stays the same are left alone."""
+"""The table of all radar rays, updated only for radars that changed."""
 
 from __future__ import annotations
 
@@ -18,15 +18,15 @@ if TYPE_CHECKING:
 
 __all__ = ["Radars"]
 
-_MOST_VALUES = 900  # of one statement
+_MOST_VALUES = 900  # per statement
 
 
 class Radars:
-    """What is in the table ``Ray`` of a database.
+    """The content of the table ``Ray`` of a database.
 
     Args:
-        frozen: Whether nobody changes a sensor: then a radar that is the same object as a moment
-            ago has the same rays, as that of a robot that stands still.
+        frozen: Whether nobody changes a sensor; then a radar that is the same object as before has
+            the same rays, as for a stationary robot.
     """
 
     def __init__(self, *, frozen: bool) -> None:
@@ -35,16 +35,16 @@ class Radars:
         self._there: list[list[Any]] = []
 
     def fill(self, database: Database, moment: Moment, columns: tuple[str, ...]) -> None:
-        """Replace the rays of radars that are others.
+        """Replace the rays of radars that changed.
 
         Args:
             database: The same as before, unless `forget` was called.
-            moment: Where the radars come from.
-            columns: Which columns to fill beside ``id``, in alphabetical order.
+            moment: The moment.
+            columns: The columns to fill besides ``id``, in alphabetical order.
 
         Raises:
-            ValueError: The radars have not all as many rays as the first, or too many.
-            Exception: As `Database.fill` does, or a ray has another shape.
+            ValueError: The radars don't all have as many rays as the first, or have too many.
+            Exception: The exceptions of `Database.fill`, or a ray has another shape.
         """
         radars = [row["sensor"]["radar"] for row in moment.sensors]
         usual = len(radars[0])
@@ -68,7 +68,7 @@ class Radars:
         self._numbers, self._there = numbers, radars
 
     def forget(self) -> None:
-        """Begin anew with an empty table."""
+        """Start again with an empty table."""
         self._numbers, self._there = None, []
 
 
@@ -76,9 +76,9 @@ class Radars:
 def _insert_rays(
     columns: tuple[str, ...], rays: int
 ) -> tuple[str, Sequence[Callable[[Mapping[str, Any]], Any]]]:
-    """A statement for one radar, and what takes the columns out of a ray.
+    """Return a statement for one radar, and the function that reads the columns from a ray.
 
-    The statement wants the first number, then column by column.
+    The statement takes the first number, then the values column by column.
     """
     rows = (
         ", ".join((f"?1 + {ray}", *(f"?{i * rays + ray + 2}" for i in range(len(columns)))))

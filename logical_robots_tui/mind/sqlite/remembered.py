@@ -1,4 +1,4 @@
-"""Rows of memories for the tables of tuned queries: their fields, and records in their lists."""
+"""Rows of memories for the tables of tuned queries: fields, and records in their lists."""
 
 from __future__ import annotations
 
@@ -19,25 +19,25 @@ if TYPE_CHECKING:
 __all__ = ["ITEMS", "ITEM_FIELDS", "MEMORY_FIELDS", "items", "memories", "spelled_item"]
 
 MEMORY_FIELDS = tuple(f"field_{number}" for number in range(24))
-"""Columns of ``Memory`` that hold a field each; which, a program says for itself."""
+"""Columns of ``Memory`` with one field each; each program chooses which."""
 
 ITEM_FIELDS = tuple(f"item_{number}" for number in range(16))
-"""Columns of ``Item``, which holds records of lists in memories: a field of these each."""
+"""Columns of ``Item`` with one field each of the records in lists of memories."""
 
 ITEMS = 100_000
-"""Most records of a list; those of field f of memory row n, of F fields, are numbered from
-(n * F + f) * ITEMS on."""
+"""Most records of a list; those of field f of memory row n, of F fields, have numbers from
+(n * F + f) * ITEMS."""
 
 
 def memories(moment: Moment, columns: tuple[str, ...]) -> Sequence[Filling]:
-    """What fills ``Memory``.
+    """Return the rows that fill ``Memory``.
 
     Args:
-        moment: Where the memories come from.
+        moment: The moment.
         columns: As for `fillings`.
 
     Raises:
-        ValueError: A memory is a text that may spell a record.
+        ValueError: A memory is a text that may contain a record.
     """
     insert, fields = _memory_columns(columns)
     if not fields:
@@ -53,17 +53,17 @@ def memories(moment: Moment, columns: tuple[str, ...]) -> Sequence[Filling]:
 
 @cache
 def _memory_columns(columns: tuple[str, ...]) -> tuple[str, tuple[str, ...]]:
-    """The statement that inserts a memory, and the fields in it; "" for the whole memory."""
+    """Return the statement that inserts a memory, and the fields in it; "" for the whole memory."""
     pairs = [column.partition("=") for column in columns if column != "robot_name"]
     names = ("robot_name", *(name for name, _, _ in pairs))
     return insert_into("Memory", names), tuple(field for _, _, field in pairs)
 
 
 def _found(field: str, memory: Any) -> Any:
-    """A field of a memory.
+    """Return a field of a memory.
 
     Raises:
-        ValueError: Only SQLite can tell: the memory is a text that may spell a record.
+        ValueError: The memory is a text that may contain a record; only SQLite can tell.
     """
     kind = memory.__class__
     if kind is dict:
@@ -77,7 +77,7 @@ _NO_RECORDS = frozenset({type(None), bool, int, float, list})
 
 
 def _stored(value: Any) -> Any:
-    """A part of a memory as SQLite would find it in text."""
+    """Return a part of a memory as SQLite would read it from text."""
     kind = value.__class__
     if kind is float:
         return value if isfinite(value) else None
@@ -88,7 +88,7 @@ _NESTED = frozenset({dict, list})
 
 
 def spelled_item(column: str, place: int, field: str, key: str) -> str:
-    """A column of ``Item``, with what it holds.
+    """Return the name of a column of ``Item`` with its content.
 
     Args:
         column: Its name.
@@ -105,19 +105,19 @@ _SPELLED = re.compile(r"(\w+)=(\d+):(\w+)\.(\w+)")
 def items(
     moment: Moment, columns: tuple[str, ...], there: Mapping[int, list[Any]]
 ) -> tuple[Sequence[Filling], dict[int, list[Any]]]:
-    """What is to be added to ``Item``: records of lists, with null where a field is missing.
+    """Return the rows to add to ``Item``: records of lists, with null for missing fields.
 
     Args:
-        moment: Where the memories come from.
-        columns: As `spelled_item` has them.
-        there: Lists whose records are in the table and remain, by the number of the first record.
+        moment: The moment.
+        columns: In the form of `spelled_item`.
+        there: Lists whose records stay in the table, by the number of the first record.
 
     Returns:
-        What fills the table, and all lists whose records are in it then, by the number of the
+        The rows to add, and all lists whose records are in the table then, by the number of the
         first.
 
     Raises:
-        ValueError: What should be a list of records is something else, or there are too many.
+        ValueError: A value is not a list of records, or there are too many.
     """
     found: list[Filling] = []
     now: dict[int, list[Any]] = {}
@@ -148,7 +148,7 @@ def items(
 def _item_columns(
     columns: tuple[str, ...],
 ) -> list[tuple[int, str, tuple[str, ...], tuple[str, ...]]]:
-    """For each list its place and its field, the columns of ``Item`` and what they hold."""
+    """Return for each list its place, its field, and its columns of ``Item`` with their content."""
     lists: dict[tuple[int, str], list[tuple[str, str]]] = {}
     for spelled in columns:
         column, place, field, key = _SPELLED.findall(spelled)[0]
@@ -160,10 +160,10 @@ def _item_columns(
 
 
 def _list_in(field: str, memory: Any) -> list[Any] | None:
-    """A list in a memory.
+    """Return a list in a memory.
 
     Raises:
-        ValueError: It is something else.
+        ValueError: It is not a list.
     """
     found = _found(field, memory)
     if found is not None and found.__class__ is not list:
@@ -172,10 +172,10 @@ def _list_in(field: str, memory: Any) -> list[Any] | None:
 
 
 def _records(found: list[Any], keys: tuple[str, ...]) -> Sequence[Sequence[Any]]:
-    """The values of some fields of each record in a list.
+    """Return the values of some fields of each record in a list.
 
     Raises:
-        ValueError: It holds texts: only SQLite can tell what they are.
+        ValueError: It contains texts, which only SQLite can interpret.
     """
     if str in map(type, found):
         raise ValueError("not a list of records")
@@ -193,7 +193,7 @@ def _records(found: list[Any], keys: tuple[str, ...]) -> Sequence[Sequence[Any]]
 
 
 def _is_stored_as_it_is(values: Sequence[Any]) -> bool:
-    """Whether values of one column need no look at each of them, as is usual."""
+    """Return whether the values of a column can be stored without checking each of them."""
     kinds = set(map(type, values))
     if kinds <= _NUMBERS:
         return bool(min(values) > -inf and max(values) < inf)

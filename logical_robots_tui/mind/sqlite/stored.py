@@ -20,7 +20,7 @@ _LARGEST = 2**63
 
 _HIDING = ("\\", '"{', '"[', "Inf")
 _ENDLESS = re.compile(r"e\+?\d\d\d")
-"""What a text has that may hide a record in a text, half a character, or a number without end."""
+"""Characters of a text that may contain a record, a lone surrogate, or an infinite number."""
 
 _UNFIT = "\N{REPLACEMENT CHARACTER}"
 
@@ -28,29 +28,29 @@ _INFINITE = re.compile(r"(?<=[:\[,-])Inf(?=[,\]}])")
 
 
 class TooDeepError(ValueError):
-    """Records and lists are nested more deeply than they may be."""
+    """Records and lists are nested too deeply."""
 
 
 _encode = json.JSONEncoder(ensure_ascii=False, separators=(",", ":")).encode
 
 
 def to_json(value: Any) -> str:
-    """A value as the JSON text that stands for it."""
+    """Return the JSON text of a value."""
     return _encode(value)
 
 
 def to_input(value: Any) -> str:
-    """A sensor or a memory as JSON text: quicker, and a number that JSON can't hold is null."""
+    """Return a sensor or memory as JSON text: faster, and numbers that JSON lacks become null."""
     try:
         return orjson.dumps(value).decode()
     except TypeError:
-        return _encode(value)  # whole numbers of more than 64 bits, halves of characters
+        return _encode(value)  # integers of more than 64 bits, lone surrogates
 
 
 def size_of(value: Value) -> int:
-    """Bytes of the JSON text of a value; 0 for a number or null."""
+    """Return the bytes of the JSON text of a value; 0 for a number or null."""
     if isinstance(value, str) and len(value) > _LONG:
-        return len(_encode(value).encode("utf-8", "replace"))  # orjson would crash without memory
+        return len(_encode(value).encode("utf-8", "replace"))  # orjson crashes when memory runs out
     if not isinstance(value, str | list | dict):
         return 0
     try:
@@ -60,7 +60,7 @@ def size_of(value: Value) -> int:
 
 
 def to_sql(value: Value) -> int | float | str | None:
-    """A value as it stands in a table: records and lists as JSON text."""
+    """Return a value as stored in a table: records and lists as JSON text."""
     if isinstance(value, int) and not -_LARGEST <= value < _LARGEST:
         return float(value) if abs(value) < _LARGEST**16 else None
     if value is None or isinstance(value, int | float | str):
@@ -69,14 +69,14 @@ def to_sql(value: Value) -> int | float | str | None:
 
 
 def from_sql(value: Any, deepest: int = _DEEPEST) -> Value:
-    """A value out of a table: JSON text is the record or list that it stands for.
+    """Return a value from a table, with JSON text parsed.
 
     Args:
-        value: As SQLite gave it.
-        deepest: How deep records and lists may be nested.
+        value: The value from SQLite.
+        deepest: The deepest nesting of records and lists.
 
     Raises:
-        TooDeepError: They are nested more deeply.
+        TooDeepError: They are nested too deeply.
     """
     if isinstance(value, str):
         if value[:1] in ("{", "["):
@@ -100,16 +100,16 @@ def _from_json(text: str, deepest: int) -> Value:
 
 
 def _is_shallow(text: str, deepest: int) -> bool:
-    """Whether JSON text is certainly nested no deeper; a list of records opens one after another.
+    """Return whether JSON text is certainly not nested deeper; siblings in a list count once.
 
-    What opens right after another of its kind was closed lies no deeper than that did.
+    A bracket that opens right after one of its kind has closed is no deeper than that one.
     """
     opened = text.count("[") + text.count("{")
     return opened <= deepest or opened - text.count("},{") - text.count("],[") <= deepest
 
 
 def _may_hide(text: str) -> bool:
-    """Whether JSON text may have to be looked at value by value."""
+    """Return whether JSON text may have to be examined value by value."""
     return any(map(text.__contains__, _HIDING)) or _ENDLESS.search(text) is not None
 
 
@@ -117,15 +117,15 @@ def _parsed(text: str) -> Any:
     try:
         return orjson.loads(text)
     except ValueError:
-        # Older SQLite writes an infinite number as Inf, which is no JSON.
+        # Older SQLite writes infinity as Inf, which is not JSON.
         return json.loads(_INFINITE.sub("Infinity", text))
 
 
 def _unescaped(value: Any, deepest: int) -> Value:
-    """JSON in which no record or list hides in a text: SQLite forgets that a text is JSON.
+    """Return JSON with records and lists in texts parsed: SQLite forgets that a text is JSON.
 
-    What is not a number becomes null; half characters, and NUL, with which a text in JSON
-    ends for SQLite, a replacement character.
+    Other constants become null; lone surrogates, and NUL, which ends a text for SQLite, become the
+    replacement character.
     """
     if isinstance(value, dict):
         if deepest <= 0:
@@ -145,7 +145,7 @@ def _unescaped(value: Any, deepest: int) -> Value:
 
 
 def _whole(text: str) -> str:
-    """A text in which half characters and NUL are replaced."""
+    """Return a text with lone surrogates and NUL replaced."""
     whole = text if text.isascii() else text.encode("utf-8", "replace").decode()
     return whole.replace("\0", _UNFIT)
 

@@ -1,4 +1,4 @@
-"""A moment in the tables of a database, and queries of what a robot sees of it."""
+"""A moment in the tables of a database, and queries over what a robot sees of it."""
 
 from __future__ import annotations
 
@@ -27,14 +27,14 @@ __all__ = ["PlainTables", "TunedTables", "UnfitError"]
 
 
 class UnfitError(Exception):
-    """Sensors that have not the shape that the columns are made for."""
+    """The sensors don't have the shape that the columns need."""
 
 
 class PlainTables:
-    """``Sensor`` and ``Memory`` as programs know them, holding the rows of one view at a time.
+    """``Sensor`` and ``Memory`` as programs know them, with the rows of one view at a time.
 
     Args:
-        limits: Bounds on memory, on values and on results.
+        limits: Limits for memory, values and results.
     """
 
     def __init__(self, limits: Limits) -> None:
@@ -49,16 +49,16 @@ class PlainTables:
         within: Within,
         parameters: Sequence[Scalar] = (),
     ) -> Answer:
-        """Rows of a query over what a view shows.
+        """Return the rows of a query over a view.
 
         Raises:
-            Exception: As `Database.load` and `Database.ask` do.
+            Exception: The exceptions of `Database.load` and `Database.ask`.
         """
         self._load(moment, view)
         return self._database.ask(sql, parameters, most=within.rows + 1, within=within)
 
     def _load(self, moment: Moment, view: View) -> None:
-        """Fill in what a view shows, unless it is there."""
+        """Load a view, unless it is loaded."""
         loaded = None if self._database.is_empty else self._loaded
         if loaded is None or loaded[0] is not moment or loaded[1] is not view:
             self._loaded = None
@@ -82,31 +82,31 @@ class PlainTables:
         moment: Moment,
         view: View,
     ) -> None:
-        """Fill a further table that queries over what a view shows may read.
+        """Fill an additional table for queries over a view.
 
         Raises:
-            TooMuchError: It takes more memory than there is.
+            TooMuchError: There is not enough memory.
         """
         self._load(moment, view)
         self._database.define(table, columns, rows)
 
     def offer(self, name: str, function: Callable[..., Any], arguments: int) -> None:
-        """Let queries call one more function."""
+        """Register another function for queries."""
         self._database.offer(name, function, arguments)
 
     def close(self) -> None:
-        """Free the database."""
+        """Close the database."""
         self._database.close()
 
 
 class TunedTables:
-    """All rows of a moment, with sensor fields and radar rays in columns of their own.
+    """All rows of a moment, with sensor fields and radar rays as columns.
 
-    Only columns that are asked for are filled.
+    Only columns that are read are filled.
 
     Args:
-        limits: Bounds on memory, on values and on results.
-        frozen: Whether nobody changes what is in a moment, then or later.
+        limits: Limits for memory, values and results.
+        frozen: Whether nobody ever changes the content of a moment.
         few: The layout for few robots.
     """
 
@@ -120,31 +120,31 @@ class TunedTables:
         self._radars = Radars(frozen=frozen)
         self._is_crowd = False
         self._moment: Moment | None = None
-        self._memories = b""  # what ``Memory`` holds, or nothing if nobody knows
+        self._memories = b""  # the content of ``Memory``, or empty if unknown
         self._filled: dict[str, tuple[str, ...]] = {}
-        # By table, what was read of this moment, and of the one before: to fill a table once for
-        # all who read it.
-        self._read: dict[str, tuple[str, ...]] = {}
-        self._read_before: dict[str, tuple[str, ...]] = {}
-        # By table: the same where its rows have the same numbers, or None.
+        # By table, the columns that were read of this moment and of the previous one, to fill a
+        # table once for all readers.
+        self._read: list[Mapping[str, tuple[str, ...]]] = []
+        self._read_before: list[Mapping[str, tuple[str, ...]]] = []
+        # By table, the same for tables whose rows have the same numbers, or None.
         self._numbers: dict[str, tuple[object, ...] | None] = {}
 
     def ask(self, tuned: Tuned, moment: Moment, view: View, within: Within) -> Answer:
-        """Rows of a query over what a view shows.
+        """Return the rows of a query over a view.
 
         Raises:
-            UnfitError: The sensors have not the usual shape.
-            Exception: As `Database.fill` and `Database.ask` do.
+            UnfitError: The sensors don't have the usual shape.
+            Exception: The exceptions of `Database.fill` and `Database.ask`.
         """
         bounds = (*view.sensors, *view.memories)[: tuned.bounds]
         tuned = self.fitting(tuned, moment)
         return self._ask(tuned.sql, bounds, within.rows + 1, tuned, moment, within)
 
     def ask_together(self, tuned: Tuned, moment: Moment, within: Within, most: int) -> Answer:
-        """Rows of a query for all views of a moment at once, at most so many.
+        """Return at most so many rows of a query for all views of a moment.
 
         Raises:
-            Exception: As `ask` does.
+            Exception: The exceptions of `ask`.
         """
         last = len(moment.sensors) - 1
         tuned = self.fitting(tuned, moment)
@@ -154,11 +154,11 @@ class TunedTables:
 
     @staticmethod
     def fitting(tuned: Tuned, moment: Moment) -> Tuned:
-        """The queries for as many robots as there are."""
+        """Return the queries for this number of robots."""
         return tuned.for_crowd() if _is_crowd(moment) else tuned
 
     def close(self) -> None:
-        """Free the database."""
+        """Close the database."""
         self._database.close()
 
     def _ask(
@@ -175,29 +175,29 @@ class TunedTables:
 
     def _fill(self, moment: Moment, wanted: Mapping[str, tuple[str, ...]]) -> None:
         if self._database.is_empty:
-            self._begin_anew()
+            self._reset()
         if self._moment is not moment:
             if _is_crowd(moment) != self._is_crowd:
                 self._change_size()
             self._forget_all_but_names(moment)
             self._moment = moment
-            self._read_before, self._read = self._read, {}
+            self._read_before, self._read = self._read, [wanted]
+        elif not any(read is wanted for read in self._read):
+            self._read.append(wanted)
         filled = self._filled
+        before = self._read_before
         try:
             for table, names in wanted.items():
                 there = filled.get(table)
-                read = self._read.get(table)
-                if read is not names:
-                    self._read[table] = names if read is None else _both(read, names)
                 if there is not None:
                     if there is names or set(names) <= set(there):
                         continue
                     names = _both(there, names)
                     del filled[table]
                 else:
-                    before = self._read_before.get(table)
-                    if before is not None and before is not names:
-                        names = _both(names, before)
+                    for read in before:
+                        if read is not wanted:
+                            names = _both(names, read.get(table, names))
                 if table == "Item":
                     self._lists.fill(self._database, moment, names)
                 elif table == "Ray":
@@ -212,7 +212,7 @@ class TunedTables:
 
     def _fill_memory(self, moment: Moment, names: tuple[str, ...]) -> None:
         items = fillings("Memory", moment, names)
-        # Most states of a program last for many ticks.
+        # Most programs keep their memory for many ticks.
         text = _exactly(items)
         if not text or text != self._memories:
             self._memories = b""
@@ -220,7 +220,7 @@ class TunedTables:
             self._memories = text
 
     def _fill_table(self, table: str, items: Sequence[Filling]) -> None:
-        """Replace the rows of a table; those of the same numbers need not be deleted before."""
+        """Replace the rows of a table; rows with the same numbers need not be deleted first."""
         numbers: tuple[object, ...] | None = None
         if not items:
             numbers = ()
@@ -243,14 +243,14 @@ class TunedTables:
         return whole_ray(self._moment, number)
 
     def _change_size(self) -> None:
-        """Begin anew with queries prepared for few robots, or for many."""
+        """Start again with queries prepared for few robots, or for many."""
         self._is_crowd = not self._is_crowd
         self._database.close()
         self._database = self._new_database(CROWD_LAYOUT if self._is_crowd else self._few)
-        self._begin_anew()
+        self._reset()
 
-    def _begin_anew(self) -> None:
-        """Take note that the tables are empty."""
+    def _reset(self) -> None:
+        """Note that the tables are empty."""
         self._lists.forget()
         self._radars.forget()
         self._moment = None
@@ -259,7 +259,7 @@ class TunedTables:
         self._numbers = {}
 
     def _forget_all_but_names(self, moment: Moment) -> None:
-        """A new moment has other rows; but where only names are read, they often are the same."""
+        """Forget the rows of the last moment; the names are often the same."""
         names = self._filled.get("Sensor")
         before = self._moment
         self._filled.clear()
@@ -268,7 +268,7 @@ class TunedTables:
 
 
 def _both(some: tuple[str, ...], others: tuple[str, ...]) -> tuple[str, ...]:
-    """The names in either; the same object where that is all."""
+    """Return the names in either; the same object if one contains all."""
     if some is others or set(others) <= set(some):
         return some
     return others if set(some) <= set(others) else tuple(sorted({*some, *others}))
@@ -279,15 +279,15 @@ def _is_crowd(moment: Moment) -> bool:
 
 
 def _exactly(items: Sequence[Filling]) -> bytes:
-    """The same for the same values only, also of numbers that are equal; or nothing."""
+    """Return a key that is equal only for identical values, including the types of numbers."""
     try:
         return marshal.dumps([[insert, rows] for insert, rows in items], _WITHOUT_REFERENCES)
     except ValueError:
         return b""
 
 
-_WITHOUT_REFERENCES = 2  # version of the format: the same objects are written as equal ones are
+_WITHOUT_REFERENCES = 2  # a format version that writes identical objects like equal ones
 
 _NAMES = ("robot_name",)
 
-_CROWD = 32  # robots from which on it pays that SQLite makes indexes of its own
+_CROWD = 32  # robots from which on SQLite's automatic indexes pay off

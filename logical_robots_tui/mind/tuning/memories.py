@@ -13,7 +13,7 @@ from logical_robots_tui.mind.tuning import json, sql
 if TYPE_CHECKING:
     from collections.abc import Mapping, MutableMapping, Sequence
 
-__all__ = ["Known", "memory_fields_as_columns", "named_fields"]
+__all__ = ["Known", "guarded_field", "memory_fields_as_columns", "named_fields"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -76,16 +76,21 @@ def named_fields(names: tuple[str, ...], fields: Mapping[str, str]) -> tuple[str
 
 
 def _field_of_memory(column: exp.Column) -> tuple[exp.Case, str] | None:
-    """The expression that takes a field out of a memory if that is a record, and the field.
-
-    It is ``CASE WHEN JSON_VALID(column) THEN JSON_EXTRACT(column, '$.field') END``; of its two
-    mentions of the column only the second has one.
-    """
+    """The expression that takes a field out of a memory if that is a record, and the field."""
     if column.name.lower() != "memory":
         return None
     found = sql.source(column)
     if found is None or sql.table_name(found[1]) != "memory":
         return None
+    return guarded_field(column)
+
+
+def guarded_field(column: exp.Column) -> tuple[exp.Case, str] | None:
+    """The expression that takes a field out of a column if that is a record, and the field.
+
+    It is ``CASE WHEN JSON_VALID(column) THEN JSON_EXTRACT(column, '$.field') END``; of its two
+    mentions of the column only the second has one.
+    """
     call = column.parent
     branch = call.parent if sql.call_name(call) == "json_extract" and call else None
     case = branch.parent if isinstance(branch, exp.If) else None

@@ -18,6 +18,7 @@ from logical_robots_tui.mind.tuning import (
 from logical_robots_tui.mind.tuning.all_viewers import for_all_viewers
 from logical_robots_tui.mind.tuning.items import items_as_rows
 from logical_robots_tui.mind.tuning.memories import memory_fields_as_columns
+from logical_robots_tui.mind.tuning.pairs import pairs_as_columns
 from logical_robots_tui.mind.tuning.records import records_as_columns
 
 if TYPE_CHECKING:
@@ -137,7 +138,8 @@ PASSES = (
     Pass("ray-rows", _on_tree(columns.rays_as_rows)),
     Pass("sensor-columns", _on_tree(columns.sensor_fields_as_columns), after=("ray-rows",)),
     Pass("viewer-bounds", _on_tree(columns.bound_to_viewer), after=("self-joins",), must=True),
-    Pass("memory-columns", _memory_columns),
+    Pass("arg-min-pairs", _on_tree(pairs_as_columns)),
+    Pass("memory-columns", _memory_columns, after=("arg-min-pairs",)),
     Pass("item-rows", _item_rows, after=("memory-columns",)),
     Pass("grouped-arg-min", _on_tree(aggregates.grouped_arg_min)),
     Pass("untangled-aggregates", _on_tree(aggregates.untangled)),
@@ -149,6 +151,7 @@ PASSES = (
         after=("ray-rows", "sensor-columns", "memory-columns", "result-columns"),
     ),
     Pass("materialized", _on_tree(materializing.computed_once), after=("common-subexpressions",)),
+    Pass("constants", _on_tree(native.folded_constants)),
     Pass("division", _on_tree(native.native_division)),
     Pass("numbers", _on_tree(json.native_numbers), after=("result-columns",)),
     Pass("all-viewers", _all_viewers, after=("viewer-bounds", "materialized", "numbers")),

@@ -115,6 +115,13 @@ class LogicalRobotsApp(SparingApp, inherit_bindings=False):
             wanted = "ansi-dark"  # of dark colours among 16 there would be only black
         self.theme = wanted if wanted in self.available_themes else NIGHT.name
 
+    def refresh_css(self, animate: bool = True) -> None:
+        """Work out all styles again; before the first picture, only take the theme's colours."""
+        if self.screen_stack:
+            super().refresh_css(animate)
+        else:
+            self.stylesheet.set_variables(self.get_css_variables())
+
     def on_mount(self) -> None:
         """Do as the settings say, and tell what in them can't be used."""
         if not self.main.permissions.programs:

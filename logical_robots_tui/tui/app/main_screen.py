@@ -13,12 +13,12 @@ from textual.widgets import Input, Static, TextArea
 
 from logical_robots_tui.game.drafts import Drafts
 from logical_robots_tui.garbage import collect_seldom
+from logical_robots_tui.tui.app.background import ScreenUi
 from logical_robots_tui.tui.app.frame_scheduler import FrameScheduler
 from logical_robots_tui.tui.app.permissions import Permissions
 from logical_robots_tui.tui.app.quitting import leave
 from logical_robots_tui.tui.app.session import Session
 from logical_robots_tui.tui.app.session_listener import SessionListener
-from logical_robots_tui.tui.app.ui import ScreenUi
 from logical_robots_tui.tui.commands.keymap import KEY_MAP, command
 from logical_robots_tui.tui.inspector.highlights import Placed, Sighted
 from logical_robots_tui.tui.inspector.pages.robots import RobotsView
@@ -84,6 +84,8 @@ class MainScreen(Screen[None], SessionListener):
         permissions: What the player may do with the machine.
         scheduler: When the game is drawn again.
     """
+
+    AUTO_FOCUS = ""
 
     def __init__(
         self,

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
@@ -17,8 +16,7 @@ from logical_robots_tui.game import (
 )
 from logical_robots_tui.game.victory import victory_of
 from logical_robots_tui.mind import ProgramError
-from logical_robots_tui.tui.app.session_state import Movement, OpenLevel
-from logical_robots_tui.tui.app.ui import nothing
+from logical_robots_tui.tui.app.session_state import Movement, OpenLevel, nothing
 from logical_robots_tui.tui.program.state import ProgramState
 
 if TYPE_CHECKING:
@@ -305,14 +303,14 @@ class Session:
         except ProgramError as error:
             if self.movement.kind == "awaiting":
                 self.movement = Movement()
-            self.state = replace(self.state, phase="mistake", mistakes=error.diagnostics)
+            self.state = self.state._replace(phase="mistake", mistakes=error.diagnostics)
             self._changed()
             return
         self._use(program)
 
     def _compiled(self, text: str, done: int, of_all: int) -> None:
         if self.state.phase == "compiling" and self.state.tried == text:
-            self.state = replace(self.state, compiled=(done, of_all))
+            self.state = self.state._replace(compiled=(done, of_all))
             self._changed()
 
     def _use(self, program: Program) -> None:

@@ -12,7 +12,7 @@ from logical_robots_tui.world.level import alike
 if TYPE_CHECKING:
     from logical_robots_tui.world import Level
 
-__all__ = ["Movement", "OpenLevel"]
+__all__ = ["Movement", "OpenLevel", "nothing"]
 
 
 class OpenLevel:
@@ -104,3 +104,7 @@ class Movement:
             return 0.0
         seconds = perf_counter() - self.waiting_since - (period if self.kind == "run" else 0.0)
         return seconds if seconds > _NOTICEABLE else 0.0
+
+
+async def nothing() -> None:
+    """Take the place of work that is to end."""

@@ -5,8 +5,8 @@ from __future__ import annotations
 import json
 import re
 import tomllib
-from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING, Any
+from types import MappingProxyType
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from logical_robots_tui.paths import read_ordinary
 from logical_robots_tui.shipped import did_you_mean
@@ -38,8 +38,7 @@ _CHANGEABLE = {entry.id: entry for entry in COMMANDS if entry.scope != "text"}
 """The commands that may get other keys."""
 
 
-@dataclass(frozen=True)
-class Settings:
+class Settings(NamedTuple):
     """Choices from the configuration file; the rest is as the game comes.
 
     Attributes:
@@ -57,7 +56,7 @@ class Settings:
     frames: int = 30
     cones: bool = True
     trails: bool = True
-    keys: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
+    keys: Mapping[str, tuple[str, ...]] = MappingProxyType({})
     complaints: tuple[str, ...] = ()
 
 
@@ -82,7 +81,7 @@ def read_settings(path: Path) -> Settings:
     def complain(name: str, said: str) -> None:
         complaints.append(f"{path}{_line_of(name, text)}: {said}{'' if said[-1] in '.?' else '.'}")
 
-    return replace(_settings(found, complain), complaints=tuple(complaints))
+    return _settings(found, complain)._replace(complaints=tuple(complaints))
 
 
 def _refusal(error: Exception) -> str:

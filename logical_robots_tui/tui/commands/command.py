@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
 from functools import partial
 from inspect import iscoroutinefunction
-from typing import TYPE_CHECKING, Any, Literal, TypeAlias, TypeVar
+from typing import TYPE_CHECKING, Any, Literal, NamedTuple, TypeAlias, TypeVar
 
 from logical_robots_tui.tui.terminal.textual_internals import characters_by_key
 
@@ -33,8 +32,7 @@ CHARACTERS = characters_by_key()
 _NAMES = {**CHARACTERS, "escape": "esc"}
 
 
-@dataclass(frozen=True, slots=True)
-class Command:
+class Command(NamedTuple):
     """Something that a player can ask for.
 
     Attributes:
@@ -100,13 +98,13 @@ class Command:
         return key_name(keys[0]) if keys else ""
 
 
-@dataclass(frozen=True, slots=True)
 class Group:
     """The commands under one heading of the help, in the order in which they are declared."""
 
-    title: str
-    scope: Scope = "screen"
-    commands: list[Command] = field(default_factory=list)
+    def __init__(self, title: str, scope: Scope = "screen") -> None:
+        self.title = title
+        self.scope = scope
+        self.commands: list[Command] = []
 
     def add(
         self, name: str, title: str, text: str, act: Callable[[Any], object], *keys: str

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from contextvars import ContextVar
-from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from textual.binding import Binding
@@ -34,12 +33,12 @@ class KeyMap:
     ) -> None:
         given = keys or {}
         found = {
-            entry.id: replace(entry, keys=given.get(entry.id, entry.keys)) for entry in commands
+            entry.id: entry._replace(keys=given.get(entry.id, entry.keys)) for entry in commands
         }
         # Without a key of its own the palette is still in the bar, to be clicked.
         palette = found["palette"]
         instead = key_name(palette.keys[0]) if palette.keys else palette.bar
-        self.by_id = {entry.id: replace(entry, without_key=instead) for entry in found.values()}
+        self.by_id = {entry.id: entry._replace(without_key=instead) for entry in found.values()}
 
     def bindings(self) -> Iterator[Binding]:
         """The key bindings of the main screen."""

@@ -12,7 +12,7 @@ from textual.containers import Horizontal
 from textual.widgets import ContentSwitcher, OptionList
 
 from logical_robots_tui.game import Superseded
-from logical_robots_tui.tui.app.ui import in_background
+from logical_robots_tui.tui.app.background import in_background
 from logical_robots_tui.tui.inspector.highlights import Sighted, definition
 from logical_robots_tui.tui.inspector.page import Page
 from logical_robots_tui.tui.inspector.pages.robots import RobotsPage

@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
 from enum import Enum
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 from logical_robots_tui.tui.labyrinth.drawing.viewport import CELL_ASPECT, Viewport
 
@@ -36,8 +35,7 @@ class Sight(Enum):
     """A part that the player chose."""
 
 
-@dataclass(frozen=True, slots=True)
-class Camera:
+class Camera(NamedTuple):
     """Where the player looks.
 
     Attributes:
@@ -77,8 +75,8 @@ class Camera:
     def next_sight(self) -> Camera:
         """Look at the next thing; a part that was chosen freely is left for the whole."""
         if self.sight is Sight.WHOLE:
-            return replace(self, sight=Sight.FOLLOW, step=self.step or _NEAR)
-        return replace(self, sight=Sight.SENSES if self.sight is Sight.FOLLOW else Sight.WHOLE)
+            return self._replace(sight=Sight.FOLLOW, step=self.step or _NEAR)
+        return self._replace(sight=Sight.SENSES if self.sight is Sight.FOLLOW else Sight.WHOLE)
 
     def following(self, x: float, y: float, view: Viewport, *, at_once: bool = False) -> Camera:
         """Bring a robot to the middle if it has left the calm part of the view.
@@ -98,7 +96,7 @@ class Camera:
         is_calm_y = not at_once and abs(y - middle_y) <= _CALM * view.height
         if is_calm_x and is_calm_y:
             return self
-        return replace(self, x=self.x if is_calm_x else x, y=self.y if is_calm_y else y)
+        return self._replace(x=self.x if is_calm_x else x, y=self.y if is_calm_y else y)
 
     def zoomed(self, steps: int, view: Viewport, at: tuple[float, float] | None = None) -> Camera:
         """Zoom.
@@ -115,7 +113,7 @@ class Camera:
         if step == 0 and self.sight is not Sight.FOLLOW:
             return Camera()
         if self.sight is Sight.FOLLOW:
-            return replace(self, step=step)
+            return self._replace(step=step)
         now = ZOOMS[self.step] if self.sight is Sight.FREE else 1.0
         middle = view.left + view.width / 2, view.top + view.height / 2
         x, y = at or middle

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
 from enum import Enum
+from typing import NamedTuple
 
 __all__ = ["LEAST_HEIGHT", "LEAST_WIDTH", "Grid", "Layout", "Shares", "grid_for", "layout_for"]
 
@@ -35,8 +35,7 @@ class Layout(Enum):
         return self in (Layout.WIDE, Layout.TALL)
 
 
-@dataclass(frozen=True, slots=True)
-class Shares:
+class Shares(NamedTuple):
     """What the player changed about the sizes of panes.
 
     Attributes:
@@ -50,11 +49,10 @@ class Shares:
 
     def changed(self, columns: int, rows: int) -> Shares:
         """Give the program more columns, or the inspector more rows."""
-        return replace(self, columns=self.columns + columns, rows=self.rows + rows)
+        return self._replace(columns=self.columns + columns, rows=self.rows + rows)
 
 
-@dataclass(frozen=True, slots=True)
-class Grid:
+class Grid(NamedTuple):
     """Sizes of panes in cells; the labyrinth gets what is left.
 
     Attributes:

@@ -15,7 +15,7 @@ from textual.widgets import Input, Static
 
 from logical_robots_tui.errors import LogicalRobotsError
 from logical_robots_tui.paths import is_file, typed_path
-from logical_robots_tui.tui.app.ui import in_background
+from logical_robots_tui.tui.app.background import in_background
 from logical_robots_tui.tui.layout.dialogs import Dialog
 from logical_robots_tui.tui.library.card import LevelCard, miniature, shipped_level
 from logical_robots_tui.tui.library.cards import LevelCards

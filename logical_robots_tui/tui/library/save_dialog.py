@@ -15,7 +15,7 @@ from logical_robots_tui.errors import InputError
 from logical_robots_tui.game import Source, load_program, save_program
 from logical_robots_tui.game.source import target
 from logical_robots_tui.paths import is_there
-from logical_robots_tui.tui.app.ui import in_background
+from logical_robots_tui.tui.app.background import in_background
 from logical_robots_tui.tui.layout.dialogs import Dialog, Result
 from logical_robots_tui.tui.theme.safe_text import one_line
 

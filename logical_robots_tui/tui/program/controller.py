@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import shlex
 import subprocess
 import tempfile
 from pathlib import Path
@@ -174,6 +173,8 @@ def edited(text: str, environ: Mapping[str, str]) -> str:
         ValueError: Its name can't be understood.
         CalledProcessError: It ended badly, and left the text as it was.
     """
+    import shlex
+
     command = shlex.split(environ.get("VISUAL") or environ.get("EDITOR") or "vi")
     with tempfile.TemporaryDirectory(prefix="logical-robots-") as folder:
         path = Path(folder) / f"program{SUFFIX}"

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Literal, Protocol, TypeAlias
+from typing import TYPE_CHECKING, Literal, NamedTuple, Protocol, TypeAlias
 
 if TYPE_CHECKING:
     from logical_robots_tui.mind import Diagnostic
@@ -13,8 +12,7 @@ __all__ = ["ProgramState", "ProgramText"]
 Phase: TypeAlias = Literal["fresh", "compiling", "applied", "mistake"]
 
 
-@dataclass(frozen=True, slots=True)
-class ProgramState:
+class ProgramState(NamedTuple):
     """How far the program is.
 
     Attributes:
@@ -40,7 +38,7 @@ class ProgramState:
 
     def compiling(self, text: str) -> ProgramState:
         """The state when the compilation of a text has begun."""
-        return replace(self, phase="compiling", tried=text, mistakes=(), compiled=(0, 0))
+        return self._replace(phase="compiling", tried=text, mistakes=(), compiled=(0, 0))
 
     def seen_from(self, text: str) -> ProgramState:
         """What to say while that text stands in the editor.
@@ -49,7 +47,7 @@ class ProgramState:
         """
         if self.phase != "mistake" or text == self.tried or text != self.applied:
             return self
-        return replace(self, phase="applied", tried=text, mistakes=self.warnings)
+        return self._replace(phase="applied", tried=text, mistakes=self.warnings)
 
 
 class ProgramText(Protocol):

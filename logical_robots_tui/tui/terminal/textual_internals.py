@@ -1,6 +1,6 @@
 """Textual's private parts that the other rooms need, each behind one function.
 
-A new release of Textual may move them; `tests/tui/terminal/test_textual_internals.py` then names which.
+A new release of Textual may move them; `test_textual_internals.py` then names which.
 """
 
 from __future__ import annotations

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from textual.style import Style
@@ -120,8 +119,7 @@ def palette_of(theme: Theme) -> Palette:
     if theme.name == NIGHT.name or theme.ansi:
         return palette
     tone = parse(theme.to_color_system().generate()["background"])
-    return replace(
-        palette,
+    return palette._replace(
         void=mix(palette.void, tone, _TONE),
         floor=mix(palette.floor, tone, _TONE),
         grid=mix(palette.grid, tone, _TONE),

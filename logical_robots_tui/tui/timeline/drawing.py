@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from itertools import groupby, islice
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 from textual.content import Content
 
@@ -37,8 +36,7 @@ TRACKS = (
 """The signs of the track itself, with colours and meanings."""
 
 
-@dataclass(frozen=True, slots=True)
-class Span:
+class Span(NamedTuple):
     """What there is to show.
 
     Attributes:
@@ -56,8 +54,7 @@ class Span:
     parted: int | None = None
 
 
-@dataclass(frozen=True, slots=True)
-class Scale:
+class Scale(NamedTuple):
     """Which ticks a column stands for; it changes seldom while the game runs.
 
     Attributes:

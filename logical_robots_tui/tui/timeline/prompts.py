@@ -11,7 +11,7 @@ from textual.content import Content
 from textual.widgets import Input, Static
 
 from logical_robots_tui.game import mistake_in_question
-from logical_robots_tui.tui.app.ui import in_background
+from logical_robots_tui.tui.app.background import in_background
 from logical_robots_tui.tui.layout.dialogs import Dialog
 from logical_robots_tui.tui.theme.safe_text import one_line
 

@@ -37,14 +37,14 @@ CASES = {
     "a threshold": Case(
         "Near(robot_name:) :- Sensor(robot_name:, sensor:), ray in sensor.radar, "
         "ray.distance < 20;",
-        "`ray.distance < 20` is missed: ray.distance is 16 too much.",
+        "`ray.distance < 20` fails: ray.distance is 16 too much.",
         "20",
         "36.017",
     ),
     "a threshold in a function": Case(
         "IsFar(x) :- x > 500;\n"
         "Near(robot_name:) :- Sensor(robot_name:, sensor:), IsFar(sensor.forward_distance);",
-        "`x > 500` is missed: x is 300 too little.",
+        "`x > 500` fails: x is 300 too little.",
         "500",
         "199.699",
     ),
@@ -96,7 +96,7 @@ CASES = {
     ),
     "one of two operands": Case(
         "Near(robot_name:) :- Memory(robot_name:, memory:), memory.flag && memory.place > 5;",
-        "`memory.place > 5` is missed: memory.place is 2 too little.",
+        "`memory.place > 5` fails: memory.place is 2 too little.",
         "5",
         "2.997",
     ),

@@ -1,1 +1,1 @@
-"""The SQL functions that programs may call, in Python; `registry` lists them."""
+"""The SQL functions that programs may call, written in Python; `registry` lists them."""

@@ -1,4 +1,4 @@
-"""The aggregates that compiled programs call and SQLite lacks, or can't compute of records."""
+"""Aggregates of compiled programs that SQLite lacks, or can't compute for records."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ __all__ = ["AGGREGATES"]
 
 
 class _Collect:
-    """An aggregate that makes a list of values; of nothing it makes null, as DuckDB does."""
+    """An aggregate that collects values in a list; null if there are none, as in DuckDB."""
 
     def __init__(self) -> None:
         self.items: list[Any] = []
@@ -60,7 +60,7 @@ class _ConcatLists(_Collect):
 
 
 class _Pairs:
-    """An aggregate over pairs; of equal values the first seen comes first, null never."""
+    """An aggregate over pairs; the first of equal values comes first, nulls are ignored."""
 
     descending = False
     key = staticmethod(order)
@@ -83,7 +83,7 @@ class _Pairs:
 
 
 class _ArgMin:
-    """The argument of the best value; of equal ones the first seen, null never."""
+    """The argument of the best value; the first of equal ones, ignoring nulls."""
 
     descending = False
     key = staticmethod(order)
@@ -131,7 +131,7 @@ class _Array(_Pairs):
 
 
 class _ArgMinOfNested(_ArgMin):
-    """ArgMin by records or lists."""
+    """ArgMin with records or lists as values."""
 
     key = staticmethod(order_of_scalar)
 
@@ -149,7 +149,7 @@ class _ArgMaxKOfNested(_ArgMinKOfNested):
 
 
 class _LeastNested(_ArgMinOfNested):
-    """The least of records or lists, null never."""
+    """The least of records or lists, ignoring null."""
 
     def step(self, value: Scalar) -> None:  # type: ignore[override]  # it is the argument, too
         super().step(value, value)

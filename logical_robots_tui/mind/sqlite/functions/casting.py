@@ -1,4 +1,4 @@
-"""Values as text and as a wanted type, with the meaning that DuckDB gives to its casts.
+"""Converting values to text and to other types, with the semantics of DuckDB's casts.
 
 A type is JSON: ``"Num"``, ``"Int"``, ``"Str"``, ``"Bool"``, ``"Any"``, ``{"field": type}`` or
 ``[type]``.
@@ -18,20 +18,20 @@ if TYPE_CHECKING:
 
 __all__ = ["to_text", "try_cast", "try_cast_like"]
 
-_LARGEST = 2**63  # no whole number of SQLite's reaches it
+_LARGEST = 2**63  # above all of SQLite's integers
 
 
 def to_text(value: Any) -> str:
-    """A value as `ToString` writes it: ``1.0``, ``{'a': 1}``, ``[a, b]``."""
+    """Return a value as `ToString` writes it: ``1.0``, ``{'a': 1}``, ``[a, b]``."""
     parsed = _parsed(value)
     return _written(value if parsed is None else parsed, inside=False)
 
 
 def try_cast(value: Any, type_json: str) -> Any:
-    """A value as one of a type, or null where it is none.
+    """Return a value converted to a type, or null if that is impossible.
 
-    Fields that a record lacks are null, those that the type lacks are left out. Programs ask for
-    the same memory again and again, so the latest answers are kept.
+    Missing fields are null, and fields that the type lacks are left out. Results are cached,
+    because programs convert the same memory repeatedly.
     """
     if value.__class__ is str and len(value) < _LONGEST_KEPT:
         return _cast_text(value, type_json)
@@ -51,13 +51,13 @@ _type = lru_cache(maxsize=64)(json.loads)
 
 
 def try_cast_like(value: Any, example: Any) -> Any:
-    """A value as one of the type that an example has, as far as that can be seen."""
+    """Return a value converted to the type of an example, as far as the example shows it."""
     cast = _cast(value, _type_of(_parsed(example) or example))
     return to_json(cast) if isinstance(cast, dict | list) else cast
 
 
 def _type_of(example: Any) -> Any:
-    """The type of an example; null and the elements of an empty list are anything."""
+    """Return the type of an example; null and the elements of an empty list have any type."""
     if isinstance(example, dict):
         return {name: _type_of(value) for name, value in example.items()}
     if isinstance(example, list):
@@ -82,7 +82,7 @@ def _cast(value: Any, wanted: Any) -> Any:
 
 
 def _parsed(value: Any) -> Any:
-    """The record or list that a value is or spells, or None."""
+    """Return the record or list that a value is or contains as text, or None."""
     if isinstance(value, dict | list):
         return value
     if isinstance(value, str) and value.lstrip()[:1] in ("{", "["):

@@ -1,4 +1,4 @@
-"""Which of two values comes first: records field by field, lists element by element."""
+"""The order of values: records field by field, lists element by element."""
 
 from __future__ import annotations
 
@@ -14,16 +14,16 @@ __all__ = ["compared", "in_json", "in_order", "order", "order_of_scalar"]
 
 
 def compared(left: Scalar, right: Scalar) -> int:
-    """Whether a value comes before another (-1), after it (1), or is the same (0).
+    """Return whether a value comes before another (-1), after it (1), or is equal (0).
 
-    Fields of records are compared in the order in which the left one has them. A null inside a
-    record or a list is the same as another null, and comes after everything else.
+    Fields of records are compared in the left record's order. A null inside a record or list equals
+    another null, and comes after everything else.
     """
     return in_json(element(left), element(right))
 
 
 def in_json(left: Any, right: Any) -> int:
-    """The same for values as they come out of JSON."""
+    """Compare values as they come out of JSON."""
     ranks = _rank(left), _rank(right)
     if ranks[0] != ranks[1]:
         return -1 if ranks[0] < ranks[1] else 1
@@ -50,7 +50,7 @@ _key = cmp_to_key(in_json)
 
 
 def order(value: Any) -> tuple[int, Any]:
-    """Sort key over values of all types: null, numbers, texts, then the rest."""
+    """Return a sort key for values of all types: null, numbers, texts, then the rest."""
     if value is None:
         return (0, 0)
     if isinstance(value, int | float):
@@ -61,12 +61,12 @@ def order(value: Any) -> tuple[int, Any]:
 
 
 def order_of_scalar(value: Scalar) -> tuple[int, Any]:
-    """The same for a value of SQLite, where JSON text is the record or list that it spells."""
+    """Return a sort key for a value of SQLite, with JSON text as the record or list in it."""
     return order(element(value))
 
 
 def in_order(values: Iterable[Any]) -> list[Any]:
-    """Values in ascending order; of one type, which is usual, without the detour of a key."""
+    """Return values in ascending order; without sort keys if all have the same simple type."""
     values = list(values)
     types = {type(value) for value in values}
     if types <= {int, float} or types == {str}:

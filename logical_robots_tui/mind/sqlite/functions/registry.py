@@ -1,6 +1,6 @@
 """The SQL functions that compiled programs call and SQLite lacks. Null in, null out.
 
-Lists and records are JSON text inside SQLite. Nothing here reads or writes anything outside it.
+Lists and records are JSON text inside SQLite. Functions here have no side effects.
 """
 
 from __future__ import annotations
@@ -19,6 +19,7 @@ from logical_robots_tui.mind.sqlite.bounds import (
     counted,
     guarded,
 )
+from logical_robots_tui.mind.sqlite.budget import Work
 from logical_robots_tui.mind.sqlite.functions import texts
 from logical_robots_tui.mind.sqlite.functions.aggregates import AGGREGATES
 from logical_robots_tui.mind.sqlite.functions.casting import to_text, try_cast, try_cast_like
@@ -41,8 +42,6 @@ from logical_robots_tui.mind.sqlite.stored import to_json
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from logical_robots_tui.mind.sqlite.budget import Work
-
 __all__ = ["NAMES", "install"]
 
 _MOST_COMPARED = 16  # arguments of Least and Greatest
@@ -53,14 +52,14 @@ def _present(values: tuple[Scalar, ...]) -> list[Scalar]:
 
 
 def _divide(left: float, right: float) -> float | None:
-    """Real division; a number over zero is infinite, as on DuckDB, and zero over zero is null."""
+    """Divide real numbers; x / 0 is infinite, as on DuckDB, and 0 / 0 is null."""
     if right:
-        return left * 1.0 / (right * 1.0)  # as SQLite and DuckDB do with large whole numbers
+        return left * 1.0 / (right * 1.0)  # like SQLite and DuckDB with large integers
     return math.copysign(math.inf, left) * math.copysign(1, right) if left else None
 
 
 def _modulo(left: float, right: float) -> float | None:
-    """The remainder with the sign of the dividend, whole and exact if both are whole."""
+    """Return the remainder with the sign of the dividend, exact for integers."""
     if not right:
         return None
     if isinstance(left, int) and isinstance(right, int):
@@ -70,7 +69,7 @@ def _modulo(left: float, right: float) -> float | None:
 
 
 def _concatenate(left: Scalar, right: Scalar) -> str:
-    """`++`: two lists make a list, everything else a text."""
+    """Return two lists as one, or anything else as a text."""
     if _islist_in(left) and _islist_in(right):
         return _concat(left, right)
     return _text(left) + _text(right)
@@ -142,7 +141,7 @@ def _power(base: float, exponent: float) -> float | None:
 
 
 def _finite(compute: Callable[[], float]) -> float | None:
-    """The number, or null where mathematics has none."""
+    """Return the number, or null if it is undefined."""
     try:
         return compute()
     except (ValueError, OverflowError):
@@ -187,16 +186,16 @@ _NULL_MEANS_ABSENT: dict[str, tuple[int, Callable[..., Any]]] = {
     "greatest": (-1, lambda *values: max(_present(values), key=order_of_scalar, default=None)),
     "least": (-1, lambda *values: min(_present(values), key=order_of_scalar, default=None)),
 }
-"""Functions that pass over null instead of giving it back."""
+"""Functions that accept null arguments."""
 
 _QUICK: dict[str, Callable[..., Any]] = {
     "real_as_json": real_as_json,
     "value_as_json": value_as_json,
 }
-"""Functions of one argument that see to nulls and long texts themselves, for they are many."""
+"""Functions of one argument that handle nulls and long texts themselves, for speed."""
 
 _OF_ANY_NUMBER: dict[str, Callable[..., Any]] = {"formatted": texts.formatted}
-"""Functions of one argument and more."""
+"""Functions of one or more arguments."""
 
 _MATHS: dict[str, tuple[int, Callable[..., Any]]] = {
     "acos": (1, _unary(math.acos)),
@@ -221,22 +220,23 @@ _MATHS: dict[str, tuple[int, Callable[..., Any]]] = {
     "sqrt": (1, _unary(math.sqrt)),
     "tan": (1, _unary(math.tan)),
 }
-"""What SQLite has only where it was built with mathematical functions."""
+"""Functions that SQLite has only if it was built with mathematical functions."""
 
 
 NAMES = frozenset(
     {*_FUNCTIONS, *_NULL_MEANS_ABSENT, *_OF_ANY_NUMBER, *_QUICK, *_MATHS, *AGGREGATES, *REPLACED}
 )
-"""Names of all functions of this module, in lower case as SQLite's authorizer tells them."""
+"""Names of all functions of this module, in lower case as SQLite's authorizer reports them."""
 
 
 def install(connection: sqlite3.Connection, work: Work | None = None) -> None:
-    """Give a connection all functions of this module, and mathematics if it has none.
+    """Register all functions of this module, and mathematical functions if SQLite has none.
 
     Args:
         connection: An open connection.
-        work: What the functions will be called for; when it is halted, they fail.
+        work: The work that calls the functions; they fail when it is halted.
     """
+    work = work or Work(lambda: None)
     functions = dict(_FUNCTIONS)
     for name, (arity, function) in _MATHS.items():
         try:
@@ -262,12 +262,11 @@ def install(connection: sqlite3.Connection, work: Work | None = None) -> None:
     for name, function in _OF_ANY_NUMBER.items():
         create(name, -1, function, null_safe=True)
     for name, (arity, aggregate) in AGGREGATES.items():
-        counting = aggregate if work is None else partial(_counting, aggregate, work)
-        connection.create_aggregate(name, arity, counting)
+        connection.create_aggregate(name, arity, partial(_counting, aggregate, work))
 
 
 def _counting(aggregate: type[Any], work: Work) -> Any:
-    """An aggregate whose steps are steps of some work."""
+    """Return an aggregate whose steps count as steps of some work."""
     made = aggregate()
     made.step = counted(made.step, work)
     return made

@@ -1,7 +1,7 @@
-"""SQLite's own text functions that can take minutes in one call, with a bound on that.
+"""Replacements for SQLite's own text functions that can take minutes in one call.
 
-Comparing every position of a text with every position of another is what takes long; here it is
-done by algorithms that go through a text once, or it is refused.
+SQLite compares every position of a text with every position of another. The functions here use
+linear algorithms, or refuse.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ def _text(value: Any) -> str:
 
 
 def _like(pattern: Any, text: Any, escape: str = "") -> int:
-    """`text LIKE pattern`, in which case matters."""
+    """Return `text LIKE pattern`, case-sensitive."""
     pattern, text = _text(pattern), _text(text)
     if len(pattern) > _LONGEST_PATTERN:
         raise TooLargeError(f"a pattern of {len(pattern):,} characters")
@@ -48,7 +48,7 @@ def _like(pattern: Any, text: Any, escape: str = "") -> int:
 
 
 def _pieces(pattern: str, escape: str) -> list[list[str]]:
-    """The stretches between `%`: of single characters, "" where any character may stand."""
+    """Return the literal parts between `%`, as characters, "" for any character."""
     pieces: list[list[str]] = [[]]
     characters = iter(pattern)
     for character in characters:
@@ -62,7 +62,7 @@ def _pieces(pattern: str, escape: str) -> list[list[str]]:
 
 
 def _found(piece: list[str], text: str, start: int, end: int) -> int:
-    """Where a stretch occurs first, or -1."""
+    """Return where a part first occurs, or -1."""
     if "" not in piece:
         return text.find("".join(piece), start, end)
     if (end - start) * len(piece) > _MOST_COMPARISONS and end - start > len(piece):

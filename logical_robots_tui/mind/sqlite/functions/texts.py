@@ -1,4 +1,4 @@
-"""Texts as DuckDB makes them: of numbers, by a format, in capitals."""
+"""Texts as DuckDB formats them: numbers, format strings, upper and lower case."""
 
 from __future__ import annotations
 
@@ -14,18 +14,18 @@ _DIRECTIVE = re.compile(r"%([-+ 0#]*)(\d*)(?:\.(\d*))?[hlLqjzt]*(.)", re.DOTALL)
 _WHOLE = frozenset("diuoxXc")
 _REAL = frozenset("eEfFgG")
 
-_CAPITALS = {"ß": "ẞ"}  # of what has none of a single character in Python
+_CAPITALS = {"ß": "ẞ"}  # Python has no single upper-case character for these
 
 
 def decimal_to_text(value: float, scale: int) -> str:
-    """A decimal number with a fixed count of digits after the point."""
+    """Return a decimal number with a fixed number of digits after the point."""
     if not math.isfinite(value):
         return str(value)
     return f"{value + 0.0 if value else 0.0:.{scale}f}"
 
 
 def formatted(template: str, *values: Any) -> str:
-    """A text in which each directive, as of C's printf, is replaced by a value.
+    """Return a text with each directive, as in C's printf, replaced by a value.
 
     Raises:
         ValueError: There is no such directive, or no value for it.
@@ -53,7 +53,7 @@ def formatted(template: str, *values: Any) -> str:
 
 
 def round_to(value: float, digits: float) -> float:
-    """A number rounded, halves away from zero, to digits after the point or, negative, before."""
+    """Round halves away from zero, to digits after the point or, if negative, before it."""
     factor = 10 ** abs(int(digits))
     scaled = abs(value * factor if digits >= 0 else value / factor)
     if not math.isfinite(scaled):
@@ -64,7 +64,7 @@ def round_to(value: float, digits: float) -> float:
 
 
 def upper(text: str) -> str:
-    """A text in capitals, of which each stands for one character."""
+    """Return a text in upper case, character by character."""
     return text.upper() if text.isascii() else "".join(map(_capital, text))
 
 
@@ -74,5 +74,5 @@ def _capital(character: str) -> str:
 
 
 def lower(text: str) -> str:
-    """A text in small letters, each of which stands for one character."""
+    """Return a text in lower case, character by character."""
     return text.lower() if text.isascii() else "".join(c.lower()[:1] for c in text)

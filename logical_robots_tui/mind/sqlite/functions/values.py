@@ -1,4 +1,4 @@
-"""Values of SQLite as functions take them: lists and records are JSON text there."""
+"""SQLite values in functions: lists and records are JSON text."""
 
 from __future__ import annotations
 
@@ -21,14 +21,14 @@ __all__ = [
 Scalar: TypeAlias = "int | float | str | None"
 
 ENDLESS = "9.0e+999"
-"""How a number without end is written in JSON."""
+"""Infinity in JSON."""
 
 
 def bounded(text: str) -> str:
-    """The text, if a function may take it apart.
+    """Return the text, if a function may parse it.
 
     Raises:
-        TooLargeError: It may not.
+        TooLargeError: It is too large.
     """
     if len(text) > MAX_ITEMS:
         check_long(text)
@@ -36,10 +36,10 @@ def bounded(text: str) -> str:
 
 
 def list_in(text: Scalar) -> list[Any]:
-    """The list that a value is.
+    """Return the list in a value.
 
     Raises:
-        TypeError: It is none.
+        TypeError: It is not a list.
     """
     value = json.loads(bounded(text)) if isinstance(text, str) else None
     if not isinstance(value, list):
@@ -48,7 +48,7 @@ def list_in(text: Scalar) -> list[Any]:
 
 
 def element(value: Scalar) -> Any:
-    """A value to put in a list: what is JSON text goes in as the list or record that it is."""
+    """Return a value as a list element; JSON text becomes the list or record in it."""
     if isinstance(value, str) and value[:1] in ("{", "["):
         try:
             return json.loads(bounded(value))
@@ -58,7 +58,7 @@ def element(value: Scalar) -> Any:
 
 
 def real_as_json(value: Any) -> str | None:
-    """A number as JSON text with all of its digits, whole ones as real ones; null is null."""
+    """Return a number as JSON text with all of its digits, integers as reals; null is null."""
     if value.__class__ is float:
         text = repr(value)
         if "n" not in text:
@@ -68,7 +68,7 @@ def real_as_json(value: Any) -> str | None:
 
 
 def value_as_json(value: Any) -> str | None:
-    """Any value as JSON text, a text that spells a record or a list as that; null is null."""
+    """Return any value as JSON text, with records and lists in texts parsed; null is null."""
     kind = value.__class__
     if kind is str:
         return value if element(value) is not value else to_input(value)

@@ -11,7 +11,7 @@ from textual.widgets import Static
 from logical_robots_tui.game import Superseded, origin_in_game
 from logical_robots_tui.game.debugging.origin import written_path
 from logical_robots_tui.mind import QueryError
-from logical_robots_tui.tui.app.ui import in_background
+from logical_robots_tui.tui.app.background import in_background
 from logical_robots_tui.tui.commands.keymap import with_keys
 from logical_robots_tui.tui.inspector.background_query import BackgroundQuery, Cancelled, progress
 from logical_robots_tui.tui.inspector.highlights import Placed

@@ -6,7 +6,7 @@ import math
 from dataclasses import dataclass
 from itertools import groupby
 from operator import itemgetter
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING, ClassVar, NamedTuple
 
 from textual.binding import Binding
 from textual.content import Content
@@ -121,8 +121,7 @@ class RobotsPage(Page):
         self.view.show(self._session.level, frame)
 
 
-@dataclass(frozen=True, slots=True)
-class _Robot:
+class _Robot(NamedTuple):
     """What a line shows of a robot."""
 
     name: str
@@ -133,8 +132,7 @@ class _Robot:
     decision: Decision | None
 
 
-@dataclass(frozen=True, slots=True)
-class _Column:
+class _Column(NamedTuple):
     """A column; those with the highest rank go first where there is little room."""
 
     title: str

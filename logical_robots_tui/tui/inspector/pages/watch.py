@@ -14,7 +14,7 @@ from textual.content import Content
 from textual.message import Message
 
 from logical_robots_tui.game import NoSuchTickError, Superseded
-from logical_robots_tui.tui.app.ui import in_background
+from logical_robots_tui.tui.app.background import in_background
 from logical_robots_tui.tui.commands.keymap import with_keys
 from logical_robots_tui.tui.inspector.page import Page
 from logical_robots_tui.tui.inspector.pin_history import PinHistory, window

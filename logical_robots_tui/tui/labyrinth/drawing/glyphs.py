@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from enum import Enum
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 from logical_robots_tui.tui.labyrinth.drawing.palette import DARK, RGB, Palette
 
@@ -46,8 +46,7 @@ _DOTS = {
 }
 
 
-@dataclass(frozen=True, slots=True)
-class GlyphSet:
+class GlyphSet(NamedTuple):
     """One character, one cell wide, for everything that stands in a labyrinth.
 
     Attributes:
@@ -164,8 +163,7 @@ def legend(
     return rows
 
 
-@dataclass(frozen=True, slots=True)
-class Highlight:
+class Highlight(NamedTuple):
     """A robot, or one ray of its radar, to bring out of the picture.
 
     Attributes:

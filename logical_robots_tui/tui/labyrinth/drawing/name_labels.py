@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 import unicodedata
-from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 from rich.cells import cell_len
 
@@ -52,8 +51,7 @@ def fit_name(name: str, width: int, cut: str, unknown: str, ascii_only: bool = F
     return [*cells, cut][:width]
 
 
-@dataclass(frozen=True, slots=True)
-class Plate:
+class Plate(NamedTuple):
     """A name to show at something.
 
     Attributes:

@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from functools import lru_cache
-from typing import TypeAlias
+from typing import NamedTuple, TypeAlias
 
 from textual.color import Color, ColorParseError
 
@@ -14,8 +13,7 @@ RGB: TypeAlias = tuple[int, int, int]
 """Red, green and blue, each 0 to 255."""
 
 
-@dataclass(frozen=True, slots=True)
-class Palette:
+class Palette(NamedTuple):
     """All colours that don't come from the level.
 
     Attributes:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, Self, TypeAlias
+from typing import TYPE_CHECKING, Any, NamedTuple, Self, TypeAlias
 
 import numpy as np
 
@@ -21,8 +21,7 @@ CELL_ASPECT = 2.0
 """Height of a terminal cell in widths of one."""
 
 
-@dataclass(frozen=True, slots=True)
-class Viewport:
+class Viewport(NamedTuple):
     """The rectangle of a map that a block of cells shows; a map unit is as long down as across.
 
     Attributes:
@@ -64,12 +63,12 @@ class Viewport:
 
     def centred(self, x: float, y: float) -> Self:
         """Show the same length of map around another point, in map units."""
-        return replace(self, left=x - self.width / 2, top=y - self.height / 2)
+        return self._replace(left=x - self.width / 2, top=y - self.height / 2)
 
     def zoomed(self, factor: float) -> Self:
         """Show the middle ``factor`` times as large."""
         x, y = self.left + self.width / 2, self.top + self.height / 2
-        return replace(self, units=self.units / factor).centred(x, y)
+        return self._replace(units=self.units / factor).centred(x, y)
 
     def cell(self, x: float, y: float) -> tuple[int, int] | None:
         """Return the (row, column) that shows a point of the map, or None if none does."""

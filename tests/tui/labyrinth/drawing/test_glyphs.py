@@ -1,4 +1,3 @@
-import dataclasses
 import math
 
 import pytest
@@ -10,7 +9,7 @@ from logical_robots_tui.tui.labyrinth.drawing.glyphs import GlyphSet
 
 
 def characters(glyphs: GlyphSet) -> str:
-    return "".join(dataclasses.astuple(glyphs))
+    return "".join(glyphs)
 
 
 @pytest.mark.parametrize("drawing", Drawing)
