@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+import pytest
+
 from logical_robots_tui.cli.check import diagnostics
 
 if TYPE_CHECKING:
