@@ -31,7 +31,7 @@ if TYPE_CHECKING:
 __all__ = ["history"]
 
 LARGEST = "10-distributed-mapping"
-SHORT, LONG = 1_000, 2_000  # ticks: what is held grows by the same with each, once they are packed
+SHORT, LONG = 600, 1_200  # ticks: what is held grows by the same with each, once they are packed
 JUMPS = 60
 QUIET = 0.15  # seconds without output, after which a paused game has nothing more to say
 

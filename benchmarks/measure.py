@@ -14,7 +14,7 @@ __all__ = ["Effort", "Measurement", "median_of", "repeated", "seconds_for", "sum
 
 T = TypeVar("T")
 
-BUDGET = 1.0  # seconds for the repeats of one number
+BUDGET = 0.6  # seconds for the repeats of one number
 LEAST = 3  # repeats, however long they take
 
 

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+import pytest
+
 from logical_robots_tui.cli.check import diagnostics
 
 if TYPE_CHECKING:
@@ -95,6 +97,7 @@ def test_text_of_a_program_can_not_reach_the_terminal_as_codes(
     assert "\x1b" not in command("check", written(tmp_path, "nasty.l", text)).out
 
 
+@pytest.mark.slow
 def test_the_shipped_programs_are_without_a_warning() -> None:
     from logical_robots_tui.game import list_programs, load_program
 

@@ -152,6 +152,7 @@ def unwrapped(text: str) -> str:
     return " ".join(text.replace("│", " ").split())
 
 
+@pytest.mark.slow
 def test_a_restricted_game_says_what_is_off(tmp_path: Path) -> None:
     secret = tmp_path / "secret.l"
     secret.write_text("# nobody's business")
@@ -303,6 +304,7 @@ FILLS_CACHES = """if True:
 """
 
 
+@pytest.mark.slow
 def test_caches_leave_a_restricted_player_most_of_the_room(tmp_path: Path) -> None:
     environment = {**os.environ, "LOGICAL_ROBOTS_CACHE_DIR": str(tmp_path / "cache")}
     subprocess.run(

@@ -49,6 +49,7 @@ def test_a_level_and_its_programs_have_one_name(name: str) -> None:
     assert level.title.lower().replace(" ", "-") == level.solution
 
 
+@pytest.mark.sampled
 @each_level
 def test_the_programs_of_a_level_have_nothing_that_looks_odd(name: str) -> None:
     level = load_level(name)

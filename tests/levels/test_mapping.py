@@ -85,6 +85,7 @@ def distances(memory: Any) -> dict[str, float]:
     return {place["label"]: place["far"] for place in memory["places"] or []}
 
 
+@pytest.mark.slow
 def test_the_map_agrees_with_dijkstra_over_the_pairs_that_robots_have_seen(
     level: Level, played: tuple[list[Any], set[tuple[str, str]]]
 ) -> None:
@@ -97,6 +98,7 @@ def test_the_map_agrees_with_dijkstra_over_the_pairs_that_robots_have_seen(
         assert far == pytest.approx(right[name], rel=0.15), name
 
 
+@pytest.mark.slow
 def test_the_map_grows_by_one_round_a_tick(played: tuple[list[Any], set[tuple[str, str]]]) -> None:
     told, _ = played
     before: set[str] = {BASE}

@@ -51,6 +51,7 @@ def test_the_solution_asks_for_no_more_than_robots_may_see(name: str) -> None:
     assert SIGHT.index(program.sensor or "own") <= SIGHT.index(allowed.sensor)
 
 
+@pytest.mark.sampled
 @each_level
 def test_the_solution_does_as_well_as_was_measured(name: str) -> None:
     measured = reference_table()[name]

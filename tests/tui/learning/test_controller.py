@@ -254,7 +254,7 @@ async def test_the_players_program_comes_back_with_its_level(data_dir: Path) -> 
         await game.until(lambda: game.session.level.name == FIRST)
         assert game.editor.text == AHEAD
         await game.until(lambda: game.session.state.applied == AHEAD)
-        assert game.shows("Your program for this level has been restored.")
+        await game.until(lambda: game.shows("Your program for this level has been restored."))
 
 
 async def test_text_that_is_kept_as_a_version_is_not_offered_as_unsaved(data_dir: Path) -> None:

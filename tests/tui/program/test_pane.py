@@ -157,7 +157,7 @@ async def test_a_program_of_a_megabyte_is_refused_and_the_game_goes_on(data_dir:
         await game.until(lambda: len(game.editor.text) > 1_000_000)
         await game.press("f4")
         await game.until(lambda: game.session.state.phase == "mistake")
-        assert game.shows("✗ line 1")
+        await game.until(lambda: game.shows("✗ line 1"))
         await game.press("escape", "n")
         await game.until(lambda: game.tick == 1)
 
