@@ -165,7 +165,7 @@ def _of_memory(
     for name, field in reads.items():
         if name not in observed.fields and (name not in writes or checkup.writes_all):
             close = closest(name, {*writes, *observed.fields})
-            hint = f"Is {close} meant?" if close else "It is always null."
+            hint = f"Did you mean {close}?" if close else "It is always null."
             message = f"memory.{name} is read, but no memory ever had a field {name}."
             made = [rule.memory for rule in checkup.rules if rule.memory is not None]
             others = (writes[close].span,) if close in writes else tuple(made)
@@ -201,7 +201,7 @@ def _of_texts(checkup: Checkup, observed: Observations, level: Level) -> Iterato
         close = closest(field.name, names | set(_SEEN), 0.6) or next(
             (n for n in names if n.lower() == field.name.lower()), ""
         )
-        hint = f'Is "{close}" meant?' if close else "Robots and beacons have other names here."
+        hint = f'Did you mean "{close}"?' if close else "Robots and beacons have other names here."
         message = f'Nothing in this level is called "{field.name}".'
         yield Finding("unknown text", "warning", field.span, observed.first, message, hint)
 
