@@ -101,7 +101,7 @@ def test_each_player_has_the_game_and_a_folder_by_the_name_of_their_key(school: 
         ada.send("\x1b")
         ada.wait_for(lambda: "skips the tour" not in ada.text)
         ada.send("E")
-        ada.wait_for("off here")
+        ada.wait_for("disabled here")
     assert {NAMES[0], NAMES[1]} <= {folder.name for folder in school.players.iterdir()}
 
 
