@@ -41,7 +41,7 @@ def test_a_pattern_has_no_rows_of_its_own_and_says_why() -> None:
     rows = {predicate.name: predicate.has_rows for predicate in program.predicates}
     assert (rows["Spot"], rows["Worker"], rows["Miner"]) == (False, False, True)
     mind = Mind(program)
-    with pytest.raises(QueryError, match="Worker leans on Post, which is left open"):
+    with pytest.raises(QueryError, match="Worker uses Post, which is a parameter"):
         mind.query("Worker", ROWS, {})
     mind.close()
 

@@ -86,7 +86,7 @@ def test_an_engine_may_be_a_text_that_spells_a_number(text: str) -> None:
 def test_any_other_text_stands_still(text: str) -> None:
     power, (notice,) = engines(f'"{text}"')
     assert power == 0
-    assert "it stands still" in notice
+    assert "it stops" in notice
 
 
 def test_an_engine_without_end_is_not_called_null() -> None:

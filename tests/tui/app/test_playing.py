@@ -108,7 +108,7 @@ async def test_a_slow_thought_leaves_the_keys_alone_and_can_be_stopped(
         await game.until(lambda: game.editor.text.startswith("x"))
         assert game.session.thinking_for > thought  # the same one
         await game.until(lambda: "thinking…" in game.status)
-        assert "F5 stops it" in game.status
+        await game.until(lambda: "F5 stops it" in game.status)
         assert game.tick == 0
         await game.press("f5")
         await game.until(lambda: not game.session.busy)

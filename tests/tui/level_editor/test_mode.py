@@ -148,7 +148,7 @@ async def test_properties_are_set_in_forms_with_the_choices_there_are(
         form.query_one("#name", Input).value = "Gate"
         form.query_one("#radius", Input).value = "wide"
         await s.press("f2")
-        await game.until(lambda: game.shows("The radius is to be a number"))
+        await game.until(lambda: game.shows("The radius must be a number"))
         form.query_one("#radius", Input).value = "22"
         form.query_one("#solid", Checkbox).value = True
         form.query_one("#off", Select).value = "Lamp"
@@ -204,7 +204,7 @@ async def test_a_save_changes_little_and_one_without_a_change_nothing(
     async with studio(data_dir, room_file) as s:
         game = s.game
         await s.press("s")
-        await game.until(lambda: game.shows("It is saved already"))
+        await game.until(lambda: game.shows("It is already saved"))
         assert said(room_file) == ROOM
         await s.drag((200, 30), (180, 30))
         await s.press("s")
@@ -345,7 +345,7 @@ async def test_what_was_edited_is_offered_after_a_hangup(data_dir: Path, room_fi
     async with opened(data_dir) as game:
         await game.ready()
         await game.until(lambda: game.main.recorder.record)
-        assert not game.shows("Go on editing")
+        assert not game.shows("Continue editing")
 
 
 async def test_what_was_placed_with_keys_stays_when_something_else_is_begun(

@@ -81,9 +81,9 @@ async def test_a_key_that_was_meant_for_the_game_is_no_answer(data_dir: Path, ke
         await game.until(lambda: game.shows("Continue with your unsaved text"))
         question = game.app.screen
         assert isinstance(question, Question)
-        assert not game.shows("put it away")
+        assert not game.shows("set it aside")
         await game.press(key)
-        await game.until(lambda: game.shows("put it away"))
+        await game.until(lambda: game.shows("set it aside"))
         late = events.Key(key, CHARACTERS.get(key, key if len(key) == 1 else None))
         late.time = question.answered_from - 0.001
         game.app.post_message(late)
