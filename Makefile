@@ -29,7 +29,7 @@ test: $(VENV)/.dev ## Run the tests on all cores, a quick choice of them or ALL=
 lowest: $(VENV)/.dev ## Run the tests of the screen with the lowest Textual, in VENV; it stays there
 	@$(PIP) install --quiet --no-deps \
 		textual==$$(sed -n 's/.*"textual>=\([0-9.]*\),.*/\1/p' pyproject.toml)
-	$(PYTEST) tests/tui tests/snapshots $(ARGS)
+	$(PYTEST) tests/tui/terminal tests/tui/app tests/snapshots $(ARGS)
 
 lint: $(VENV)/.dev ## Check layout, style, types and which part may use which
 	$(BIN)/python -m ruff format --check .

@@ -72,7 +72,7 @@ def test_a_changed_program_leaves_the_old_future_in_sight(player: Player) -> Non
 def test_a_run_stops_at_a_breakpoint(player: Player) -> None:
     player.play_short_way()
     player.tmux.press("B")
-    player.tmux.wait_for("a adds one")
+    player.tmux.wait_for("a add ")
     player.tmux.press("a")
     player.tmux.wait_for("a robot enters an area")
     for _ in range(3):

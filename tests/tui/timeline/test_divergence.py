@@ -70,4 +70,4 @@ def test_a_value_a_failed_step_and_nothing_are_told_apart() -> None:
     assert derivation(Comparison("Ada", call)).plain.startswith(
         "What Ada decides differs first in Steer(0.5)"
     )
-    assert "are the same" in derivation(Comparison("Ada", None)).plain
+    assert "are equal" in derivation(Comparison("Ada", None)).plain

@@ -105,7 +105,7 @@ async def test_a_run_until_a_tick_ends_there_and_one_into_the_past_is_refused(
         await game.press("U")
         await game.until(lambda: isinstance(game.app.screen, TickPrompt))
         await type_in(game, "9")
-        await game.until(lambda: game.shows("The robots are at tick 17 already."))
+        await game.until(lambda: game.shows("The robots are already at tick 17."))
         await game.press("escape")
         await game.until(lambda: game.app.screen is game.main)
         assert game.tick == 17
