@@ -164,8 +164,7 @@ async def test_what_is_said_names_the_keys_that_are_set(data_dir: Path, short: P
     async with opened(data_dir, level=short, text=STILL, welcome=True, settings=wanted) as game:
         await game.until(lambda: game.shows("1 of 4"))
         await game.press("enter")
-        await game.until(lambda: game.shows("every tick.") and game.shows("~ goes"))
-        assert game.shows("F9 applies it")
+        await game.until(lambda: game.shows("tick. ~ goes there; edit it, F9 applies"))
         await game.press("enter", "enter")
         await game.until(lambda: game.shows("^P gives a"))
         await game.press("enter")
