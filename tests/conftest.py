@@ -138,8 +138,9 @@ def _log_handlers_as_before() -> Iterator[None]:
 
 
 @pytest.fixture
-def late(monkeypatch: pytest.MonkeyPatch) -> None:
-    """The clock ends the thought in tick 3."""
+def late(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    """The clock ends the thought in tick 3, and no other test has computed that tick."""
+    monkeypatch.setenv("LOGICAL_ROBOTS_CACHE_DIR", str(tmp_path / "cache"))
     from logical_robots_tui.mind.mind import Mind
 
     think = Mind.think

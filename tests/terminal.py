@@ -54,8 +54,9 @@ class Terminal:
         self._undrawn: deque[tuple[float, bytes]] = deque()
         self._answered = 0
         self._command = [str(word) for word in command]
+        inherited = {k: v for k, v in os.environ.items() if k not in {"COLUMNS", "LINES"}}
         self._env = {
-            **os.environ,
+            **inherited,
             "TERM": "xterm-256color",
             "COLORTERM": "truecolor",
             **(env or {}),

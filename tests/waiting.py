@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 __all__ = ["PATIENCE", "SOON", "a_moment", "until"]
 
 PATIENCE = 90.0  # seconds; generous, for machines that are busy with other things
-SOON = 20.0  # seconds, for what is promised within two on a machine that is not busy
+SOON = 10.0  # seconds, for what is promised within two on a machine that is not busy
 
 _LOOK_AGAIN_AFTER = 0.02
 _never = threading.Event()

@@ -218,7 +218,7 @@ class _TextGame:
     def _keep(self, victory: Victory) -> None:
         keep_victory(self._progress, self._key, victory)
         if victory.verdict == "reference":
-            _say("That was the reference program, so it does not count as your victory.")
+            _say("Won by the reference program: not counted.")
         elif victory.refusal:
             _say(victory.refusal)
         elif self._progress.is_kept:

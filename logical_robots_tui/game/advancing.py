@@ -91,7 +91,7 @@ def advance(
     done: list[Advance] = []
     while True:
         if known:
-            frame = known_frame(worlds, past.after, past.memories, known[len(done)])
+            frame = known_frame(worlds, past, known[len(done)])
         else:
             frame = _next_frame(worlds.of(level), mind, past, stop)
         is_watched = watch.breakpoints and frame.decisions
@@ -103,20 +103,18 @@ def advance(
         past = frame
 
 
-def known_frame(
-    worlds: Worlds, before: WorldState, memories_before: Mapping[str, Value], known: Known
-) -> Frame:
-    """Restore a frame by letting the robots sense again."""
+def known_frame(worlds: Worlds, before: Frame | Moment, known: Known) -> Frame:
+    """Restore a frame by letting the robots sense again, from where the tick before left them."""
     world, moment = worlds.of(known.level), known.moment
     if not moment.decisions:
         return fresh_frame(world, moment.after, moment.memories)
-    world.restore(before)
+    world.restore(before.after)
     return Frame(
         moment.after.tick,
-        before,
+        before.after,
         moment.after,
         tuple(world.sense()),
-        memories_before,
+        before.memories,
         moment.decisions,
         moment.memories,
         moment.think_milliseconds,

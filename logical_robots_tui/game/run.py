@@ -202,10 +202,12 @@ class Run:
     def _known(self, tick: int) -> Frame:
         if self._latest.tick == tick:
             return self._latest
-        recording = self._recording
-        before, moment = recording.moment(max(tick - 1, 0)), recording.moment(tick)
-        known = Known(self.level, moment)
-        return known_frame(self._worlds, before.after, before.memories, known)
+        before: Frame | Moment = self._latest
+        if self._latest.tick != tick - 1:
+            before = self._recording.moment(max(tick - 1, 0))
+        known = Known(self.level, self._recording.moment(tick))
+        self._latest = known_frame(self._worlds, before, known)
+        return self._latest
 
     def _go_on(self, stop: threading.Event) -> None:
         """Compute the next tick."""

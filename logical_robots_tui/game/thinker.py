@@ -7,11 +7,15 @@ import threading
 from concurrent.futures import ThreadPoolExecutor
 from typing import TYPE_CHECKING, TypeVar
 
+from logical_robots_tui.game.advancing import Worlds, known_frame
 from logical_robots_tui.mind import Stopped
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
+    from logical_robots_tui.game.advancing import Known
+    from logical_robots_tui.game.frame import Frame
+    from logical_robots_tui.game.history.packing import Moment
     from logical_robots_tui.mind import Limits, Mind, Program
     from logical_robots_tui.world import Level, Visibility
 
@@ -28,6 +32,7 @@ class Thinker:
         self._stop = threading.Event()
         self._mind: Mind | None = None
         self._visibility: Visibility | None = None
+        self._worlds: Worlds | None = None
 
     def mind(self, program: Program, level: Level, limits: Limits) -> Mind:
         """Return the mind for a program; call it in the thread."""
@@ -49,6 +54,15 @@ class Thinker:
                 frozen=True,
             )
         return self._mind
+
+    def replay(
+        self, program: Program, before: Moment, known: Known, limits: Limits
+    ) -> tuple[Frame, Mind]:
+        """Restore a stored tick, and return it with a mind for it; call it in the thread."""
+        if self._worlds is None:
+            self._worlds = Worlds(known.level)
+        frame = known_frame(self._worlds, before, known)
+        return frame, self.mind(program, known.level, limits)
 
     async def do(self, work: Callable[[threading.Event], T]) -> T:
         """Run work in the thread, passing the event that tells it to stop."""

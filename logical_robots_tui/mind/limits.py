@@ -138,7 +138,7 @@ def is_bounded() -> bool:
 
 
 def check_room(size: int) -> None:
-    """Check that the process may still use so many bytes of address space.
+    """Check that a bounded process may still use so many bytes of address space.
 
     Some code crashes when memory runs out, such as orjson, so there must be enough before a think
     begins.
@@ -146,8 +146,6 @@ def check_room(size: int) -> None:
     Raises:
         MemoryError: There is not enough.
     """
-    if not is_bounded():
-        return
     try:
         mmap.mmap(-1, size, flags=mmap.MAP_PRIVATE | mmap.MAP_ANONYMOUS | _NO_RESERVE).close()
     except OSError:

@@ -346,10 +346,6 @@ class Mind:
             self._thought = []
         return last
 
-    def _has_thought(self, moment: Moment) -> bool:
-        """Return whether the rows of `Robot` are known for each view of a moment."""
-        return len(self._thought) == len(moment.views)
-
     def _table(
         self,
         predicate: str,
@@ -358,7 +354,8 @@ class Mind:
         stop: threading.Event | None,
     ) -> Table:
         moment = self._moment_of(rows, memories)
-        if predicate == "Robot" and moment is self._moment and self._has_thought(moment):
+        has_thought = moment is self._moment and len(self._thought) == len(moment.views)
+        if predicate == "Robot" and has_thought:
             return self._collected(self._thought)
 
         def answers(within: Within) -> Iterator[tuple[View, Answer]]:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from functools import partial
 from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias
 
 import numpy as np
@@ -13,7 +12,7 @@ from logical_robots_tui.world.rays import FORWARD, SENSOR_RANGE, Circles, rays_o
 from logical_robots_tui.world.walls import Walls
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
+    from collections.abc import Sequence
 
     from numpy.typing import NDArray
 
@@ -22,7 +21,7 @@ if TYPE_CHECKING:
     from logical_robots_tui.world.rays import Rays
     from logical_robots_tui.world.state import AreaState, RobotState
 
-__all__ = ["BEACON_RADIUS", "ROBOT_RADIUS", "SENSOR_RANGE", "Senses", "may_have_changed"]
+__all__ = ["BEACON_RADIUS", "ROBOT_RADIUS", "SENSOR_RANGE", "Senses"]
 
 ROBOT_RADIUS = 9.0
 """Map units within which a ray hits a robot."""
@@ -132,9 +131,7 @@ class Senses:
         """Return what robots see; only robots whose reading may have changed look again."""
         last, anew = self._last, list(range(len(robots)))
         if last is not None and last.shown == shown and len(robots) <= _FEW_ROBOTS:
-            anew = may_have_changed(
-                robots, last.robots, ROBOT_RADIUS, partial(last.reach, self._codes)
-            )
+            anew = _may_have_changed(robots, last, self._codes)
             if not anew:
                 return last._replace(robots=robots)
         rays = rays_of(robots, anew)
@@ -230,26 +227,15 @@ _MARGIN = 1.0
 """Map units; far more than any rounding error."""
 
 
-def may_have_changed(
-    robots: Sequence[RobotState],
-    before: Sequence[RobotState],
-    radius: float,
-    reach: Callable[[int], float],
-) -> list[int]:
+def _may_have_changed(robots: Sequence[RobotState], last: _Looked, codes: int) -> list[int]:
     """Return the indices of the robots whose reading may have changed.
 
     All others have not moved, and no moving robot was or is in their view.
-
-    Args:
-        robots: All robots, in file order.
-        before: The same robots at the last reading.
-        radius: Map units within which a ray hits a robot.
-        reach: Returns the longest distance in a robot's last reading, by the robot's index.
     """
     spots: list[_Spot] = []
     found: list[int] = []
     still: list[int] = []
-    for place, (now, then) in enumerate(zip(robots, before, strict=True)):
+    for place, (now, then) in enumerate(zip(robots, last.robots, strict=True)):
         if now.x != then.x or now.y != then.y:
             spots += ((now.x, now.y), (then.x, then.y))
             found.append(place)
@@ -258,8 +244,8 @@ def may_have_changed(
         else:
             still.append(place)
     for place in still:
-        near = _in_front(robots[place], spots, radius + _MARGIN)
-        if near and min(near) < reach(place) + radius + _MARGIN:
+        near = _in_front(robots[place], spots, ROBOT_RADIUS + _MARGIN)
+        if near and min(near) < last.reach(codes, place) + ROBOT_RADIUS + _MARGIN:
             found.append(place)
     return sorted(found)
 

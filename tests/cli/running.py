@@ -49,6 +49,6 @@ class Command:
         return Told(status, caught.out, caught.err)
 
 
-def in_terminal(*arguments: object) -> Terminal:
+def in_terminal(*arguments: object, size: tuple[int, int] = (100, 40)) -> Terminal:
     """The command as a process in a terminal of its own."""
-    return Terminal([sys.executable, "-m", "logical_robots_tui", *arguments])
+    return Terminal([sys.executable, "-m", "logical_robots_tui", *arguments], size=size)

@@ -70,7 +70,7 @@ def test_the_page_shows_what_the_command_says(tmp_path: Path) -> None:
     assert '"Harbour"' in lines[18]
     lines[18] = lines[18].replace('"Harbour"', '"Harbor"')
     program.write_text("\n".join(lines))
-    with in_terminal("diagnose", "05-lighthouse", program) as terminal:
+    with in_terminal("diagnose", "05-lighthouse", program, size=(80, 40)) as terminal:
         assert terminal.finish() == 1
         told = [line.rstrip() for line in terminal.text.splitlines()]
     for line in example.splitlines():

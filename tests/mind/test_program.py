@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from time import process_time
+from time import monotonic
 
 import pytest
 from hypothesis import given, settings
@@ -72,9 +72,9 @@ def test_messages_hold_no_terminal_codes() -> None:
 
 
 def test_a_program_of_a_megabyte_is_refused_at_once() -> None:
-    began = process_time()
+    began = monotonic()
     assert "1,000,000 characters" in complaint("x" * 1_000_000)[2]
-    assert process_time() - began < 1
+    assert monotonic() - began < 1
 
 
 def test_deep_nesting_is_refused_in_plain_words() -> None:

@@ -5,7 +5,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from logical_robots_tui.game.advancing import Worlds, known_frame
 from logical_robots_tui.game.debugging.proof_difference import condition_of, first_difference
 from logical_robots_tui.game.frame import Superseded
 from logical_robots_tui.game.thinker import Thinker
@@ -113,8 +112,5 @@ class _Course:
         await self._thinker.close()
 
     def _explainer(self, program: Program, stop: threading.Event) -> Explainer:
-        level = self._known.level
-        before = self._before
-        frame = known_frame(Worlds(level), before.after, before.memories, self._known)
-        mind = self._thinker.mind(program, level, self._limits)
+        frame, mind = self._thinker.replay(program, self._before, self._known, self._limits)
         return mind.explainer(self._robot, frame.sensors, frame.memories_before, stop=stop)

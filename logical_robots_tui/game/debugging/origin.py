@@ -11,7 +11,6 @@ from dataclasses import dataclass, replace
 from functools import partial
 from typing import TYPE_CHECKING, TypeAlias
 
-from logical_robots_tui.game.advancing import Worlds, known_frame
 from logical_robots_tui.game.frame import NoSuchTickError, Superseded
 from logical_robots_tui.game.thinker import Thinker
 from logical_robots_tui.mind import QueryError
@@ -148,7 +147,6 @@ async def origin_in_game(
         value = part_of(history.around(0)[1].memories.get(robot), path)
         return Origin((Link(robot, path, value, 0, 0, None, None, ()),), complete=True)
     thinker = Thinker("origin")
-    worlds: list[Worlds] = []
 
     async def source(at: int, whose: str, part: Path) -> tuple[Made, Mapping[str, Value]]:
         if history.turns != turns:
@@ -162,10 +160,7 @@ async def origin_in_game(
         program = history.program_at(at) or game.program
 
         def work(stop: threading.Event) -> tuple[Made, Mapping[str, Value]]:
-            if not worlds:
-                worlds.append(Worlds(known.level))
-            frame = known_frame(worlds[0], before.after, before.memories, known)
-            mind = thinker.mind(program, known.level, game.limits)
+            frame, mind = thinker.replay(program, before, known, game.limits)
             return _source(whose, part, frame, mind, stop)
 
         return await thinker.do(work)

@@ -6,7 +6,6 @@ from dataclasses import dataclass
 from functools import partial
 from typing import TYPE_CHECKING, Literal, TypeAlias
 
-from logical_robots_tui.game.advancing import Known, Worlds, known_frame
 from logical_robots_tui.game.debugging.watching import matching_rows
 from logical_robots_tui.game.frame import NoSuchTickError
 from logical_robots_tui.game.thinker import Thinker
@@ -16,8 +15,8 @@ if TYPE_CHECKING:
     import threading
     from collections.abc import Callable, Sequence
 
+    from logical_robots_tui.game.advancing import Known
     from logical_robots_tui.game.game import Game
-    from logical_robots_tui.game.history.history import History
     from logical_robots_tui.game.history.packing import Moment
     from logical_robots_tui.mind import Program, Question
 
@@ -70,16 +69,12 @@ async def search_ticks(
     program, history, here = game.program, game.history, game.frame.tick
     end = history.last if way > 0 else history.first
     ticks = range(here, end + way, way)
-    worlds: list[Worlds] = []
     thinker = Thinker("search")
 
     def ask(question: Question, some: Sequence[_Tick], stop: threading.Event) -> list[bool | str]:
         answers: list[bool | str] = []
         for before, known in some:
-            if not worlds:
-                worlds.append(Worlds(known.level))
-            frame = known_frame(worlds[0], before.after, before.memories, known)
-            mind = thinker.mind(program, known.level, game.limits)
+            frame, mind = thinker.replay(program, before, known, game.limits)
             try:
                 sensors, memories = frame.sensors, frame.memories_before
                 table = mind.ask(question, sensors, memories, stop=stop, in_order=False)
@@ -97,7 +92,7 @@ async def search_ticks(
         for at in range(0, len(ticks), together):
             numbers = ticks[at : at + together]
             try:
-                some = [_taken(history, tick) for tick in numbers]
+                some = [(history.around(tick)[0], history.known(tick)) for tick in numbers]
             except NoSuchTickError:  # dropped in the meantime
                 break
             for tick, answer in zip(
@@ -116,16 +111,6 @@ async def search_ticks(
     finally:
         await thinker.close()
     return SearchResult(None, last, holds_here, problem)
-
-
-def _taken(history: History, tick: int) -> _Tick:
-    """Return a tick from a history.
-
-    Raises:
-        NoSuchTickError: The history does not hold it.
-    """
-    before, moment = history.around(tick)
-    return before, Known(history.level_at(tick - bool(moment.decisions)), moment)
 
 
 def _compiled(game: Game, program: Program, query: str, stop: threading.Event) -> Question:

@@ -18,12 +18,12 @@ if TYPE_CHECKING:
     import threading
     from collections.abc import Callable, Mapping, Sequence
 
+    from logical_robots_tui.game.advancing import Known
     from logical_robots_tui.game.diagnosis.observations import Observations
-    from logical_robots_tui.game.frame import Frame
     from logical_robots_tui.game.game import Game
+    from logical_robots_tui.game.history.packing import Moment
     from logical_robots_tui.mind.diagnosis.finding import Finding
     from logical_robots_tui.mind.diagnosis.sites import Checkup
-    from logical_robots_tui.world import Level
 
 __all__ = ["Diagnosis", "diagnose", "extent"]
 
@@ -165,14 +165,15 @@ class _Diagnosing:
     ) -> None:
         """Evaluate probes at some ticks."""
         names = {tally.checkup.probes[number].name: number for number in probes}
+        history = self._game.history
         for tick in ticks if names else ():
-            if self._game.history.turns != self._turns:
+            if history.turns != self._turns:
                 raise Superseded
-            if tick < self._game.history.first:
+            if tick < history.first:
                 continue  # it was dropped in the meantime
-            frame = self._game.frame_at(tick)
-            level = self._game.history.level_at(tick)
-            await self._thinker.do(partial(self._ask, tally, names, frame, level, viewers))
+            known = history.known(tick)
+            before = history.around(tick)[0]
+            await self._thinker.do(partial(self._ask, tally, names, before, known, viewers))
             self._done += 1
             self._report(self._done, max(self._all, self._done))
 
@@ -180,13 +181,13 @@ class _Diagnosing:
         self,
         tally: Tally,
         names: Mapping[str, int],
-        frame: Frame,
-        level: Level,
+        before: Moment,
+        known: Known,
         viewers: tuple[str, ...] | None,
         stop: threading.Event,
     ) -> None:
-        """Evaluate probes by name at a frame, and count the results. Runs in the thread."""
-        mind = self._thinker.mind(tally.checkup.program, level, self._limits)
+        """Evaluate probes by name at a tick, and count the results. Runs in the thread."""
+        frame, mind = self._thinker.replay(tally.checkup.program, before, known, self._limits)
         sensors, memories = frame.sensors, frame.memories_before
         for name, rows in mind.each([*names], sensors, memories, viewers=viewers, stop=stop):
             if rows is None:

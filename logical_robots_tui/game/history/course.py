@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from logical_robots_tui.game.advancing import Known
 from logical_robots_tui.game.frame import driven
 from logical_robots_tui.game.history.marks import Marks, marks_of
 from logical_robots_tui.game.history.packing import Moment, Packed
@@ -138,6 +139,11 @@ class Course:
             return self._loose[tick - begin]
         pack = self._packs[bisect_right(self._packs, tick, key=_begin_of) - 1]
         return pack.moment(tick - pack.first)
+
+    def known(self, tick: int) -> Known:
+        """Return a stored tick for replay."""
+        moment = self.moment(tick)
+        return Known(self.levels.at(tick - bool(moment.decisions)), moment)
 
     def up_to(self, tick: int) -> Course:
         """Return a copy of the course up to a tick."""

@@ -163,8 +163,8 @@ class History:
         Raises:
             NoSuchTickError: The tick is not in history.
         """
-        moment = self.around(tick)[1]
-        return Known(self.level_at(tick - bool(moment.decisions)), moment)
+        self.around(tick)
+        return self._course.known(tick)
 
     def programs(self, tick: int) -> list[tuple[int, Program]]:
         """Return the programs up to a tick, each with the first tick that it decided."""
@@ -183,9 +183,7 @@ class History:
         there = self._other
         if there is None or not there.first <= tick <= there.last:
             raise NoSuchTickError(f"The other future does not hold tick {tick}.")
-        moment = there.moment(tick)
-        known = Known(there.levels.at(tick - bool(moment.decisions)), moment)
-        return there.moment(max(tick - 1, 0)), known
+        return there.moment(max(tick - 1, 0)), there.known(tick)
 
     def program_in_other(self, tick: int) -> Program | None:
         """Return the program that decided a tick of the other course, or None."""
@@ -283,7 +281,7 @@ class Past:
         before, _ = history.around(tick)
         if self._last is None or self._last.tick != tick or self._turns != history.turns:
             known = history.known(tick)
-            self._last = known_frame(self.worlds, before.after, before.memories, known)
+            self._last = known_frame(self.worlds, before, known)
             self._turns = history.turns
         return self._last
 

@@ -10,13 +10,13 @@ from logical_robots_tui.mind.checking import builtins
 from logical_robots_tui.mind.checking.robot_rule import MAIN
 from logical_robots_tui.mind.compiling.rules import (
     VALUE,
-    called,
     calls,
     fields,
     head_name,
     heads,
     nodes,
     prelude_rules,
+    reached,
     subject,
     value_of,
 )
@@ -102,16 +102,7 @@ def wrong_calls(
 
 def _used(own: Mapping[str, list[Rule]]) -> set[str]:
     """Return the predicates that `Robot` uses, or all if there is no `Robot`."""
-    if MAIN not in own:
-        return {*own}
-    used = set[str]()
-    waiting = [MAIN]
-    while waiting:
-        name = waiting.pop()
-        if name in own and name not in used:
-            used.add(name)
-            waiting += map(str, called(own[name]))
-    return used
+    return {MAIN, *reached(own[MAIN], own)} if MAIN in own else {*own}
 
 
 def given_twice(rules: list[Rule], text: str) -> Iterator[Diagnostic]:

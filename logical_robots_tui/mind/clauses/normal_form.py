@@ -36,7 +36,7 @@ from logical_robots_tui.mind.clauses.terms import (
     parts_of,
 )
 from logical_robots_tui.mind.compiling.package_patches import deep_copy
-from logical_robots_tui.mind.compiling.rules import VALUE
+from logical_robots_tui.mind.compiling.rules import VALUE, operands
 from logical_robots_tui.mind.program import INPUTS
 from logical_robots_tui.mind.why.probing import GIVEN, Body, Call, Clause, Collected, Step, Term
 
@@ -268,10 +268,7 @@ class _ClauseBuilder:
         if "unification" in part:
             sides = [part["unification"]["left_hand_side"], part["unification"]["right_hand_side"]]
         elif "predicate" in part:
-            values = (
-                f["value"].get("expression") for f in part["predicate"]["record"]["field_value"]
-            )
-            sides = [value for value in values if value is not None]
+            sides = operands(part["predicate"])
         else:
             return []
         return [side for side in sides if kind_of(side) != "literal"]

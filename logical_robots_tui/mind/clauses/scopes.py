@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 from logica.compiler import rule_translate
 
 from logical_robots_tui.mind.checking import builtins
+from logical_robots_tui.mind.compiling.rules import equated
 
 if TYPE_CHECKING:
     from collections.abc import Container, Iterable, Iterator, Mapping
@@ -79,7 +80,7 @@ class Scope:
         if "inclusion" in part:
             element, of = part["inclusion"]["element"], part["inclusion"]["list"]
             return self._matched(element, known) if self.mentioned(of) <= known else None
-        pair = _equated(part)
+        pair = equated(part)
         if pair is not None:
             return self._equal(*pair, known)
         call = part.get("predicate", {})
@@ -148,17 +149,6 @@ def in_order(
         else:
             break
     return ordered, waiting
-
-
-def _equated(part: Rule) -> tuple[Rule, Rule] | None:
-    """Return the two sides of an equation, or None for any other part."""
-    if "unification" in part:
-        pair = part["unification"]
-        return pair["left_hand_side"], pair["right_hand_side"]
-    if part.get("predicate", {}).get("predicate_name") == "=":
-        left, right = part["predicate"]["record"]["field_value"]
-        return left["value"]["expression"], right["value"]["expression"]
-    return None
 
 
 def combines(tree: Any) -> Iterator[Rule]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from logical_robots_tui.mind.compiling.rules import COMPARISONS, JUNCTIONS
+from logical_robots_tui.mind.compiling.rules import COMPARISONS, JUNCTIONS, operands
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -43,11 +43,11 @@ def parts_of(tree: Rule, kind: TermKind) -> list[Rule]:
         pairs = [b[part] for b in branches for part in ("condition", "consequence")]
         return [*pairs, implication["otherwise"]]
     if kind == "coalesce":
-        return _operands(tree["call"])
+        return operands(tree["call"])
     if kind == "truth":
-        return [each for each in _operands(tree["call"]) if kind_of(each) != "literal"]
+        return [each for each in operands(tree["call"]) if kind_of(each) != "literal"]
     if kind == "cast":
-        return _operands(tree["call"])[:1]
+        return operands(tree["call"])[:1]
     if kind == "field":
         while "subscript" in tree:
             tree = tree["subscript"]["record"]
@@ -116,8 +116,3 @@ def _is_told(node: Rule) -> bool:
     if {"implication", "combine", "variable", "subscript"} & node.keys():
         return True
     return "call" in node and kind_of(node) in ("coalesce", "cast", "truth")
-
-
-def _operands(call: Rule) -> list[Rule]:
-    values = (argument["value"].get("expression") for argument in call["record"]["field_value"])
-    return [value for value in values if value is not None]

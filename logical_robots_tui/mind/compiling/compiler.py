@@ -32,6 +32,7 @@ from logical_robots_tui.mind.compiling.rules import (
     heads,
     nodes,
     prelude_rules,
+    reached,
     subject,
 )
 from logical_robots_tui.mind.compiling.spelling import spell_out
@@ -169,10 +170,11 @@ class RobotProgram(universe.LogicaProgram):  # type: ignore[misc]  # the package
         Raises:
             Exception: The package's exceptions, if it can't be compiled.
         """
-        known = next((f for f in self.fixpoints if f.name == name), None)
-        if known is None:
-            return as_on_duckdb(with_fixpoints(super().FormattedPredicateSql(name), self._steps()))
-        return as_on_duckdb(with_fixpoints(f"SELECT * FROM {name}", self._steps()))  # noqa: S608 - a name
+        if any(fixpoint.name == name for fixpoint in self.fixpoints):
+            sql = f"SELECT * FROM {name}"  # noqa: S608 - a name
+        else:
+            sql = super().FormattedPredicateSql(name)
+        return as_on_duckdb(with_fixpoints(sql, self._steps()))
 
     def _steps(self) -> dict[Fixpoint, str]:
         """Return the query for a step of each recursion that is computed by iterating."""
@@ -208,13 +210,11 @@ class RobotProgram(universe.LogicaProgram):  # type: ignore[misc]  # the package
 
 def _endless(error: BaseException, raw: list[Rule], text: str) -> Diagnostic | None:
     """Return the diagnostic for a recursion without a start, at the predicate that is recursive."""
-    message = error_messages.plain_message(error)
+    if "nothing to start from" not in error_messages.plain_message(error):
+        return None
     own = heads(raw)
-    reach = {name: {str(c) for c in called(rules) if c in own} for name, rules in own.items()}
-    for _ in own:
-        reach = {n: seen.union(*(reach[s] for s in seen)) for n, seen in reach.items()}
-    culprit = next((name for name in own if name in reach[name]), None)
-    if culprit is None or "nothing to start from" not in message:
+    culprit = next((name for name, rules in own.items() if name in reached(rules, own)), None)
+    if culprit is None:
         return None
     message = f"the recursion of {culprit} has nothing to start from"
     return diagnostic_for(text, culprit, message, "Add a rule of it that does not mention itself.")

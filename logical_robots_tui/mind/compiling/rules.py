@@ -22,10 +22,12 @@ __all__ = [
     "called",
     "calls",
     "defined",
+    "equated",
     "fields",
     "head_name",
     "heads",
     "nodes",
+    "operands",
     "prelude_rules",
     "reached",
     "subject",
@@ -127,6 +129,23 @@ def value_of(field_value: Rule) -> Rule | None:
     """Return the expression of a field, or None if it is aggregated."""
     expression: Rule | None = field_value["value"].get("expression")
     return expression
+
+
+def operands(call: Rule) -> list[Rule]:
+    """Return the arguments of a call."""
+    values = map(value_of, call["record"]["field_value"])
+    return [value for value in values if value is not None]
+
+
+def equated(part: Rule) -> tuple[Rule, Rule] | None:
+    """Return the two sides of an equation in a body, or None for any other part."""
+    if "unification" in part:
+        pair = part["unification"]
+        return pair["left_hand_side"], pair["right_hand_side"]
+    if part.get("predicate", {}).get("predicate_name") == "=":
+        left, right = operands(part["predicate"])
+        return left, right
+    return None
 
 
 def nodes(tree: Any) -> Iterator[Rule]:

@@ -94,7 +94,7 @@ def _warm_up() -> None:
     sys.modules["numpy"] = None  # type: ignore[assignment]  # the package would load it for speed
     for sample in _SAMPLES:
         _answer({"text": sample})
-    _answer({"text": _SAMPLES[0], "predicate": "Robot", "within": "", "functions": []})
+    _answer({"text": _SAMPLES[0], "predicate": "Robot", "within": "", "with_rows": ["Robot"]})
     _answer({"text": _SAMPLES[0], "query": "1 + 1", "columns": {}})
     _answer({"text": _SAMPLES[0], "checkup": []})
     gc.freeze()
@@ -188,8 +188,7 @@ def _probing(text: str, request: dict[str, Any]) -> Probing:
 
 def _checkup(text: str, functions: frozenset[str]) -> Checkup:
     """Return a program prepared to be watched, as far as SQLite can prepare it in time."""
-    plain, tuned = Database(), Database(layout=COLUMNS_LAYOUT)
-    tuned.offer(WHOLE_RAY, lambda _: None)
+    plain, tuned = Database(), _tuned_database()
     try:
         is_quick = [partial(_is_prepared_soon, database) for database in (plain, tuned)]
         return check_up(text, functions, *is_quick)
@@ -253,10 +252,16 @@ def _tuned_question(question: Question, columns: dict[str, Any]) -> Question:
     return replace(question, tuned=found.get(""))
 
 
-def _prepared(every: dict[str, Tuned]) -> dict[str, Tuned]:
-    """Return the tuned queries that SQLite can prepare in reasonable time."""
+def _tuned_database() -> Database:
+    """Return a database that can prepare tuned queries."""
     database = Database(layout=COLUMNS_LAYOUT)
     database.offer(WHOLE_RAY, lambda _: None)
+    return database
+
+
+def _prepared(every: dict[str, Tuned]) -> dict[str, Tuned]:
+    """Return the tuned queries that SQLite can prepare in reasonable time."""
+    database = _tuned_database()
     kept = {}
     try:
         for name, tuned in every.items():

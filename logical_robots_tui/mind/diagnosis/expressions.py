@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 from logica.parser_py import parse
 
 from logical_robots_tui.mind.clauses import trees
-from logical_robots_tui.mind.compiling.rules import COMPARISONS, VALUE, value_of
+from logical_robots_tui.mind.compiling.rules import COMPARISONS, VALUE, equated, operands, value_of
 
 if TYPE_CHECKING:
     from collections.abc import Container, Iterator, Mapping, Sequence
@@ -21,11 +21,9 @@ __all__ = [
     "compared",
     "counted",
     "difference",
-    "equated",
     "field_of",
     "filled",
     "is_null",
-    "operands",
     "outer_calls",
     "parameters",
     "text_of",
@@ -57,29 +55,12 @@ def as_expression(part: Rule) -> Rule:
     return {"call": part["predicate"]}
 
 
-def equated(part: Rule) -> tuple[Rule, Rule] | None:
-    """Return the two sides of an equation in a body, or None for any other part."""
-    if "unification" in part:
-        pair = part["unification"]
-        return pair["left_hand_side"], pair["right_hand_side"]
-    if part.get("predicate", {}).get("predicate_name") == "=":
-        left, right = operands(part["predicate"])
-        return left, right
-    return None
-
-
 def as_part(condition: Rule, *, holds: bool) -> Rule:
     """Return a part that holds where an expression is true, or where it is false or null."""
     known = _call("Coalesce", condition, _FALSE)
     if holds:
         return {"predicate": _call("!=", left=known, right=_FALSE)["call"]}
     return trees.equal(known, _FALSE)
-
-
-def operands(call: Rule) -> list[Rule]:
-    """Return the arguments of a call."""
-    values = map(value_of, call["record"]["field_value"])
-    return [value for value in values if value is not None]
 
 
 def compared(condition: Rule) -> tuple[str, Rule, Rule] | None:

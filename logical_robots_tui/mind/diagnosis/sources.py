@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, Any
 
 from logical_robots_tui.mind.clauses.scopes import names
 from logical_robots_tui.mind.clauses.spans import span_of
-from logical_robots_tui.mind.compiling.rules import VALUE, called, nodes, value_of
-from logical_robots_tui.mind.diagnosis.expressions import equated, parameters
+from logical_robots_tui.mind.compiling.rules import VALUE, called, equated, nodes, value_of
+from logical_robots_tui.mind.diagnosis.expressions import parameters
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping

@@ -17,12 +17,10 @@ from logical_robots_tui.mind.clauses.scopes import (
     in_order,
     names,
 )
-from logical_robots_tui.mind.compiling.rules import VALUE, value_of
+from logical_robots_tui.mind.compiling.rules import VALUE, equated, operands, value_of
 from logical_robots_tui.mind.diagnosis.expressions import (
     as_expression,
-    equated,
     filled,
-    operands,
     outer_calls,
 )
 from logical_robots_tui.mind.diagnosis.values import ValueTracing, head_value
@@ -200,10 +198,7 @@ class Tracer(ValueTracing):
 
     def _remember(self, name: str, value: Rule, at: At) -> None:
         """Note that a variable holds a memory, if it does."""
-        value = filled(value, at.given)
-        while str(value.get("call", {}).get("predicate_name", "")) in ("TryCast", "Coalesce"):
-            value = operands(value["call"])[0]
-        if str(value.get("variable", {}).get("var_name", "")) in self._memories:
+        if self._is_memory(value, at):
             self._memories.add(self._called(name, at))
 
     def _relations(self, tree: Any) -> list[Rule]:

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 from logical_robots_tui.mind.clauses import trees
 from logical_robots_tui.mind.clauses.scopes import EVERY_COLUMN, Scope, column_name, flat, names
-from logical_robots_tui.mind.compiling.rules import CONDITIONS, JUNCTIONS, VALUE, value_of
+from logical_robots_tui.mind.compiling.rules import CONDITIONS, JUNCTIONS, VALUE, operands, value_of
 from logical_robots_tui.mind.diagnosis.expressions import (
     ORDERING,
     compared,
@@ -19,7 +19,6 @@ from logical_robots_tui.mind.diagnosis.expressions import (
     field_of,
     filled,
     is_null,
-    operands,
     parameters,
     text_of,
 )
@@ -185,16 +184,18 @@ class ValueTracing(Watching):
     def _read(self, subscript: Rule, at: At) -> None:
         """Note a field that is read from a record."""
         record = subscript["record"]
-        base = filled(record, at.given)
-        while str(base.get("call", {}).get("predicate_name", "")) in ("TryCast", "Coalesce"):
-            base = operands(base["call"])[0]
-        variable = str(base.get("variable", {}).get("var_name", ""))
-        if variable in self._memories:
-            symbol = subscript["subscript"]["literal"]["the_symbol"]["symbol"]
-            span = self._span(subscript)
-            self.reads.setdefault((str(symbol), span.start), Field(field_of(subscript), span))
+        if self._is_memory(record, at):
+            name, span = field_of(subscript), self._span(subscript)
+            self.reads.setdefault((name, span.start), Field(name, span))
         else:
             self._value(record, at)
+
+    def _is_memory(self, value: Rule, at: At) -> bool:
+        """Return whether an expression is a memory, perhaps cast or with a default."""
+        value = filled(value, at.given)
+        while str(value.get("call", {}).get("predicate_name", "")) in ("TryCast", "Coalesce"):
+            value = operands(value["call"])[0]
+        return str(value.get("variable", {}).get("var_name", "")) in self._memories
 
     def _entered(self, rule: Rule, name: str, call: Rule, at: At) -> At | None:
         """Return the place at the beginning of the rule of a function that is called."""

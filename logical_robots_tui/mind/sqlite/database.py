@@ -184,8 +184,7 @@ class Database:
             sqlite3.Error: It failed, or used something that is not allowed.
         """
         if within is None:
-            limits = self._limits
-            within = Within(limits.think_steps, limits.think_seconds, most, None)
+            within = Within.of_thought(self._limits)
         budget, stop = within.budget, within.stop
         if stop is not None and stop.is_set():
             raise Stopped("The program was stopped before it started thinking.")

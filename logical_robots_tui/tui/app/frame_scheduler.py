@@ -8,6 +8,8 @@ from pathlib import Path
 from time import perf_counter, thread_time
 from typing import TYPE_CHECKING
 
+from logical_robots_tui.tui.terminal.textual_internals import handle_exception
+
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
 
@@ -155,4 +157,4 @@ class FrameScheduler:
             if self.pace is not None:
                 self.pace.spacing = self.rate.spacing
         except Exception as error:  # like Textual's timers
-            self._widget.app._handle_exception(error)
+            handle_exception(self._widget.app, error)

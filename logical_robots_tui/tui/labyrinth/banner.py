@@ -97,7 +97,7 @@ class VictoryBanner(Overlay):
     def _table(self, recorder: ProgressRecorder) -> list[Content]:
         rows = results_lines(recorder)
         if self._seed is not None and recorder.is_reference:
-            note = "That was the reference program, so it does not count as your victory."
+            note = "Won by the reference program: not counted."
             return [Content.styled(note, INK.dim), *rows]
         return rows
 

@@ -14,7 +14,7 @@ from textual.content import Content
 from textual.screen import ModalScreen, Screen
 from textual.widgets import Button, Input, OptionList, Static
 
-from logical_robots_tui.tui.theme.safe_text import visible_lines
+from logical_robots_tui.tui.theme.safe_text import one_line, visible_lines
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -68,6 +68,12 @@ class Dialog(ModalScreen["Result | None"], ClosedOnce["Result | None"], Generic[
     def action_leave(self) -> None:
         """Close without an answer."""
         self.dismiss(None)
+
+    def complain(self, message: str) -> None:
+        """Show what is wrong in the line for that; "" hides the line."""
+        complaint = self.query_one("#complaint", Static)
+        complaint.update(Content(one_line(message)))
+        complaint.display = bool(message)
 
 
 class LinePrompt(Dialog[str]):

@@ -153,9 +153,7 @@ class Form(Dialog[bool]):
         try:
             self.take()
         except LevelError as error:
-            complaint = self.query_one("#complaint", Static)
-            complaint.update(Content(one_line(error.message)))
-            complaint.display = True
+            self.complain(error.message)
         else:
             self.dismiss(True)
 

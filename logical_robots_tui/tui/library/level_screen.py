@@ -219,7 +219,7 @@ class LevelScreen(Dialog["Level | NewLevel"]):
 
     @on(Input.Changed, "#filter")
     def _filter_changed(self) -> None:
-        self.query_one("#complaint").display = False
+        self.complain("")
         self._filter(self._chosen.name if self._chosen else None)
         if self._is_read:
             in_background(self, self._draw_all, "pictures", exclusive=True)
@@ -242,9 +242,7 @@ class LevelScreen(Dialog["Level | NewLevel"]):
         try:
             level = await asyncio.to_thread(_load, name_or_path)
         except LogicalRobotsError as error:
-            complaint = self.query_one("#complaint", Static)
-            complaint.update(Content(one_line(str(error))))
-            complaint.display = True
+            self.complain(str(error))
         else:
             self.dismiss(level)
 

@@ -119,7 +119,6 @@ class ProgressRecorder(SessionListener):
         self._key, self.reference = level_key(level), reference_for(level)
         self.record, self.latest, self._has_begun = NEW, None, False
         self._write(lambda progress: note_level(progress, level))
-        self._ui.spawn(self._look, "recorder", exclusive=False)
 
     def level_saved(self, level: Level) -> None:
         """Switch to the record of the saved level."""

@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING, ClassVar
 
 from textual import on
 from textual.containers import Vertical
-from textual.content import Content
 from textual.widgets import Input, Static
 
 from logical_robots_tui.errors import InputError
@@ -17,7 +16,6 @@ from logical_robots_tui.game.source import target
 from logical_robots_tui.paths import is_there
 from logical_robots_tui.tui.app.background import in_background
 from logical_robots_tui.tui.layout.dialogs import Dialog, Result
-from logical_robots_tui.tui.theme.safe_text import one_line
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -82,7 +80,7 @@ class SaveDialog(Dialog[Result]):
     @on(Input.Changed)
     def _changed(self) -> None:
         self._confirmed = None
-        self.query_one("#complaint").display = False
+        self.complain("")
 
     def action_leave(self) -> None:
         """Close without an answer, unless something is being saved."""
@@ -100,21 +98,16 @@ class SaveDialog(Dialog[Result]):
             path = self.file(self.query_one("#name", Input).value.strip())
             if self.replaces(path) and path != self._confirmed:
                 self._confirmed = path
-                self._report(f"{path.stem} already exists. Press enter again to replace it.")
+                self.complain(f"{path.stem} already exists. Press enter again to replace it.")
                 return
             self._is_saving = True
             saved = await self.save(path)
         except InputError as error:
-            self._report(str(error))
+            self.complain(str(error))
         else:
             self.dismiss(saved)
         finally:
             self._is_saving = False  # if another dialog is above, this one stays
-
-    def _report(self, message: str) -> None:
-        complaint = self.query_one("#complaint", Static)
-        complaint.update(Content(one_line(message)))
-        complaint.display = True
 
 
 class SaveAs(SaveDialog[Source]):

@@ -19,10 +19,9 @@ if TYPE_CHECKING:
     from logical_robots_tui.tui.app.session import Session
     from logical_robots_tui.tui.app.ui import Ui
 
-__all__ = ["TEN", "TimelineController"]
+__all__ = ["TimelineController"]
 
-TEN = 10
-_SOUGHT: tuple[MarkKind, ...] = (*("victory", "breakpoint", "program", "edit", "area", "notice"),)
+_SOUGHT: tuple[MarkKind, ...] = ("victory", "breakpoint", "program", "edit", "area", "notice")
 
 
 class TimelineController(SessionListener):

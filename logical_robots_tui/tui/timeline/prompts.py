@@ -13,13 +13,11 @@ from textual.widgets import Input, Static
 from logical_robots_tui.game import mistake_in_question
 from logical_robots_tui.tui.app.background import in_background
 from logical_robots_tui.tui.layout.dialogs import Dialog
-from logical_robots_tui.tui.theme.safe_text import one_line
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
     from textual.app import ComposeResult
-    from textual.screen import Screen
 
     from logical_robots_tui.mind import Program
 
@@ -36,7 +34,7 @@ class QuestionCheck:
         program: The program that the question is about.
     """
 
-    def __init__(self, dialog: Screen[Any], program: Program | None) -> None:
+    def __init__(self, dialog: Dialog[Any], program: Program | None) -> None:
         self._dialog = dialog
         self._program = program
 
@@ -60,13 +58,11 @@ class QuestionCheck:
     def forget(self) -> None:
         """Cancel the check, because another text is being typed."""
         self._dialog.workers.cancel_group(self._dialog, "question")
-        self._dialog.query_one("#complaint").display = False
+        self._dialog.complain("")
 
     def say(self, words: str) -> None:
         """Show a message about the typed text."""
-        complaint = self._dialog.query_one("#complaint", Static)
-        complaint.update(Content(one_line(words)))
-        complaint.display = True
+        self._dialog.complain(words)
 
 
 class QuestionPrompt(Dialog[str]):
@@ -136,7 +132,7 @@ class TickPrompt(Dialog[int]):
 
     @on(Input.Changed)
     def _changed(self) -> None:
-        self.query_one("#complaint").display = False
+        self.complain("")
 
     @on(Input.Submitted)
     def _submitted(self, event: Input.Submitted) -> None:
@@ -145,9 +141,7 @@ class TickPrompt(Dialog[int]):
         if tick is not None and not complaint:
             self.dismiss(tick)
             return
-        shown = self.query_one("#complaint", Static)
-        shown.update(Content(one_line(complaint)))
-        shown.display = True
+        self.complain(complaint)
 
 
 def tick_of(text: str, here: int) -> int | None:

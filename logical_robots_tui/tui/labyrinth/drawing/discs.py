@@ -7,11 +7,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from logical_robots_tui.tui.labyrinth.drawing.palette import RGB, Palette, luminance, mix
+from logical_robots_tui.tui.labyrinth.drawing.palette import luminance, mix
 from logical_robots_tui.world.sensing import ROBOT_RADIUS
 
 if TYPE_CHECKING:
-    from logical_robots_tui.tui.labyrinth.drawing.palette import RGB
+    from logical_robots_tui.tui.labyrinth.drawing.palette import RGB, Palette
     from logical_robots_tui.tui.labyrinth.drawing.viewport import Floats, Raster, Viewport
     from logical_robots_tui.world.level import Area
     from logical_robots_tui.world.state import RobotState
