@@ -47,6 +47,7 @@ class Settings(NamedTuple):
         frames: The most pictures per second.
         cones: Whether to show the light of the robots' radars.
         trails: Whether to show trails.
+        completion: Whether a dot or a capital letter opens the list of words.
         keys: Changed keys, in Textual's names, by id of the command.
         complaints: Errors in the file, each with its place.
     """
@@ -56,6 +57,7 @@ class Settings(NamedTuple):
     frames: int = 30
     cones: bool = True
     trails: bool = True
+    completion: bool = True
     keys: Mapping[str, tuple[str, ...]] = MappingProxyType({})
     complaints: tuple[str, ...] = ()
 
@@ -101,6 +103,7 @@ def _settings(found: dict[str, Any], complain: Complain) -> Settings:
         "frames": _frames,
         "cones": _truth,
         "trails": _truth,
+        "completion": _truth,
         "keys": lambda value: _keys(value, complain),
     }
     taken: dict[str, Any] = {}
@@ -199,6 +202,7 @@ def as_toml(settings: Settings) -> str:
         _set("frames", settings.frames),
         _set("cones", settings.cones),
         _set("trails", settings.trails),
+        _set("completion", settings.completion),
         "",
         "[keys]",
     ]
