@@ -187,7 +187,7 @@ def _open_inputs(tree: Rule) -> list[str]:
     given = set()
     for node in nodes(tree):
         given.add(_variable(node.get("element")))
-        if "predicate" in node:
+        if "predicate" in node and node["predicate"]["predicate_name"] not in CONDITIONS:
             values = node["predicate"]["record"]["field_value"]
             given |= {_variable(value_of(each)) for each in values}
     columns = {column for inputs in INPUTS.values() for column in inputs}
