@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import statistics
 import sys
 import tempfile
 from contextlib import ExitStack
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from benchmarks.measure import Effort, Measurement
+from benchmarks.measure import Effort, Measurement, summed_up
 from tests.crowd import Crowd
 from tests.sshd import Server
 from tests.terminal import Terminal
@@ -43,11 +42,6 @@ def classes(effort: Effort) -> Iterator[Measurement]:
             crowd.edit()
             found = crowd.key_milliseconds(2 * players)
         subject = f"80x24, {players} players at once"
-        yield Measurement(
-            *("frames of a class", subject, statistics.median(drawn), "/s"),
-            *(min(drawn), max(drawn), f">= {frames}" if frames else ""),
-        )
-        yield Measurement(
-            *("key of a class", subject, statistics.median(found), "ms"),
-            *(min(found), max(found), f"<= {milliseconds}"),
-        )
+        required = f">= {frames}" if frames else ""
+        yield summed_up("frames of a class", subject, "/s", drawn, required=required)
+        yield summed_up("key of a class", subject, "ms", found, required=f"<= {milliseconds}")

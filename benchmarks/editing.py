@@ -11,7 +11,7 @@ from time import process_time
 from typing import TYPE_CHECKING
 
 from benchmarks.halls import halls
-from benchmarks.measure import Effort, Measurement, median_of, repeated
+from benchmarks.measure import Effort, Measurement, median_of, repeated, summed_up
 from logical_robots_tui.editing.edits import Edits
 from logical_robots_tui.editing.walls import paint
 from logical_robots_tui.game import Frame, load_program
@@ -49,10 +49,7 @@ def editing(effort: Effort) -> Iterator[Measurement]:
         level = halls(SIDE, SIDE, robots=count, beacons=count, areas=count)
         found = repeated(effort.repeats, lambda: asyncio.run(_in_the_app(level)))  # noqa: B023 - called in this turn only
         subject = f"{SIDE:,}x{SIDE:,}, {count} of each"
-        middle = statistics.median(found)
-        yield Measurement(
-            *("brush stroke in the game", subject, middle, "ms", min(found), max(found), "<= 50")
-        )
+        yield summed_up("brush stroke in the game", subject, "ms", found, required="<= 50")
 
 
 async def _in_the_app(level: Level) -> float:

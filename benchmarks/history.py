@@ -5,9 +5,6 @@ from __future__ import annotations
 import asyncio
 import random
 import re
-import statistics
-import sys
-import tempfile
 import tracemalloc
 from dataclasses import replace
 from functools import partial
@@ -15,18 +12,19 @@ from time import perf_counter
 from typing import TYPE_CHECKING
 
 from benchmarks.halls import halls
-from benchmarks.measure import Effort, Measurement
+from benchmarks.measure import Effort, Measurement, summed_up
 from benchmarks.subjects import program_text, robots_of
+from benchmarks.with_screen import opened
 from logical_robots_tui import Program, load_level
 from logical_robots_tui.game import Frame, Game, History, load_program
 from logical_robots_tui.game.history.history import DEFAULT_LENGTH
 from logical_robots_tui.world import list_levels
-from tests.terminal import Terminal
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
     from logical_robots_tui import Level
+    from tests.terminal import Terminal
 
 __all__ = ["history"]
 
@@ -72,17 +70,11 @@ async def _measure(
     await game.close()
     subject = f"{level.name}, {robots_of(level)}"
     megabytes = _megabytes(level, frames, program)
+    kept = f"history of {DEFAULT_LENGTH:,} ticks"
     return [
-        Measurement(
-            *(f"history of {DEFAULT_LENGTH:,} ticks", subject, megabytes, "MB"),
-            *(megabytes, megabytes, required),
-        ),
-        Measurement(
-            *("restore a tick", subject, statistics.median(jumps), "ms", min(jumps), max(jumps)),
-        ),
-        Measurement(
-            *("step back a tick", subject, statistics.median(steps), "ms", min(steps), max(steps)),
-        ),
+        summed_up(kept, subject, "MB", [megabytes], required=required),
+        summed_up("restore a tick", subject, "ms", jumps),
+        summed_up("step back a tick", subject, "ms", steps),
     ]
 
 
@@ -118,27 +110,19 @@ def _milliseconds(game: Game, ticks: list[int]) -> list[float]:
 
 def _key_to_screen(presses: int) -> Measurement:
     """Measure the milliseconds from the key to the previous tick on the screen."""
-    with tempfile.TemporaryDirectory() as data_dir:
-        game = [sys.executable, "-m", "logical_robots_tui", "play", LARGEST]
-        program = load_level(LARGEST).solution
-        with Terminal([*game, program, "--data-dir", data_dir], size=(120, 40)) as terminal:
-            terminal.wait_for("· applied")
-            terminal.wait_for_quiet()
-            terminal.send("U")
-            terminal.wait_for("Run until tick")
-            terminal.send(f"{presses + 100}\r")
-            terminal.wait_for(lambda: _shows(terminal, presses + 100))
-            found = []
-            for press in range(1, presses + 1):
-                terminal.wait_for_quiet(QUIET)
-                began = perf_counter()
-                terminal.send("p")
-                there = partial(_shows, terminal, presses + 100 - press)
-                found.append(1000 * (terminal.arrival_of(there) - began))
-    return Measurement(
-        *("key to tick before", f"120x40, {LARGEST}", statistics.median(found), "ms"),
-        *(min(found), max(found), "< 20"),
-    )
+    with opened(LARGEST, load_level(LARGEST).solution) as terminal:
+        terminal.send("U")
+        terminal.wait_for("Run until tick")
+        terminal.send(f"{presses + 100}\r")
+        terminal.wait_for(lambda: _shows(terminal, presses + 100))
+        found = []
+        for press in range(1, presses + 1):
+            terminal.wait_for_quiet(QUIET)
+            began = perf_counter()
+            terminal.send("p")
+            there = partial(_shows, terminal, presses + 100 - press)
+            found.append(1000 * (terminal.arrival_of(there) - began))
+    return summed_up("key to tick before", f"120x40, {LARGEST}", "ms", found, required="< 20")
 
 
 def _shows(terminal: Terminal, tick: int) -> bool:

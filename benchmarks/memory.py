@@ -6,7 +6,7 @@ import tempfile
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from benchmarks.measure import Effort, Measurement
+from benchmarks.measure import Effort, Measurement, summed_up
 from tests.game.test_memory import HUNGRY, MOST, SCREEN, played
 from tests.mind.rows import ROBOT
 from tests.world.hostile import FILES
@@ -33,13 +33,10 @@ def memory(effort: Effort) -> Iterator[Measurement]:
         told = read([*FILES], Path(folder))
     of_all = f"worst of {len(FILES)} files"
     slowest = max(seconds for _, seconds, _ in told)
-    yield Measurement(
-        *("reading a level", of_all, slowest, "s", slowest, slowest, f"<= {SECONDS:g}")
-    )
+    yield summed_up("reading a level", of_all, "s", [slowest], required=f"<= {SECONDS:g}")
     most = max(grown for *_, grown in told)
     yield _one("reading a level", of_all, most, f"<= {BYTES * 1024 / 1e6:.0f}")
 
 
 def _one(group: str, subject: str, kibibytes: int, required: str) -> Measurement:
-    megabytes = kibibytes * 1024 / 1e6
-    return Measurement(group, subject, megabytes, "MB", megabytes, megabytes, required)
+    return summed_up(group, subject, "MB", [kibibytes * 1024 / 1e6], required=required)
