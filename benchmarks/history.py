@@ -13,12 +13,11 @@ from typing import TYPE_CHECKING
 
 from benchmarks.halls import halls
 from benchmarks.measure import Effort, Measurement, summed_up
-from benchmarks.subjects import program_text, robots_of
+from benchmarks.subjects import LARGEST, program_text, robots_of
 from benchmarks.with_screen import opened
 from logical_robots_tui import Program, load_level
 from logical_robots_tui.game import Frame, Game, History, load_program
 from logical_robots_tui.game.history.history import DEFAULT_LENGTH
-from logical_robots_tui.world import list_levels
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -28,37 +27,22 @@ if TYPE_CHECKING:
 
 __all__ = ["history"]
 
-LARGEST = "10-distributed-mapping"
 SHORT, LONG = 600, 1_200  # ticks: what is held grows by the same with each, once they are packed
 JUMPS = 60
 QUIET = 0.15  # seconds without output, after which a paused game has nothing more to say
 
 
 def history(effort: Effort) -> Iterator[Measurement]:
-    """Measure memory and time for levels under their reference programs, and for ten robots."""
-    found: list[list[Measurement]] = [[], [], []]
-    for level, text, required in list(_subjects())[-2 if effort.is_quick else 0 :]:
-        measured = asyncio.run(_measure(level, Program.compile(text), effort, required))
-        for group, measurement in zip(found, measured, strict=True):
-            group.append(measurement)
-    for group in found:
-        yield from group
-    yield _key_to_screen(effort.ticks // 20)
-
-
-def _subjects() -> Iterator[tuple[Level, str, str]]:
-    for level in map(load_level, list_levels()):
-        yield level, load_program(level.solution).text, ""
+    """Measure memory and time for ten robots, without and with a map in their memories."""
     ten = halls(1200, 700, robots=10, beacons=56)
-    yield replace(ten, name="ten that steer"), program_text("steering"), "<= 200"
     mapping = load_program(load_level(LARGEST).solution).text
-    yield replace(ten, name="ten that map"), mapping, "<= 200"
+    for name, text in (("ten that steer", program_text("steering")), ("ten that map", mapping)):
+        program = Program.compile(text)
+        yield from asyncio.run(_measure(replace(ten, name=name), program, effort.ticks))
+    yield _key_to_screen(effort.ticks // 40)
 
 
-async def _measure(
-    level: Level, program: Program, effort: Effort, required: str
-) -> list[Measurement]:
-    ticks = max(40, effort.ticks // max(1, len(level.robots) // 10))
+async def _measure(level: Level, program: Program, ticks: int) -> list[Measurement]:
     game = Game(level, program)
     frames = [game.frame]
     game.listen(frames.append)
@@ -72,7 +56,7 @@ async def _measure(
     megabytes = _megabytes(level, frames, program)
     kept = f"history of {DEFAULT_LENGTH:,} ticks"
     return [
-        summed_up(kept, subject, "MB", [megabytes], required=required),
+        summed_up(kept, subject, "MB", [megabytes], required="<= 200"),
         summed_up("restore a tick", subject, "ms", jumps),
         summed_up("step back a tick", subject, "ms", steps),
     ]

@@ -17,18 +17,15 @@ if TYPE_CHECKING:
 
 __all__ = ["memory"]
 
-SUBJECTS = (("01-first-steps", 130), ("12-swarm", 25))
-SLOW = ("many numbers", "what can't be packed")  # minutes for a hundred robots
+LEVEL, TICKS = "01-first-steps", 130
 
 
 def memory(effort: Effort) -> Iterator[Measurement]:
     """Measure peak memory of a game without a screen, and the worst hostile level file."""
-    for level, ticks in SUBJECTS[: 1 if effort.is_quick else None]:
-        for what, rule in HUNGRY.items():
-            if level == "01-first-steps" or what not in SLOW:
-                kibibytes, _ = played(level, ROBOT + rule + ";", min(ticks, effort.ticks))
-                required = f"<= {(MOST - SCREEN) * 1024 / 1e6:.0f}"
-                yield _one("hungry programs", f"{level}, {what}", kibibytes, required)
+    for what, rule in HUNGRY.items():
+        kibibytes, _ = played(LEVEL, ROBOT + rule + ";", min(TICKS, effort.ticks))
+        required = f"<= {(MOST - SCREEN) * 1024 / 1e6:.0f}"
+        yield _one("hungry programs", f"{LEVEL}, {what}", kibibytes, required)
     with tempfile.TemporaryDirectory() as folder:
         told = read([*FILES], Path(folder))
     of_all = f"worst of {len(FILES)} files"

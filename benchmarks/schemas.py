@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+from functools import partial
 from random import Random
 from typing import TYPE_CHECKING
 
-from benchmarks.measure import Effort, Measurement, seconds_for, summed_up
+from benchmarks.measure import Effort, Measurement, repeated, seconds_for, summed_up
 from benchmarks.subjects import program_text, rows_for
 from logical_robots_tui import Mind, Program
 
@@ -36,7 +37,7 @@ def schemas(effort: Effort) -> Iterator[Measurement]:
     assert EXAMPLE in text
     texts = (text.replace(EXAMPLE, TYPE), text)
     programs = [Program.compile(one) for one in texts]
-    found = [_milliseconds(programs) for _ in range(effort.repeats)]
+    found = repeated(effort.repeats, partial(_milliseconds, programs))
     of = f"a map of {BEACONS} beacons and {EDGES} roads"
     for place, way in enumerate(("by a type", "by an example")):
         milliseconds = [times[place] for times in found]
