@@ -118,11 +118,8 @@ def _parser() -> argparse.ArgumentParser:
     parser.add_argument(
         "--compare", type=Path, metavar="FILE", help="also show the numbers of an earlier --json"
     )
-    parser.add_argument(
-        "--quick",
-        action="store_true",
-        help="fewer repeats, less exact, and without " + ", ".join(sorted(LONG)),
-    )
+    without = f"fewer repeats, less exact; by default without {', '.join(sorted(LONG))}"
+    parser.add_argument("--quick", action="store_true", help=without)
     return parser
 
 

@@ -85,9 +85,8 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
     for item, test in tests.items():
         sampled = item.get_closest_marker("sampled") is not None
         share = min(SHARE, cases[test])  # at least one case
-        if (
-            sampled and seen[test] % share != config.option.tenth % share
-        ) or item.get_closest_marker("slow"):
+        is_passed_over = sampled and seen[test] % share != config.option.tenth % share
+        if is_passed_over or item.get_closest_marker("slow"):
             left_out.append(item)
         seen[test] += sampled
     if left_out:
