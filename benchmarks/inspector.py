@@ -51,12 +51,16 @@ def inspector(effort: Effort) -> Iterator[Measurement]:
 
 def _go_down_to(terminal: Terminal, name: str) -> None:
     """Move down in the list until a choice is inspected."""
-    for _ in range(100):
-        if re.search(rf"\b{name} · tick", terminal.text):
-            return
+    while (before := _inspected(terminal)) != name:
         terminal.send(DOWN)
-        terminal.wait_for_quiet(QUIET)
-    raise AssertionError(f"{name} is not in the list")
+        terminal.wait_for(lambda: _inspected(terminal) != before)
+
+
+def _inspected(terminal: Terminal) -> str:
+    """Return the title in the first line of the inspector, or that line if it has none."""
+    line = terminal.text.partition("─ Inspector ")[2].split("\n")[1]
+    title = re.search(r"(\w+) · tick", line)
+    return title[1] if title else line
 
 
 def _step(terminal: Terminal, name: str, tick: int) -> float:

@@ -43,15 +43,13 @@ def compiling(effort: Effort) -> Iterator[Measurement]:
     stop_compiling()
     once = partial(_compile, program_text("steering"))
     yield median_of("start of the compiler", "and a first program", "ms", 1, once)
-    for name in PROGRAMS:
-        once = partial(_compile, program_text(name))
+    largest = load_program(load_level(LARGEST).solution).text
+    for name, text in (("gate", program_text("gate")), (LARGEST, largest)):
+        once = partial(_compile, text)
         yield median_of("compile", name, "ms", effort.repeats, once, required="< 1000")
-    once = partial(_compile, load_program(load_level(LARGEST).solution).text)
-    yield median_of("compile", LARGEST, "ms", effort.repeats, once, required="< 1000")
-    for name in PROGRAMS:
-        once = partial(_find_kept, Program.compile(program_text(name)))
-        with _cache_folder():
-            yield median_of("compiled before", name, "ms", effort.repeats, once, required="< 50")
+    once = partial(_find_kept, Program.compile(largest))
+    with _cache_folder():
+        yield median_of("compiled before", LARGEST, "ms", effort.repeats, once, required="< 50")
 
 
 def thinking(effort: Effort) -> Iterator[Measurement]:
