@@ -14,8 +14,9 @@ from typing import TYPE_CHECKING
 import pytest
 from hypothesis import HealthCheck, settings
 
+from logical_robots_tui.caching import FOLDER_VARIABLE
 from logical_robots_tui.garbage import collect_seldom
-from logical_robots_tui.mind import Decision, Notice, cache
+from logical_robots_tui.mind import Decision, Notice
 from tests.installed import Installed, build_wheel, install
 
 if TYPE_CHECKING:
@@ -122,8 +123,7 @@ def compiled_programs(pytestconfig: pytest.Config) -> Iterator[None]:
     An entry is named by its text and a digest of the compiler's code, in the game as in the tests.
     """
     with pytest.MonkeyPatch.context() as patch:
-        patch.setenv(cache.FOLDER_VARIABLE, str(_compiled(pytestconfig)))
-        patch.setattr(cache, "MAX_ENTRIES", 5_000)  # more than one run compiles
+        patch.setenv(FOLDER_VARIABLE, str(_compiled(pytestconfig)))
         yield
 
 
