@@ -11,6 +11,8 @@ from dataclasses import dataclass, fields
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from logical_robots_tui.values import Value
 
 __all__ = [
@@ -19,6 +21,7 @@ __all__ = [
     "check_room",
     "is_bounded",
     "weight_of",
+    "weight_of_row",
     "weight_of_text",
 ]
 
@@ -91,8 +94,7 @@ _RECORD, _FIELD = 184, 28  # CPython's dict: its least size, and the size of a f
 _LIST, _ITEM = 56, 8
 _TEXT = 50
 _NUMBER = 32
-
-_LONG = 10_000  # characters from which on a text is examined closely
+_ROW, _COLUMN = 400, 64  # a row, and the same as a record of its columns
 
 
 def weight_of(value: Value, most: int) -> int:
@@ -122,11 +124,20 @@ def weight_of(value: Value, most: int) -> int:
 
 def weight_of_text(text: str) -> int:
     """Return an upper bound for the bytes of objects that JSON text stands for."""
-    if len(text) < _LONG:
-        return len(text) * HEAVIEST_CHARACTER
     parts = text.count(",") * (_ITEM + _FIELD + _NUMBER) + text.count('"') * _TEXT
-    opened = text.count("{") * (_RECORD + _FIELD + _NUMBER) + text.count("[") * (_LIST + _NUMBER)
-    return len(text) * (1 if text.isascii() else 4) + parts + opened
+    records = text.count("{") * (_RECORD + _FIELD + _NUMBER)
+    lists = text.count("[") * (_LIST + _ITEM + _NUMBER)
+    return len(text) * (1 if text.isascii() else 4) + parts + records + lists
+
+
+def weight_of_row(row: Sequence[object]) -> int:
+    """Return an upper bound for the bytes of objects that a row of SQLite's values stands for."""
+    weight = _ROW + _COLUMN * len(row)
+    for value in row:
+        if isinstance(value, str):
+            is_nested = value[:1] in ("{", "[")
+            weight += weight_of_text(value) if is_nested else weight_of(value, 0)
+    return weight
 
 
 def is_bounded() -> bool:
