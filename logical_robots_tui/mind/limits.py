@@ -5,8 +5,6 @@ JSON text says little about that: an empty record has two characters and takes 6
 
 from __future__ import annotations
 
-import mmap
-import resource
 from dataclasses import dataclass, fields
 from typing import TYPE_CHECKING
 
@@ -18,8 +16,6 @@ if TYPE_CHECKING:
 __all__ = [
     "HEAVIEST_CHARACTER",
     "Limits",
-    "check_room",
-    "is_bounded",
     "weight_of",
     "weight_of_row",
     "weight_of_text",
@@ -135,32 +131,8 @@ def weight_of_row(row: Sequence[object]) -> int:
     weight = _ROW + _COLUMN * len(row)
     for value in row:
         if isinstance(value, str):
-            is_nested = value[:1] in ("{", "[")
-            weight += weight_of_text(value) if is_nested else weight_of(value, 0)
+            if value[:1] in ("{", "["):
+                weight += weight_of_text(value)
+            else:
+                weight += _TEXT + len(value) * (1 if value.isascii() else 4)
     return weight
-
-
-def is_bounded() -> bool:
-    """Return whether the process's address space is limited, as in a restricted game.
-
-    Otherwise the machine's memory is the limit, and there is no way to ask how much is left.
-    """
-    return resource.getrlimit(resource.RLIMIT_AS)[0] != resource.RLIM_INFINITY
-
-
-def check_room(size: int) -> None:
-    """Check that a bounded process may still use so many bytes of address space.
-
-    Some code crashes when memory runs out, such as orjson, so there must be enough before a think
-    begins.
-
-    Raises:
-        MemoryError: There is not enough.
-    """
-    try:
-        mmap.mmap(-1, size, flags=mmap.MAP_PRIVATE | mmap.MAP_ANONYMOUS | _NO_RESERVE).close()
-    except OSError:
-        raise MemoryError from None
-
-
-_NO_RESERVE = getattr(mmap, "MAP_NORESERVE", 0)

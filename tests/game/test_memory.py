@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import subprocess
 import sys
 
@@ -49,6 +50,29 @@ PLAYS = """if True:
     status = open("/proc/self/status").read()
     most = re.search(r"VmHWM:\\s+(\\d+)", status)[1]
     print(most, *sorted(kind.replace(" ", "_") for kind in said))
+"""
+
+STARVES = """if True:
+    import asyncio, re, resource, sys
+    from logical_robots_tui import Game, Program, load_level
+    from tests.mind.rows import ROBOT
+    level, room = sys.argv[1], int(sys.argv[2]) * 1024
+    program = Program.compile(ROBOT + "m = sensor.clock;")
+
+    async def play():
+        game = Game(load_level(level), program)
+        await game.step()
+        status = open("/proc/self/status").read()
+        size = int(re.search(r"VmSize:\\s+(\\d+)", status)[1]) * 1024
+        resource.setrlimit(resource.RLIMIT_AS, (size + room, resource.RLIM_INFINITY))
+        try:
+            await game.step()
+        except MemoryError:
+            print("no memory")
+        resource.setrlimit(resource.RLIMIT_AS, (resource.RLIM_INFINITY,) * 2)
+        await game.close()
+
+    asyncio.run(play())
 """
 
 HUNGRY = {
@@ -122,6 +146,20 @@ def test_the_memories_of_a_hundred_stay_within_bounds(what: str) -> None:
 def test_without_room_a_thought_is_a_notice_and_the_game_goes_on() -> None:
     _, kinds = played("01-first-steps", ROBOT + "m = sensor.clock;", 40, 420 * 1024**2)
     assert kinds == {"no_room"}
+
+
+def test_without_room_to_sense_a_game_ends_with_an_exception_and_never_crashes() -> None:
+    environment = {**os.environ, "MALLOC_ARENA_MAX": "1"}  # no room is left in other arenas
+    for level, room in (("01-first-steps", 50), ("01-first-steps", 20_000), ("12-swarm", 200)):
+        done = subprocess.run(
+            [sys.executable, "-c", STARVES, level, str(room)],
+            capture_output=True,
+            text=True,
+            check=False,
+            env=environment,
+            timeout=PATIENCE,
+        )
+        assert (done.returncode, done.stdout) == (0, "no memory\n"), done.stderr[-2000:]
 
 
 @pytest.mark.parametrize(
