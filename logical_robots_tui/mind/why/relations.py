@@ -2,23 +2,27 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import TYPE_CHECKING, Any
 
+from logical_robots_tui.mind.diagnostics import Stopped
+from logical_robots_tui.mind.failures import failures_in_words
 from logical_robots_tui.mind.sqlite.budget import STEPS_OF_A_CALL
+from logical_robots_tui.mind.sqlite.database import TooSlowError
 from logical_robots_tui.mind.sqlite.stored import from_sql, to_sql
 from logical_robots_tui.mind.why.probing import with_given
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
-    from logical_robots_tui.mind.sqlite.database import Scalar
+    from logical_robots_tui.mind.asking import Asking
+    from logical_robots_tui.mind.sqlite.database import Answer, Scalar
+    from logical_robots_tui.mind.sqlite.moment import Moment, View, Within
     from logical_robots_tui.values import Value
 
 __all__ = [
     "ALIKE",
     "SAME",
     "Relations",
-    "Source",
     "Way",
     "alike",
     "alike_in_sql",
@@ -38,81 +42,67 @@ Way = dict[str, "Scalar"]
 _CLOSE = 1e-12
 
 
-class Source(Protocol):
-    """Where the rows come from."""
+class Relations:
+    """The rows that predicates have in one view of a moment, and queries over them.
 
-    def spend(self, steps: int) -> None:
-        """Count work outside of queries, in steps.
+    Args:
+        asking: The databases of the mind.
+        moment: The moment.
+        view: The view.
+        within: The budget of everything that is asked, and the most rows of a predicate.
+    """
 
-        Raises:
-            FailureError: Too many were taken.
-        """
+    def __init__(self, asking: Asking, moment: Moment, view: View, within: Within) -> None:
+        self._asking, self._plain = asking, asking.plain
+        self._moment, self._view, self._within = moment, view, within
+        self._plain.offer(SAME, same_in_sql, 2)
+        self._plain.offer(ALIKE, alike_in_sql, 2)
+        self._rows: dict[str, tuple[dict[str, Value], ...]] = {}
+        self._columns: dict[str, Sequence[str]] = {}
+        self._loaded: dict[str, Sequence[Mapping[str, Value]]] = {}
 
-    def rows(self, predicate: str, sql: str) -> tuple[Sequence[str], Sequence[Sequence[Value]]]:
-        """Columns and rows of a predicate.
+    def rows(self, predicate: str, sql: str = "") -> tuple[dict[str, Value], ...]:
+        """Return the rows of a predicate, by the names of the columns.
 
         Args:
             predicate: Its name.
             sql: A query for them, or "" for that of the program.
 
         Raises:
-            FailureError: It failed, or has too many.
-        """
-
-    def load(self, table: str, columns: Sequence[str], rows: Sequence[Sequence[Scalar]]) -> None:
-        """Fill a table that queries may read.
-
-        Raises:
-            FailureError: It takes too much memory.
-        """
-
-    def ask(
-        self, sql: str, parameters: Sequence[Scalar]
-    ) -> tuple[Sequence[str], Sequence[Sequence[Any]]]:
-        """Columns and rows of a query, as SQLite has them.
-
-        Raises:
-            FailureError: It failed.
-        """
-
-
-class Relations:
-    """The rows that predicates have for one robot at one moment.
-
-    Args:
-        source: Where they come from.
-    """
-
-    def __init__(self, source: Source) -> None:
-        self._source = source
-        self._rows: dict[str, tuple[dict[str, Value], ...]] = {}
-        self._columns: dict[str, Sequence[str]] = {}
-        self._loaded: dict[str, Sequence[Mapping[str, Value]]] = {}
-
-    def rows(self, predicate: str, sql: str = "") -> tuple[dict[str, Value], ...]:
-        """The rows of a predicate, by the names of the columns.
-
-        Raises:
-            FailureError: It failed, or has too many.
+            FailureError: It failed, or has too many rows.
         """
         if predicate not in self._rows:
-            columns, rows = self._source.rows(predicate, sql)
+            if sql:
+                columns, rows = self._asking.plainly(sql, *self._where)
+            else:
+                columns, rows = self._asking.rows(predicate, *self._where)
             self._columns[predicate] = columns
             self._rows[predicate] = tuple(dict(zip(columns, row, strict=True)) for row in rows)
         found = self._rows[predicate]
-        self.spend(STEPS_OF_A_CALL * len(found))  # for whoever looks through them
+        self.spend(STEPS_OF_A_CALL * len(found))  # the caller looks through them
         return found
 
+    @property
+    def _where(self) -> tuple[Moment, View, Within]:
+        return self._moment, self._view, self._within
+
     def spend(self, steps: int) -> None:
-        """Count what is done with rows outside of queries, in steps.
+        """Count work outside of queries, in steps.
 
         Raises:
-            FailureError: Too many were taken.
+            FailureError: It was too much.
+            Stopped: It was stopped.
         """
-        self._source.spend(steps)
+        within = self._within
+        within.budget.steps -= steps
+        if within.stop is not None and within.stop.is_set():
+            raise Stopped("The explanation was stopped.")
+        with failures_in_words(within):
+            if within.budget.steps < 0:
+                raise TooSlowError
 
     def fill(self, table: str, predicate: str, rows: Sequence[Mapping[str, Value]]) -> None:
-        """Fill a table with some of the rows of a predicate, unless it holds just these.
+        """Fill a table with some of a predicate's rows, unless it holds just these.
 
         Raises:
             FailureError: It takes too much memory.
@@ -121,7 +111,9 @@ class Relations:
             self._loaded.pop(table, None)
             stored = [tuple(map(to_sql, row.values())) for row in rows]
             self.spend(_steps_of(stored))
-            self._source.load(table, self._columns[predicate], stored)
+            with failures_in_words(self._within):
+                columns = self._columns[predicate]
+                self._plain.define(table, columns, stored, self._moment, self._view)
             self._loaded[table] = rows
 
     def ways(
@@ -147,7 +139,7 @@ class Relations:
             FailureError: It failed.
         """
         query, parameters = _limited(sql, given, alike, what, most, compared)
-        columns, rows = self._source.ask(query, parameters)
+        columns, rows = self._ask(query, parameters)
         self.spend(_steps_of(rows))
         return [dict(zip(columns, row, strict=True)) for row in rows]
 
@@ -164,8 +156,13 @@ class Relations:
             FailureError: It failed.
         """
         query, parameters = _limited(sql, given, alike, "1", most, SAME)
-        _, rows = self._source.ask(f"SELECT COUNT(*) FROM ({query})", parameters)  # noqa: S608 - ours
+        _, rows = self._ask(f"SELECT COUNT(*) FROM ({query})", parameters)  # noqa: S608 - ours
         return int(rows[0][0])
+
+    def _ask(self, sql: str, parameters: Sequence[Scalar]) -> Answer:
+        """Return columns and rows of a query, as SQLite has them."""
+        with failures_in_words(self._within):
+            return self._plain.ask(sql, *self._where, parameters)
 
 
 def _limited(
