@@ -36,7 +36,7 @@ from logical_robots_tui.mind.clauses.terms import (
     parts_of,
 )
 from logical_robots_tui.mind.compiling.package_patches import deep_copy
-from logical_robots_tui.mind.compiling.rules import VALUE, operands
+from logical_robots_tui.mind.compiling.rules import VALUE, equated, operands
 from logical_robots_tui.mind.program import INPUTS
 from logical_robots_tui.mind.why.probing import GIVEN, Body, Call, Clause, Collected, Step, Term
 
@@ -261,17 +261,14 @@ class _ClauseBuilder:
             return "function" if self._is_call(value) else "call"
         return "condition"
 
-    def _shown(self, part: Rule) -> list[Rule]:
+    @staticmethod
+    def _shown(part: Rule) -> list[Rule]:
         """Return the expressions of a step that explain why it holds."""
         if "inclusion" in part:
             return [part["inclusion"]["list"]]
-        if "unification" in part:
-            sides = [part["unification"]["left_hand_side"], part["unification"]["right_hand_side"]]
-        elif "predicate" in part:
-            sides = operands(part["predicate"])
-        else:
-            return []
-        return [side for side in sides if kind_of(side) != "literal"]
+        if (pair := equated(part)) is not None:
+            return list(pair)
+        return operands(part["predicate"]) if "predicate" in part else []
 
     def _call(self, call: Rule) -> Call:
         name = str(call["predicate_name"])

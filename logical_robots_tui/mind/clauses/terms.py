@@ -42,10 +42,8 @@ def parts_of(tree: Rule, kind: TermKind) -> list[Rule]:
         branches = implication["if_then"]
         pairs = [b[part] for b in branches for part in ("condition", "consequence")]
         return [*pairs, implication["otherwise"]]
-    if kind == "coalesce":
+    if kind in ("coalesce", "truth"):
         return operands(tree["call"])
-    if kind == "truth":
-        return [each for each in operands(tree["call"]) if kind_of(each) != "literal"]
     if kind == "cast":
         return operands(tree["call"])[:1]
     if kind == "field":

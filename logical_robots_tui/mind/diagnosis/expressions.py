@@ -15,7 +15,6 @@ if TYPE_CHECKING:
     from logical_robots_tui.mind.compiling.rules import Rule
 
 __all__ = [
-    "ORDERING",
     "as_expression",
     "as_part",
     "compared",
@@ -28,9 +27,6 @@ __all__ = [
     "parameters",
     "text_of",
 ]
-
-ORDERING = frozenset({"<", "<=", ">", ">="})
-"""Comparisons that can fail by a small margin."""
 
 _FALSE = {"literal": {"the_bool": {"the_bool": "false"}}}
 

@@ -13,7 +13,6 @@ from logical_robots_tui.mind.clauses import trees
 from logical_robots_tui.mind.clauses.scopes import EVERY_COLUMN, Scope, column_name, flat, names
 from logical_robots_tui.mind.compiling.rules import CONDITIONS, JUNCTIONS, VALUE, operands, value_of
 from logical_robots_tui.mind.diagnosis.expressions import (
-    ORDERING,
     compared,
     difference,
     field_of,
@@ -24,6 +23,7 @@ from logical_robots_tui.mind.diagnosis.expressions import (
 )
 from logical_robots_tui.mind.diagnosis.sites import Field
 from logical_robots_tui.mind.diagnosis.watching import At, Stands, Watching
+from logical_robots_tui.mind.why.probing import ORDERING
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence

@@ -10,6 +10,7 @@ from logical_robots_tui.mind.table import Table
 from logical_robots_tui.mind.why.calling import calls_of
 from logical_robots_tui.mind.why.derivations import Derivations
 from logical_robots_tui.mind.why.deriving import shown
+from logical_robots_tui.mind.why.nearest import Nearest
 from logical_robots_tui.mind.why.proving import Prover
 from logical_robots_tui.mind.why.sourcing import source_of
 from logical_robots_tui.mind.why.unfolding import unfold
@@ -21,7 +22,8 @@ if TYPE_CHECKING:
     from logical_robots_tui.mind.program import Program
     from logical_robots_tui.mind.sqlite.moment import Within
     from logical_robots_tui.mind.why.explanation import Explanation
-    from logical_robots_tui.mind.why.probing import Probing
+    from logical_robots_tui.mind.why.nearest import Suggestion
+    from logical_robots_tui.mind.why.probing import Probing, Span
     from logical_robots_tui.mind.why.relations import Relations
     from logical_robots_tui.mind.why.sourcing import Made, Path
     from logical_robots_tui.mind.why.unfolding import Proof
@@ -99,6 +101,23 @@ class Explainer:
         """
         given = self._about(predicate, given, within)
         return unfold(self._prover, predicate, given, within, depth=depth, nodes=nodes)
+
+    def nearest(self, predicate: str = "Robot") -> list[tuple[Span, Suggestion]]:
+        """Return the single changes that would have given a rule a row.
+
+        Args:
+            predicate: One of the program's own.
+
+        Returns:
+            Pairs of a rule without a row and a change; the smallest change of a rule first.
+
+        Raises:
+            QueryError: As `why` does.
+        """
+        given = self._about(predicate, None, "")
+        nearest = Nearest(self._program, self._derivations, given)
+        rules = self._take_apart(predicate, "").rules
+        return [(rule.span, each) for rule in rules for each in nearest.of(predicate, rule)]
 
     def calls(self, function: str) -> Table:
         """The calls of a function: arguments and results, each once.

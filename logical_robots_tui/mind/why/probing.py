@@ -17,6 +17,7 @@ __all__ = [
     "DECIDED_BY_ONE",
     "GIVEN",
     "LOWER",
+    "ORDERING",
     "ROWS",
     "Body",
     "Call",
@@ -39,6 +40,9 @@ ROWS = "WhyRows_"
 
 LOWER = "WhyLower_"
 """The same for rows of a recursive predicate that were there before the row in question."""
+
+ORDERING = frozenset({"<", "<=", ">", ">="})
+"""Comparisons that can fail by a small margin."""
 
 DECIDED_BY_ONE = frozenset({"AnyValue", "ArgMax", "ArgMin", "Max", "Min"})
 """Aggregates whose result is that of one of their elements."""

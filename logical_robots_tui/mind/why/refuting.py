@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from logical_robots_tui.mind.failures import FailureError
@@ -22,10 +22,25 @@ if TYPE_CHECKING:
     from logical_robots_tui.mind.why.relations import Relations, Way
     from logical_robots_tui.values import Value
 
-__all__ = ["Refuting"]
+__all__ = ["Refuting", "Stop"]
 
 _MOST_WAYS = 1_000
 _EXAMPLES = 100
+
+
+@dataclass(frozen=True, slots=True)
+class Stop:
+    """A step that nothing gets past.
+
+    Attributes:
+        clause: The clause.
+        step: The step.
+        ways: The ways in which all steps before it hold, up to a limit.
+    """
+
+    clause: Clause
+    step: Step
+    ways: Sequence[Way]
 
 
 class Refuting:
@@ -64,6 +79,26 @@ class Refuting:
         nodes = _joined(rule.clauses, [nodes for _, nodes in found])
         return {}, _stopped(found), nodes
 
+    def stop(
+        self, rule: RuleParts, given: Sequence[Scalar], alike: Mapping[str, Value]
+    ) -> Stop | None:
+        """Return what stops the clause that comes furthest, or None if nothing does.
+
+        Args:
+            rule: The rule.
+            given: The given values that it reads.
+            alike: Values that columns of its head are to have.
+        """
+        if self._others(rule, given, alike):
+            return None
+        reached = [(clause, *self._reached(clause, given, alike)) for clause in rule.clauses]
+        clause, number, query, now, _ = max(reached, key=lambda each: each[1])
+        sql = self._queries.get(query)
+        if number == len(clause.steps) or sql is None:
+            return None
+        ways = self._relations.ways(sql, given, now, most=_MOST_WAYS)
+        return Stop(clause, clause.steps[number], ways)
+
     def bodies(self, clauses: Sequence[Clause], given: Sequence[Scalar]) -> tuple[Node, ...]:
         """Why none of some clauses has a derivation, or a derivation of one that has."""
         for clause in clauses:
@@ -87,27 +122,36 @@ class Refuting:
             if not same(value_of(way, place), alike[column])
         }
 
-    def _clause(
+    def _reached(
         self, clause: Clause, given: Sequence[Scalar], alike: Mapping[str, Value]
-    ) -> tuple[int, tuple[Node, ...]]:
-        """How many steps hold, and the nodes up to the first that does not."""
-        before, ways, query = self._first(clause.before, given, ()), 1, clause.before
+    ) -> tuple[int, str, list[tuple[str, Value]], int]:
+        """Return how many steps hold.
+
+        Also the query for the ways in which they do, the conditions on it, and the number of ways.
+        """
+        reached: tuple[str, list[tuple[str, Value]], int] = (clause.before, [], 1)
         for number, step in enumerate(clause.steps):
             sql = self._queries.get(step.query)
             if sql is None:
                 continue  # the next step answers for this one, too
             now = self._alike(clause, step.query, alike)
             found = self._relations.count(sql, given, now, _MOST_WAYS)
-            if found:
-                before, ways, query = self._first(step.query, given, now), found, step.query
-                continue
-            held = self._held(clause, number, before, ways)
-            failed = self._failed(clause, step, query, before, ways, given, alike)
-            return number, (*held, failed)
-        return len(clause.steps), (
-            *self._held(clause, len(clause.steps), before, ways),
-            *self._unlike(clause, query, given, alike),
-        )
+            if not found:
+                return number, *reached
+            reached = step.query, now, found
+        return len(clause.steps), *reached
+
+    def _clause(
+        self, clause: Clause, given: Sequence[Scalar], alike: Mapping[str, Value]
+    ) -> tuple[int, tuple[Node, ...]]:
+        """How many steps hold, and the nodes up to the first that does not."""
+        number, query, now, ways = self._reached(clause, given, alike)
+        before = self._first(query, given, now)
+        held = self._held(clause, number, before, ways)
+        if number == len(clause.steps):
+            return number, (*held, *self._unlike(clause, query, given, alike))
+        failed = self._failed(clause, clause.steps[number], query, before, ways, given, alike)
+        return number, (*held, failed)
 
     def _held(self, clause: Clause, until: int, way: Way | None, ways: int) -> tuple[Node, ...]:
         """The nodes of the steps that hold, as they are in one way."""

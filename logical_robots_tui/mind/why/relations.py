@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
     from logical_robots_tui.mind.asking import Asking
+    from logical_robots_tui.mind.program import Program
     from logical_robots_tui.mind.sqlite.database import Answer, Scalar
     from logical_robots_tui.mind.sqlite.moment import Moment, View, Within
     from logical_robots_tui.values import Value
@@ -81,6 +82,24 @@ class Relations:
         found = self._rows[predicate]
         self.spend(STEPS_OF_A_CALL * len(found))  # the caller looks through them
         return found
+
+    def answer(self, program: Program, query: str) -> list[dict[str, Value]]:
+        """Return the rows of a question about a program, by the names of the columns.
+
+        It may be another program than that of the mind.
+
+        Raises:
+            ProgramError: The question has errors.
+            FailureError: It failed.
+        """
+        self.renew()
+        question = program.question(query, stop=self._within.stop)
+        columns, rows = self._asking.plainly(question.sql, *self._where)
+        return [dict(zip(columns, row, strict=True)) for row in rows]
+
+    def renew(self) -> None:
+        """Start again with an unused budget."""
+        self._within.renew()
 
     @property
     def _where(self) -> tuple[Moment, View, Within]:

@@ -246,7 +246,8 @@ class _Sourcing:
             items = value_of(frame.way, step.terms[0].column)
             number = _index(items, value)
             return self._term(frame, step.terms[0], (number, *path))
-        others = [term for term in step.terms if term.column != place]
+        terms = [term for term in step.terms if term.kind != "literal"]
+        others = [term for term in terms if term.column != place]
         if len(others) == 1 and len(step.gives) == 1:
             return self._term(frame, others[0], path)
         return _Found(step.span, frame.rule, ())

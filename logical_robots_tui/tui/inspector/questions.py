@@ -13,7 +13,7 @@ if TYPE_CHECKING:
 
     from logical_robots_tui.game import Frame, Inquiry, Pin, Reading
     from logical_robots_tui.mind import Ask, Explanation, Program, Proof, QueryPlan
-    from logical_robots_tui.mind.diagnosis.nearest import Suggestion
+    from logical_robots_tui.mind.why.nearest import Suggestion
     from logical_robots_tui.tui.app.session import Session
     from logical_robots_tui.world import Level
 
