@@ -9,13 +9,12 @@ from __future__ import annotations
 import re
 from typing import TYPE_CHECKING
 
-from logical_robots_tui.mind.checking import error_messages
 from logical_robots_tui.mind.clauses import trees
 from logical_robots_tui.mind.clauses.bodies import Names, head_of
 from logical_robots_tui.mind.clauses.functors import expand, rename
 from logical_robots_tui.mind.clauses.normal_form import Builder
 from logical_robots_tui.mind.clauses.scopes import Scope, combines, flat, in_order, names
-from logical_robots_tui.mind.compiling.compiler import compiled_rules, read_rules
+from logical_robots_tui.mind.compiling.compiler import read_rules, statements_of
 from logical_robots_tui.mind.compiling.package_patches import deep_copy
 from logical_robots_tui.mind.compiling.rules import VALUE, called, head_name
 from logical_robots_tui.mind.program import INPUTS
@@ -261,7 +260,7 @@ def _compiled(
     rules = [*own, *flags, *probes.values()]
     for rule in rules:
         rename(rule, tables)
-    return _statements([*probes], rules, text, source)
+    return statements_of([*probes], rules, text, source)
 
 
 def _sources(
@@ -272,17 +271,4 @@ def _sources(
     if not copies:
         return {}
     rules = [deep_copy(rule) for own in expanded.rules.values() for rule in own]
-    return _statements(copies, [*deep_copy(expanded.others), *rules], text, source)
-
-
-def _statements(
-    wanted: list[str], rules: list[Rule], text: str, source: Prepared
-) -> dict[str, str]:
-    compiled = compiled_rules(rules, text, source)
-    found = {}
-    for name in wanted:
-        try:
-            found[name] = compiled.FormattedPredicateSql(name).rstrip().removesuffix(";")
-        except error_messages.COMPLAINTS:
-            continue  # reported as not computable alone
-    return found
+    return statements_of(copies, [*deep_copy(expanded.others), *rules], text, source)

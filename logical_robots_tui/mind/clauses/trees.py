@@ -13,7 +13,7 @@ if TYPE_CHECKING:
 
     from logical_robots_tui.mind.compiling.rules import Rule
 
-__all__ = ["asked", "equal", "make", "number", "rule", "variable"]
+__all__ = ["asked", "equal", "number", "rule", "variable"]
 
 
 def variable(name: str) -> Rule:
@@ -55,19 +55,6 @@ def rule(name: str, columns: Mapping[Any, Rule], body: Iterable[Rule], text: str
     if conjuncts := [deep_copy(part) for part in body]:
         found["body"] = {"conjunction": {"conjunct": conjuncts}}
     return found
-
-
-def make(name: str, base: str, given: Mapping[Any, Rule]) -> Rule:
-    """Return a rule that makes a predicate from another, with ``:=``.
-
-    Args:
-        name: The new predicate.
-        base: The original.
-        given: The substitutions, by name of the parameter.
-    """
-    predicates = [{"literal": {"the_predicate": {"predicate_name": each}}} for each in (name, base)]
-    columns: dict[str | int, Rule] = dict(enumerate([*predicates, {"record": _record(given)}]))
-    return rule("@Make", columns, (), name)
 
 
 def _record(columns: Mapping[Any, Rule]) -> Rule:

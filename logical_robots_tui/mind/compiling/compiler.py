@@ -5,6 +5,7 @@ The package keeps global state, so one process compiles one program at a time.
 
 from __future__ import annotations
 
+from contextlib import suppress
 from functools import lru_cache
 from typing import TYPE_CHECKING, Any, cast
 
@@ -47,7 +48,14 @@ if TYPE_CHECKING:
 
     from logical_robots_tui.mind.compilation import Report
 
-__all__ = ["RobotProgram", "compile_text", "compiled_rules", "plain_rules", "read_rules"]
+__all__ = [
+    "RobotProgram",
+    "compile_text",
+    "compiled_rules",
+    "plain_rules",
+    "read_rules",
+    "statements_of",
+]
 
 _RECURSION_DEPTH = 32  # as on DuckDB; the package's SQLite default is 8
 _DEEPEST_RECURSION = 200
@@ -131,6 +139,28 @@ def compiled_rules(rules: list[Rule], text: str, source: Prepared) -> RobotProgr
         raise ProgramError(
             (_endless(error, rules, text) or error_messages.explain(error, text, source),)
         ) from None
+
+
+def statements_of(
+    wanted: list[str], rules: list[Rule], text: str, source: Prepared
+) -> dict[str, str]:
+    """Return SQL for the rows of those predicates that can be computed alone.
+
+    Args:
+        wanted: Their names.
+        rules: Rules as written.
+        text: The program that they come from.
+        source: The same, prepared.
+
+    Raises:
+        ProgramError: The rules can't be compiled.
+    """
+    compiled = compiled_rules(rules, text, source)
+    found = {}
+    for name in wanted:
+        with suppress(*error_messages.COMPLAINTS):
+            found[name] = compiled.FormattedPredicateSql(name).rstrip().removesuffix(";")
+    return found
 
 
 def _refuse(found: list[Diagnostic]) -> None:

@@ -41,6 +41,19 @@ _LEAVES = ("desire", VALUE)
 class Tracer(ValueTracing):
     """Traces rules part by part."""
 
+    def copy(self, name: str, original: str, within: str) -> None:
+        """Trace the rules that ``:=`` copied.
+
+        Args:
+            name: The predicate that they define.
+            original: The predicate whose rules these are.
+            within: The predicate made with ``:=``.
+        """
+        self._within = within
+        for rule in self._own[name]:
+            self.rule(rule, tells_robot=False)
+        self._within = ""
+
     def rule(self, rule: Rule, *, tells_robot: bool) -> None:
         """Trace a rule that has rows of its own.
 
@@ -111,7 +124,8 @@ class Tracer(ValueTracing):
             done = self._parts(flat(rule.get("body")), within)
             if done is not None:
                 return replace(at, guard=done.guard, known=known)
-        site = self._site("part", part, at, predicate=name)
+        called = self.copies.get(name, (name, ""))[0]
+        site = self._site("part", part, at, predicate=called)
         self._in_part(part, at)
         if name == "Memory":
             for fv in call["record"]["field_value"]:
