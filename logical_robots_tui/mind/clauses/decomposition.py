@@ -16,7 +16,7 @@ from logical_robots_tui.mind.clauses.normal_form import Builder
 from logical_robots_tui.mind.clauses.scopes import Scope, combines, flat, in_order, names
 from logical_robots_tui.mind.compiling.compiler import read_rules, statements_of
 from logical_robots_tui.mind.compiling.package_patches import deep_copy
-from logical_robots_tui.mind.compiling.rules import VALUE, called, head_name
+from logical_robots_tui.mind.compiling.rules import VALUE, called, head_name, is_aggregate, nodes
 from logical_robots_tui.mind.program import INPUTS
 from logical_robots_tui.mind.why.probing import (
     DECIDED_BY_ONE,
@@ -190,26 +190,12 @@ def _open(rule: Rule, given: list[str], functions: Mapping[str, tuple[str, ...]]
     head, body = head_of(rule)[0], flat(rule.get("body"))
     variables = frozenset[str]().union(*map(names, [*body, *head.values()]))
     known = frozenset[str]().union(*(names(head[column]) for column in given if column in head))
-    calls = [{"predicate": call} for call in _value_calls([*body, *head.values()])]
+    inner = nodes([*body, *head.values()], is_aggregate)
+    calls = [{"predicate": node["call"]} for node in inner if isinstance(node.get("call"), dict)]
     ordered, left = in_order([*body, *calls], Scope(functions, variables), known)
     after = ordered[-1][1] if ordered else known
     lacking = {column for column, value in head.items() if not names(value) <= after}
     return lacking or ({*head} - {*given} if left else set())
-
-
-def _value_calls(tree: object) -> list[Rule]:
-    """Yield the calls in expressions, outside aggregates."""
-    found: list[Rule] = []
-    waiting = [tree]
-    while waiting:
-        node = waiting.pop()
-        if isinstance(node, list):
-            waiting.extend(node)
-        elif isinstance(node, dict) and "combine" not in node:
-            if isinstance(node.get("call"), dict):
-                found.append(node["call"])
-            waiting.extend(node.values())
-    return found
 
 
 # -- recursion -----------------------------------------------------------------------------------

@@ -11,6 +11,7 @@ from logical_robots_tui.mind.compiling.rules import (
     VALUE,
     head_name,
     heads,
+    predicate_of,
     reached,
     subject,
     value_of,
@@ -101,7 +102,7 @@ def _is_ready(make: Rule, waiting: Mapping[str, Rule], expanded: Expanded) -> bo
     base, given = _made_from(make)
     needed = {base, *expanded.reach(base)}
     for value in given.values():
-        name = _named(value)
+        name = predicate_of(value)
         needed |= {name, *expanded.reach(name)} if name else set()
     return not needed & waiting.keys()
 
@@ -110,8 +111,8 @@ def _make(name: str, make: Rule, expanded: Expanded) -> None:
     base, given = _made_from(make)
     filled = {}
     for number, (argument, value) in enumerate(given.items()):
-        filled[argument] = _named(value) or f"{name}_given{number}"
-        if not _named(value):
+        filled[argument] = predicate_of(value) or f"{name}_given{number}"
+        if not predicate_of(value):
             constant = trees.rule(filled[argument], {VALUE: value}, (), name)
             expanded.rules[filled[argument]] = [constant]
     reached = {base, *expanded.reach(base)}
@@ -157,11 +158,6 @@ def _made_from(make: Rule) -> tuple[str, dict[str, Rule]]:
     assert first is not None
     assert second is not None
     assert third is not None
-    base = str(second["literal"]["the_predicate"]["predicate_name"])
+    base = str(predicate_of(second))
     given = {str(f["field"]): value_of(f) for f in third["record"]["field_value"]}
     return base, {name: value for name, value in given.items() if value is not None}
-
-
-def _named(value: Rule) -> str:
-    """Return the predicate that an expression names, or ""."""
-    return str(value.get("literal", {}).get("the_predicate", {}).get("predicate_name", ""))

@@ -35,6 +35,8 @@ from logical_robots_tui.mind.compiling.rules import (
     prelude_rules,
     reached,
     subject,
+    text_of,
+    value_of,
 )
 from logical_robots_tui.mind.compiling.spelling import spell_out
 from logical_robots_tui.mind.compiling.whole_rows import written_out
@@ -311,7 +313,8 @@ def _take_visibility(
             if head_name(rule) not in IGNORED:
                 rest.append(rule)
             continue
-        of, wanted = subject(rule), _second_text(rule)
+        values = [value_of(fv) or {} for fv in rule["head"]["record"]["field_value"]]
+        of, wanted = subject(rule), "".join(text_of(value) or "" for value in values[1:2])
         if wanted in _VISIBILITY.get(of, ()):
             visibility[of.lower()] = wanted
         else:
@@ -322,14 +325,6 @@ def _take_visibility(
             )
             problems.append(diagnostic_for(text, head_name(rule), message, hint))
     return rest, visibility, problems
-
-
-def _second_text(rule: Rule) -> str:
-    try:
-        value = rule["head"]["record"]["field_value"][1]["value"]["expression"]["literal"]
-        return str(value["the_string"]["the_string"])
-    except (KeyError, IndexError):
-        return ""
 
 
 def _lacks_arguments(error: BaseException, rules: list[Rule]) -> bool:

@@ -21,6 +21,7 @@ from typing import TYPE_CHECKING, Any
 
 from sqlglot import exp
 
+from logical_robots_tui.mind.checking.parameters import mentioned_by_make
 from logical_robots_tui.mind.compiling.package_patches import deep_copy
 from logical_robots_tui.mind.compiling.rules import called, head_name, nodes, subject
 from logical_robots_tui.mind.program import STEPS
@@ -76,7 +77,9 @@ def fixpoints(
         if not head_name(rule).startswith("@"):
             own.setdefault(str(head_name(rule)), []).append(rule)
     uses = {name: {str(c) for c in called(mine) if c in own} for name, mine in own.items()}
-    made = {str(name) for rule in rules if head_name(rule) == "@Make" for name in _names_in(rule)}
+    made = {
+        name for rule in rules if head_name(rule) == "@Make" for name in mentioned_by_make(rule)
+    }
     ordered = {subject(rule) for rule in rules if head_name(rule) in _ABOUT_THE_WHOLE}
     found: list[Fixpoint] = []
     for name in own:
@@ -123,13 +126,6 @@ def _begins(start: str, own: Mapping[str, list[Rule]], circle: set[str]) -> bool
         if not found:
             return start in begun
         begun |= found
-
-
-def _names_in(rule: Rule) -> Iterator[str]:
-    yield from called(rule)
-    for node in nodes(rule["head"]):
-        if isinstance(node.get("field"), str):
-            yield node["field"]
 
 
 def _without(name: str, rules: list[Rule]) -> list[Rule]:

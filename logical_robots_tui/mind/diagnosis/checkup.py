@@ -8,8 +8,14 @@ from logical_robots_tui.mind.checking.robot_rule import MAIN
 from logical_robots_tui.mind.clauses.functors import expand
 from logical_robots_tui.mind.clauses.spans import span_of
 from logical_robots_tui.mind.compiling.compiler import read_rules, statements_of
-from logical_robots_tui.mind.compiling.rules import VALUE, head_name, heads, reached, value_of
-from logical_robots_tui.mind.diagnosis.expressions import text_of
+from logical_robots_tui.mind.compiling.rules import (
+    VALUE,
+    head_name,
+    heads,
+    reached,
+    text_of,
+    value_of,
+)
 from logical_robots_tui.mind.diagnosis.memory import texts_of, written_fields
 from logical_robots_tui.mind.diagnosis.sites import Checkup, RuleSite
 from logical_robots_tui.mind.diagnosis.tracing import Tracer

@@ -162,6 +162,15 @@ class Tally:
                 found.append(number)
         return found
 
+    def stopped(self, rule: int) -> int | None:
+        """Return the last site of a rule's body that was reached and never passed."""
+        found = None
+        for number, (site, count) in enumerate(zip(self.checkup.sites, self.sites, strict=True)):
+            is_stuck = count.reached is not None and count.true is None
+            if site.rule == rule and site.is_step and is_stuck:
+                found = number
+        return found
+
     # -- inside --------------------------------------------------------------------------------
 
     def _note_parts(self, tick: int, probe: Probe, passed: int, before: int) -> None:

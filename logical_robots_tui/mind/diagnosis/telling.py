@@ -81,18 +81,8 @@ class _Reporter:
         for number, rule in enumerate(self._checkup.rules):
             count = self._tally.rules[number]
             if rule.is_needed and not rule.is_function and count.looks and count.gave is None:
-                silent[number] = self._stopped(number)
+                silent[number] = self._tally.stopped(number)
         return silent
-
-    def _stopped(self, rule: int) -> int | None:
-        """Return the last site of a rule's body that was reached and never passed."""
-        found = None
-        for number, site in enumerate(self._checkup.sites):
-            if site.rule == rule and site.is_step:
-                count = self._tally.sites[number]
-                if count.reached is not None and count.true is None:
-                    found = number
-        return found
 
     def _is_consequence(self, rule: int, silent: dict[int, int | None]) -> bool:
         stop = silent[rule]

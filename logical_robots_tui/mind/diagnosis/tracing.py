@@ -17,7 +17,7 @@ from logical_robots_tui.mind.clauses.scopes import (
     in_order,
     names,
 )
-from logical_robots_tui.mind.compiling.rules import VALUE, equated, operands, value_of
+from logical_robots_tui.mind.compiling.rules import VALUE, equated, operands, value_of, variable_of
 from logical_robots_tui.mind.diagnosis.expressions import (
     as_expression,
     filled,
@@ -69,7 +69,7 @@ class Tracer(ValueTracing):
         number = self._numbers[id(rule)]
         self._memories = set()
         decided = (columns[name].get("expression") or {} for name in _LEAVES if name in columns)
-        self._leaves = {str(each["variable"]["var_name"]) for each in decided if "variable" in each}
+        self._leaves = {*map(variable_of, decided)} - {""}
         at = At(
             Trail(Segment([])),
             number,
@@ -129,9 +129,9 @@ class Tracer(ValueTracing):
         self._in_part(part, at)
         if name == "Memory":
             for fv in call["record"]["field_value"]:
-                variable = (value_of(fv) or {}).get("variable", {})
+                variable = variable_of(value_of(fv) or {})
                 if fv["field"] in ("memory", 1, "*") and variable:
-                    self._memories.add(self._called(str(variable["var_name"]), at))
+                    self._memories.add(self._called(variable, at))
                 elif fv["field"] in ("memory", 1, "*"):
                     self.reads_all = True
         return replace(self._next(at, site, filled(part, at.given)), known=known)
@@ -205,7 +205,7 @@ class Tracer(ValueTracing):
             return None
         left, right = pair
         for pattern, value in ((left, right), (right, left)):
-            name = str(pattern.get("variable", {}).get("var_name", ""))
+            name = variable_of(pattern)
             if name and name not in known and names(value) <= known:
                 return name, value
         return None

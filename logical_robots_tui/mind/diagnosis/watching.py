@@ -6,6 +6,7 @@ from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any, Literal, TypeAlias
 
 from logical_robots_tui.mind.clauses.spans import span_of
+from logical_robots_tui.mind.compiling.rules import variable_of
 from logical_robots_tui.mind.diagnosis.expressions import as_part, counted, filled
 from logical_robots_tui.mind.diagnosis.sites import TESTS, Column, Field, Probe, Site, Span
 from logical_robots_tui.mind.diagnosis.sources import Sources
@@ -160,7 +161,7 @@ class Watching:
     def _called(self, name: str, at: At) -> str:
         """Return a variable's name in the query, or ""."""
         value = at.given.get(name)
-        return name if value is None else str(value.get("variable", {}).get("var_name", ""))
+        return name if value is None else variable_of(value)
 
     def _new(self, name: str) -> str:
         self._fresh += 1

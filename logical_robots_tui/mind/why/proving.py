@@ -13,7 +13,7 @@ from logical_robots_tui.mind.diagnostics import QueryError
 from logical_robots_tui.mind.failures import FailureError
 from logical_robots_tui.mind.sqlite.stored import to_sql
 from logical_robots_tui.mind.why.derivations import MOST_ROWS, checked, is_aggregated
-from logical_robots_tui.mind.why.deriving import MOST_ELEMENTS, Telling, counted, shown
+from logical_robots_tui.mind.why.deriving import MOST_ELEMENTS, counted, shown
 from logical_robots_tui.mind.why.explanation import Explanation, Node, RuleFound
 from logical_robots_tui.mind.why.refuting import Refuting
 from logical_robots_tui.mind.why.relations import same
@@ -23,6 +23,7 @@ if TYPE_CHECKING:
 
     from logical_robots_tui.mind.sqlite.database import Scalar
     from logical_robots_tui.mind.why.derivations import Derivations, Row
+    from logical_robots_tui.mind.why.deriving import Telling
     from logical_robots_tui.mind.why.probing import (
         Clause,
         Collected,
@@ -104,13 +105,11 @@ class Prover:
     ) -> RuleFound:
         arguments = [to_sql(given[column]) for column in probing.given]
         refuting = Refuting(self._derivations.relations, probing.queries)
-        telling = Telling(self._derivations.relations, probing.queries, refuting.bodies)
-        refuting.telling = telling
         try:
             number = self._number(rule, probing, given, arguments, rows)
             if row is not None:
                 self._derivations.prepare(probing, row)
-                nodes = self._derived(rule, probing, row, arguments, telling)
+                nodes = self._derived(rule, probing, row, arguments, refuting.telling)
                 self._derivations.prepare(probing)
                 if nodes is not None:
                     said = _gives(number, len(rows))

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 from logical_robots_tui.mind.failures import FailureError
 from logical_robots_tui.mind.program import VALUE
 from logical_robots_tui.mind.sqlite.stored import from_sql, to_sql
-from logical_robots_tui.mind.why.deriving import counted, denied, value_of
+from logical_robots_tui.mind.why.deriving import Telling, counted, denied, value_of
 from logical_robots_tui.mind.why.explanation import Node
 from logical_robots_tui.mind.why.relations import same
 
@@ -17,7 +17,6 @@ if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence
 
     from logical_robots_tui.mind.sqlite.database import Scalar
-    from logical_robots_tui.mind.why.deriving import Telling
     from logical_robots_tui.mind.why.probing import Clause, RuleParts, Step, Term
     from logical_robots_tui.mind.why.relations import Relations, Way
     from logical_robots_tui.values import Value
@@ -51,13 +50,12 @@ class Refuting:
         queries: SQL by name of a query.
 
     Attributes:
-        telling: Tells derivations of what must not hold.
+        telling: Tells derivations with the same queries.
     """
-
-    telling: Telling
 
     def __init__(self, relations: Relations, queries: Mapping[str, str]) -> None:
         self._relations, self._queries = relations, queries
+        self.telling = Telling(relations, queries, self.bodies)
 
     def rule(
         self, rule: RuleParts, given: Sequence[Scalar], alike: Mapping[str, Value]
