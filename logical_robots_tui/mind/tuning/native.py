@@ -5,54 +5,14 @@ A call of ours takes SQLite to Python and back, which costs more than most of wh
 
 from __future__ import annotations
 
-from decimal import Decimal
-
 from sqlglot import exp
 
 from logical_robots_tui.mind.tuning import json, sql
 
-__all__ = ["folded_constants", "native_choice", "native_division"]
+__all__ = ["native_choice", "native_division"]
 
 _NUMBERS = frozenset({"abs", "avg", "count", "sqrt", "sum", "total"})
 _CHOICES = {"greatest": "MAX", "least": "MIN"}
-
-
-_MOST_DIGITS = 15  # that a real number holds
-
-
-def folded_constants(tree: exp.Expr) -> None:
-    """Compute products and sums of decimal numbers that are written out, as in ``0.3 * (-1)``.
-
-    SQLite would round each one, by way of a text, in every thought.
-    """
-    for call in list(tree.find_all(exp.Anonymous)):
-        value = _constant(call.expressions[0]) if sql.call_name(call) == "round" else None
-        if not value:  # a zero may have a sign
-            continue
-        digits = call.expressions[-1]
-        exact = -int(value.as_tuple().exponent)
-        if len(value.as_tuple().digits) > _MOST_DIGITS or digits.name != str(exact) or not exact:
-            continue
-        number: exp.Expr = exp.Literal.number(f"{abs(value):f}")
-        call.replace(exp.Paren(this=exp.Neg(this=number)) if value < 0 else number)
-
-
-def _constant(node: exp.Expr) -> Decimal | None:
-    """The decimal number that an expression of written numbers has, exactly, or None."""
-    node = node.unnest()
-    if isinstance(node, exp.Literal) and not node.is_string and "e" not in node.name.lower():
-        return Decimal(node.name)
-    if isinstance(node, exp.Neg):
-        value = _constant(node.this)
-        return None if value is None else -value
-    if not isinstance(node, exp.Add | exp.Sub | exp.Mul):
-        return None
-    left, right = _constant(node.this), _constant(node.expression)
-    if left is None or right is None:
-        return None
-    if isinstance(node, exp.Mul):
-        return left * right
-    return left + right if isinstance(node, exp.Add) else left - right
 
 
 def native_division(tree: exp.Expr) -> None:

@@ -151,7 +151,6 @@ PASSES = (
         after=("ray-rows", "sensor-columns", "memory-columns", "result-columns"),
     ),
     Pass("materialized", _on_tree(materializing.computed_once), after=("common-subexpressions",)),
-    Pass("constants", _on_tree(native.folded_constants)),
     Pass("division", _on_tree(native.native_division)),
     Pass("numbers", _on_tree(json.native_numbers), after=("result-columns",)),
     Pass("all-viewers", _all_viewers, after=("viewer-bounds", "materialized", "numbers")),
