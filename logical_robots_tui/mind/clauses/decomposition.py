@@ -35,13 +35,13 @@ if TYPE_CHECKING:
     from logical_robots_tui.mind.compiling.rules import Rule
     from logical_robots_tui.mind.source_text import Prepared
 
-__all__ = ["take_apart"]
+__all__ = ["decompose"]
 
 _ALL = "WhyAll"
 _GIVEN_COLUMN = re.compile(rf"\b{GIVEN}\.g(\d+)\b")
 
 
-def take_apart(
+def decompose(
     text: str,
     predicate: str,
     within: str,

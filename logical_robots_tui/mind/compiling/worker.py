@@ -26,7 +26,7 @@ from typing import IO, TYPE_CHECKING, Any
 
 from logical_robots_tui.garbage import collect_seldom
 from logical_robots_tui.mind.checking.robot_rule import MAIN
-from logical_robots_tui.mind.clauses.decomposition import take_apart
+from logical_robots_tui.mind.clauses.decomposition import decompose
 from logical_robots_tui.mind.compiling import compiler
 from logical_robots_tui.mind.compiling.questions import compile_question
 from logical_robots_tui.mind.diagnosis.checkup import check_up
@@ -178,7 +178,7 @@ def _probing(text: str, request: dict[str, Any]) -> Probing:
     with closing(Database()) as database:
         is_quick = partial(_is_prepared_soon, database)
         define = partial(database.define, rows=())
-        return take_apart(text, predicate, within, request["with_rows"], is_quick, define)
+        return decompose(text, predicate, within, request["with_rows"], is_quick, define)
 
 
 def _checkup(text: str, functions: frozenset[str]) -> Checkup:

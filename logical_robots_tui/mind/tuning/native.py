@@ -16,9 +16,9 @@ _CHOICES = {"greatest": "MAX", "least": "MIN"}
 
 
 def native_division(tree: exp.Expr) -> None:
-    """Divide numbers, if need be after a look whether the lower one is zero.
+    """Divide numbers natively, after a check for zero if necessary.
 
-    Ours knows what a number over zero is; SQLite computes a sum that is written twice once.
+    Our own function handles division by zero; SQLite computes a repeated sum only once.
     """
     for call in reversed(list(tree.find_all(exp.Anonymous))):  # what stands in another, first
         if sql.call_name(call) != "divide" or not all(map(_is_number, call.expressions)):
@@ -34,9 +34,9 @@ def native_division(tree: exp.Expr) -> None:
 
 
 def native_choice(tree: exp.Expr) -> None:
-    """The greater or the lesser of a plain value and a literal; null, of both, is the literal.
+    """Compute the greater or lesser of a plain value and a literal natively; null is ignored.
 
-    Of equal values ours gives the first. SQLite's MAX does, too, and its MIN gives the last.
+    Of equal values our functions return the first, as SQLite's MAX does; its MIN returns the last.
     """
     for call in reversed(list(tree.find_all(exp.Anonymous))):
         native = _CHOICES.get(sql.call_name(call))
@@ -53,7 +53,7 @@ def native_choice(tree: exp.Expr) -> None:
 
 
 def _is_number(node: exp.Expr) -> bool:
-    """Whether a value is certainly a number, or null."""
+    """Return whether a value is certainly a number, or null."""
     if isinstance(node, exp.Paren | exp.Alias):
         return _is_number(node.this)
     if isinstance(node, exp.Subquery) and isinstance(node.this, exp.Select):
@@ -66,7 +66,7 @@ def _is_number(node: exp.Expr) -> bool:
 
 
 def _is_light(node: exp.Expr) -> bool:
-    """Whether a value may as well be computed twice."""
+    """Return whether a value may as well be computed twice."""
     calls = node.find_all(exp.Anonymous)
     return node.find(exp.Select, exp.Case) is None and all(
         sql.call_name(call) in _NUMBERS for call in calls

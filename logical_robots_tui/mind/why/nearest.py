@@ -77,7 +77,7 @@ class Nearest:
             Stopped: It was stopped.
         """
         self._relations.renew()
-        stop = self._stop(self._derivations.take_apart(predicate, ""), rule, self._given)
+        stop = self._stop(self._derivations.decompose(predicate, ""), rule, self._given)
         candidates = sorted(self._of_stop(stop, 0), key=itemgetter(0)) if stop else ()
         distinct: dict[tuple[int, str], Suggestion] = {}
         for _, each in candidates:
@@ -120,7 +120,7 @@ class Nearest:
         self, call: Call, ways: Sequence[Way], depth: int
     ) -> Iterator[tuple[float, Suggestion]]:
         """Yield changes in the rules of a function that is called as a condition."""
-        function = self._derivations.take_apart(call.predicate, call.within)
+        function = self._derivations.decompose(call.predicate, call.within)
         places = {c: p for c, p in call.arguments.items() if c in function.given}
         calls = [{c: value_of(way, p) for c, p in places.items()} for way in ways]
         different = list({repr(each): each for each in calls}.values())[:_MOST_CALLS]

@@ -60,7 +60,7 @@ class Refuting:
     def rule(
         self, rule: RuleParts, given: Sequence[Scalar], alike: Mapping[str, Value]
     ) -> tuple[dict[str, Value], Node | None, tuple[Node, ...]]:
-        """Why a rule has no row.
+        """Return why a rule has no row.
 
         Args:
             rule: The rule.
@@ -98,7 +98,7 @@ class Refuting:
         return Stop(clause, clause.steps[number], ways)
 
     def bodies(self, clauses: Sequence[Clause], given: Sequence[Scalar]) -> tuple[Node, ...]:
-        """Why none of some clauses has a derivation, or a derivation of one that has."""
+        """Return why none of some clauses has a derivation, or a derivation of one that has."""
         for clause in clauses:
             way = self._first(clause.query, given, ())
             if way is not None:
@@ -142,7 +142,7 @@ class Refuting:
     def _clause(
         self, clause: Clause, given: Sequence[Scalar], alike: Mapping[str, Value]
     ) -> tuple[int, tuple[Node, ...]]:
-        """How many steps hold, and the nodes up to the first that does not."""
+        """Return how many steps hold, and the nodes up to the first that does not."""
         number, query, now, ways = self._reached(clause, given, alike)
         before = self._first(query, given, now)
         held = self._held(clause, number, before, ways)
@@ -152,7 +152,7 @@ class Refuting:
         return number, (*held, failed)
 
     def _held(self, clause: Clause, until: int, way: Way | None, ways: int) -> tuple[Node, ...]:
-        """The nodes of the steps that hold, as they are in one way."""
+        """Return the nodes of the steps that hold, as they are in one way."""
         nodes = self.telling.derivation(clause, way or {}, until)
         if ways > 1 and nodes:
             said = f"one of {counted(ways, 'way', is_all=ways < _MOST_WAYS)}"
@@ -169,7 +169,7 @@ class Refuting:
         given: Sequence[Scalar],
         alike: Mapping[str, Value],
     ) -> Node:
-        """The node of a step that nothing gets past."""
+        """Return the node of a step that nothing gets past."""
         span, text = step.span, step.span.text
         sql = self._queries[step.query]
         elsewhere = self._relations.count(sql, given, (), _MOST_WAYS) if alike else 0
@@ -212,7 +212,7 @@ class Refuting:
         given: Sequence[Scalar],
         alike: Sequence[tuple[str, Value]],
     ) -> Iterator[Node]:
-        """The different values that expressions have over all ways."""
+        """Yield the different values that expressions have over all ways."""
         for term in _flat(terms):
             sql = self._queries.get(query)
             if sql is None or not term.column or term.kind == "literal":
@@ -236,7 +236,7 @@ class Refuting:
     def _unlike(
         self, clause: Clause, query: str, given: Sequence[Scalar], alike: Mapping[str, Value]
     ) -> Iterator[Node]:
-        """What the rule gives where all its steps hold, but not with the values asked for."""
+        """Yield what the rule gives where all its steps hold, but not with the values asked for."""
         way = self._first(query, given, self._alike(clause, query, alike))
         for column, place in clause.head.items() if way is not None else ():
             if column in alike and not same(value_of(way or {}, place), alike[column]):
@@ -245,7 +245,7 @@ class Refuting:
 
     @staticmethod
     def _known(clause: Clause, alike: Mapping[str, Value]) -> Way:
-        """The values that follow from those that the head is to have."""
+        """Return the values that follow from those that the head is to have."""
         return {place: to_sql(alike[c]) for c, place in clause.head.items() if c in alike}
 
     def _first(
@@ -259,7 +259,7 @@ class Refuting:
     def _alike(
         self, clause: Clause, query: str, alike: Mapping[str, Value]
     ) -> list[tuple[str, Value]]:
-        """The conditions on a query for columns of the head that are known by then."""
+        """Return the conditions on a query for columns of the head that are known by then."""
         sql = self._queries[query]
         return [
             (place, alike[column])
@@ -272,7 +272,7 @@ _INPUTS = ("Sensor", "Memory")
 
 
 def _flat(terms: Sequence[Term]) -> Iterator[Term]:
-    """Terms, each followed by what it compares."""
+    """Yield terms, each followed by what it compares."""
     for term in terms:
         yield term
         if term.kind in ("truth", "if"):
@@ -280,7 +280,7 @@ def _flat(terms: Sequence[Term]) -> Iterator[Term]:
 
 
 def _joined(clauses: Sequence[Clause], found: Sequence[tuple[Node, ...]]) -> tuple[Node, ...]:
-    """The nodes of clauses: what they have in common, then each alternative."""
+    """Return the nodes of clauses: what they have in common, then each alternative."""
     if len(clauses) == 1:
         return found[0]
     common = 0
@@ -305,6 +305,6 @@ def _joined(clauses: Sequence[Clause], found: Sequence[tuple[Node, ...]]) -> tup
 
 
 def _stopped(found: Sequence[tuple[int, tuple[Node, ...]]]) -> Node | None:
-    """What stopped the clause that came furthest."""
+    """Return what stopped the clause that came furthest."""
     _, nodes = max(found, key=lambda each: each[0])
     return nodes[-1] if nodes and nodes[-1].holds is False else None

@@ -144,7 +144,7 @@ class Relations:
         most: int = 1,
         compared: str = SAME,
     ) -> list[Way]:
-        """Rows of a query.
+        """Return rows of a query.
 
         Args:
             sql: The query.
@@ -169,7 +169,7 @@ class Relations:
         alike: Sequence[tuple[str, Value]] = (),
         most: int = 1,
     ) -> int:
-        """How many rows a query has, at most so many.
+        """Return how many rows a query has, at most so many.
 
         Raises:
             FailureError: It failed.
@@ -192,7 +192,7 @@ def _limited(
     most: int,
     compared: str,
 ) -> tuple[str, list[Scalar]]:
-    """A query for at most so many rows, and its parameters."""
+    """Return a query for at most so many rows, and its parameters."""
     where = " AND ".join(f"{compared}({column}, ?)" for column, _ in alike)
     query = f"SELECT {what} FROM ({with_given(sql, len(given))})"  # noqa: S608 - the compiler's own SQL
     query += f"{' WHERE ' * bool(where)}{where} LIMIT {most}"
@@ -200,13 +200,13 @@ def _limited(
 
 
 def _steps_of(rows: Sequence[Sequence[Any]]) -> int:
-    """What the work on rows counts for: a call for each value, and its characters."""
+    """Return what the work on rows counts for: a call for each value, and its characters."""
     texts = sum(len(value) for row in rows for value in row if value.__class__ is str)
     return texts + STEPS_OF_A_CALL * sum(map(len, rows))
 
 
 def same(one: Value, other: Value) -> bool:
-    """Whether two values are the same, but for the last digits of a number.
+    """Return whether two values are the same, but for the last digits of a number.
 
     A number loses these where it passes through text.
     """
@@ -224,7 +224,7 @@ def same(one: Value, other: Value) -> bool:
 
 
 def alike(one: Value, other: Value) -> bool:
-    """Whether two values are the same, but for the order of lists.
+    """Return whether two values are the same, but for the order of lists.
 
     In which order an aggregate lists its elements is not said by a program, and a list may be in
     another order where the same is computed in another query.
@@ -241,12 +241,12 @@ def _sorted(value: Value) -> Value:
 
 
 def alike_in_sql(one: Scalar, other: Scalar) -> bool:
-    """The same of values as SQLite has them."""
+    """Return the same of values as SQLite has them."""
     return alike(from_sql(one), from_sql(other))
 
 
 def same_in_sql(one: Scalar, other: Scalar) -> bool:
-    """The same of values as SQLite has them."""
+    """Return the same of values as SQLite has them."""
     if one.__class__ is other.__class__ and one == other:
         return True
     return same(from_sql(one), from_sql(other))
