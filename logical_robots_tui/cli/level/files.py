@@ -39,7 +39,7 @@ def refuse_existing(path: Path, *, force: bool) -> None:
 def tell_lost(level: Level, path: Path) -> None:
     """Print what the web platform's format could not hold."""
     from logical_robots_tui.editing.level_text import lost_in_web
-    from logical_robots_tui.world.load import WEB
+    from logical_robots_tui.world.levels.load import WEB
 
     lost = lost_in_web(replace(level, name=path.stem))
     if path.suffix.lower() == WEB and lost:

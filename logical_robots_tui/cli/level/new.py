@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 from logical_robots_tui.cli.command import new_command
 from logical_robots_tui.cli.level.files import add_force, refuse_existing, tell_lost, write
 from logical_robots_tui.cli.text import harmless
+from logical_robots_tui.paths import is_file
 
 if TYPE_CHECKING:
     from logical_robots_tui.cli.command import Commands
@@ -81,14 +82,15 @@ def start(options: argparse.Namespace) -> int:
     from logical_robots_tui.editing.files import save_level
     from logical_robots_tui.editing.properties import set_words
     from logical_robots_tui.world import load_level
-    from logical_robots_tui.world.load import read_text
+    from logical_robots_tui.world.levels.load import read_text
 
     refuse_existing(options.file, force=options.force)
     level = load_level(options.copy) if options.copy else _create(options)
     words = {} if options.title is None else {"title": options.title}
     new = set_words(level, **words)
-    if options.copy and Path(level.source).suffix.lower() == options.file.suffix.lower():
-        write(options.file, read_text(Path(level.source)))  # with its comments
+    file = Path(level.source)
+    if options.copy and file.suffix.lower() == options.file.suffix.lower() and is_file(file):
+        write(options.file, read_text(file))  # with its comments
         new = save_level(new, options.file)
     else:
         new = save_level(new, options.file, anew=True)
@@ -100,7 +102,7 @@ def start(options: argparse.Namespace) -> int:
 
 
 def _create(options: argparse.Namespace) -> Level:
-    from logical_robots_tui.editing.labyrinths import empty_room, labyrinth
+    from logical_robots_tui.world.levels.labyrinths import empty_room, labyrinth
 
     if options.labyrinth is None:
         return empty_room(*(options.room or (600, 400)), wall=options.wall)

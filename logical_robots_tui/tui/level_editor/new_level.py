@@ -11,11 +11,11 @@ from typing import TYPE_CHECKING
 from textual import on
 from textual.widgets import Select
 
-from logical_robots_tui.editing.labyrinths import empty_room, labyrinth
 from logical_robots_tui.editing.properties import set_words
 from logical_robots_tui.tui.level_editor.form import Form, number, text
 from logical_robots_tui.tui.library.level_screen import own_levels
 from logical_robots_tui.world import Level, list_levels, load_level
+from logical_robots_tui.world.levels.labyrinths import empty_room, labyrinth
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
