@@ -239,7 +239,7 @@ class Asking:
         moment: Moment,
         within: Within,
         *,
-        in_order: bool = True,
+        in_order: bool,
     ) -> list[Answer] | None:
         """Return answers for all views from rows that end with the number of their viewer."""
         numbers = [row[-1] for row in found]

@@ -139,17 +139,16 @@ def _without(name: str, rules: list[Rule]) -> list[Rule]:
 
 def _step(fixpoint: Fixpoint, circle: set[str], own: Mapping[str, list[Rule]]) -> Iterator[Rule]:
     """Return copies of a recursion's rules that compute a step from the previous one."""
-    names = {name: f"{name}_For_{fixpoint.step}" for name in circle}
-    for name in circle | {fixpoint.name}:
+    copies = {name: f"{name}_For_{fixpoint.step}" for name in circle}
+    heads = {**copies, fixpoint.name: fixpoint.step}
+    calls = {**copies, fixpoint.name: fixpoint.before}
+    for name in circle:
         for rule in own[name]:
             copied = deep_copy(rule)
             for node in nodes(copied):
-                if (old := node.get("predicate_name")) in names:
-                    node["predicate_name"] = (
-                        fixpoint.before if old == fixpoint.name else names[str(old)]
-                    )
-            head = fixpoint.step if name == fixpoint.name else names[name]
-            copied["head"]["predicate_name"] = head
+                if (old := node.get("predicate_name")) in calls:
+                    node["predicate_name"] = calls[str(old)]
+            copied["head"]["predicate_name"] = heads[name]
             yield copied
 
 

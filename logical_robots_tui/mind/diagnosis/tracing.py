@@ -28,7 +28,7 @@ from logical_robots_tui.mind.diagnosis.watching import At, Segment, Trail
 from logical_robots_tui.mind.program import INPUTS
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
+    from collections.abc import Sequence
 
     from logical_robots_tui.mind.compiling.rules import Rule
 
@@ -158,28 +158,6 @@ class Tracer(ValueTracing):
         trail.segment = Segment(body, site)
         trail.filters = ()
         return replace(at, guard=())
-
-    def _aside(
-        self,
-        parts: Sequence[Rule],
-        at: At,
-        scope: Scope,
-        given: Mapping[str, Rule],
-        values: Sequence[tuple[Rule, bool]],
-        **changed: Any,
-    ) -> None:
-        """Trace a body inside an expression or a part."""
-        trail = Trail(Segment(self._all_of(at)))
-        within = replace(at, trail=trail, scope=scope, given=given, guard=(), **changed)
-        done = self._parts(parts, within)
-        if done is not None:
-            for value, is_leaf in values:
-                self._value(value, done, is_leaf=is_leaf)
-        self._emit(trail)
-        telling = (self.probes[name][1] for name in trail.probes)
-        if not any(probe.columns or self._tells(probe) for probe in telling):
-            for name in trail.probes:
-                del self.probes[name]
 
     def _asked(self, name: str, call: Rule, at: At) -> tuple[Rule, At] | None:
         """Return the only rule of a function that is used as a condition, and a place in it."""

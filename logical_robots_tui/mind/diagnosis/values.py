@@ -27,7 +27,7 @@ from logical_robots_tui.mind.diagnosis.expressions import (
     parameters,
 )
 from logical_robots_tui.mind.diagnosis.sites import Field
-from logical_robots_tui.mind.diagnosis.watching import At, Stands, Watching
+from logical_robots_tui.mind.diagnosis.watching import At, Segment, Stands, Trail, Watching
 from logical_robots_tui.mind.why.probing import ORDERING
 
 if TYPE_CHECKING:
@@ -240,6 +240,20 @@ class ValueTracing(Watching):
         **changed: Any,
     ) -> None:
         """Trace a body inside an expression or a part."""
+        trail = Trail(Segment(self._all_of(at)))
+        within = replace(at, trail=trail, scope=scope, given=given, guard=(), **changed)
+        done = self._parts(parts, within)
+        if done is not None:
+            for value, is_leaf in values:
+                self._value(value, done, is_leaf=is_leaf)
+        self._emit(trail)
+        telling = (self.probes[name][1] for name in trail.probes)
+        if not any(probe.columns or self._tells(probe) for probe in telling):
+            for name in trail.probes:
+                del self.probes[name]
+
+    def _parts(self, parts: Sequence[Rule], at: At) -> At | None:
+        """Trace the parts of a body; return None if some can never be evaluated."""
         raise NotImplementedError
 
 

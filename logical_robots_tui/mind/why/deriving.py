@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from logical_robots_tui.mind.program import VALUE
+from logical_robots_tui.mind.program import INPUTS, VALUE
 from logical_robots_tui.mind.sqlite.stored import from_sql
 from logical_robots_tui.mind.why.explanation import Ask, Node
 from logical_robots_tui.mind.why.probing import DECIDED_BY_ONE
@@ -80,7 +80,7 @@ class Telling:
         if step.kind == "call" and step.call is not None:
             reads = tuple(node for term in step.reads for node in self._read(term, way))
             robot = value_of(way, step.call.arguments.get("robot_name", ""))
-            is_input = step.call.predicate in ("Sensor", "Memory")
+            is_input = step.call.predicate in INPUTS
             yield Node(
                 "call",
                 text,

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from logical_robots_tui.mind.failures import FailureError
-from logical_robots_tui.mind.program import VALUE
+from logical_robots_tui.mind.program import INPUTS, VALUE
 from logical_robots_tui.mind.sqlite.stored import from_sql, to_sql
 from logical_robots_tui.mind.why.deriving import Telling, counted, denied, value_of
 from logical_robots_tui.mind.why.explanation import Node
@@ -184,7 +184,7 @@ class Refuting:
             children = self.bodies(step.denied.clauses, self.telling.given(step.denied, way))
             text, found = denied(text, holds=False)
             said = said if elsewhere else found
-        elif way is not None and step.call is not None and step.call.predicate not in _INPUTS:
+        elif way is not None and step.call is not None and step.call.predicate not in INPUTS:
             asked = self.telling.ask(step.call, way | self._known(clause, alike))
         terms = [term for term in step.terms if term.kind != "literal"]
         if way is not None and is_one:
@@ -266,9 +266,6 @@ class Refuting:
             for column, place in clause.head.items()
             if column in alike and column != VALUE and re.search(rf"\bAS {place}\b", sql)
         ]
-
-
-_INPUTS = ("Sensor", "Memory")
 
 
 def _flat(terms: Sequence[Term]) -> Iterator[Term]:

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Literal, TypeAlias
 
 from logical_robots_tui.mind.diagnostics import QueryError
 from logical_robots_tui.mind.failures import FailureError
-from logical_robots_tui.mind.program import VALUE
+from logical_robots_tui.mind.program import INPUTS, VALUE
 from logical_robots_tui.mind.why.deriving import decided, value_of
 from logical_robots_tui.mind.why.probing import DECIDED_BY_ONE
 from logical_robots_tui.mind.why.relations import alike
@@ -255,7 +255,7 @@ class _Sourcing:
     def _called(self, frame: _Frame, call: Call, column: str, path: Path) -> _Found:
         """Return where a part of a column of a row comes from that was called."""
         given = {c: value_of(frame.way, p) for c, p in call.arguments.items() if p in frame.way}
-        if call.predicate in ("Sensor", "Memory"):
+        if call.predicate in INPUTS:
             robot = str(given.get("robot_name", self._derivations.robot))
             if column == "robot_name":
                 return _Found(None, frame.rule, ())
