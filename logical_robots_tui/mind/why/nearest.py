@@ -9,7 +9,7 @@ from itertools import islice
 from operator import itemgetter
 from typing import TYPE_CHECKING, Any
 
-from logical_robots_tui.mind.diagnostics import ProgramError
+from logical_robots_tui.mind.diagnostics import ProgramError, QueryError
 from logical_robots_tui.mind.failures import FailureError
 from logical_robots_tui.mind.similar_names import closest, distance
 from logical_robots_tui.mind.sqlite.stored import to_sql
@@ -120,7 +120,10 @@ class Nearest:
         self, call: Call, ways: Sequence[Way], depth: int
     ) -> Iterator[tuple[float, Suggestion]]:
         """Yield changes in the rules of a function that is called as a condition."""
-        function = self._derivations.decompose(call.predicate, call.within)
+        try:
+            function = self._derivations.decompose(call.predicate, call.within)
+        except QueryError:
+            return
         places = {c: p for c, p in call.arguments.items() if c in function.given}
         calls = [{c: value_of(way, p) for c, p in places.items()} for way in ways]
         different = list({repr(each): each for each in calls}.values())[:_MOST_CALLS]
