@@ -11,7 +11,6 @@ from logical_robots_tui.mind.asking import Asking
 from logical_robots_tui.mind.deciding import blame, cut_offs, decide, note_stranger
 from logical_robots_tui.mind.decision import Decision, Notice
 from logical_robots_tui.mind.diagnostics import QueryError
-from logical_robots_tui.mind.explored import Explored
 from logical_robots_tui.mind.failures import FailureError
 from logical_robots_tui.mind.limits import Limits
 from logical_robots_tui.mind.sqlite.interning import Sizes
@@ -283,7 +282,7 @@ class Mind:
         if view is None:
             raise QueryError(f"There is no robot {robot} at this tick.")
         within = self._within_query(_EXPLAINED_ROWS, stop, cut=False)
-        relations = Relations(Explored(self._asking, moment, view, within))
+        relations = Relations(self._asking, moment, view, within)
         return Explainer(self.program, relations, robot, self.limits, within)
 
     def query_plan(
