@@ -125,16 +125,16 @@ async def sql(screen: MainScreen) -> None:
     """Show what each predicate costs, and SQL and query plan of the one inspected."""
     from logical_robots_tui.game import Superseded
     from logical_robots_tui.tui.inspector.page import NO_PROGRAM
-    from logical_robots_tui.tui.inspector.query_plan import machinery_text
+    from logical_robots_tui.tui.inspector.query_plan import query_plans_text
     from logical_robots_tui.tui.learning.reader import Reader
 
     inspector, frame = screen.inspector, screen.session.frame
     try:
-        found = await inspector.questions.machinery(frame)
+        found = await inspector.questions.query_plans(frame)
     except Superseded:
         found = []
     if found:
-        text = machinery_text(found, inspector.inspected)
+        text = query_plans_text(found, inspector.inspected)
         screen.app.push_screen(Reader(f"How it is computed · tick {frame.tick}", text))
     else:
         screen.tell(NO_PROGRAM)

@@ -15,12 +15,12 @@ if TYPE_CHECKING:
 
     from logical_robots_tui.mind import QueryPlan
 
-__all__ = ["machinery_text"]
+__all__ = ["query_plans_text"]
 
 _BAR = 24  # columns of the longest bar
 
 
-def machinery_text(found: Sequence[QueryPlan], predicate: str) -> Static:
+def query_plans_text(found: Sequence[QueryPlan], predicate: str) -> Static:
     """How long each predicate takes, and the SQL and plan of one of them.
 
     Args:
