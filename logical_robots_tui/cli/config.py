@@ -5,8 +5,7 @@ from __future__ import annotations
 import sys
 from typing import TYPE_CHECKING
 
-from logical_robots_tui.cli.command import new_command
-from logical_robots_tui.cli.text import harmless
+from logical_robots_tui.cli.command import harmless, new_command
 from logical_robots_tui.paths import is_there
 
 if TYPE_CHECKING:

@@ -11,8 +11,7 @@ from dataclasses import asdict, dataclass
 from typing import TYPE_CHECKING
 
 from logical_robots_tui import __version__
-from logical_robots_tui.cli.command import add_data_dir, new_command
-from logical_robots_tui.cli.text import harmless
+from logical_robots_tui.cli.command import add_data_dir, harmless, new_command
 from logical_robots_tui.paths import is_folder, is_there
 
 if TYPE_CHECKING:
@@ -88,7 +87,7 @@ def _terminal() -> Iterator[Finding]:
     """Yield what is known about the terminal without querying it."""
     from rich.console import Console
 
-    from logical_robots_tui.tui.layout.layout import LEAST_HEIGHT, LEAST_WIDTH
+    from logical_robots_tui.tui.layout.arrangement import LEAST_HEIGHT, LEAST_WIDTH
     from logical_robots_tui.tui.terminal.capabilities import (
         assume_colours,
         drawing_for,

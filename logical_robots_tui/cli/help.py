@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from logical_robots_tui.cli.command import new_command
-from logical_robots_tui.cli.text import columns
+from logical_robots_tui.cli.command import columns, new_command
 from logical_robots_tui.errors import InputError
 
 if TYPE_CHECKING:

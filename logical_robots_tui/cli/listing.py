@@ -5,8 +5,7 @@ from __future__ import annotations
 import json
 from typing import TYPE_CHECKING
 
-from logical_robots_tui.cli.command import add_data_dir, new_command
-from logical_robots_tui.cli.text import columns
+from logical_robots_tui.cli.command import add_data_dir, columns, new_command
 
 if TYPE_CHECKING:
     import argparse

@@ -7,8 +7,8 @@ import math
 import sys
 from typing import TYPE_CHECKING
 
+from logical_robots_tui.cli.command import harmless
 from logical_robots_tui.cli.failure import ProgramFileError
-from logical_robots_tui.cli.text import harmless
 from logical_robots_tui.errors import InputError
 from logical_robots_tui.game import (
     Breakpoint,
@@ -26,7 +26,7 @@ from logical_robots_tui.game.continuing import (
     note_level,
     program_to_begin_with,
 )
-from logical_robots_tui.game.events import events_between
+from logical_robots_tui.game.frame import events_between
 from logical_robots_tui.game.source import target
 from logical_robots_tui.game.victory import keep_victory, victory_of
 from logical_robots_tui.mind import Program, ProgramError

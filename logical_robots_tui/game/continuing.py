@@ -6,13 +6,13 @@ import json
 from typing import TYPE_CHECKING, NamedTuple
 
 from logical_robots_tui.errors import InputError
-from logical_robots_tui.game.reference import is_shipped, level_key
 from logical_robots_tui.game.source import (
     DEFAULT_PROGRAM,
     Source,
     load_program,
     shipped_texts,
 )
+from logical_robots_tui.game.victory import is_shipped, level_key
 from logical_robots_tui.world import list_levels
 
 if TYPE_CHECKING:

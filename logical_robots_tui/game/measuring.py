@@ -13,8 +13,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from logical_robots_tui.game.reference import count_rules
 from logical_robots_tui.game.robustness import STARTS, LateError, play_through, try_starts
+from logical_robots_tui.game.victory import count_rules
 from logical_robots_tui.progress import Measures
 
 if TYPE_CHECKING:

@@ -1,22 +1,94 @@
-"""A victory: what it counts for, and keeping it. With a screen and without it is the same."""
+"""Victories: what they count for, and how they compare with the reference programs."""
 
 from __future__ import annotations
 
+from functools import lru_cache
+from pathlib import Path
 from typing import TYPE_CHECKING, Literal, NamedTuple, TypeAlias
 
-from logical_robots_tui.game.reference import count_rules
 from logical_robots_tui.game.source import shipped_texts
 from logical_robots_tui.progress import Measures
+from logical_robots_tui.shipped import shipped_folder
 from logical_robots_tui.world.level import alike
 
 if TYPE_CHECKING:
+    from collections.abc import Mapping
+
     from logical_robots_tui.game.game import Game
     from logical_robots_tui.game.history.history import History
     from logical_robots_tui.mind import Program
     from logical_robots_tui.progress import Progress
     from logical_robots_tui.world import Level
 
-__all__ = ["Verdict", "Victory", "is_by_the_book", "keep_victory", "victory_of"]
+__all__ = [
+    "FIELDS",
+    "FILE_NAME",
+    "Verdict",
+    "Victory",
+    "count_rules",
+    "is_by_the_book",
+    "is_shipped",
+    "keep_victory",
+    "level_key",
+    "reference_for",
+    "reference_table",
+    "victory_of",
+]
+
+FILE_NAME = "reference.csv"
+FIELDS = ("level", "ticks", "rules", "distance", "wins", "starts")
+
+
+def is_shipped(level: Level) -> bool:
+    """Return whether a level is a shipped one."""
+    if not level.source:
+        return False
+    return Path(level.source).resolve().parent == shipped_folder("levels").resolve()
+
+
+def level_key(level: Level) -> str:
+    """Return the key for progress at a level: its name, or the full path of a player's level."""
+    return level.name if is_shipped(level) else str(Path(level.source or level.name).absolute())
+
+
+def reference_for(level: Level) -> Measures | None:
+    """Return the measures of a level's reference program, or None if there is none."""
+    return reference_table().get(level.name) if is_shipped(level) else None
+
+
+@lru_cache(maxsize=1)
+def reference_table() -> Mapping[str, Measures]:
+    """Return the measures of all reference programs by level name."""
+    import csv  # takes time that the first picture needs
+
+    try:
+        with (shipped_folder("levels") / FILE_NAME).open(encoding="utf-8", newline="") as file:
+            return {row["level"]: _measures(row) for row in csv.DictReader(file)}
+    except FileNotFoundError:
+        return {}
+
+
+def _measures(row: dict[str, str]) -> Measures:
+    return Measures(
+        int(row["ticks"]),
+        int(row["rules"]),
+        float(row["distance"]),
+        int(row["wins"]),
+        int(row["starts"]),
+    )
+
+
+def count_rules(text: str) -> int:
+    """Return the number of rules of a program that compiles.
+
+    Every statement counts as one, however long it is and however many cases it has; annotations,
+    which begin with ``@``, don't.
+    """
+    from logical_robots_tui.mind.source_text import prepare, statements
+
+    source = prepare(text)
+    return sum(source.text[start] != "@" for start, _ in statements(source))
+
 
 Verdict: TypeAlias = Literal["counts", "reference", "clock", "edited"]
 

@@ -18,7 +18,7 @@ from hypothesis.stateful import (
 
 from logical_robots_tui.game import Frame, Game, History, load_program
 from logical_robots_tui.game.history.packing import Moment, Packed
-from logical_robots_tui.game.reference import reference_table
+from logical_robots_tui.game.victory import reference_table
 from logical_robots_tui.mind import Decision, Notice, Program
 from logical_robots_tui.values import Desire
 from logical_robots_tui.world import (

@@ -5,9 +5,8 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from logical_robots_tui.cli.command import new_command
+from logical_robots_tui.cli.command import harmless, new_command
 from logical_robots_tui.cli.level.files import add_force, refuse_existing, tell_lost
-from logical_robots_tui.cli.text import harmless
 
 if TYPE_CHECKING:
     import argparse

@@ -7,9 +7,8 @@ import sys
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from logical_robots_tui.cli.command import new_command
+from logical_robots_tui.cli.command import harmless, new_command
 from logical_robots_tui.cli.level.files import write
-from logical_robots_tui.cli.text import harmless
 
 if TYPE_CHECKING:
     import argparse

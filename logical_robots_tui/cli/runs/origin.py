@@ -6,9 +6,8 @@ import argparse
 import asyncio
 from typing import TYPE_CHECKING, Any
 
-from logical_robots_tui.cli.command import prefers_json
+from logical_robots_tui.cli.command import harmless, line_of_json, prefers_json, written
 from logical_robots_tui.cli.runs.common import new_run_command, opened, run_shown
-from logical_robots_tui.cli.text import harmless, line_of_json, written
 
 if TYPE_CHECKING:
     from collections.abc import Iterator

@@ -1,4 +1,4 @@
-"""The state of a session: the current level, and what the robots are doing."""
+"""The state of a session: the current level, what the robots are doing, and who listens."""
 
 from __future__ import annotations
 
@@ -10,9 +10,12 @@ from logical_robots_tui.editing.edits import Edits
 from logical_robots_tui.world.level import alike
 
 if TYPE_CHECKING:
+    from logical_robots_tui.game import Frame, Hit
+    from logical_robots_tui.game.victory import Victory
+    from logical_robots_tui.mind import Program
     from logical_robots_tui.world import Level
 
-__all__ = ["Movement", "OpenLevel", "nothing"]
+__all__ = ["Movement", "OpenLevel", "SessionListener", "nothing"]
 
 
 class OpenLevel:
@@ -107,3 +110,31 @@ class Movement:
 
 async def nothing() -> None:
     """Take the place of work that is to end."""
+
+
+class SessionListener:
+    """Is notified of a session's events; ignores those that it does not override."""
+
+    def level_opened(self, level: Level) -> None:
+        """The player has opened a level."""
+
+    def level_saved(self, level: Level) -> None:
+        """The current level has been saved as edited."""
+
+    def level_changed(self) -> None:
+        """The frame on the screen has a different version of the level than the previous one."""
+
+    def restarted(self) -> None:
+        """The level has been restarted."""
+
+    def program_used(self, program: Program) -> None:
+        """The robots start to use a program."""
+
+    def tick_shown(self, frame: Frame) -> None:
+        """A tick has been shown on the screen."""
+
+    def won(self, victory: Victory) -> None:
+        """The robots have won while moving forward; once for each program and tick."""
+
+    def stopped(self, hits: tuple[Hit, ...]) -> None:
+        """The robots have stopped at breakpoints."""

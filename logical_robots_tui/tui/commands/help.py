@@ -14,7 +14,7 @@ from logical_robots_tui.tui.commands.keymap import commands
 from logical_robots_tui.tui.labyrinth.drawing.glyphs import Drawing, legend
 from logical_robots_tui.tui.layout.dialogs import Dialog
 from logical_robots_tui.tui.theme.themes import INK, hex_colour, palette_of
-from logical_robots_tui.tui.timeline.drawing import PARTING, SIGNS, TRACKS
+from logical_robots_tui.tui.timeline.widget import PARTING, SIGNS, TRACKS
 
 if TYPE_CHECKING:
     from collections.abc import Iterable

@@ -125,7 +125,7 @@ async def sql(screen: MainScreen) -> None:
     """Show what each predicate costs, and SQL and query plan of the one inspected."""
     from logical_robots_tui.game import Superseded
     from logical_robots_tui.tui.inspector.page import NO_PROGRAM
-    from logical_robots_tui.tui.inspector.query_plan import machinery_text
+    from logical_robots_tui.tui.inspector.predicate_graph import machinery_text
     from logical_robots_tui.tui.learning.reader import Reader
 
     inspector, frame = screen.inspector, screen.session.frame

@@ -13,8 +13,7 @@ from textual.widgets import ContentSwitcher, OptionList
 
 from logical_robots_tui.game import Superseded
 from logical_robots_tui.tui.app.background import in_background
-from logical_robots_tui.tui.inspector.highlights import Sighted, definition
-from logical_robots_tui.tui.inspector.page import Page
+from logical_robots_tui.tui.inspector.page import Page, Sighted, definition
 from logical_robots_tui.tui.inspector.pages.robots import RobotsPage
 from logical_robots_tui.tui.inspector.predicate_list import (
     ASK,

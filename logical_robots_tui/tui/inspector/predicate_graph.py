@@ -1,4 +1,4 @@
-"""The call graph around a predicate: its users at the left, what it uses at the right."""
+"""What predicates use and cost: the call graph, and the SQL with its query plan."""
 
 from __future__ import annotations
 
@@ -16,18 +16,18 @@ from textual.widgets import Static
 from logical_robots_tui.tui.inspector.predicate_list import MARKS
 from logical_robots_tui.tui.inspector.widgets.line_views import LinesView
 from logical_robots_tui.tui.layout.dialogs import Dialog
-from logical_robots_tui.tui.theme.safe_text import clip, one_line
+from logical_robots_tui.tui.theme.safe_text import clip, one_line, visible
 from logical_robots_tui.tui.theme.themes import INK
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Iterator, Sequence
 
     from textual import events
     from textual.app import ComposeResult
 
-    from logical_robots_tui.mind import Program
+    from logical_robots_tui.mind import Program, QueryPlan
 
-__all__ = ["Graph", "GraphView", "joint"]
+__all__ = ["Graph", "GraphView", "joint", "machinery_text"]
 
 _USERS, _MIDDLE, _USED = 0, 1, 2
 _JOINTS = {
@@ -237,3 +237,47 @@ class Graph(Dialog[str]):
     @on(GraphView.Opened)
     def _opened(self, event: GraphView.Opened) -> None:
         self.dismiss(event.predicate)
+
+
+_BAR = 24  # columns of the longest bar
+
+
+def machinery_text(found: Sequence[QueryPlan], predicate: str) -> Static:
+    """How long each predicate takes, and the SQL and plan of one of them.
+
+    Args:
+        found: All predicates, the slowest first.
+        predicate: The one to show in full; the slowest if it is not among them.
+    """
+    chosen = next((each for each in found if each.predicate == predicate), found[0])
+    return Static(Content("\n").join([*_times(found, chosen), *_in_full(chosen)]))
+
+
+def _times(found: Sequence[QueryPlan], chosen: QueryPlan) -> Iterator[Content]:
+    yield Content.styled("Milliseconds, including dependencies", f"bold {INK.title}")
+    longest = max(each.milliseconds for each in found) or 1.0
+    for each in found:
+        bar = "▇" * max(1, round(each.milliseconds / longest * _BAR))
+        yield Content.assemble(
+            (f"{each.milliseconds:8.2f}  ", INK.number),
+            (f"{bar:<{_BAR}}  ", INK.faint),
+            (one_line(each.predicate), f"bold {INK.key}" if each is chosen else INK.text),
+        )
+
+
+def _in_full(chosen: QueryPlan) -> Iterator[Content]:
+    name = one_line(chosen.predicate)
+    yield from _titled(f"SQLite's plan for {name}", chosen.plan, INK.record)
+    if chosen.tuned:
+        yield from _titled("Optimised SQL, which is run", chosen.tuned.splitlines(), INK.text)
+        yield from _titled("Generated SQL", chosen.generated.splitlines(), INK.dim)
+    else:
+        yield from _titled("Generated SQL, which is run", chosen.generated.splitlines(), INK.text)
+
+
+def _titled(title: str, lines: Sequence[str], colour: str) -> Iterator[Content]:
+    yield Content("")
+    yield Content.styled(title, f"bold {INK.title}")
+    for line in lines:
+        if line.strip():
+            yield Content.styled(f"  {visible(line)}", colour)

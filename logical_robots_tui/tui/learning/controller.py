@@ -49,7 +49,7 @@ class LearningController:
 
     def hints(self) -> None:
         """Show the hints revealed so far, and reveal more on request."""
-        from logical_robots_tui.tui.learning.hints import Hints
+        from logical_robots_tui.tui.learning.reader import Hints
 
         level, recorder = self._session.level, self._recorder
         if level.hints:

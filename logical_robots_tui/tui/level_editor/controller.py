@@ -9,7 +9,7 @@ import asyncio
 from functools import partial
 from typing import TYPE_CHECKING
 
-from logical_robots_tui.tui.app.session_listener import SessionListener
+from logical_robots_tui.tui.app.session_state import SessionListener
 
 if TYPE_CHECKING:
     from collections.abc import Awaitable, Callable

@@ -13,8 +13,7 @@ from logical_robots_tui.game.continuing import keep_if_own, note_level
 from logical_robots_tui.game.victory import keep_victory
 from logical_robots_tui.progress import NEW, Progress
 from logical_robots_tui.tui.app.facts import THEME, TOUR
-from logical_robots_tui.tui.app.session_listener import SessionListener
-from logical_robots_tui.tui.app.session_state import nothing
+from logical_robots_tui.tui.app.session_state import SessionListener, nothing
 
 if TYPE_CHECKING:
     from collections.abc import Callable

@@ -7,8 +7,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from logical_robots_tui.game import MARK_KINDS, MarkKind
-from logical_robots_tui.tui.timeline.drawing import PARTING, SIGNS, TRACKS, Scale, Span, track
 from logical_robots_tui.tui.timeline.prompts import tick_of
+from logical_robots_tui.tui.timeline.widget import PARTING, SIGNS, TRACKS, Scale, Span, track
 
 
 def nothing(_kind: MarkKind, _first: int, _last: int) -> bool:

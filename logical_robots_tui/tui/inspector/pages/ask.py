@@ -12,8 +12,13 @@ from textual.widgets import Input, Static
 
 from logical_robots_tui.game import Superseded
 from logical_robots_tui.mind import ProgramError, QueryError
-from logical_robots_tui.tui.inspector.background_query import BackgroundQuery, Cancelled, progress
-from logical_robots_tui.tui.inspector.page import NO_PROGRAM, Page
+from logical_robots_tui.tui.inspector.page import (
+    NO_PROGRAM,
+    BackgroundQuery,
+    Cancelled,
+    Page,
+    progress,
+)
 from logical_robots_tui.tui.inspector.widgets.table import ValueTable, counted
 from logical_robots_tui.tui.program.completion import NAMES
 from logical_robots_tui.tui.theme.safe_text import one_line

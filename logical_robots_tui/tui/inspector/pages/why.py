@@ -12,9 +12,16 @@ from textual.widgets import Static
 from logical_robots_tui.game import Superseded
 from logical_robots_tui.mind import Ask, Node, QueryError
 from logical_robots_tui.tui.app.background import in_background
-from logical_robots_tui.tui.inspector.background_query import BackgroundQuery, Cancelled, progress
-from logical_robots_tui.tui.inspector.highlights import Placed, Sighted, sight
-from logical_robots_tui.tui.inspector.page import NO_PROGRAM, Page
+from logical_robots_tui.tui.inspector.page import (
+    NO_PROGRAM,
+    BackgroundQuery,
+    Cancelled,
+    Page,
+    Placed,
+    Sighted,
+    progress,
+    sight,
+)
 from logical_robots_tui.tui.inspector.widgets.cells import written
 from logical_robots_tui.tui.inspector.widgets.proof_view import WhyView
 from logical_robots_tui.tui.theme.safe_text import clip, one_line
