@@ -6,7 +6,7 @@ from textwrap import wrap
 from typing import TYPE_CHECKING, ClassVar, Literal, TypeAlias
 
 from textual.binding import Binding
-from textual.containers import Vertical, VerticalScroll
+from textual.containers import VerticalScroll
 from textual.content import Content
 from textual.widgets import Static
 
@@ -87,17 +87,16 @@ class Help(Dialog[None]):
         Binding("question_mark,f1,q", "leave", "Close", show=False),
     ]
 
+    keys = "↑↓ scroll   esc close"
+
     def __init__(self, drawing: Drawing, about: Subject = "labyrinth") -> None:
-        super().__init__()
+        super().__init__(f"Help · {about}")
         self._drawing, self._about = drawing, about
 
-    def compose(self) -> ComposeResult:
+    def content_widgets(self) -> ComposeResult:
         """One long text."""
-        with Vertical(id="box") as box:
-            box.border_title = f"Help · {self._about}"
-            with VerticalScroll():
-                yield Static(id="help")
-            yield Static("↑↓ scroll   esc close", id="keys", markup=False)
+        with VerticalScroll():
+            yield Static(id="help")
 
     def on_resize(self) -> None:
         """Wrap the lines again."""

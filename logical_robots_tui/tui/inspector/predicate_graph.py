@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING, ClassVar
 
 from textual import on
 from textual.binding import Binding
-from textual.containers import Vertical
 from textual.content import Content
 from textual.geometry import Region
 from textual.message import Message
@@ -38,7 +37,6 @@ _JOINTS = {
 _NOBODY, _NOTHING = "nobody", "nothing"
 _HERE = "reverse"
 _ARROWS = 10  # columns for the two joints with their arrows
-_KEYS = "↑↓ choose   ← → go along   enter open in the inspector   esc close"
 
 
 class GraphView(LinesView):
@@ -219,16 +217,16 @@ class Graph(Dialog[str]):
         Binding("q,R", "leave", show=False),
     ]
 
+    heading = "Users → predicate → what it uses"
+    keys = "↑↓ choose   ← → go along   enter open in the inspector   esc close"
+
     def __init__(self, program: Program, name: str) -> None:
         super().__init__()
         self.view = GraphView(program, name)
 
-    def compose(self) -> ComposeResult:
-        """The graph above its keys."""
-        with Vertical(id="box") as box:
-            box.border_title = "Users → predicate → what it uses"
-            yield self.view
-            yield Static(_KEYS, id="keys", markup=False)
+    def content_widgets(self) -> ComposeResult:
+        """The graph."""
+        yield self.view
 
     def on_mount(self) -> None:
         """Focus the graph."""

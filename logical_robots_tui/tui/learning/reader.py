@@ -6,7 +6,7 @@ from textwrap import wrap
 from typing import TYPE_CHECKING, ClassVar
 
 from textual.binding import Binding
-from textual.containers import Vertical, VerticalScroll
+from textual.containers import VerticalScroll
 from textual.content import Content
 from textual.widgets import Markdown, Static
 
@@ -50,18 +50,16 @@ class Reader(Dialog[None]):
         Binding("space", "page", "On", show=False),
     ]
 
+    keys = "↑↓ scroll   space on   esc close"
+
     def __init__(self, title: str, text: Widget) -> None:
-        super().__init__()
-        self._title_text = title
+        super().__init__(title)
         self._text = text
 
-    def compose(self) -> ComposeResult:
-        """Yield the text in a box."""
-        with Vertical(id="box") as box:
-            box.border_title = Content(one_line(self._title_text))
-            with VerticalScroll():
-                yield self._text
-            yield Static("↑↓ scroll   space on   esc close", id="keys", markup=False)
+    def content_widgets(self) -> ComposeResult:
+        """Yield the text."""
+        with VerticalScroll():
+            yield self._text
 
     def on_mount(self) -> None:
         """Start at the top."""
@@ -119,20 +117,16 @@ class Hints(Dialog[None]):
     def __init__(
         self, title: str, hints: Sequence[str], revealed: int, reveal: Callable[[int], None]
     ) -> None:
-        super().__init__()
-        self._title_text = title
+        super().__init__(f"Hints · {title}")
         self._hints = hints
         self._revealed = min(revealed, len(hints))
         self._reveal = reveal
 
-    def compose(self) -> ComposeResult:
+    def content_widgets(self) -> ComposeResult:
         """Yield the hints, and how many are left."""
-        with Vertical(id="box") as box:
-            box.border_title = Content(f"Hints · {one_line(self._title_text)}")
-            with VerticalScroll():
-                yield Static(id="hints")
-            yield Static(id="more")
-            yield Static(id="keys", markup=False)
+        with VerticalScroll():
+            yield Static(id="hints")
+        yield Static(id="more")
 
     def on_mount(self) -> None:
         """Reveal the first hint if none is revealed yet."""

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, ClassVar
 
 from textual import on
 from textual.binding import Binding
-from textual.containers import Horizontal, Vertical, VerticalScroll
+from textual.containers import Horizontal, VerticalScroll
 from textual.content import Content
 from textual.widgets import Button, Checkbox, Input, OptionList, Select, Static, TextArea
 
@@ -110,9 +110,7 @@ class Form(Dialog[bool]):
         Binding("f2", "take", show=False, priority=True),
     ]
 
-    def __init__(self, title: str) -> None:
-        super().__init__()
-        self._title_text = title
+    keys = "tab next   F2 or enter apply   esc close"
 
     def fields(self) -> Iterable[tuple[str, Widget]]:
         """Yield labels and widgets, in order; every widget has an id."""
@@ -126,20 +124,16 @@ class Form(Dialog[bool]):
         """
         raise NotImplementedError
 
-    def compose(self) -> ComposeResult:
-        """Yield the fields and the keys."""
-        with Vertical(id="box") as box:
-            box.border_title = Content(self._title_text)
-            with VerticalScroll(can_focus=False):
-                for label, widget in self.fields():
-                    with Horizontal(classes="row"):
-                        yield Static(label, classes="label", markup=False)
-                        yield widget
-            yield Static(id="complaint")
-            with Horizontal(id="buttons"):
-                yield Button("Take", id="take", compact=True)
-                yield Button("Close", id="close", compact=True)
-            yield Static("tab next   F2 or enter apply   esc close", id="keys", markup=False)
+    def content_widgets(self) -> ComposeResult:
+        """Yield the fields and the buttons."""
+        with VerticalScroll(can_focus=False):
+            for label, widget in self.fields():
+                with Horizontal(classes="row"):
+                    yield Static(label, classes="label", markup=False)
+                    yield widget
+        with Horizontal(id="buttons"):
+            yield Button("Take", id="take", compact=True)
+            yield Button("Close", id="close", compact=True)
 
     def on_mount(self) -> None:
         """Stop the cursors from blinking."""

@@ -6,10 +6,9 @@ import math
 from typing import TYPE_CHECKING, Any, Literal
 
 from textual import on
-from textual.containers import Vertical
 from textual.content import Content
 from textual.suggester import SuggestFromList
-from textual.widgets import OptionList, Select, Static, TextArea
+from textual.widgets import OptionList, Select, TextArea
 from textual.widgets.option_list import Option
 
 from logical_robots_tui.editing.checks import Finding
@@ -216,18 +215,18 @@ class FindingList(Dialog[Finding]):
     FindingList OptionList { height: auto; max-height: 16; }
     """
 
+    heading = "Findings"
+    keys = "enter go there   ↑↓ choose   esc close"
+
     def __init__(self, findings: Sequence[Finding]) -> None:
         super().__init__()
         self._findings = findings
 
-    def compose(self) -> ComposeResult:
+    def content_widgets(self) -> ComposeResult:
         """Yield one line for each."""
-        with Vertical(id="box") as box:
-            box.border_title = "Findings"
-            yield Listing(
-                *(Option(_told(finding)) for finding in self._findings), markup=False, compact=True
-            )
-            yield Static("enter go there   ↑↓ choose   esc close", id="keys", markup=False)
+        yield Listing(
+            *(Option(_told(finding)) for finding in self._findings), markup=False, compact=True
+        )
 
     @on(OptionList.OptionSelected)
     def _chosen(self, event: OptionList.OptionSelected) -> None:

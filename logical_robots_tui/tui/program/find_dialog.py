@@ -5,8 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, NamedTuple
 
 from textual import on
-from textual.containers import Vertical
-from textual.widgets import Input, Static
+from textual.widgets import Input
 
 from logical_robots_tui.tui.layout.dialogs import Dialog
 
@@ -39,17 +38,17 @@ class Find(Dialog[Search]):
     Find > #box { max-width: 60; padding: 1 2 0 2; }
     """
 
+    heading = "Find in the program"
+    keys = "enter find, below: replace all   esc close"
+
     def __init__(self, wanted: str) -> None:
         super().__init__()
         self._wanted = wanted
 
-    def compose(self) -> ComposeResult:
+    def content_widgets(self) -> ComposeResult:
         """Yield two lines."""
-        with Vertical(id="box") as box:
-            box.border_title = "Find in the program"
-            yield Input(self._wanted, placeholder="find", id="wanted")
-            yield Input(placeholder="replace by", id="instead")
-            yield Static("enter find, below: replace all   esc close", id="keys", markup=False)
+        yield Input(self._wanted, placeholder="find", id="wanted")
+        yield Input(placeholder="replace by", id="instead")
 
     @on(Input.Submitted)
     def _submitted(self, event: Input.Submitted) -> None:

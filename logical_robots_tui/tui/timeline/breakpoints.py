@@ -6,7 +6,6 @@ from typing import TYPE_CHECKING, ClassVar
 
 from textual import on
 from textual.binding import Binding
-from textual.containers import Vertical
 from textual.content import Content
 from textual.suggester import SuggestFromList
 from textual.widgets import Input, OptionList, Static
@@ -50,19 +49,18 @@ class BreakpointList(Dialog[None]):
         Binding("q,B", "leave", show=False),
     ]
 
+    heading = "Breakpoints"
+    keys = "a add   space switch off or on   d delete   esc close"
+
     def __init__(self, session: Session) -> None:
         super().__init__()
         self._session = session
         self._shown: tuple[Breakpoint, ...] = ()
 
-    def compose(self) -> ComposeResult:
-        """Yield the list above its keys."""
-        with Vertical(id="box") as box:
-            box.border_title = "Breakpoints"
-            yield Listing(id="breakpoints", markup=False, compact=True)
-            yield Static(_NONE, id="none", markup=False)
-            keys = "a add   space switch off or on   d delete   esc close"
-            yield Static(keys, id="keys", markup=False)
+    def content_widgets(self) -> ComposeResult:
+        """Yield the list."""
+        yield Listing(id="breakpoints", markup=False, compact=True)
+        yield Static(_NONE, id="none", markup=False)
 
     def on_mount(self) -> None:
         """Start at the first one."""
@@ -161,6 +159,9 @@ class BreakpointForm(Dialog[Breakpoint]):
         Binding("up", "app.focus_previous", show=False),
     ]
 
+    heading = "Stop when…"
+    keys = _KEYS[True]
+
     def __init__(self, level: Level, program: Program | None) -> None:
         super().__init__()
         self._level = level
@@ -168,32 +169,28 @@ class BreakpointForm(Dialog[Breakpoint]):
         self._robots = tuple(robot.name for robot in level.robots)
         self._check = QuestionCheck(self, program)
 
-    def compose(self) -> ComposeResult:
+    def content_widgets(self) -> ComposeResult:
         """Yield the event, and up to three names."""
-        with Vertical(id="box") as box:
-            box.border_title = "Stop when…"
-            yield Listing(
-                *(Option(words, id=event) for event, words in EVENTS.items()),
-                id="events",
-                markup=False,
-                compact=True,
-            )
-            yield Input(id="subject", select_on_focus=False)
-            yield Static(id="subjects", classes="names", markup=False)
-            yield Input(
-                placeholder="robot, or nothing for any",
-                id="robot",
-                suggester=SuggestFromList(self._robots, case_sensitive=False),
-                select_on_focus=False,
-            )
-            yield Static(id="robots", classes="names", markup=False)
-            yield Input(
-                placeholder="column, or nothing for the whole row",
-                id="column",
-                select_on_focus=False,
-            )
-            yield Static(id="complaint")
-            yield Static(_KEYS[True], id="keys", markup=False)
+        yield Listing(
+            *(Option(words, id=event) for event, words in EVENTS.items()),
+            id="events",
+            markup=False,
+            compact=True,
+        )
+        yield Input(id="subject", select_on_focus=False)
+        yield Static(id="subjects", classes="names", markup=False)
+        yield Input(
+            placeholder="robot, or nothing for any",
+            id="robot",
+            suggester=SuggestFromList(self._robots, case_sensitive=False),
+            select_on_focus=False,
+        )
+        yield Static(id="robots", classes="names", markup=False)
+        yield Input(
+            placeholder="column, or nothing for the whole row",
+            id="column",
+            select_on_focus=False,
+        )
 
     def on_mount(self) -> None:
         """Start with the event."""
