@@ -11,7 +11,7 @@ from dataclasses import asdict, dataclass
 from typing import TYPE_CHECKING
 
 from logical_robots_tui import __version__
-from logical_robots_tui.cli.command import add_data_dir, harmless, new_command
+from logical_robots_tui.cli.command import add_data_dir, folder_of, harmless, new_command
 from logical_robots_tui.paths import is_folder, is_there
 
 if TYPE_CHECKING:
@@ -147,14 +147,11 @@ def _versions() -> Iterator[Finding]:
 
 def _places(data_dir: Path | None) -> Iterator[Finding]:
     """Yield the folders, and whether they can be written to."""
-    from platformdirs import user_data_path
-
     from logical_robots_tui.mind import cache
     from logical_robots_tui.tui.app.facts import settings_path
     from logical_robots_tui.tui.app.settings import read_settings
 
-    data = data_dir or user_data_path("logical-robots", appauthor=False)
-    yield _place("data", data, "your work can't be saved")
+    yield _place("data", folder_of(data_dir), "your work can't be saved")
     settings = settings_path()
     complaints = read_settings(settings).complaints
     wrong = "it has errors; run logical-robots config" if complaints else ""

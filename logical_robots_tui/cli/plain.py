@@ -17,7 +17,6 @@ from logical_robots_tui.game import (
     goals,
     level_key,
     load_program,
-    mistake_in,
     save_program,
 )
 from logical_robots_tui.game.continuing import (
@@ -171,10 +170,10 @@ class _TextGame:
             self._game.breakpoints.remove(wanted)
             _say(f"Runs no longer stop when {wanted.words}.")
             return
-        mistake = mistake_in(wanted, self._level, self._game.program)
-        if not mistake:
+        problem = self._game.problem_with(wanted)
+        if not problem:
             self._game.breakpoints.add(wanted)
-        _say(mistake or f"Runs will stop when {wanted.words}.")
+        _say(problem or f"Runs will stop when {wanted.words}.")
 
     def _save(self, name: str) -> None:
         try:

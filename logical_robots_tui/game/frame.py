@@ -48,6 +48,10 @@ class Frame:
     memories: Mapping[str, Value]
     think_milliseconds: float = field(compare=False)
 
+    def decision_of(self, robot: str) -> Decision | None:
+        """Return what the program decided for a robot; None if nobody has thought yet."""
+        return next((each for each in self.decisions if each.robot_name == robot), None)
+
     @property
     def is_reliable(self) -> bool:
         """Whether the tick is the same on any machine: the clock cut off no thought."""

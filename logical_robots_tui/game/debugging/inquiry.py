@@ -195,7 +195,7 @@ class Inquiry:
 
         return await self._do(self._explainer, program, work)
 
-    async def machinery(self, program: Program, frame: Frame) -> list[QueryPlan]:
+    async def query_plans(self, program: Program, frame: Frame) -> list[QueryPlan]:
         """Return how each of the program's predicates is computed at a frame, slowest first.
 
         Args:

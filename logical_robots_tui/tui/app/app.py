@@ -110,7 +110,7 @@ class LogicalRobotsApp(DiffApp, inherit_bindings=False):
         return self.main
 
     def on_load(self) -> None:
-        """Dress up before the first picture."""
+        """Choose the theme before the first picture."""
         self._event_loop = asyncio.get_running_loop()
         self.register_theme(NIGHT)
         wanted = self._first_theme
@@ -156,7 +156,7 @@ class LogicalRobotsApp(DiffApp, inherit_bindings=False):
         if isinstance(event, events.MouseDown | events.MouseMove) and self._is_gone(event):
             return
         if isinstance(event, events.Key | events.Paste) and not event.is_forwarded:
-            if self._key_queue.must_wait(event) or self.main.offers.overhears(event):
+            if self._key_queue.must_wait(event) or self.main.offers.ignores(event):
                 return
             typed = event
         if isinstance(event, events.Key | events.MouseDown | events.Paste):

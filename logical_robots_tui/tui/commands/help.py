@@ -12,9 +12,10 @@ from textual.widgets import Static
 
 from logical_robots_tui.tui.commands.keymap import commands
 from logical_robots_tui.tui.labyrinth.drawing.glyphs import Drawing, legend
+from logical_robots_tui.tui.labyrinth.drawing.palette import hex_colour
 from logical_robots_tui.tui.layout.dialogs import Dialog
-from logical_robots_tui.tui.theme.themes import INK, hex_colour, palette_of
-from logical_robots_tui.tui.timeline.widget import PARTING, SIGNS, TRACKS
+from logical_robots_tui.tui.theme.themes import INK, palette_of
+from logical_robots_tui.tui.timeline.widget import DIVERGENCE, SIGNS, TRACKS
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -117,7 +118,7 @@ class Help(Dialog[None]):
             (sign, hex_colour(rgb), said) for sign, rgb, said in legend(self._drawing, palette)
         ]
         sections["In the labyrinth"] = _signs(signs)
-        sections["In the timeline"] = _signs([*SIGNS.values(), PARTING, *TRACKS])
+        sections["In the timeline"] = _signs([*SIGNS.values(), DIVERGENCE, *TRACKS])
         sections["In the inspector"] = _signs([(s, INK.key, said) for s, said in _INSPECTOR_SIGNS])
         sentence, first = _ABOUT[self._about]
         content = [

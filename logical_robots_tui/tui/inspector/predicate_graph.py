@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 
     from logical_robots_tui.mind import Program, QueryPlan
 
-__all__ = ["Graph", "GraphView", "joint", "machinery_text"]
+__all__ = ["Graph", "GraphView", "joint", "query_plan_text"]
 
 _USERS, _MIDDLE, _USED = 0, 1, 2
 _JOINTS = {
@@ -240,7 +240,7 @@ class Graph(Dialog[str]):
 _BAR = 24  # columns of the longest bar
 
 
-def machinery_text(found: Sequence[QueryPlan], predicate: str) -> Static:
+def query_plan_text(found: Sequence[QueryPlan], predicate: str) -> Static:
     """How long each predicate takes, and the SQL and plan of one of them.
 
     Args:

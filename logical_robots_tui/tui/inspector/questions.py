@@ -137,9 +137,9 @@ class Questions:
         """The values of pinned expressions at a frame."""
         return await self._inquire().readings(self.program, frame, pins)
 
-    async def machinery(self, frame: Frame) -> list[QueryPlan]:
+    async def query_plans(self, frame: Frame) -> list[QueryPlan]:
         """How each predicate is computed at a frame, the slowest first."""
-        return await self._inquire().machinery(self.program, frame)
+        return await self._inquire().query_plans(self.program, frame)
 
     async def survey(self, frame: Frame) -> Survey:
         """The rows of every predicate at a frame, and at the one before."""

@@ -67,8 +67,8 @@ class LabyrinthPane(Pane, can_focus=True):
         if self._shown is None:
             return
         level, frame = self._shown
-        robots = {robot.name: robot for robot in frame.after.robots}
-        robot, view = robots.get(robot_name or ""), self.view.view
+        robot = next((each for each in frame.after.robots if each.name == robot_name), None)
+        view = self.view.view
         middle = view.left + view.width / 2 if view else 0.0
         on_the_left = robot is not None and robot.x < middle
         shown = None if self.view.camera.sight is Sight.SENSES else robot_name
@@ -176,9 +176,8 @@ class RobotCard(Static):
         if found is None:
             return
         self.set_class(on_the_left, "-right")
-        decisions = {decision.robot_name: decision for decision in frame.decisions}
         ink = robot_ink(found[0].color, palette_of(self.app.current_theme))
-        content = _content(*found, decisions.get(found[0].name), frame, ink)
+        content = _content(*found, frame.decision_of(found[0].name), frame, ink)
         if not content.is_same(self._content):
             self._content = content
             self.update(content)

@@ -11,7 +11,8 @@ from typing import TYPE_CHECKING
 
 from logical_robots_tui.errors import InputError
 from logical_robots_tui.game import Source, load_program
-from logical_robots_tui.tui.theme.safe_text import clip, one_line
+from logical_robots_tui.tui.recovery.offers import short_name, when_saved
+from logical_robots_tui.tui.theme.safe_text import one_line
 from logical_robots_tui.world import list_levels, load_level
 
 if TYPE_CHECKING:
@@ -196,9 +197,9 @@ class LibraryController:
         here = str(self._session.source.path)
         draft = next((draft for draft in drafts if draft.path == here), drafts[0])
         answers = [("yes", "Yes, continue"), ("no", "No, set it aside"), ("show", "Show it")]
-        when = draft.saved.astimezone()
-        name = clip(one_line(draft.name), 40)
-        question = f"Continue with your unsaved text of “{name}” from {when:%H:%M, %d %B}?"
+        question = (
+            f"Continue with your unsaved text of {short_name(draft)} from {when_saved(draft)}?"
+        )
         answer = await offers.ask("Unsaved text", question, answers, text=draft.text)
         if answer == "yes":
             self._continue_with(draft)

@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from logical_robots_tui.tui.layout.dialogs import Question
     from logical_robots_tui.world import Level
 
-__all__ = ["Bookmark", "Offering", "Offers", "offer"]
+__all__ = ["Bookmark", "Offering", "Offers", "offer", "short_name", "when_saved"]
 
 Found = TypeVar("Found")
 
@@ -93,7 +93,7 @@ class Offers:
         self._asked = Question(title, question, answers, text=text, noticing=_NOTICING)
         return await self._ui.ask(self._asked)
 
-    def overhears(self, event: events.Key | events.Paste) -> bool:
+    def ignores(self, event: events.Key | events.Paste) -> bool:
         """Return whether a key arrived before the player could see the question."""
         asked = self._asked
         return asked is not None and asked.is_active and event.time < asked.answered_from
@@ -102,6 +102,16 @@ class Offers:
         while not self._is_free():
             self._resumed.clear()
             await self._resumed.wait()
+
+
+def short_name(draft: Draft) -> str:
+    """Return the name of a draft in quotation marks, cut if it is long."""
+    return f"“{clip(one_line(draft.name), 40)}”"
+
+
+def when_saved(draft: Draft) -> str:
+    """Return the local time at which a draft was saved."""
+    return f"{draft.saved.astimezone():%H:%M, %d %B}"
 
 
 async def offer(
@@ -123,9 +133,7 @@ async def offer(
         if found is None:
             await asyncio.to_thread(store.put_away, draft.key)
             continue
-        when = draft.saved.astimezone()
-        name = clip(one_line(draft.name), 40)
-        question = f"Continue editing the level “{name}” from {when:%H:%M, %d %B}?"
+        question = f"Continue editing the level {short_name(draft)} from {when_saved(draft)}?"
         answers = [("yes", "Yes, continue"), ("no", "No, set it aside")]
         answer = await offers.ask("Unsaved level", question, answers)
         if answer == "yes":
@@ -192,10 +200,9 @@ class Bookmark:
                 self._drafts.put_away(draft.key)
 
     async def _ask(self, offers: Offers, place: Place, draft: Draft) -> None:
-        when = draft.saved.astimezone()
         question = (
-            f"“{clip(one_line(place.title), 40)}” was cut off at tick {place.tick}, "
-            f"{when:%H:%M, %d %B}. Continue exactly there?"
+            f"{short_name(draft)} was cut off at tick {place.tick}, {when_saved(draft)}. "
+            "Continue exactly there?"
         )
         answers = [("yes", "Yes, continue"), ("no", "No, from the start")]
         if await offers.ask("Cut off", question, answers) == "yes":

@@ -37,7 +37,7 @@ SIGNS: dict[MarkKind, tuple[str, str, str]] = {
 }
 """The sign, colour and meaning of each kind of mark."""
 
-PARTING = ("≠", f"bold {INK.number}", "the two futures part here")
+DIVERGENCE = ("≠", f"bold {INK.number}", "the two futures differ from here on")
 _PAST, _KNOWN, _OTHER, _UNKNOWN = "━", "─", "┄", " "
 TRACKS = (
     (_PAST, INK.text, "the ticks up to the one on the screen"),
@@ -55,14 +55,14 @@ class Span(NamedTuple):
         last: The latest tick.
         tick: The current tick.
         other_last: The latest tick of the other future, or None.
-        parted: The tick where the two futures part, or None.
+        diverged: The tick where the two futures part, or None.
     """
 
     first: int
     last: int
     tick: int
     other_last: int | None = None
-    parted: int | None = None
+    diverged: int | None = None
 
 
 class Scale(NamedTuple):
@@ -120,8 +120,8 @@ def _at(
     span: Span, begin: int, end: int, has: Callable[[MarkKind, int, int], bool]
 ) -> tuple[str, str]:
     """Return the sign and the style of one column."""
-    if span.parted is not None and begin <= span.parted <= end:
-        return PARTING[:2]
+    if span.diverged is not None and begin <= span.diverged <= end:
+        return DIVERGENCE[:2]
     if begin <= span.last:
         for kind in MARK_KINDS:
             if has(kind, begin, end):

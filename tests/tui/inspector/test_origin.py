@@ -131,7 +131,7 @@ async def test_what_is_pinned_and_what_a_proof_read_can_be_followed(data_dir: Pa
         assert game.shows("set in tick 4")
         assert pointed(game).value == "fetch"
         await game.press("w")
-        view = game.inspector.pages.reasons.view
+        view = game.inspector.pages.why.view
         await game.until(lambda: any(line.node.text == "memory.plan" for line in view.lines))
         place = next(
             n

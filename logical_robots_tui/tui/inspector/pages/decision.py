@@ -128,7 +128,7 @@ def _told(
     before, after = frame.memories_before.get(robot), frame.memories.get(robot)
     yield _valued("memory", before)
     yield from _on_the_way(program, robot, survey)
-    decision = next((d for d in frame.decisions if d.robot_name == robot), None)
+    decision = frame.decision_of(robot)
     if decision is None:
         yield Content.styled("Nobody has thought yet.", INK.dim)
         return

@@ -12,7 +12,7 @@ from textual.message import Message
 from textual.widgets import Static
 
 from logical_robots_tui.game import Superseded, origin_in_game
-from logical_robots_tui.game.debugging.origin import written_path
+from logical_robots_tui.game.debugging.pins import written_path
 from logical_robots_tui.mind import QueryError
 from logical_robots_tui.tui.app.background import in_background
 from logical_robots_tui.tui.commands.keymap import with_keys
@@ -87,8 +87,7 @@ class LinksView(CursorView):
     def show(self, origin: Origin | None) -> None:
         """Show an origin, with the cursor on the value itself, or nothing."""
         self._origin, self._at = origin, 0
-        if self.columns > 0:
-            self.draw()
+        self.redraw()
         self.refresh()
         self.scroll_to(y=0, animate=False)
         if self.has_focus:

@@ -124,8 +124,7 @@ class WatchView(CursorView):
             plain: Whether to draw with ASCII only.
         """
         self.ticks, self._tick, self._readings, self._plain = ticks, tick, readings, plain
-        if self.columns > 0:
-            self.draw()
+        super().redraw()
 
     def redraw(self) -> None:
         """Draw at the present width, and ask for as many ticks as there is room for."""

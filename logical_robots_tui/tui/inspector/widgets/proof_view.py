@@ -103,6 +103,12 @@ class WhyView(CursorView):
         return self.line.node if self.line is not None else None
 
     @property
+    def parent_pointed(self) -> Node | None:
+        """The node above the one under the cursor."""
+        parent = self._tree.parent(self._at) if self.lines else None
+        return None if parent is None else self.lines[parent].node
+
+    @property
     def height(self) -> int:
         """Number of lines, also those scrolled out of view."""
         return len(self.lines)

@@ -116,8 +116,7 @@ def _tile(fan: Fan, colour: RGB, columns: int, rows: int, look: Look) -> Cells:
     if found is not None:
         window, brightness = found
         lit[window] = brightness > 0
-        strength = np.float32(0.6) * brightness[..., None]
-        image[window] += (np.array(colour, np.float32) - image[window]) * strength
+        blend(image, window, colour, np.float32(0.6) * brightness)
     walls = _walls(own, raster)
     image[walls] = palette.rim
     if look.drawing is Drawing.ASCII:
@@ -153,8 +152,7 @@ def _view(columns: int, rows: int) -> Viewport:
 def _walls(fan: Fan, raster: Raster) -> NDArray[np.bool_]:
     """Return which dots a wall was sensed in; between rays that end near each other it goes on."""
     found = np.zeros(raster.shape, np.bool_)
-    x = fan.distances * np.cos(fan.headings)
-    y = fan.distances * np.sin(fan.headings)
+    x, y = fan.points()
     is_wall = np.array([kind == "wall" for kind in fan.objects])
     gap = np.hypot(np.diff(x), np.diff(y))
     # Seen at a slant, rays that are neighbours end far apart on the same wall.
