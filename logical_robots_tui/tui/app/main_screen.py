@@ -374,12 +374,6 @@ class MainScreen(Screen[None], SessionListener):
         if event.program == self.text and not self.program.has_focus_within:
             self.program.show_place(*event.place)
 
-    def on_value_table_opened(self) -> None:
-        """Open the value under the cursor; handled by name, which does not load the class."""
-        self.action_command("open_value")
-
-    on_decision_view_opened = on_why_view_opened = on_value_table_opened
-
     @on(RobotsView.Chosen)
     def _robot_chosen(self, event: RobotsView.Chosen) -> None:
         self._select(event.robot_name)

@@ -2,14 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, ClassVar
 
-from textual import on
 from textual.binding import Binding
 from textual.content import Content
 from textual.geometry import Region
-from textual.message import Message
 from textual.widgets import Static
 
 from logical_robots_tui.tui.inspector.predicate_list import MARKS
@@ -19,7 +16,7 @@ from logical_robots_tui.tui.theme.safe_text import clip, one_line, visible
 from logical_robots_tui.tui.theme.themes import INK
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Sequence
+    from collections.abc import Callable, Iterator, Sequence
 
     from textual import events
     from textual.app import ComposeResult
@@ -45,6 +42,7 @@ class GraphView(LinesView):
     Args:
         program: Whose predicates.
         name: The predicate in the middle at first.
+        opened: Called with the predicate that the player opens in the inspector.
     """
 
     BINDINGS: ClassVar[list[Binding | tuple[str, str] | tuple[str, str, str]]] = [
@@ -55,19 +53,9 @@ class GraphView(LinesView):
         Binding("enter", "open", show=False),
     ]
 
-    @dataclass
-    class Opened(Message):
-        """The player opens a predicate in the inspector.
-
-        Attributes:
-            predicate: Its name.
-        """
-
-        predicate: str
-
-    def __init__(self, program: Program, name: str) -> None:
+    def __init__(self, program: Program, name: str, opened: Callable[[str], object]) -> None:
         super().__init__(id="graph")
-        self._program = program
+        self._program, self._opened = program, opened
         self._columns: tuple[Sequence[str], ...] = ((), (name,), ())
         self._at = (_MIDDLE, 0)
         self._middle = name
@@ -104,7 +92,7 @@ class GraphView(LinesView):
         place = row - self._tops[column]
         if x >= 0 and 0 <= place < len(self._columns[column]):
             if column == _MIDDLE:
-                self.post_message(self.Opened(self._middle))
+                self._opened(self._middle)
             else:
                 self.centre(self._columns[column][place])
 
@@ -126,7 +114,7 @@ class GraphView(LinesView):
 
     def action_open(self) -> None:
         """Open the predicate under the cursor in the inspector."""
-        self.post_message(self.Opened(self.chosen))
+        self._opened(self.chosen)
 
     def draw(self) -> None:
         """Paint the graph, and bring the cursor into view."""
@@ -222,7 +210,7 @@ class Graph(Dialog[str]):
 
     def __init__(self, program: Program, name: str) -> None:
         super().__init__()
-        self.view = GraphView(program, name)
+        self.view = GraphView(program, name, self.dismiss)
 
     def content_widgets(self) -> ComposeResult:
         """The graph."""
@@ -231,10 +219,6 @@ class Graph(Dialog[str]):
     def on_mount(self) -> None:
         """Focus the graph."""
         self.view.focus()
-
-    @on(GraphView.Opened)
-    def _opened(self, event: GraphView.Opened) -> None:
-        self.dismiss(event.predicate)
 
 
 _BAR = 24  # columns of the longest bar

@@ -2,13 +2,10 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, ClassVar
 
-from textual import on
 from textual.binding import Binding
 from textual.content import Content
-from textual.message import Message
 from textual.widgets import Static
 
 from logical_robots_tui.game import Superseded, origin_in_game
@@ -26,7 +23,7 @@ from logical_robots_tui.tui.theme.themes import INK
 from logical_robots_tui.tui.timeline.widget import Timeline
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Callable, Iterator
 
     from logical_robots_tui.game import Frame, Game, Link, Origin
     from logical_robots_tui.mind.why.sourcing import Read
@@ -45,38 +42,27 @@ _INCOMPLETE = "This is not all of it: more values were read than are traced here
 
 
 class LinksView(CursorView):
-    """The links of the chain, the value itself first; enter goes to one, escape leaves."""
+    """The links of the chain, the value itself first; enter goes to one, escape leaves.
+
+    Args:
+        pointed: Called with the link under the cursor when that is another one.
+        opened: Called with the link that the player goes to.
+        left: Called when the player goes back.
+    """
 
     BINDINGS: ClassVar[list[Binding | tuple[str, str] | tuple[str, str, str]]] = [
         Binding("enter", "open", show=False),
         Binding("escape,backspace", "leave", show=False),
     ]
 
-    @dataclass
-    class Pointed(Message):
-        """The cursor is on another link.
-
-        Attributes:
-            link: The link.
-        """
-
-        link: Link
-
-    @dataclass
-    class Opened(Message):
-        """The player goes to a link.
-
-        Attributes:
-            link: The link.
-        """
-
-        link: Link
-
-    class Left(Message):
-        """The player goes back."""
-
-    def __init__(self) -> None:
+    def __init__(
+        self,
+        pointed: Callable[[Link], None],
+        opened: Callable[[Link], None],
+        left: Callable[[], None],
+    ) -> None:
         super().__init__(id="links")
+        self._tell_pointed, self._tell_opened, self.action_leave = pointed, opened, left
         self._origin: Origin | None = None
 
     @property
@@ -107,7 +93,7 @@ class LinksView(CursorView):
     def cursor_moved(self) -> None:
         """Point out the link under the cursor."""
         if self.pointed is not None:
-            self.post_message(self.Pointed(self.pointed))
+            self._tell_pointed(self.pointed)
 
     def clicked(self, x: int, line: int, *, again: bool) -> None:
         """Go to the link at a second click."""
@@ -118,11 +104,7 @@ class LinksView(CursorView):
     def action_open(self) -> None:
         """Go to the link under the cursor."""
         if self.pointed is not None:
-            self.post_message(self.Opened(self.pointed))
-
-    def action_leave(self) -> None:
-        """Go back."""
-        self.post_message(self.Left())
+            self._tell_opened(self.pointed)
 
 
 class OriginPage(Page):
@@ -141,7 +123,8 @@ class OriginPage(Page):
 
     def __init__(self, session: Session, questions: Questions) -> None:
         self._of = Static(id="origin-of")
-        super().__init__(session, questions, LinksView(), above=(self._of,))
+        view = LinksView(self._pointed, self._open, self._leave)
+        super().__init__(session, questions, view, above=(self._of,))
         self.pending = self._query = BackgroundQuery()
         self.asked: MemoryPart | None = None
         self._course: tuple[Game, int] | None = None
@@ -216,26 +199,20 @@ class OriginPage(Page):
         self.say(words)
         self.view.show(None)
 
-    @on(LinksView.Pointed)
-    def _pointed(self, event: LinksView.Pointed) -> None:
+    def _pointed(self, link: Link) -> None:
         """Show the rule in the program that decided that tick."""
-        event.stop()
-        span, course = event.link.span or event.link.rule, self._course
-        program = course[0].history.program_at(event.link.tick) if course is not None else None
+        span, course = link.span or link.rule, self._course
+        program = course[0].history.program_at(link.tick) if course is not None else None
         if span is not None and program is not None:
             self.post_message(Placed(program.text, (span.start, span.stop)))
 
-    @on(LinksView.Opened)
-    def _open(self, event: LinksView.Opened) -> None:
-        event.stop()
-        self.post_message(RobotsView.Chosen(event.link.robot))
-        self.post_message(Timeline.Pointed(event.link.tick))
+    def _open(self, link: Link) -> None:
+        self.post_message(RobotsView.Chosen(link.robot))
+        self.post_message(Timeline.Pointed(link.tick))
         self.post_message(self.Opened(WHY))
 
-    @on(LinksView.Left)
-    def _leave(self, event: LinksView.Left) -> None:
+    def _leave(self) -> None:
         """Cancel the trace that is running, or else go back."""
-        event.stop()
         if self._query.is_long:
             self._query.cancel()
             return

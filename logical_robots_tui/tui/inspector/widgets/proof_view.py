@@ -17,6 +17,7 @@ from logical_robots_tui.tui.inspector.widgets.proof_tree import (
     guides,
     line_content,
 )
+from logical_robots_tui.tui.layout.command_bar import CommandChosen
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -74,9 +75,6 @@ class WhyView(CursorView):
 
         key: int
         asked: Ask
-
-    class Opened(Message):
-        """The player opens the values of the node under the cursor."""
 
     class Back(Message):
         """The player returns to the question before."""
@@ -231,7 +229,7 @@ class WhyView(CursorView):
         if node.asked is not None:
             self.post_message(self.Deeper(node.asked))
         elif node.values:
-            self.post_message(self.Opened())
+            self.post_message(CommandChosen("open_value"))
         else:
             self.toggle_fold(self._at)
 
