@@ -44,7 +44,7 @@ class LabyrinthPane(Pane, can_focus=True):
     ]
 
     def __init__(self) -> None:
-        self.view = LabyrinthView(id="picture")
+        self.view = LabyrinthView()
         self.card = RobotCard()
         self.briefing = Briefing()
         self.banner = VictoryBanner()
