@@ -43,8 +43,7 @@ def declare(commands: Commands) -> None:
 
 def start(options: argparse.Namespace) -> int:
     """Print the settings."""
-    from logical_robots_tui.tui.app.facts import settings_path
-    from logical_robots_tui.tui.app.settings import Settings, as_toml, read_settings
+    from logical_robots_tui.tui.app.settings import Settings, as_toml, read_settings, settings_path
 
     path = settings_path()
     if options.path:

@@ -148,8 +148,7 @@ def _versions() -> Iterator[Finding]:
 def _places(data_dir: Path | None) -> Iterator[Finding]:
     """Yield the folders, and whether they can be written to."""
     from logical_robots_tui.mind import cache
-    from logical_robots_tui.tui.app.facts import settings_path
-    from logical_robots_tui.tui.app.settings import read_settings
+    from logical_robots_tui.tui.app.settings import read_settings, settings_path
 
     yield _place("data", folder_of(data_dir), "your work can't be saved")
     settings = settings_path()

@@ -140,7 +140,7 @@ def _prepare_screen() -> None:
 
 def _play_on_screen(options: argparse.Namespace) -> int:
     from logical_robots_tui.tui.app.app import play
-    from logical_robots_tui.tui.app.facts import Permissions
+    from logical_robots_tui.tui.app.ui import Permissions
 
     free = not options.restricted
     permissions = Permissions(programs=free, clipboard=free or options.allow_clipboard)

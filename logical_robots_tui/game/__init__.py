@@ -17,7 +17,12 @@ if TYPE_CHECKING:
         subjects,
     )
     from logical_robots_tui.game.debugging.inquiry import Inquiry
-    from logical_robots_tui.game.debugging.matches import Matches, find_matches
+    from logical_robots_tui.game.debugging.matches import (
+        Matches,
+        SearchResult,
+        find_matches,
+        search_ticks,
+    )
     from logical_robots_tui.game.debugging.origin import (
         Link,
         Origin,
@@ -34,7 +39,6 @@ if TYPE_CHECKING:
         pin_of_cell,
         read,
     )
-    from logical_robots_tui.game.debugging.search import SearchResult, search_ticks
     from logical_robots_tui.game.frame import Frame, Goal, NoSuchTickError, Superseded, goals
     from logical_robots_tui.game.game import Game
     from logical_robots_tui.game.history.divergence import Difference, Divergence
@@ -112,7 +116,7 @@ _NAMES = {
     "frame": "Frame Goal NoSuchTickError Superseded goals",
     "game": "Game",
     "history.history": "History",
-    "debugging.matches": "Matches find_matches",
+    "debugging.matches": "Matches SearchResult find_matches search_ticks",
     "debugging.inquiry": "Inquiry",
     "history.marks": "MARK_KINDS Mark MarkKind",
     "debugging.origin": "Link Origin origin_in_game origin_in_run read_path",
@@ -122,7 +126,6 @@ _NAMES = {
     "continuing": "Place place_of",
     "victory": "count_rules is_shipped level_key reference_for",
     "run": "Run run_key",
-    "debugging.search": "SearchResult search_ticks",
     "source": "Source compile_program list_programs load_program mistake_in_question save_program",
     "advancing": "start_frame",
 }

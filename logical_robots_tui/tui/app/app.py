@@ -15,12 +15,12 @@ from textual.errors import NoWidget
 
 from logical_robots_tui.game.continuing import level_to_begin_with, program_to_begin_with
 from logical_robots_tui.progress import FILE_NAME
-from logical_robots_tui.tui.app.facts import THEME, TOUR, Permissions, settings_path
 from logical_robots_tui.tui.app.main_screen import MainScreen
-from logical_robots_tui.tui.app.settings import Settings, read_settings
+from logical_robots_tui.tui.app.settings import Settings, read_settings, settings_path
+from logical_robots_tui.tui.app.ui import Permissions
 from logical_robots_tui.tui.commands.keymap import KEY_MAP, KeyMap, with_keys
 from logical_robots_tui.tui.commands.table import COMMANDS
-from logical_robots_tui.tui.library.progress_recorder import ProgressRecorder
+from logical_robots_tui.tui.library.progress_recorder import THEME, TOUR, ProgressRecorder
 from logical_robots_tui.tui.terminal.capabilities import drawing_for, may_use_mouse
 from logical_robots_tui.tui.terminal.crash_report import end_on_hangup
 from logical_robots_tui.tui.terminal.diff_app import DiffApp

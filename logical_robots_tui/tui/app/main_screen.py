@@ -14,10 +14,10 @@ from textual.widgets import Input, Static, TextArea
 from logical_robots_tui.game.drafts import Drafts
 from logical_robots_tui.garbage import collect_seldom
 from logical_robots_tui.tui.app.background import ScreenUi
-from logical_robots_tui.tui.app.facts import Permissions
 from logical_robots_tui.tui.app.frame_scheduler import FrameScheduler
 from logical_robots_tui.tui.app.session import Session
 from logical_robots_tui.tui.app.session_state import SessionListener
+from logical_robots_tui.tui.app.ui import Permissions
 from logical_robots_tui.tui.commands.keymap import KEY_MAP, command
 from logical_robots_tui.tui.inspector.page import Placed, Sighted
 from logical_robots_tui.tui.inspector.pages.robots import RobotsView

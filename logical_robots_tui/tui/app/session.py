@@ -16,8 +16,7 @@ from logical_robots_tui.game import (
 )
 from logical_robots_tui.game.victory import victory_of
 from logical_robots_tui.mind import ProgramError
-from logical_robots_tui.tui.app.session_state import Movement, OpenLevel, nothing
-from logical_robots_tui.tui.program.state import ProgramState
+from logical_robots_tui.tui.app.session_state import Movement, OpenLevel, ProgramState, nothing
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Coroutine, Mapping

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from functools import partial
 from time import monotonic
-from typing import TYPE_CHECKING, ClassVar, Generic, TypeVar
+from typing import TYPE_CHECKING, ClassVar, Generic, NamedTuple, TypeVar
 
 from textual import on
 from textual.await_complete import AwaitComplete
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from textual import events
     from textual.app import ComposeResult
 
-__all__ = ["ClosedOnce", "Dialog", "LinePrompt", "Listing", "Prompt", "Question"]
+__all__ = ["ClosedOnce", "Dialog", "Find", "LinePrompt", "Listing", "Prompt", "Question", "Search"]
 
 Result = TypeVar("Result")
 
@@ -257,3 +257,45 @@ class Listing(OptionList):
         """Go down a page, if the list is visible."""
         if self.scrollable_content_region:
             super().action_page_down()  # type: ignore[no-untyped-call] # this, too
+
+
+class Search(NamedTuple):
+    """A search.
+
+    Attributes:
+        wanted: The text to find.
+        instead: The replacement for all matches; None only searches.
+    """
+
+    wanted: str
+    instead: str | None
+
+
+class Find(Dialog[Search]):
+    """Asks for a text to find; enter in the second line replaces it everywhere.
+
+    Args:
+        wanted: The initial text.
+    """
+
+    DEFAULT_CSS = """
+    Find > #box { max-width: 60; padding: 1 2 0 2; }
+    """
+
+    heading = "Find in the program"
+    keys = "enter find, below: replace all   esc close"
+
+    def __init__(self, wanted: str) -> None:
+        super().__init__()
+        self._wanted = wanted
+
+    def content_widgets(self) -> ComposeResult:
+        """Yield two lines."""
+        yield Input(self._wanted, placeholder="find", id="wanted")
+        yield Input(placeholder="replace by", id="instead")
+
+    @on(Input.Submitted)
+    def _submitted(self, event: Input.Submitted) -> None:
+        wanted = self.query_one("#wanted", Input).value
+        replaces = event.input.id == "instead"
+        self.dismiss(Search(wanted, event.value if replaces else None) if wanted else None)

@@ -6,10 +6,19 @@ import math
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
-from logical_robots_tui.editing.things import KINDS, Ref, add, change, duplicate, ref_at, remove
+from logical_robots_tui.editing.things import (
+    KINDS,
+    Poses,
+    Ref,
+    add,
+    as_it_stands,
+    change,
+    duplicate,
+    ref_at,
+    remove,
+)
 from logical_robots_tui.editing.things import thing as thing_of
 from logical_robots_tui.editing.walls import fill, paint, paint_rectangle
-from logical_robots_tui.tui.level_editor.positions import Poses, as_it_stands
 from logical_robots_tui.tui.level_editor.tools import PLACING, Settings, Tool
 from logical_robots_tui.world import Area, Beacon, LevelError, Robot
 from logical_robots_tui.world.sensing import BEACON_RADIUS, ROBOT_RADIUS

@@ -25,9 +25,8 @@ if TYPE_CHECKING:
     from contextlib import AbstractContextManager
 
     from logical_robots_tui.game import Source
-    from logical_robots_tui.tui.app.facts import Permissions
     from logical_robots_tui.tui.app.session import Session
-    from logical_robots_tui.tui.app.ui import Ui
+    from logical_robots_tui.tui.app.ui import Permissions, Ui
     from logical_robots_tui.tui.program.pane import ProgramPane
 
 __all__ = ["FileWatch", "ProgramController", "edited"]
@@ -80,7 +79,7 @@ class ProgramController:
 
     async def find(self) -> None:
         """Ask for a text, and go to it or replace it."""
-        from logical_robots_tui.tui.program.find_dialog import Find
+        from logical_robots_tui.tui.layout.dialogs import Find
 
         editor = self._pane.editor
         chosen = editor.selected_text

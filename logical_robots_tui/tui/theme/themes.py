@@ -8,7 +8,6 @@ from textual.color import Color
 from textual.style import Style
 from textual.theme import BUILTIN_THEMES, Theme
 
-from logical_robots_tui.tui.app.facts import NIGHT_NAME
 from logical_robots_tui.tui.labyrinth.drawing.palette import (
     DARK,
     LIGHT,
@@ -169,7 +168,7 @@ def colours_in(theme: Theme) -> dict[str, str]:
         "mistake-strip": tinted(given["error"], 0.1),
         "odd-strip": tinted(given["warning"], 0.1),
     }
-    if theme.name == NIGHT_NAME:
+    if theme.name == NIGHT.name:
         found |= _NIGHT | {f"ink-{name}": hue for name, hue in _HUES.items()}
     return found
 
@@ -222,7 +221,7 @@ class Ink:
 INK = Ink()
 
 NIGHT = Theme(
-    name=NIGHT_NAME,
+    name="night",
     dark=True,
     primary="#8fa3f5",
     secondary="#5b6ea8",
