@@ -36,7 +36,7 @@ _HOMES = {
     "help": "help",
     "levels": "listing",
     "programs": "listing",
-    "level": "level.command",
+    "level": "level",
     "config": "config",
     "doctor": "doctor",
     "completion": "completion",
