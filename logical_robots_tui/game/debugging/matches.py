@@ -124,15 +124,13 @@ def _add(stretches: list[tuple[int, int]], tick: int) -> None:
         stretches.append((tick, tick))
 
 
-def _folder() -> CacheFolder | None:
-    place = cache_place("runs", named="runs")
-    return None if place is None else CacheFolder(place, SUFFIX, MAX_ENTRIES, MAX_BYTES)
+def _folder() -> CacheFolder:
+    return CacheFolder(cache_place("runs", named="runs"), SUFFIX, MAX_ENTRIES, MAX_BYTES)
 
 
 def _find(name: str) -> Matches | None:
-    folder = _folder()
-    content = None if folder is None else folder.read(name, _LARGEST)
-    if folder is None or content is None:
+    content = _folder().read(name, _LARGEST)
+    if content is None:
         return None
     digest, _, body = content.partition(b"\n")
     try:
@@ -143,16 +141,15 @@ def _find(name: str) -> Matches | None:
         if ends != sorted(ends) or not all(0 < end <= found.ticks for end in ends):
             raise ValueError("no stretches of these ticks")
     except (ValueError, TypeError, RecursionError):
-        folder.drop(name)
+        _folder().drop(name)
         return None
     return found
 
 
 def _keep(name: str, found: Matches) -> None:
     body = json.dumps(asdict(found)).encode()
-    folder = _folder()
-    if folder is not None and len(body) < _LARGEST:
-        folder.keep(name, [_digest(name, body), b"\n", body])
+    if len(body) < _LARGEST:
+        _folder().keep(name, [_digest(name, body), b"\n", body])
 
 
 def _digest(name: str, body: bytes) -> bytes:

@@ -130,7 +130,8 @@ async def sql(screen: MainScreen) -> None:
 
     inspector, frame = screen.inspector, screen.session.frame
     try:
-        found = await inspector.questions.query_plans(frame)
+        inquiry, program = inspector.questions.about()
+        found = await inquiry.query_plans(program, frame)
     except Superseded:
         found = []
     if found:

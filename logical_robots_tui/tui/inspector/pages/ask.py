@@ -140,7 +140,8 @@ class AskPage(Page):
             self._say_instead(progress("asking", self._background.seconds))
 
         try:
-            table = await self._background.run(self._questions.ask(query, frame), report)
+            inquiry, program = self._questions.about()
+            table = await self._background.run(inquiry.ask(program, query, frame), report)
         except Superseded:
             if self._session.game is not None:
                 return
