@@ -97,6 +97,13 @@ class Progress:
 
         return self._store.read(look)
 
+    def levels(self) -> list[str]:
+        """Return the levels with a record, by name."""
+        rows = self._store.read(
+            lambda connection: connection.execute("SELECT name FROM level ORDER BY name").fetchall()
+        )
+        return [name for (name,) in rows]
+
     def begin(self, level: str) -> None:
         """Record that the player has started a level."""
         level = _storable(level)

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
 COMMANDS = (
     *("play", "run", "trace", "query", "when", "why", "origin", "diagnose", "check", "help"),
-    *("levels", "programs", "level", "config", "doctor", "completion"),
+    *("levels", "programs", "progress", "level", "config", "doctor", "completion"),
 )
 
 
