@@ -99,15 +99,15 @@ _REFUSALS: dict[Verdict, str] = {
 
 
 class Victory(NamedTuple):
-    """The tick in which a level was won.
+    """A victory.
 
     Attributes:
-        level: Where, as it is in its file.
-        program: What the robots thought with at the end.
-        tick: Its number.
-        verdict: Whether it ``counts`` for the player, is that of the ``reference`` program, or is
-            not kept because a ``clock`` ended a thought or somebody ``edited`` the level.
-        measures: How good it is; None if other programs decided on the way, too.
+        level: The level as in its file.
+        program: The robots' program at the end.
+        tick: The tick of victory.
+        verdict: ``counts``; won by the ``reference`` program; or not saved, because a time limit
+            (``clock``) ended a thought or the level was ``edited``.
+        measures: Its measures; None if other programs decided earlier ticks.
     """
 
     level: Level
@@ -118,16 +118,16 @@ class Victory(NamedTuple):
 
     @property
     def refusal(self) -> str:
-        """Why it is not kept, one sentence, or ""."""
+        """Why it is not saved, one sentence, or ""."""
         return _REFUSALS.get(self.verdict, "")
 
 
 def victory_of(game: Game, level: Level) -> Victory | None:
-    """The victory at the present tick of a game, or None if it is not the tick of one.
+    """Return the victory at the current tick of a game, or None.
 
     Args:
         game: The game.
-        level: Its level as it is in its file.
+        level: Its level as in its file.
     """
     tick, program, history = game.frame.tick, game.program, game.history
     if game.won_at != tick:
@@ -146,11 +146,11 @@ def victory_of(game: Game, level: Level) -> Victory | None:
 
 
 def is_by_the_book(history: History, level: Level, tick: int) -> bool:
-    """Whether all up to a tick happened in a level as it is in its file."""
+    """Return whether the level was as in its file in all ticks up to one."""
     return not history.is_changed_up_to(tick) and alike(history.level_at(0), level)
 
 
 def keep_victory(progress: Progress, key: str, victory: Victory) -> None:
-    """Keep a victory that counts in the record of the level with that key. Blocks."""
+    """Save a victory that counts in the record of the level with that key. Blocks."""
     if victory.verdict == "counts":
         progress.win(key, victory.program.text, victory.measures)

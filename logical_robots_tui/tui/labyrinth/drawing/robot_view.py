@@ -1,4 +1,4 @@
-"""What robots sense, and nothing else: each in the middle of its own picture, looking up."""
+"""What robots sense, one picture per robot, seen from the robot, with ahead at the top."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from logical_robots_tui.tui.labyrinth.drawing.glyphs import Drawing
 from logical_robots_tui.tui.labyrinth.drawing.lettering import robot_colour, write
 from logical_robots_tui.tui.labyrinth.drawing.name_labels import fit_name
 from logical_robots_tui.tui.labyrinth.drawing.palette import RGB, mix, packed
-from logical_robots_tui.tui.labyrinth.drawing.rays import Fan, fans, shine
+from logical_robots_tui.tui.labyrinth.drawing.rays import Fan, brightness_of, fans
 from logical_robots_tui.tui.labyrinth.drawing.thin_lines import draw_ray, draw_ring
 from logical_robots_tui.tui.labyrinth.drawing.viewport import Raster, Viewport
 from logical_robots_tui.world.sensing import SENSOR_RANGE
@@ -112,7 +112,7 @@ def _tile(fan: Fan, colour: RGB, columns: int, rows: int, look: Look) -> Cells:
     ring = np.clip(1 - np.abs(away - SENSOR_RANGE) / raster.dot, 0, 1)
     blend(image, (slice(None), slice(None)), palette.rock, ring)
     lit = np.zeros(raster.shape, np.bool_)
-    found = shine(own, raster)
+    found = brightness_of(own, raster)
     if found is not None:
         window, brightness = found
         lit[window] = brightness > 0
