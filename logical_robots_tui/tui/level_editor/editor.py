@@ -194,14 +194,13 @@ class LevelEditor:
 
     def undo(self) -> str:
         """Undo a step and return its name, or ""."""
-        what = self.edits.undo()
-        if what:
-            self._changed()
-        return what
+        return self._noted(self.edits.undo())
 
     def redo(self) -> str:
         """Redo a step and return its name, or ""."""
-        what = self.edits.redo()
+        return self._noted(self.edits.redo())
+
+    def _noted(self, what: str) -> str:
         if what:
             self._changed()
         return what

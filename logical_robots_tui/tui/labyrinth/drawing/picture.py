@@ -35,8 +35,6 @@ from logical_robots_tui.tui.labyrinth.drawing.thin_lines import (
 from logical_robots_tui.tui.labyrinth.drawing.viewport import Floats, Raster
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
-
     from numpy.typing import NDArray
 
     from logical_robots_tui.game.frame import Frame
@@ -58,7 +56,6 @@ _UNSEEN = 12
 
 _KIND_IDS = np.array([text_id(char) for char in ASCII_KINDS], np.int64)
 _LIT_ID = text_id(".")
-_NOTHING: tuple[object, ...] = (None, None, None, None)
 
 
 @dataclass(frozen=True, eq=False)
@@ -97,8 +94,6 @@ class Picture:
         self._dots: NDArray[np.uint8] | None = None
         self._light: _Light | None = None
         self._base = self.cells
-        self._painted: Floats = np.zeros((0, 0, 3), np.float32)
-        self._painted_of = _NOTHING
 
     def draw(
         self,
@@ -128,37 +123,29 @@ class Picture:
             return self.cells
         traces = traces or Traces()
         raster = Raster(viewport, *look.drawing.dots)
-        touched = self._update_ground(level, frame, traces, raster, look)
+        self._update_ground(level, frame, traces, raster, look)
         colours = {robot.name: robot_colour(robot.color, look.palette) for robot in level.robots}
         robots = [
             (robot, _state_colour(robot, colours, look.palette)) for robot in frame.after.robots
         ]
         robots.sort(key=lambda pair: pair[0].name == look.selected)
-        if look.drawing is not Drawing.ASCII and not look.rays:
-            self._light = None
-            seen = fans(frame) if look.marks or look.lines else []
-            of_what = frame, level.robots, self._ground_key, look.selected
-            image = self._bodies(of_what, touched, robots, raster, look)
-            cells = self._fitted(image, raster, _UNSEEN if hurried else 0)
+        light = self._lighting(frame, raster, look, colours, hurried=hurried)
+        image = light.image.copy()
+        if look.drawing is Drawing.ASCII:
+            cells = _ascii_cells(self._ground, image, light.lit, look.palette)
         else:
-            self._painted_of = _NOTHING
-            light = self._lighting(frame, raster, look, colours, hurried=hurried)
-            seen = light.fans
-            image = light.image.copy()
-            if look.drawing is Drawing.ASCII:
-                cells = _ascii_cells(self._ground, image, light.lit, look.palette)
-            else:
-                _paint_all(image, raster, robots, look)
-                cells = self._fitted(image, raster, _UNSEEN if hurried else 0)
+            for robot, colour in robots:
+                paint_robot(image, raster, robot, colour, look.palette)
+            cells = self._fitted(image, raster, _UNSEEN if hurried else 0)
         if look.trails:
             inks = [colours[robot.name] for robot in level.robots]
             draw_trails(cells, *traces.trails(frame.tick), inks, viewport, look)
         if look.lines:
-            for fan in seen:
+            for fan in light.fans:
                 if fan.name == look.selected:
                     draw_rays(cells, fan, colours[fan.name], viewport, look)
         undecided = frozenset(d.robot_name for d in frame.decisions if d.desire is None)
-        draw_labels(cells, self._lettering, robots, undecided, seen, viewport, look)
+        draw_labels(cells, self._lettering, robots, undecided, light.fans, viewport, look)
         if look.highlight is not None:
             _draw_highlight(cells, look.highlight, frame, viewport, look)
 
@@ -167,12 +154,8 @@ class Picture:
 
     def _update_ground(
         self, level: Level, frame: Frame, traces: Traces, raster: Raster, look: Look
-    ) -> tuple[slice, slice] | None:
-        """Repaint the static layer, or a part of it, if it has changed.
-
-        Returns:
-            The dots that were repainted; None for all or none.
-        """
+    ) -> None:
+        """Repaint the static layer, or a part of it, if it has changed."""
         active = tuple(area.active for area in frame.after.areas)
         switched = traces.switched(frame.tick)
         changed = self._take(level)
@@ -182,44 +165,15 @@ class Picture:
             self._ground = draw_ground(level, self._walls, active, raster, look.palette, switched)
             ground = self._ground.image
             self._lettering = StaticLabels(level, active, raster.viewport, look, ground)
-            return None
+            return
         if changed is None:
-            return None
+            return
         self._light = None
         touched = redraw_ground(
             self._ground, level, self._walls, changed, active, raster, look.palette, switched
         )
         if touched is not None:
             self._lettering.follow_ground(look, self._ground.image, touched)
-        return touched
-
-    def _bodies(
-        self,
-        of_what: tuple[object, ...],
-        touched: tuple[slice, slice] | None,
-        robots: Sequence[tuple[RobotState, RGB]],
-        raster: Raster,
-        look: Look,
-    ) -> Floats:
-        """Return the static layer with the robots on it; unchanged dots are reused.
-
-        Args:
-            of_what: Everything that it depends on except walls.
-            touched: The dots whose walls changed.
-            robots: With their colours, the most important last.
-            raster: The dots.
-            look: How to draw.
-        """
-        if all(one is other for one, other in zip(of_what, self._painted_of, strict=True)):
-            if touched is not None:
-                part = self._painted[touched]
-                part[:] = self._ground.image[touched]
-                _paint_all(part, raster.only(touched), robots, look)
-            return self._painted
-        self._painted_of = of_what
-        self._painted = self._ground.image.copy()
-        _paint_all(self._painted, raster, robots, look)
-        return self._painted
 
     def _take(self, level: Level) -> tuple[int, int, int, int] | None:
         """Set the level; return where its walls differ from the last one's if nothing else does."""
@@ -291,13 +245,6 @@ def _draw_highlight(
         for robot in frame.after.robots:
             if robot.name == highlight.robot:
                 draw_ring(cells, robot.x, robot.y, viewport, look)
-
-
-def _paint_all(
-    image: Floats, raster: Raster, robots: Sequence[tuple[RobotState, RGB]], look: Look
-) -> None:
-    for robot, colour in robots:
-        paint_robot(image, raster, robot, colour, look.palette)
 
 
 def _add_light(
