@@ -117,7 +117,7 @@ class EditPanel(EditView):
             editor.press(*editor.cursor, self._units)
         else:
             editor.release()
-            self._mode.live.flush()
+            self._mode.sync.flush()
 
     def go_to(self, point: Point) -> None:
         """Move the cursor to a point."""
@@ -175,7 +175,7 @@ class EditPanel(EditView):
     def release(self) -> None:
         """Release the button."""
         self._mode.editor.release()
-        self._mode.live.flush()
+        self._mode.sync.flush()
         self._mode.redraw()
 
     def open(self) -> None:
