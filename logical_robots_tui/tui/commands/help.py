@@ -1,11 +1,13 @@
-"""Help: all keys, and the signs in the labyrinth."""
+"""Finding commands: the palette, and the help with all keys and signs."""
 
 from __future__ import annotations
 
+from functools import partial
 from textwrap import wrap
 from typing import TYPE_CHECKING, ClassVar, Literal, TypeAlias
 
 from textual.binding import Binding
+from textual.command import CommandPalette, DiscoveryHit, Hit, Provider
 from textual.containers import VerticalScroll
 from textual.content import Content
 from textual.widgets import Static
@@ -13,16 +15,19 @@ from textual.widgets import Static
 from logical_robots_tui.tui.commands.keymap import commands
 from logical_robots_tui.tui.labyrinth.drawing.glyphs import Drawing, legend
 from logical_robots_tui.tui.labyrinth.drawing.palette import hex_colour
-from logical_robots_tui.tui.layout.dialogs import Dialog
+from logical_robots_tui.tui.layout.dialogs import ClosedOnce, Dialog
 from logical_robots_tui.tui.theme.themes import INK, palette_of
 from logical_robots_tui.tui.timeline.widget import DIVERGENCE, SIGNS, TRACKS
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable
+    from collections.abc import Callable, Iterable
 
     from textual.app import ComposeResult
+    from textual.command import Hits
 
-__all__ = ["Help", "Subject"]
+    from logical_robots_tui.tui.commands.command import Command
+
+__all__ = ["CommandProvider", "EditingProvider", "Help", "Palette", "Subject"]
 
 _INSPECTOR_SIGNS = (
     ("◂", "an input: what the world gives the program"),
@@ -150,3 +155,48 @@ def _entry(keys: str, title: str, text: str, width: int) -> list[Content]:
     if told and width > _BESIDE_FROM:
         first = first.append(" " * (indent - first.cell_length)).append(told.pop(0))
     return [first, *(Content(" " * indent).append(line) for line in told)]
+
+
+class Palette(CommandPalette, ClosedOnce[None]):
+    """A line to type in, and what can be had by that."""
+
+
+class CommandProvider(Provider):
+    """Offers every command but those of the level editor."""
+
+    def offered(self) -> list[Command]:
+        """The commands, in the order in which they are shown."""
+        return commands("screen", "text")
+
+    async def discover(self) -> Hits:
+        """All commands, before anything is typed."""
+        for entry in self.offered():
+            if entry.id != "palette":
+                yield DiscoveryHit(
+                    _title(entry), self._caller(entry), text=entry.title, help=entry.help
+                )
+
+    async def search(self, query: str) -> Hits:
+        """The commands whose title or help matches."""
+        matcher = self.matcher(query)
+        for entry in self.offered():
+            score = max(matcher.match(entry.title), matcher.match(entry.help) * 0.5)
+            if score > 0 and entry.id != "palette":
+                yield Hit(
+                    score, _title(entry), self._caller(entry), text=entry.title, help=entry.help
+                )
+
+    def _caller(self, entry: Command) -> Callable[[], object]:
+        return partial(self.screen.run_action, f"command('{entry.id}')")
+
+
+class EditingProvider(CommandProvider):
+    """Offers the commands of the level editor first, then all others."""
+
+    def offered(self) -> list[Command]:
+        """The commands, in the order in which they are shown."""
+        return commands("level") + super().offered()
+
+
+def _title(entry: Command) -> str:
+    return f"{entry.title}   {entry.key_names}" if entry.keys else entry.title
