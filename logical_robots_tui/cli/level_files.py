@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 from logical_robots_tui.cli.command import harmless, new_command
 from logical_robots_tui.errors import InputError
-from logical_robots_tui.paths import is_there
+from logical_robots_tui.paths import is_file, is_there
 
 if TYPE_CHECKING:
     from logical_robots_tui.cli.command import Commands
@@ -82,14 +82,15 @@ def _new(options: argparse.Namespace) -> int:
     from logical_robots_tui.editing.files import save_level
     from logical_robots_tui.editing.properties import set_words
     from logical_robots_tui.world import load_level
-    from logical_robots_tui.world.load import read_text
+    from logical_robots_tui.world.levels.load import read_text
 
     _refuse_existing(options.file, force=options.force)
     level = load_level(options.copy) if options.copy else _create(options)
     words = {} if options.title is None else {"title": options.title}
     new = set_words(level, **words)
-    if options.copy and Path(level.source).suffix.lower() == options.file.suffix.lower():
-        write(options.file, read_text(Path(level.source)))  # with its comments
+    file = Path(level.source)
+    if options.copy and file.suffix.lower() == options.file.suffix.lower() and is_file(file):
+        write(options.file, read_text(file))  # with its comments
         new = save_level(new, options.file)
     else:
         new = save_level(new, options.file, anew=True)
@@ -101,7 +102,7 @@ def _new(options: argparse.Namespace) -> int:
 
 
 def _create(options: argparse.Namespace) -> Level:
-    from logical_robots_tui.editing.labyrinths import empty_room, labyrinth
+    from logical_robots_tui.world.levels.labyrinths import empty_room, labyrinth
 
     if options.labyrinth is None:
         return empty_room(*(options.room or (600, 400)), wall=options.wall)
@@ -181,7 +182,7 @@ def _refuse_existing(path: Path, *, force: bool) -> None:
 def _tell_lost(level: Level, path: Path) -> None:
     """Print what the web platform's format could not hold."""
     from logical_robots_tui.editing.level_text import lost_in_web
-    from logical_robots_tui.world.load import WEB
+    from logical_robots_tui.world.levels.load import WEB
 
     lost = lost_in_web(replace(level, name=path.stem))
     if path.suffix.lower() == WEB and lost:

@@ -27,7 +27,7 @@ from logical_robots_tui.game.continuing import (
 )
 from logical_robots_tui.game.frame import events_between
 from logical_robots_tui.game.source import target
-from logical_robots_tui.game.victory import keep_victory, victory_of
+from logical_robots_tui.game.victory import keep_victory, result_line, victory_of
 from logical_robots_tui.mind import Program, ProgramError
 from logical_robots_tui.paths import is_there
 from logical_robots_tui.progress import FILE_NAME, Progress
@@ -63,7 +63,7 @@ def play_in_lines(level_name: str | None, program: str | None, data_dir: Path) -
     """Play in lines of text until the player leaves; return the exit status.
 
     Args:
-        level_name: A level's name or path; by default the shipped level played last.
+        level_name: A level's name or path; by default the level played last.
         program: A program's name or path; by default the player's last program for that level.
         data_dir: The folder with the player's programs and progress.
 
@@ -74,7 +74,7 @@ def play_in_lines(level_name: str | None, program: str | None, data_dir: Path) -
     progress = Progress(data_dir / FILE_NAME, _say)
     own = data_dir / "programs"
     try:
-        level = load_level(level_name or level_to_begin_with(progress))
+        level = load_level(level_name) if level_name else level_to_begin_with(progress)
         source, kept = program_to_begin_with(progress, level, program, own)
         if kept is not None and kept != source.text:
             source = source._replace(text=kept)
@@ -224,6 +224,8 @@ class _TextGame:
             _say("The victory is saved in your progress.")
         else:
             _say("The victory only counts until you leave: nothing can be saved on this disk.")
+        if victory.verdict == "counts" and victory.measures is not None:
+            _say(result_line(victory.level, victory.measures))
 
     def _places(self) -> Iterator[str]:
         frame = self._game.frame

@@ -11,9 +11,9 @@ import tomlkit
 
 from logical_robots_tui.editing.records import Record, Thing, record_of, words_of, written_number
 from logical_robots_tui.editing.things import KINDS, Kind
-from logical_robots_tui.world.drawing import coarsest_cell, draw_rows
 from logical_robots_tui.world.level import Robot, Visibility
-from logical_robots_tui.world.native import oddities
+from logical_robots_tui.world.levels.drawing import coarsest_cell, draw_rows
+from logical_robots_tui.world.levels.native import oddities
 
 if TYPE_CHECKING:
     from collections.abc import Iterator

@@ -8,10 +8,10 @@ from dataclasses import dataclass, fields, replace
 from typing import TYPE_CHECKING, Any, Literal, TypeAlias
 
 from logical_robots_tui.editing.records import Thing, record_of
-from logical_robots_tui.world.fields import Fields, check_robot_names
 from logical_robots_tui.world.level import Beacon, LevelError, Robot
-from logical_robots_tui.world.limits import LONGEST_NAME, MOST_OF_A_KIND
-from logical_robots_tui.world.native import read_area, read_beacon, read_robot
+from logical_robots_tui.world.levels.fields import Fields, check_robot_names
+from logical_robots_tui.world.levels.limits import LONGEST_NAME, MOST_OF_A_KIND
+from logical_robots_tui.world.levels.native import read_area, read_beacon, read_robot
 from logical_robots_tui.world.sensing import BEACON_RADIUS, ROBOT_RADIUS
 
 if TYPE_CHECKING:

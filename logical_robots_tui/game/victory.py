@@ -32,6 +32,7 @@ __all__ = [
     "level_key",
     "reference_for",
     "reference_table",
+    "result_line",
     "victory_of",
 ]
 
@@ -154,3 +155,18 @@ def keep_victory(progress: Progress, key: str, victory: Victory) -> None:
     """Save a victory that counts in the record of the level with that key. Blocks."""
     if victory.verdict == "counts":
         progress.win(key, victory.program.text, victory.measures)
+
+
+def result_line(level: Level, measures: Measures) -> str:
+    """Return a result as a line of text to share.
+
+    Args:
+        level: Where it was achieved.
+        measures: How good it is.
+    """
+    rules = f"{measures.rules} rule{'s' * (measures.rules != 1)}"
+    line = f"Logical Robots · {level.title} · {measures.ticks:,} ticks · {rules}"
+    line += f" · {measures.distance:,.0f} units driven"
+    if measures.wins is not None:
+        line += f" · {measures.wins} of {measures.starts} starts"
+    return line

@@ -254,8 +254,7 @@ def play(
     """Open the game and return when the player leaves.
 
     Args:
-        level_name: A level's name or path; by default the shipped level played last, or the first
-            one.
+        level_name: A level's name or path; by default the level played last, or the first one.
         program: A program's name or path; by default the player's last program for that level, or
             its starter.
         data_dir: Folder with drafts, the player's programs and progress; by default the system's
@@ -271,7 +270,8 @@ def play(
     """
     data_dir = data_dir or user_data_path("logical-robots", appauthor=False)
     recorder = ProgressRecorder(data_dir / FILE_NAME)
-    level = load_level(level_name or level_to_begin_with(recorder.progress))
+    progress = recorder.progress
+    level = load_level(level_name) if level_name else level_to_begin_with(progress)
     source, text = program_to_begin_with(recorder.progress, level, program, data_dir / "programs")
     app = LogicalRobotsApp(
         level,

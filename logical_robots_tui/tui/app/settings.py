@@ -17,7 +17,7 @@ from logical_robots_tui.tui.commands.keymap import key_from
 from logical_robots_tui.tui.commands.table import COMMANDS
 from logical_robots_tui.tui.labyrinth.drawing.glyphs import Drawing
 from logical_robots_tui.tui.theme.themes import NIGHT, THEMES
-from logical_robots_tui.world.limits import excess_of_toml
+from logical_robots_tui.world.levels.limits import excess_of_toml
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping, Sequence

@@ -16,7 +16,7 @@ from textual.widgets import OptionList, Select
 from textual.widgets.option_list import Option
 
 from logical_robots_tui.editing.checks import Finding
-from logical_robots_tui.editing.labyrinths import empty_room, labyrinth
+from logical_robots_tui.world.levels.labyrinths import empty_room, labyrinth
 from logical_robots_tui.editing.properties import resize, set_words
 from logical_robots_tui.editing.things import Ref
 from logical_robots_tui.editing.things import thing as thing_of

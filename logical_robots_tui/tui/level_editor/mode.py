@@ -16,9 +16,9 @@ from logical_robots_tui.tui.level_editor.editor import LevelEditor
 from logical_robots_tui.tui.recovery.autosave import Autosave
 from logical_robots_tui.tui.theme.safe_text import one_line
 from logical_robots_tui.world import LevelError, load_level
-from logical_robots_tui.world.drawing import coarsest_cell
 from logical_robots_tui.world.level import alike
-from logical_robots_tui.world.native import read_native
+from logical_robots_tui.world.levels.drawing import coarsest_cell
+from logical_robots_tui.world.levels.native import read_native
 
 if TYPE_CHECKING:
     from collections.abc import Callable

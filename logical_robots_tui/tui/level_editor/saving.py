@@ -16,7 +16,7 @@ from logical_robots_tui.tui.layout.dialogs import Question
 from logical_robots_tui.tui.library.save_dialog import SaveDialog
 from logical_robots_tui.tui.theme.safe_text import one_line
 from logical_robots_tui.world import Level
-from logical_robots_tui.world.load import NATIVE, SUFFIXES
+from logical_robots_tui.world.levels.load import NATIVE, SUFFIXES
 
 if TYPE_CHECKING:
     from pathlib import Path

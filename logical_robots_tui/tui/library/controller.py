@@ -6,6 +6,7 @@ Dialogs are loaded when first used, so that the first picture comes sooner.
 from __future__ import annotations
 
 import asyncio
+from datetime import date
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -89,6 +90,26 @@ class LibraryController:
             return
         try:
             level = await asyncio.to_thread(load_level, following[0])
+        except InputError as error:
+            self._ui.warn(str(error))
+            return
+        await self.open_level(level)
+
+    async def open_daily(self) -> None:
+        """Ask for a size, and open today's labyrinth."""
+        from logical_robots_tui.game.continuing import daily_level
+        from logical_robots_tui.tui.layout.dialogs import Question
+        from logical_robots_tui.world.levels.daily import DAILY_SIZES
+
+        today = date.today()
+        answers = [(size, size.capitalize()) for size in DAILY_SIZES]
+        asked = Question("Labyrinth of the day", f"{today.isoformat()}: which size?", answers)
+        if (answer := await self._ui.ask(asked)) is None:
+            return
+        size = next(size for size in DAILY_SIZES if size == answer)
+        try:
+            progress = self._recorder.progress
+            level = await asyncio.to_thread(daily_level, progress, today, size)
         except InputError as error:
             self._ui.warn(str(error))
             return

@@ -22,7 +22,7 @@ from logical_robots_tui.tui.library.chooser import is_path
 from logical_robots_tui.tui.theme.safe_text import one_line
 from logical_robots_tui.tui.theme.themes import INK, palette_of
 from logical_robots_tui.world import Level, list_levels, load_level
-from logical_robots_tui.world.load import SUFFIXES
+from logical_robots_tui.world.levels.load import SUFFIXES
 
 if TYPE_CHECKING:
     from pathlib import Path

@@ -14,7 +14,7 @@ from logical_robots_tui.paths import is_file
 from logical_robots_tui.tui.theme.safe_text import clip, one_line
 from logical_robots_tui.world import load_level
 from logical_robots_tui.world.level import alike
-from logical_robots_tui.world.native import read_native
+from logical_robots_tui.world.levels.native import read_native
 
 if TYPE_CHECKING:
     from collections.abc import Awaitable, Callable, Sequence

@@ -20,7 +20,7 @@ from logical_robots_tui.tui.level_editor.tools import Tool
 from logical_robots_tui.tui.library.progress_recorder import ProgressRecorder
 from logical_robots_tui.world import load_level
 from logical_robots_tui.world.level import alike
-from logical_robots_tui.world.native import read_native
+from logical_robots_tui.world.levels.native import read_native
 from tests.short import AHEAD, LEVEL
 from tests.waiting import PATIENCE, a_moment
 

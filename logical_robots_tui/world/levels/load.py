@@ -8,9 +8,9 @@ from logical_robots_tui.confinement import check_mine
 from logical_robots_tui.paths import read_ordinary
 from logical_robots_tui.shipped import did_you_mean, shipped_folder, shipped_names
 from logical_robots_tui.world.level import Level, LevelError
-from logical_robots_tui.world.limits import MOST_BYTES
-from logical_robots_tui.world.native import read_native
-from logical_robots_tui.world.web import read_web
+from logical_robots_tui.world.levels.limits import MOST_BYTES
+from logical_robots_tui.world.levels.native import read_native
+from logical_robots_tui.world.levels.web import read_web
 
 __all__ = ["NATIVE", "SUFFIXES", "WEB", "list_levels", "load_level", "read_text"]
 
@@ -31,13 +31,15 @@ def load_level(path_or_name: str | Path) -> Level:
     Args:
         path_or_name: Path of a ``.toml`` level of this game or a ``.json`` level of the web
             platform; the format of any other file is guessed from its first character. Text without
-            a folder and an ending is the name of a shipped level.
+            a folder and an ending is the name of a shipped level or of a labyrinth of the day.
 
     Raises:
         LevelError: The level doesn't exist, can't be read, or is invalid. Its ``place`` names the
             file and the line or key.
     """
     if isinstance(path_or_name, str) and _is_name(path_or_name):
+        if (daily := _daily(path_or_name)) is not None:
+            return daily
         path = _shipped(path_or_name)
     else:
         path = Path(path_or_name)
@@ -51,6 +53,16 @@ def load_level(path_or_name: str | Path) -> Level:
 
 def _is_name(text: str) -> bool:
     return not set(text) & {"/", "\\"} and Path(text).suffix == "" and text not in {".", ".."}
+
+
+def _daily(name: str) -> Level | None:
+    """Return the labyrinth of a day with that name, or None if it is not such a name."""
+    if not name.startswith("daily-"):
+        return None
+    from logical_robots_tui.world.levels.daily import Daily
+
+    daily = Daily.named(name)
+    return daily and daily.level(str(shipped_folder("levels") / f"{name}{NATIVE}"))
 
 
 def _shipped(name: str) -> Path:

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, TypeVar
 import numpy as np
 
 from logical_robots_tui.world.level import Area, Level, LevelError, Robot
-from logical_robots_tui.world.limits import MOST_SIDE
+from logical_robots_tui.world.levels.limits import MOST_SIDE
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

@@ -8,8 +8,6 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, TypedDict
 
 from logical_robots_tui.shipped import did_you_mean
-from logical_robots_tui.world.drawing import read_drawing
-from logical_robots_tui.world.fields import Fields, check_robot_names
 from logical_robots_tui.world.level import (
     AREA_COLOR,
     ROBOT_COLOR,
@@ -20,7 +18,9 @@ from logical_robots_tui.world.level import (
     Robot,
     Visibility,
 )
-from logical_robots_tui.world.limits import excess_of_toml
+from logical_robots_tui.world.levels.drawing import read_drawing
+from logical_robots_tui.world.levels.fields import Fields, check_robot_names
+from logical_robots_tui.world.levels.limits import excess_of_toml
 
 if TYPE_CHECKING:
     from collections.abc import Iterator

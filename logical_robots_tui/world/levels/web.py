@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from logical_robots_tui.world.fields import Fields, check_robot_names
 from logical_robots_tui.world.level import (
     AREA_COLOR,
     ROBOT_COLOR,
@@ -18,7 +17,8 @@ from logical_robots_tui.world.level import (
     Robot,
     Visibility,
 )
-from logical_robots_tui.world.limits import LONGEST_NAME, excess_of_json
+from logical_robots_tui.world.levels.fields import Fields, check_robot_names
+from logical_robots_tui.world.levels.limits import LONGEST_NAME, excess_of_json
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray

@@ -16,14 +16,14 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from logical_robots_tui.world.level import LevelError
-from logical_robots_tui.world.limits import MOST_SIDE
+from logical_robots_tui.world.levels.limits import MOST_SIDE
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
     from numpy.typing import NDArray
 
-    from logical_robots_tui.world.fields import Fields
+    from logical_robots_tui.world.levels.fields import Fields
 
 __all__ = ["coarsest_cell", "draw_rows", "expresses", "find_drawing", "read_drawing"]
 

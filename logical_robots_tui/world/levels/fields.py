@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, NamedTuple, TypeVar
 
 from logical_robots_tui.shipped import did_you_mean
 from logical_robots_tui.world.level import LevelError
-from logical_robots_tui.world.limits import (
+from logical_robots_tui.world.levels.limits import (
     LONGEST_NAME,
     LONGEST_TEXT,
     MOST_OF_A_KIND,
