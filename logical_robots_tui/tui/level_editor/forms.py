@@ -16,7 +16,6 @@ from textual.widgets import OptionList, Select
 from textual.widgets.option_list import Option
 
 from logical_robots_tui.editing.checks import Finding
-from logical_robots_tui.world.levels.labyrinths import empty_room, labyrinth
 from logical_robots_tui.editing.properties import resize, set_words
 from logical_robots_tui.editing.things import Ref
 from logical_robots_tui.editing.things import thing as thing_of
@@ -26,6 +25,7 @@ from logical_robots_tui.tui.library.level_screen import own_levels
 from logical_robots_tui.tui.theme.safe_text import one_line
 from logical_robots_tui.tui.theme.themes import INK
 from logical_robots_tui.world import Beacon, Level, Robot, Visibility, list_levels, load_level
+from logical_robots_tui.world.levels.labyrinths import empty_room, labyrinth
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Sequence
