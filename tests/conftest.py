@@ -14,9 +14,11 @@ from hypothesis import HealthCheck, settings
 
 from logical_robots_tui.garbage import collect_seldom
 from logical_robots_tui.mind import Decision, Notice
+from logical_robots_tui.progress import store
 from tests.installed import Installed, build_wheel, install
 
 if TYPE_CHECKING:
+    import sqlite3
     from collections.abc import Iterator
     from pathlib import Path
 
@@ -135,6 +137,26 @@ def _log_handlers_as_before() -> Iterator[None]:
     before = list(log.handlers)
     yield
     log.handlers = before
+
+
+@pytest.fixture(autouse=True)
+def _progress_closed(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
+    """Close what a test leaves open.
+
+    From Python 3.13 on, a connection that nobody closed is a warning when it is collected, in any
+    later test, which then fails.
+    """
+    opened: list[sqlite3.Connection] = []
+    connect = store._connect
+
+    def noted(name: str, *, uri: bool = False) -> sqlite3.Connection:
+        opened.append(connect(name, uri=uri))
+        return opened[-1]
+
+    monkeypatch.setattr(store, "_connect", noted)
+    yield
+    for connection in opened:
+        connection.close()
 
 
 @pytest.fixture

@@ -29,7 +29,7 @@ if TYPE_CHECKING:
 
 PAGE = Path(__file__).parents[2] / "docs" / "speed.md"
 
-OPTIONAL = [each.name for each in PASSES if not each.must]
+OPTIONAL = [each.name for each in PASSES if not each.required]
 LEFT_OUT: list[Collection[str]] = [*({name} for name in OPTIONAL), OPTIONAL]
 """Each pass alone, and all of them together."""
 

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
     from logical_robots_tui.cli.command import Commands
     from logical_robots_tui.mind import Ask, Explanation, Node, Program
-    from logical_robots_tui.mind.diagnosis.nearest import Suggestion
+    from logical_robots_tui.mind.why.nearest import Suggestion
     from logical_robots_tui.world import Level
 
 __all__ = ["declare"]

@@ -32,7 +32,7 @@ if TYPE_CHECKING:
 
     from logical_robots_tui.game import Frame
     from logical_robots_tui.mind import Explanation, Proof
-    from logical_robots_tui.mind.diagnosis.nearest import Suggestion
+    from logical_robots_tui.mind.why.nearest import Suggestion
     from logical_robots_tui.tui.app.session import Session
     from logical_robots_tui.tui.inspector.questions import Questions
 

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+from contextlib import closing
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import pytest
 
 from logical_robots_tui.mind import Mind, Program
-from logical_robots_tui.mind.diagnosis.nearest import MOST, Suggestion, nearest_misses
+from logical_robots_tui.mind.why.nearest import MOST, Suggestion
 from tests.mind.rows import row
 
 if TYPE_CHECKING:
@@ -105,7 +106,9 @@ CASES = {
 
 def ask(rules: str, robot: str = "Ada") -> tuple[str, tuple[Suggestion, ...]]:
     text = f"{rules}{ROBOT}"
-    return text, nearest_misses(Program.compile(text), "Near", 0, robot, ROWS, MEMORIES)
+    with closing(Mind(Program.compile(text))) as mind:
+        found = mind.explainer(robot, ROWS, MEMORIES).nearest("Near")
+    return text, tuple(each for _, each in found)
 
 
 def has_row(text: str, robot: str) -> bool:
