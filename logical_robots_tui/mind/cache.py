@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
 __all__ = ["FOLDER_VARIABLE", "MAX_BYTES", "MAX_ENTRIES", "find", "folder", "keep"]
 
-MAX_ENTRIES = 1_000
+MAX_ENTRIES = 5_000
 MAX_BYTES = 50_000_000
 _LARGEST = 5_000_000  # bytes of one entry
 _SUFFIX = ".program"

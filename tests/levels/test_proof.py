@@ -83,6 +83,7 @@ def test_the_solution_wins_from_a_shifted_start(name: str, seed: int) -> None:
     assert ticks_to_win(shifted(level, seed), program, patience_for(ticks))
 
 
+@pytest.mark.sampled
 @each_level
 def test_the_starter_does_not_win_soon(name: str) -> None:
     level = load_level(name)

@@ -60,6 +60,8 @@ class LogicalRobotsApp(DiffApp, inherit_bindings=False):
         permissions: What the player may do with the machine; by default everything.
     """
 
+    _event_loop: asyncio.AbstractEventLoop | None = None
+
     TITLE = "Logical Robots"
     CSS_PATH = "main_screen.tcss"
     ENABLE_COMMAND_PALETTE = False
@@ -96,11 +98,10 @@ class LogicalRobotsApp(DiffApp, inherit_bindings=False):
         self._key_queue = KeyQueue(self)
         self._interrupted_at = float("-inf")
         self._was_cut = False
-        self._event_loop: asyncio.AbstractEventLoop | None = None
 
     def get_theme_variable_defaults(self) -> dict[str, str]:
-        """Variables that our style sheets use in every theme."""
-        return colours_in(self.current_theme)
+        """Variables that our style sheets use in every theme, once the first theme is known."""
+        return {} if self._event_loop is None else colours_in(self.current_theme)
 
     def get_default_screen(self) -> MainScreen:
         """The main screen."""

@@ -54,6 +54,7 @@ def compile_it(terminal: Terminal) -> None:
     terminal.send("\x12")
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize(
     ("work", "room"),
     [(draw, 4), (draw, 30), (think, 1), (think, 12), (compile_it, 1), (compile_it, 12)],

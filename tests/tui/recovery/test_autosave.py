@@ -74,6 +74,7 @@ async def test_unsaved_text_is_offered_at_the_next_start(data_dir: Path) -> None
     assert texts(data_dir) == ["hello" + PAPER]
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize("key", ["n", "y", "s", "enter", "right", "tab", "escape"])
 async def test_a_key_that_was_meant_for_the_game_is_no_answer(data_dir: Path, key: str) -> None:
     await type_and_leave(data_dir, "hello")
