@@ -58,15 +58,15 @@ async def _in_the_app(level: Level) -> list[float]:
             main.editing.do("brush")
             view, found = main.labyrinth.view, []
             assert view.overlay is not None
-            view.overlay.pointer.press(1000, 1000)
+            view.overlay.press(1000, 1000)
             for i in range(STROKES):
                 await pilot.pause(0)
                 began = process_time()
-                view.overlay.pointer.hover(1000 + 40 * i, 1000 + 10 * i, is_held=True)
+                view.overlay.hover(1000 + 40 * i, 1000 + 10 * i, is_held=True)
                 for row in range(view.size.height):
                     view.render_line(row)
                 found.append(1000 * (process_time() - began))
-            view.overlay.pointer.release()
+            view.overlay.release()
     return found
 
 

@@ -11,8 +11,7 @@ from textual.app import App, ComposeResult
 from benchmarks.measure import Effort, Measurement, repeated, summed_up
 from logical_robots_tui.mind import Node
 from logical_robots_tui.tui.inspector.widgets.proof_view import WhyView
-from logical_robots_tui.tui.theme.colours import colours_in
-from logical_robots_tui.tui.theme.themes import NIGHT
+from logical_robots_tui.tui.theme.themes import NIGHT, colours_in
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator

@@ -7,8 +7,8 @@ import math
 import sys
 from typing import TYPE_CHECKING
 
+from logical_robots_tui.cli.command import harmless
 from logical_robots_tui.cli.failure import ProgramFileError
-from logical_robots_tui.cli.text import harmless
 from logical_robots_tui.errors import InputError
 from logical_robots_tui.game import (
     Breakpoint,
@@ -17,7 +17,6 @@ from logical_robots_tui.game import (
     goals,
     level_key,
     load_program,
-    mistake_in,
     save_program,
 )
 from logical_robots_tui.game.continuing import (
@@ -26,7 +25,7 @@ from logical_robots_tui.game.continuing import (
     note_level,
     program_to_begin_with,
 )
-from logical_robots_tui.game.events import events_between
+from logical_robots_tui.game.frame import events_between
 from logical_robots_tui.game.source import target
 from logical_robots_tui.game.victory import keep_victory, result_line, victory_of
 from logical_robots_tui.mind import Program, ProgramError
@@ -171,10 +170,10 @@ class _TextGame:
             self._game.breakpoints.remove(wanted)
             _say(f"Runs no longer stop when {wanted.words}.")
             return
-        mistake = mistake_in(wanted, self._level, self._game.program)
-        if not mistake:
+        problem = self._game.problem_with(wanted)
+        if not problem:
             self._game.breakpoints.add(wanted)
-        _say(mistake or f"Runs will stop when {wanted.words}.")
+        _say(problem or f"Runs will stop when {wanted.words}.")
 
     def _save(self, name: str) -> None:
         try:

@@ -105,7 +105,7 @@ def start(options: argparse.Namespace) -> int:
             _restrict(options, "logical_robots_tui.cli.plain")
         return _play_in_lines(options)
     if options.restricted:
-        _restrict(options, "logical_robots_tui.tui.app.play")
+        _restrict(options, "logical_robots_tui.tui.app.app")
     return _play_on_screen(options)
 
 
@@ -175,8 +175,8 @@ def _prepare_screen() -> None:
 
 
 def _play_on_screen(options: argparse.Namespace) -> int:
-    from logical_robots_tui.tui.app.permissions import Permissions
-    from logical_robots_tui.tui.app.play import play
+    from logical_robots_tui.tui.app.app import play
+    from logical_robots_tui.tui.app.ui import Permissions
 
     free = not options.restricted
     permissions = Permissions(programs=free, clipboard=free or options.allow_clipboard)

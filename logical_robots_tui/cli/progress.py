@@ -10,8 +10,14 @@ import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from logical_robots_tui.cli.command import add_data_dir, folder_of, new_command
-from logical_robots_tui.cli.text import columns, finite, harmless
+from logical_robots_tui.cli.command import (
+    add_data_dir,
+    columns,
+    finite,
+    folder_of,
+    harmless,
+    new_command,
+)
 
 if TYPE_CHECKING:
     import argparse

@@ -7,13 +7,13 @@ from contextlib import suppress
 from typing import TYPE_CHECKING, NamedTuple
 
 from logical_robots_tui.errors import InputError
-from logical_robots_tui.game.reference import level_key
 from logical_robots_tui.game.source import (
     DEFAULT_PROGRAM,
     Source,
     load_program,
     shipped_texts,
 )
+from logical_robots_tui.game.victory import level_key
 from logical_robots_tui.world import LevelError, list_levels, load_level
 
 if TYPE_CHECKING:

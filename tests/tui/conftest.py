@@ -181,7 +181,7 @@ class Opened:
         """Wait until the first program is compiled and everything is loaded."""
         await self.until(lambda: self.session.state.phase in ("applied", "mistake"))
         # Which the game loads at its leisure.
-        await self.until(lambda: self.inspector.pages.asking.line.is_mounted)
+        await self.until(lambda: self.inspector.pages.ask.line.is_mounted)
 
     async def write(self, text: str) -> None:
         """Put a text into the editor as a paste and apply it."""

@@ -141,10 +141,10 @@ class SaveLevel(SaveDialog[Level]):
         self._own = own
         self._file = file
 
-    def fields(self) -> ComposeResult:
+    def content_widgets(self) -> ComposeResult:
         """Yield the name of the file, and the title."""
         yield Static("File name", classes="label", markup=False)
-        yield from super().fields()
+        yield from super().content_widgets()
         yield Static("Title", classes="label", markup=False)
         yield Input(self._level.title, id="title", select_on_focus=False)
 

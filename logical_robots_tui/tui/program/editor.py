@@ -101,7 +101,7 @@ class Editor(TextArea):
 
     def _apply_theme(self, theme: Theme) -> None:
         self._syntax = {kind: rich_style(text) for kind, text in SYNTAX.items()}
-        dress = TextAreaTheme(
+        colours = TextAreaTheme(
             name=f"logica-{theme.name}",
             cursor_line_style=rich_style("on $row"),
             cursor_line_gutter_style=rich_style(f"{INK.title} on $row"),
@@ -109,8 +109,8 @@ class Editor(TextArea):
             selection_style=rich_style("on $selection"),
             bracket_matching_style=rich_style("bold on $bracket"),
         )
-        self.register_theme(dress)
-        self.theme = dress.name
+        self.register_theme(colours)
+        self.theme = colours.name
 
     # -- content -------------------------------------------------------------------------------
 

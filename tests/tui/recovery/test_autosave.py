@@ -37,7 +37,7 @@ if TYPE_CHECKING:
 PLAY = """
 import sys
 from pathlib import Path
-from logical_robots_tui.tui.app.play import play
+from logical_robots_tui.tui.app.app import play
 sys.exit(play(sys.argv[1], sys.argv[2], Path(sys.argv[3])))
 """
 
