@@ -138,6 +138,7 @@ class LogicalRobotsApp(DiffApp, inherit_bindings=False):
         view = self.main.labyrinth.view
         view.rays, view.trails = settings.cones, settings.trails
         self.main.program.editor.completes = settings.completion
+        self.main.program.editor.soft_wrap = settings.wrap
         for complaint in settings.complaints[:_COMPLAINTS]:
             self.main.warn(complaint)
 
@@ -244,7 +245,8 @@ class LogicalRobotsApp(DiffApp, inherit_bindings=False):
         if now - self._interrupted_at < _TWICE:
             self.main.quit()
         self._interrupted_at = now
-        self.notify("Press ^C again to leave the game.", markup=False, timeout=_TWICE)
+        said = with_keys("Press ^C again to quit, or {quit} outside the editor.")
+        self.notify(said, markup=False, timeout=_TWICE)
 
 
 def play(
