@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import os
 import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, TypeAlias
@@ -16,6 +17,7 @@ __all__ = [
     "Commands",
     "add_data_dir",
     "add_json",
+    "add_no_solutions",
     "folder_of",
     "new_command",
     "number_from",
@@ -78,6 +80,16 @@ def add_data_dir(command: argparse.ArgumentParser) -> None:
         type=Path,
         metavar="FOLDER",
         help="the folder for your programs, progress and unsaved work",
+    )
+
+
+def add_no_solutions(command: argparse.ArgumentParser) -> None:
+    """Add the option that hides solutions; a teacher sets it for a class."""
+    command.add_argument(
+        "--no-solutions",
+        action="store_true",
+        default=os.environ.get("LOGICAL_ROBOTS_NO_SOLUTIONS", "") not in ("", "0"),
+        help="for a class: hide the solution of each level until it is won",
     )
 
 

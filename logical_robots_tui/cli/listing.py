@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 from typing import TYPE_CHECKING
 
-from logical_robots_tui.cli.command import add_data_dir, new_command
+from logical_robots_tui.cli.command import add_data_dir, add_no_solutions, new_command
 from logical_robots_tui.cli.text import columns
 
 if TYPE_CHECKING:
@@ -35,6 +35,7 @@ def declare(commands: Commands) -> None:
     )
     programs.add_argument("--json", action="store_true", help="print JSON")
     add_data_dir(programs)
+    add_no_solutions(programs)
 
 
 def list_all_levels(options: argparse.Namespace) -> int:
@@ -63,8 +64,12 @@ def list_all_programs(options: argparse.Namespace) -> int:
     """Print the name and file of each program."""
     from logical_robots_tui.cli.command import own_programs
     from logical_robots_tui.game import list_programs, load_program
+    from logical_robots_tui.game.source import hide_solutions
+    from logical_robots_tui.progress import FILE_NAME, Progress
 
     own = own_programs(options.data_dir)
+    if options.no_solutions:
+        hide_solutions(Progress(own.parent / FILE_NAME))
     sources = [load_program(name, own) for name in list_programs(own)]
     if options.json:
         found = [

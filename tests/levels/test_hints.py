@@ -10,6 +10,7 @@ import re
 from functools import cache
 from math import dist
 from pathlib import Path
+from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import pytest
@@ -29,6 +30,9 @@ STEPS = Path(__file__).with_name("steps")
 each_level = pytest.mark.parametrize("name", LEVELS)
 
 
+NO_TABLES: Mapping[str, Table] = MappingProxyType({})
+
+
 class Moment(NamedTuple):
     """The middle of a tick: robots have sensed and not yet decided."""
 
@@ -38,7 +42,7 @@ class Moment(NamedTuple):
     rows: Any
     memories: dict[str, Any]
     mind: Mind
-    tables: Mapping[str, Table] = {}
+    tables: Mapping[str, Table] = NO_TABLES
 
     def radar(self, robot: str) -> list[Any]:
         (sensor,) = (row["sensor"] for row in self.rows if row["robot_name"] == robot)
@@ -124,7 +128,7 @@ def test_the_program_that_results_from_the_last_hint_wins(name: str) -> None:
 def engines(moment: Moment) -> list[tuple[float, float]]:
     """The desires that ``Robot`` has at a moment."""
     table = moment.tables["Robot"]
-    desires = [row[table.columns.index("desire")] for row in table.rows]
+    desires: list[Any] = [row[table.columns.index("desire")] for row in table.rows]
     return [(desire["left_engine"], desire["right_engine"]) for desire in desires]
 
 
@@ -132,7 +136,8 @@ def chosen(moment: Moment, predicate: str) -> dict[str, str]:
     """The labels of the rays that a predicate has for each robot."""
     table = moment.tables[predicate]
     name, ray = table.columns.index("robot_name"), table.columns.index("ray")
-    return {row[name]: row[ray]["label"] for row in table.rows}
+    rows: list[Any] = list(table.rows)
+    return {row[name]: row[ray]["label"] for row in rows}
 
 
 def ada_touches_the_wall() -> bool:
@@ -328,7 +333,7 @@ def more_settle_and_all_stay_settled() -> bool:
             return False
         before = settled
     (starter,) = at("12-swarm", [301])
-    return len(before) > sum(memory["settled"] for memory in starter.memories.values())
+    return len(before) > len([m for m in starter.memories.values() if m["settled"]])
 
 
 TRIED = {

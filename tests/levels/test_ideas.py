@@ -36,7 +36,7 @@ STRAIGHT = (20, 40, 60, 100, 150, 200, 300, 500)
 TURNING = (8, 16, 24, 31, 40, 47, 62)
 TURNS = ((0.5, -0.5), (-0.5, 0.5), (1.0, 0.2), (0.2, 1.0))
 
-CONSTANT: list[Script] = [((1, pair),) for pair in product(POWERS, repeat=2)]
+CONSTANT: list[Script] = [((1, (left, right)),) for left, right in product(POWERS, POWERS)]
 PERIODIC: list[Script] = [
     ((ahead, (1.0, 1.0)), (aside, turn)) for ahead, aside, turn in product(STRAIGHT, TURNING, TURNS)
 ]
@@ -199,7 +199,7 @@ LEFT_HAND = (
     ("(WallAngle(radar) + 1.05) + (45", "(WallAngle(radar) - 1.05) - (45"),
 )
 FASTER = (("0.8 - angle", "1 - angle"), ("0.8 + angle", "1 + angle"))
-VARIATIONS = {
+VARIATIONS: dict[str, list[tuple[tuple[str, str], ...]]] = {
     "01-first-steps": [(("distance < 40", "distance < 80"),)],
     "02-open-space": [(("ray.distance ->", "ray.distance * ray.distance ->"),)],
     "03-the-long-hall": [LEFT_HAND, FASTER],

@@ -141,7 +141,7 @@ _VISIBILITIES: dict[tuple[str, str], Visibility] = {
 
 
 class LevelForm(Form):
-    """Edits size, texts and visibility.
+    """Edits size, texts, visibility and shared names.
 
     Args:
         editor: The level editor.
@@ -163,6 +163,7 @@ class LevelForm(Form):
         yield "New room", flag("wall", "is wall", value=False)
         yield "Robot sees", _select("sensor", _SENSORS, level.visibility.sensor)
         yield "Robot knows", _select("memory", _MEMORIES, level.visibility.memory)
+        yield "Shared names", text("shared_names", ", ".join(level.shared_names))
         yield "Briefing", TextArea(level.briefing, id="briefing", tab_behavior="focus")
         hints = "\n\n".join(level.hints)
         yield "Hints", TextArea(hints, id="hints", tab_behavior="focus")
@@ -184,6 +185,7 @@ class LevelForm(Form):
             "briefing": self._kept("briefing", level.briefing),
             "hints": self._hints(),
             "visibility": visibility,
+            "shared_names": self._shared_names(),
         }
         changed = set_words(changed, **words)
         self._editor.change_level("level", changed)
@@ -191,6 +193,12 @@ class LevelForm(Form):
     def _kept(self, name: str, before: str) -> str:
         typed = self.lines_of(name)
         return before if typed == before.strip() else typed
+
+    def _shared_names(self) -> tuple[str, ...]:
+        typed = self.text_of("shared_names")
+        if typed == ", ".join(self._level.shared_names):
+            return self._level.shared_names
+        return tuple(name.strip() for name in typed.split(",") if name.strip())
 
     def _hints(self) -> tuple[str, ...]:
         typed = self.lines_of("hints")
