@@ -3,12 +3,13 @@
 
 PYTHON ?= python3
 VENV ?= .venv
-# One more than there are processors: many tests wait for a terminal or a process.
-WORKERS ?= $(shell expr $$(getconf _NPROCESSORS_ONLN) + 1)
+# More than there are processors: many tests wait for a terminal, a process or a timer.
+WORKERS ?= $(shell expr $$(getconf _NPROCESSORS_ONLN) + 2)
 BIN := $(VENV)/bin
 # A quick run leaves out slow tests and nine tenths of what there are many of; ALL=1 runs everything.
 ALL ?=
-PYTEST = $(BIN)/python -m pytest -n $(WORKERS) --dist worksteal $(if $(ALL),--all)
+# Whatever the environment says, modules and tests are compiled once and not in each process.
+PYTEST = PYTHONDONTWRITEBYTECODE= $(BIN)/python -m pytest -n $(WORKERS) --dist worksteal $(if $(ALL),--all)
 PIP := $(BIN)/python -m pip --disable-pip-version-check --require-virtualenv
 
 .DEFAULT_GOAL := help
@@ -51,6 +52,7 @@ prove: $(VENV)/.dev ## Prove the levels from 20 starts each; ARGS="-k 05-lightho
 	$(PYTEST) --all -m "proof or not proof" -o faulthandler_timeout=7200 tests/levels/test_proof.py $(ARGS)
 
 bench: $(VENV)/.dev ## Measure; ARGS="--json numbers.json" keeps the numbers
+	@$(BIN)/python -m compileall -q logical_robots_tui
 	$(BIN)/python -m benchmarks $(ARGS)
 
 screenshot: $(VENV)/.dev ## Draw docs/screenshot.svg and docs/levels.svg anew

@@ -32,15 +32,14 @@ from benchmarks.ssh import processor, ssh
 from benchmarks.swarm import swarms
 from benchmarks.whole_game import whole_game
 from benchmarks.with_screen import traffic, with_screen
-from benchmarks.world import crowds, world_alone
+from benchmarks.world import crowds
 from logical_robots_tui.garbage import collect_seldom
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
 BENCHMARKS = {
-    "world": world_alone,
-    "crowds": crowds,
+    "world": crowds,
     "compile": compiling,
     "think": thinking,
     "schemas": schemas,
@@ -61,6 +60,9 @@ BENCHMARKS = {
     "processor": processor,
     "first-frame": first_frame,
 }
+LONG = {"memory", "traffic", "ssh", "class"}
+"""Left out of a quick run that names no benchmarks."""
+
 THOROUGH = Effort(repeats=7, ticks=400)
 QUICK = Effort(repeats=2, ticks=60, is_quick=True)
 
@@ -76,7 +78,8 @@ def main(arguments: Sequence[str] | None = None) -> None:
     collect_seldom()  # as the commands do
     os.environ["LOGICAL_ROBOTS_CACHE_DIR"] = ""  # cached programs would make the numbers too good
     effort = QUICK if options.quick else THOROUGH
-    found = _measure(options.only or list(BENCHMARKS), effort)
+    names = [name for name in BENCHMARKS if not (options.quick and name in LONG)]
+    found = _measure(options.only or names, effort)
     wide = None if sys.stdout.isatty() else 120
     Console(width=wide).print(_table(found, earlier))
     if options.json:
@@ -115,7 +118,8 @@ def _parser() -> argparse.ArgumentParser:
     parser.add_argument(
         "--compare", type=Path, metavar="FILE", help="also show the numbers of an earlier --json"
     )
-    parser.add_argument("--quick", action="store_true", help="fewer repeats, less exact")
+    without = f"fewer repeats, less exact; by default without {', '.join(sorted(LONG))}"
+    parser.add_argument("--quick", action="store_true", help=without)
     return parser
 
 

@@ -11,6 +11,7 @@ from functools import partial
 from typing import TYPE_CHECKING
 
 from benchmarks.measure import Effort, Measurement, median_of, repeated, seconds_for, summed_up
+from benchmarks.subjects import LARGEST
 from logical_robots_tui import load_level
 from logical_robots_tui.caching import FOLDER_VARIABLE
 
@@ -19,7 +20,7 @@ if TYPE_CHECKING:
 
 __all__ = ["answers"]
 
-LEVELS = {"06-breadcrumbs": 6, "10-distributed-mapping": 6, "12-swarm": 1}
+LEVELS = {"06-breadcrumbs": 6, LARGEST: 3}
 """Levels, and the number of ticks to run for each unit of effort."""
 
 

@@ -22,15 +22,9 @@ __all__ = ["breakpoints"]
 WATCHED = {
     "12-swarm": (
         "Robot",
-        "Settled",
         "Settled(robot_name:, distance:), distance < 10",
-        "Sensor(robot_name:, sensor:), sensor.forward_distance < 1",
     ),
-    "06-breadcrumbs": (
-        "Robot",
-        "Fresh",
-        "Sensor(robot_name:, sensor:), ray in sensor.radar, ray.distance < 3",
-    ),
+    "06-breadcrumbs": ("Sensor(robot_name:, sensor:), ray in sensor.radar, ray.distance < 3",),
 }
 TICKS = {"12-swarm": 0.05, "06-breadcrumbs": 0.3}
 """Ticks to run for each unit of effort."""

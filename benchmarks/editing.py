@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import asyncio
-import statistics
 import tempfile
 from functools import partial
 from pathlib import Path
@@ -11,7 +10,7 @@ from time import process_time
 from typing import TYPE_CHECKING
 
 from benchmarks.halls import halls
-from benchmarks.measure import Effort, Measurement, median_of, repeated
+from benchmarks.measure import Effort, Measurement, median_of, summed_up
 from logical_robots_tui.editing.edits import Edits
 from logical_robots_tui.editing.walls import paint
 from logical_robots_tui.game import Frame, load_program
@@ -32,31 +31,23 @@ VIEWS = {
     "whole": Viewport.fit(SIDE, SIDE, COLUMNS, ROWS),
     "near": Viewport(COLUMNS, ROWS, 1000, 1000, 2.0),
 }
+COUNT = 1000  # robots, beacons and areas
 STROKES = 20  # in one measurement
 
 
 def editing(effort: Effort) -> Iterator[Measurement]:
     """Measure the processor time in milliseconds from a stroke to its picture."""
-    counts = (1000,) if effort.is_quick else (10, 100, 1000)
-    for count in counts:
-        level = halls(SIDE, SIDE, robots=count, beacons=count, areas=count)
-        for name, view in VIEWS.items():
-            subject = f"{SIDE:,}x{SIDE:,}, {count} of each, {name} view"
-            once = partial(_stroke_milliseconds, level, view)
-            yield median_of("brush stroke", subject, "ms", effort.repeats, once, required="<= 50")
-
-    for count in counts:
-        level = halls(SIDE, SIDE, robots=count, beacons=count, areas=count)
-        found = repeated(effort.repeats, lambda: asyncio.run(_in_the_app(level)))  # noqa: B023 - called in this turn only
-        subject = f"{SIDE:,}x{SIDE:,}, {count} of each"
-        middle = statistics.median(found)
-        yield Measurement(
-            *("brush stroke in the game", subject, middle, "ms", min(found), max(found), "<= 50")
-        )
+    level = halls(SIDE, SIDE, robots=COUNT, beacons=COUNT, areas=COUNT)
+    subject = f"{SIDE:,}x{SIDE:,}, {COUNT} of each"
+    for name, view in VIEWS.items():
+        once, here = partial(_stroke_milliseconds, level, view), f"{subject}, {name} view"
+        yield median_of("brush stroke", here, "ms", effort.repeats, once, required="<= 50")
+    strokes = asyncio.run(_in_the_app(level))
+    yield summed_up("brush stroke in the game", subject, "ms", strokes, required="<= 50")
 
 
-async def _in_the_app(level: Level) -> float:
-    """Return the median processor time in ms from a mouse move to the lines to send."""
+async def _in_the_app(level: Level) -> list[float]:
+    """Return the processor times in ms from a mouse move to the lines to send."""
     with tempfile.TemporaryDirectory() as folder:
         app = LogicalRobotsApp(level, load_program("first-steps-starter"), data_dir=Path(folder))
         async with app.run_test(size=(COLUMNS, ROWS)) as pilot:
@@ -67,16 +58,16 @@ async def _in_the_app(level: Level) -> float:
             main.editing.do("brush")
             view, found = main.labyrinth.view, []
             assert view.overlay is not None
-            view.overlay.pointer.press(1000, 1000)
+            view.overlay.press(1000, 1000)
             for i in range(STROKES):
                 await pilot.pause(0)
                 began = process_time()
-                view.overlay.pointer.hover(1000 + 40 * i, 1000 + 10 * i, is_held=True)
+                view.overlay.hover(1000 + 40 * i, 1000 + 10 * i, is_held=True)
                 for row in range(view.size.height):
                     view.render_line(row)
                 found.append(1000 * (process_time() - began))
-            view.overlay.pointer.release()
-    return statistics.median(found)
+            view.overlay.release()
+    return found
 
 
 def _stroke_milliseconds(level: Level, view: Viewport) -> float:

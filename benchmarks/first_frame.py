@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import statistics
 import sys
 import tempfile
 from functools import partial
 from time import perf_counter
 from typing import TYPE_CHECKING
 
-from benchmarks.measure import Effort, Measurement, repeated
+from benchmarks.measure import Effort, Measurement, repeated, summed_up
 from tests.terminal import Terminal
 
 if TYPE_CHECKING:
@@ -46,8 +45,7 @@ def first_frame(effort: Effort) -> Iterator[Measurement]:
             ("first picture / minimal app", ratios, "times", "<= 1.7"),
             ("program ready", ready, "ms", ""),
         ):
-            middle = statistics.median(found)
-            yield Measurement(event, subject, middle, unit, min(found), max(found), required)
+            yield summed_up(event, subject, unit, found, required=required)
 
 
 def _round(size: tuple[int, int]) -> tuple[float, float, float]:

@@ -3,17 +3,15 @@
 from __future__ import annotations
 
 import asyncio
-import statistics
 from time import process_time
 from typing import TYPE_CHECKING
 
 from textual.app import App, ComposeResult
 
-from benchmarks.measure import Effort, Measurement, repeated
+from benchmarks.measure import Effort, Measurement, repeated, summed_up
 from logical_robots_tui.mind import Node
 from logical_robots_tui.tui.inspector.widgets.proof_view import WhyView
-from logical_robots_tui.tui.theme.colours import colours_in
-from logical_robots_tui.tui.theme.themes import NIGHT
+from logical_robots_tui.tui.theme.themes import NIGHT, colours_in
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
@@ -34,9 +32,7 @@ def folding(effort: Effort) -> Iterator[Measurement]:
     subject = f"{NODES:,} nodes, {SIZE[0]}x{SIZE[1]}"
     for what, times in found.items():
         required = "< 100" if what == NEXT_TICK else "< 50"
-        yield Measurement(
-            *(what, subject, statistics.median(times), "ms", min(times), max(times), required)
-        )
+        yield summed_up(what, subject, "ms", times, required=required)
 
 
 async def _in_a_view() -> dict[str, float]:

@@ -5,9 +5,6 @@ from __future__ import annotations
 import asyncio
 import random
 import re
-import statistics
-import sys
-import tempfile
 import tracemalloc
 from dataclasses import replace
 from functools import partial
@@ -15,52 +12,37 @@ from time import perf_counter
 from typing import TYPE_CHECKING
 
 from benchmarks.halls import halls
-from benchmarks.measure import Effort, Measurement
-from benchmarks.subjects import program_text, robots_of
+from benchmarks.measure import Effort, Measurement, summed_up
+from benchmarks.subjects import LARGEST, program_text, robots_of
+from benchmarks.with_screen import opened
 from logical_robots_tui import Program, load_level
 from logical_robots_tui.game import Frame, Game, History, load_program
 from logical_robots_tui.game.history.history import DEFAULT_LENGTH
-from logical_robots_tui.world import list_levels
-from tests.terminal import Terminal
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
     from logical_robots_tui import Level
+    from tests.terminal import Terminal
 
 __all__ = ["history"]
 
-LARGEST = "10-distributed-mapping"
 SHORT, LONG = 600, 1_200  # ticks: what is held grows by the same with each, once they are packed
 JUMPS = 60
 QUIET = 0.15  # seconds without output, after which a paused game has nothing more to say
 
 
 def history(effort: Effort) -> Iterator[Measurement]:
-    """Measure memory and time for levels under their reference programs, and for ten robots."""
-    found: list[list[Measurement]] = [[], [], []]
-    for level, text, required in list(_subjects())[-2 if effort.is_quick else 0 :]:
-        measured = asyncio.run(_measure(level, Program.compile(text), effort, required))
-        for group, measurement in zip(found, measured, strict=True):
-            group.append(measurement)
-    for group in found:
-        yield from group
-    yield _key_to_screen(effort.ticks // 20)
-
-
-def _subjects() -> Iterator[tuple[Level, str, str]]:
-    for level in map(load_level, list_levels()):
-        yield level, load_program(level.solution).text, ""
+    """Measure memory and time for ten robots, without and with a map in their memories."""
     ten = halls(1200, 700, robots=10, beacons=56)
-    yield replace(ten, name="ten that steer"), program_text("steering"), "<= 200"
     mapping = load_program(load_level(LARGEST).solution).text
-    yield replace(ten, name="ten that map"), mapping, "<= 200"
+    for name, text in (("ten that steer", program_text("steering")), ("ten that map", mapping)):
+        program = Program.compile(text)
+        yield from asyncio.run(_measure(replace(ten, name=name), program, effort.ticks))
+    yield _key_to_screen(effort.ticks // 40)
 
 
-async def _measure(
-    level: Level, program: Program, effort: Effort, required: str
-) -> list[Measurement]:
-    ticks = max(40, effort.ticks // max(1, len(level.robots) // 10))
+async def _measure(level: Level, program: Program, ticks: int) -> list[Measurement]:
     game = Game(level, program)
     frames = [game.frame]
     game.listen(frames.append)
@@ -72,17 +54,11 @@ async def _measure(
     await game.close()
     subject = f"{level.name}, {robots_of(level)}"
     megabytes = _megabytes(level, frames, program)
+    kept = f"history of {DEFAULT_LENGTH:,} ticks"
     return [
-        Measurement(
-            *(f"history of {DEFAULT_LENGTH:,} ticks", subject, megabytes, "MB"),
-            *(megabytes, megabytes, required),
-        ),
-        Measurement(
-            *("restore a tick", subject, statistics.median(jumps), "ms", min(jumps), max(jumps)),
-        ),
-        Measurement(
-            *("step back a tick", subject, statistics.median(steps), "ms", min(steps), max(steps)),
-        ),
+        summed_up(kept, subject, "MB", [megabytes], required="<= 200"),
+        summed_up("restore a tick", subject, "ms", jumps),
+        summed_up("step back a tick", subject, "ms", steps),
     ]
 
 
@@ -118,27 +94,19 @@ def _milliseconds(game: Game, ticks: list[int]) -> list[float]:
 
 def _key_to_screen(presses: int) -> Measurement:
     """Measure the milliseconds from the key to the previous tick on the screen."""
-    with tempfile.TemporaryDirectory() as data_dir:
-        game = [sys.executable, "-m", "logical_robots_tui", "play", LARGEST]
-        program = load_level(LARGEST).solution
-        with Terminal([*game, program, "--data-dir", data_dir], size=(120, 40)) as terminal:
-            terminal.wait_for("· applied")
-            terminal.wait_for_quiet()
-            terminal.send("U")
-            terminal.wait_for("Run until tick")
-            terminal.send(f"{presses + 100}\r")
-            terminal.wait_for(lambda: _shows(terminal, presses + 100))
-            found = []
-            for press in range(1, presses + 1):
-                terminal.wait_for_quiet(QUIET)
-                began = perf_counter()
-                terminal.send("p")
-                there = partial(_shows, terminal, presses + 100 - press)
-                found.append(1000 * (terminal.arrival_of(there) - began))
-    return Measurement(
-        *("key to tick before", f"120x40, {LARGEST}", statistics.median(found), "ms"),
-        *(min(found), max(found), "< 20"),
-    )
+    with opened(LARGEST, load_level(LARGEST).solution) as terminal:
+        terminal.send("U")
+        terminal.wait_for("Run until tick")
+        terminal.send(f"{presses + 100}\r")
+        terminal.wait_for(lambda: _shows(terminal, presses + 100))
+        found = []
+        for press in range(1, presses + 1):
+            terminal.wait_for_quiet(QUIET)
+            began = perf_counter()
+            terminal.send("p")
+            there = partial(_shows, terminal, presses + 100 - press)
+            found.append(1000 * (terminal.arrival_of(there) - began))
+    return summed_up("key to tick before", f"120x40, {LARGEST}", "ms", found, required="< 20")
 
 
 def _shows(terminal: Terminal, tick: int) -> bool:

@@ -1,75 +1,66 @@
-"""The inspector: milliseconds from a step to its rows on the screen, for every predicate."""
+"""The inspector: milliseconds from a step to its rows on the screen, for every third predicate."""
 
 from __future__ import annotations
 
 import re
 import statistics
-import sys
-import tempfile
 from time import perf_counter
 from typing import TYPE_CHECKING
 
-from benchmarks.measure import Effort, Measurement
+from benchmarks.measure import Effort, Measurement, summed_up
+from benchmarks.subjects import LARGEST
+from benchmarks.with_screen import opened
 from logical_robots_tui import Program, load_level
 from logical_robots_tui.game import load_program
-from tests.terminal import Terminal
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
+    from tests.terminal import Terminal
+
 __all__ = ["inspector"]
 
-LARGEST = "10-distributed-mapping"
-SIZE = (120, 40)
 DOWN = "\x1b[B"
-STEPS = 80  # for how many ticks of effort one step is measured, for each predicate
+STEPS = 3  # for each predicate
 QUIET = 0.15  # seconds without output, after which a paused game has nothing more to say
 
 
 def inspector(effort: Effort) -> Iterator[Measurement]:
-    """Measure a step with the inspector on each predicate of the largest program, and on Why."""
+    """Measure a step with the inspector on predicates of the largest program, and on Why."""
     program = load_level(LARGEST).solution
     predicates = Program.compile(load_program(program).text).predicates
-    names = [p.name for p in predicates if p.has_rows]
+    names = [p.name for p in predicates if p.has_rows][:: 9 if effort.is_quick else 3]
     found: dict[str, list[float]] = {}
-    with tempfile.TemporaryDirectory() as data_dir:
-        game = [sys.executable, "-m", "logical_robots_tui", "play", LARGEST, program]
-        with Terminal([*game, "--data-dir", data_dir], size=SIZE) as terminal:
-            terminal.wait_for("· applied")
-            terminal.wait_for_quiet()
-            terminal.send("3")
-            tick = 0
-            for name in ("Why", *names):
-                _go_down_to(terminal, name)
-                for _ in range(max(2, effort.ticks // STEPS)):
-                    tick += 1
-                    found.setdefault(name, []).append(_step(terminal, name, tick))
-    subject = f"{SIZE[0]}x{SIZE[1]}, {LARGEST}"
+    with opened(LARGEST, program) as terminal:
+        terminal.send("3")
+        tick = 0
+        for name in ("Why", *names):
+            _go_down_to(terminal, name)
+            for _ in range(STEPS):
+                tick += 1
+                found.setdefault(name, []).append(_step(terminal, name, tick))
+    subject = f"120x40, {LARGEST}"
     reasons = found.pop("Why")
     medians = {name: statistics.median(times) for name, times in found.items()}
     slowest = max(medians, key=lambda name: medians[name])
-    yield Measurement(
-        *("step to rows", subject, statistics.median(medians.values()), "ms"),
-        *(min(medians.values()), max(medians.values()), "< 50"),
-    )
-    yield Measurement(
-        *("step to rows", f"{subject}, {slowest}, the slowest", medians[slowest], "ms"),
-        *(min(found[slowest]), max(found[slowest]), "< 50"),
-    )
-    yield Measurement(
-        *("step to why", f"{subject}, Robot", statistics.median(reasons), "ms"),
-        *(min(reasons), max(reasons)),
-    )
+    yield summed_up("step to rows", subject, "ms", [*medians.values()], required="< 50")
+    subject_of_one = f"{subject}, {slowest}, the slowest"
+    yield summed_up("step to rows", subject_of_one, "ms", found[slowest], required="< 50")
+    yield summed_up("step to why", f"{subject}, Robot", "ms", reasons)
 
 
 def _go_down_to(terminal: Terminal, name: str) -> None:
     """Move down in the list until a choice is inspected."""
-    for _ in range(100):
-        if re.search(rf"\b{name} · tick", terminal.text):
-            return
+    while (before := _inspected(terminal)) != name:
         terminal.send(DOWN)
-        terminal.wait_for_quiet(QUIET)
-    raise AssertionError(f"{name} is not in the list")
+        terminal.wait_for(lambda: _inspected(terminal) != before)
+
+
+def _inspected(terminal: Terminal) -> str:
+    """Return the title in the first line of the inspector, or that line if it has none."""
+    line = terminal.text.partition("─ Inspector ")[2].split("\n")[1]
+    title = re.search(r"(\w+) · tick", line)
+    return title[1] if title else line
 
 
 def _step(terminal: Terminal, name: str, tick: int) -> float:

@@ -40,7 +40,7 @@ class Measurement:
     Attributes:
         group: What kind of number it is.
         subject: What it was measured on.
-        value: The median of the repeats.
+        value: The median of the repeats, or what the group says.
         unit: Of the value.
         lowest: The lowest of the repeats.
         highest: The highest of the repeats.
@@ -95,8 +95,13 @@ def repeated(repeats: int, once: Callable[[], T]) -> list[T]:
 
 
 def summed_up(
-    group: str, subject: str, unit: str, found: Sequence[float], *, required: str = ""
+    group: str,
+    subject: str,
+    unit: str,
+    found: Sequence[float],
+    *,
+    required: str = "",
+    value: Callable[[Sequence[float]], float] = statistics.median,
 ) -> Measurement:
-    """The median of what was found, with the lowest and the highest."""
-    median = statistics.median(found)
-    return Measurement(group, subject, median, unit, min(found), max(found), required)
+    """The median of what was found, or another value of it, with the lowest and the highest."""
+    return Measurement(group, subject, value(found), unit, min(found), max(found), required)

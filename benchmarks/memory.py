@@ -6,7 +6,7 @@ import tempfile
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from benchmarks.measure import Effort, Measurement
+from benchmarks.measure import Effort, Measurement, summed_up
 from tests.game.test_memory import HUNGRY, MOST, SCREEN, played
 from tests.mind.rows import ROBOT
 from tests.world.hostile import FILES
@@ -17,29 +17,23 @@ if TYPE_CHECKING:
 
 __all__ = ["memory"]
 
-SUBJECTS = (("01-first-steps", 130), ("12-swarm", 25))
-SLOW = ("many numbers", "what can't be packed")  # minutes for a hundred robots
+LEVEL, TICKS = "01-first-steps", 130
 
 
 def memory(effort: Effort) -> Iterator[Measurement]:
     """Measure peak memory of a game without a screen, and the worst hostile level file."""
-    for level, ticks in SUBJECTS[: 1 if effort.is_quick else None]:
-        for what, rule in HUNGRY.items():
-            if level == "01-first-steps" or what not in SLOW:
-                kibibytes, _ = played(level, ROBOT + rule + ";", min(ticks, effort.ticks))
-                required = f"<= {(MOST - SCREEN) * 1024 / 1e6:.0f}"
-                yield _one("hungry programs", f"{level}, {what}", kibibytes, required)
+    for what, rule in HUNGRY.items():
+        kibibytes, _ = played(LEVEL, ROBOT + rule + ";", min(TICKS, effort.ticks))
+        required = f"<= {(MOST - SCREEN) * 1024 / 1e6:.0f}"
+        yield _one("hungry programs", f"{LEVEL}, {what}", kibibytes, required)
     with tempfile.TemporaryDirectory() as folder:
         told = read([*FILES], Path(folder))
     of_all = f"worst of {len(FILES)} files"
     slowest = max(seconds for _, seconds, _ in told)
-    yield Measurement(
-        *("reading a level", of_all, slowest, "s", slowest, slowest, f"<= {SECONDS:g}")
-    )
+    yield summed_up("reading a level", of_all, "s", [slowest], required=f"<= {SECONDS:g}")
     most = max(grown for *_, grown in told)
     yield _one("reading a level", of_all, most, f"<= {BYTES * 1024 / 1e6:.0f}")
 
 
 def _one(group: str, subject: str, kibibytes: int, required: str) -> Measurement:
-    megabytes = kibibytes * 1024 / 1e6
-    return Measurement(group, subject, megabytes, "MB", megabytes, megabytes, required)
+    return summed_up(group, subject, "MB", [kibibytes * 1024 / 1e6], required=required)

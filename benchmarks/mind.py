@@ -11,12 +11,11 @@ from itertools import count
 from typing import TYPE_CHECKING
 
 from benchmarks.measure import Effort, Measurement, median_of, seconds_for
-from benchmarks.subjects import PROGRAMS, program_text, rows_for
+from benchmarks.subjects import LARGEST, PROGRAMS, program_text, rows_for
 from logical_robots_tui import Mind, Program, load_level
 from logical_robots_tui.game import load_program
 from logical_robots_tui.mind import cache
 from logical_robots_tui.mind.compilation import stop_compiling
-from logical_robots_tui.world import list_levels
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -44,18 +43,13 @@ def compiling(effort: Effort) -> Iterator[Measurement]:
     stop_compiling()
     once = partial(_compile, program_text("steering"))
     yield median_of("start of the compiler", "and a first program", "ms", 1, once)
-    for name in PROGRAMS:
-        once = partial(_compile, program_text(name))
+    largest = load_program(load_level(LARGEST).solution).text
+    for name, text in (("gate", program_text("gate")), (LARGEST, largest)):
+        once = partial(_compile, text)
         yield median_of("compile", name, "ms", effort.repeats, once, required="< 1000")
-    solutions = [load_level(name).solution for name in list_levels()]
-    slowest = max(solutions, key=lambda name: _compile(load_program(name).text))
-    once = partial(_compile, load_program(slowest).text)
-    subject = f"{slowest}, slowest of the levels"
-    yield median_of("compile", subject, "ms", effort.repeats, once, required="< 1000")
-    for name in PROGRAMS:
-        once = partial(_find_kept, Program.compile(program_text(name)))
-        with _cache_folder():
-            yield median_of("compiled before", name, "ms", effort.repeats, once, required="< 50")
+    once = partial(_find_kept, Program.compile(largest))
+    with _cache_folder():
+        yield median_of("compiled before", LARGEST, "ms", effort.repeats, once, required="< 50")
 
 
 def thinking(effort: Effort) -> Iterator[Measurement]:

@@ -11,7 +11,7 @@ import sys
 
 from logical_robots_tui.game import load_program
 from logical_robots_tui.game.measuring import Trial, measure
-from logical_robots_tui.game.reference import FIELDS, FILE_NAME, reference_table
+from logical_robots_tui.game.victory import FIELDS, FILE_NAME, reference_table
 from logical_robots_tui.mind import Program
 from logical_robots_tui.progress import Measures
 from logical_robots_tui.shipped import shipped_folder

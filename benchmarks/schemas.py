@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+from functools import partial
 from random import Random
 from typing import TYPE_CHECKING
 
-from benchmarks.measure import Effort, Measurement, median_of, seconds_for
+from benchmarks.measure import Effort, Measurement, repeated, seconds_for, summed_up
 from benchmarks.subjects import program_text, rows_for
 from logical_robots_tui import Mind, Program
 
@@ -36,14 +37,13 @@ def schemas(effort: Effort) -> Iterator[Measurement]:
     assert EXAMPLE in text
     texts = (text.replace(EXAMPLE, TYPE), text)
     programs = [Program.compile(one) for one in texts]
-    found = [_milliseconds(programs) for _ in range(effort.repeats)]
+    found = repeated(effort.repeats, partial(_milliseconds, programs))
     of = f"a map of {BEACONS} beacons and {EDGES} roads"
     for place, way in enumerate(("by a type", "by an example")):
-        once = iter([times[place] for times in found]).__next__
-        yield median_of("memory read", f"{of}, {way}", "ms", effort.repeats, once)
-    once = iter([example / written for written, example in found]).__next__
-    required = f"<= {MOST}"
-    yield median_of("memory read", "example : type", "x", effort.repeats, once, required=required)
+        milliseconds = [times[place] for times in found]
+        yield summed_up("memory read", f"{of}, {way}", "ms", milliseconds)
+    ratios = [example / written for written, example in found]
+    yield summed_up("memory read", "example : type", "x", ratios, required=f"<= {MOST}")
 
 
 def _milliseconds(programs: list[Program]) -> list[float]:

@@ -13,7 +13,7 @@ from time import perf_counter, process_time
 from typing import TYPE_CHECKING
 
 from benchmarks.halls import halls
-from benchmarks.measure import Effort, Measurement
+from benchmarks.measure import Effort, Measurement, summed_up
 from benchmarks.subjects import program_text, rows_of
 from logical_robots_tui import Program
 from logical_robots_tui.editing.files import save_level
@@ -48,10 +48,8 @@ def ssh(effort: Effort) -> Iterator[Measurement]:
                     terminal.read_for(seconds)
                     rate = (line.traffic - before) / 1000 / (perf_counter() - began)
                     how = "compressed" if option == "-C" else "plain"
-                    yield Measurement(
-                        *("over ssh", f"120x40, 6 robots, {how}", rate, "kB/s"),
-                        *(rate, rate, f"<= {allowed}"),
-                    )
+                    subject = f"120x40, 6 robots, {how}"
+                    yield summed_up("over ssh", subject, "kB/s", [rate], required=f"<= {allowed}")
             for limit, milliseconds in RATES:
                 with (
                     Line(server.port, limit) as line,
@@ -60,15 +58,9 @@ def ssh(effort: Effort) -> Iterator[Measurement]:
                     terminal.send("2")
                     terminal.wait_for("Leave")
                     found = Crowd([terminal]).key_milliseconds(PRESSES)
-                    yield Measurement(
-                        "key over ssh",
-                        f"{limit // 1000} kB/s, 6 robots running",
-                        statistics.median(found),
-                        "ms",
-                        min(found),
-                        max(found),
-                        f"<= {milliseconds}",
-                    )
+                    subject = f"{limit // 1000} kB/s, 6 robots running"
+                    required = f"<= {milliseconds}"
+                    yield summed_up("key over ssh", subject, "ms", found, required=required)
 
 
 @contextmanager
@@ -109,10 +101,8 @@ def processor(effort: Effort) -> Iterator[Measurement]:
         ("running, with thinking", running, ""),
         ("running, without thinking", running - thinking, "<= 50"),
     ):
-        yield Measurement(
-            *("processor", f"120x40, 10 robots, {state}", percent, "% of a core"),
-            *(percent, percent, required),
-        )
+        subject = f"120x40, 10 robots, {state}"
+        yield summed_up("processor", subject, "% of a core", [percent], required=required)
 
 
 def _thought_seconds(level: Level, text: str, ticks: int) -> float:

@@ -7,16 +7,18 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from benchmarks.halls import halls
-from logical_robots_tui import Desire, load_level
-from logical_robots_tui.world import World, list_levels
+from logical_robots_tui import Desire
+from logical_robots_tui.world import World
 
 if TYPE_CHECKING:
     from logical_robots_tui import Level
     from logical_robots_tui.values import SensorRow
 
-__all__ = ["PROGRAMS", "all_levels", "drive", "program_text", "robots_of", "rows_for", "rows_of"]
+__all__ = ["LARGEST", "PROGRAMS", "drive", "program_text", "robots_of", "rows_for", "rows_of"]
 
-CHECKOUT = Path(__file__).parents[1]
+LARGEST = "10-distributed-mapping"
+"""The shipped level that takes the most thinking."""
+
 ROWS_AT = 40  # ticks; by then robots have moved and radars differ
 
 PROGRAMS = {
@@ -30,13 +32,6 @@ PROGRAMS = {
 """Programs beside this file, each with its robots."""
 
 BEACONS = ("home", "fire station", "water station", "mine", "switch", "left post", "right post")
-
-
-def all_levels() -> list[Level]:
-    """Return the shipped levels, then the conformance levels ordered by number of robots."""
-    paths = sorted((CHECKOUT / "tests" / "conformance" / "levels").glob("*.json"))
-    levels = [load_level(name) for name in (*list_levels(), *map(str, paths))]
-    return sorted(levels, key=lambda level: len(level.robots))
 
 
 def robots_of(level: Level) -> str:

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 __all__ = ["swarms"]
 
 EVERYBODY_SEES_ALL = '@Visible(Memory, "all");\n@Visible(Sensor, "all");\n'
-REQUIRED = {3: "", 30: "", 100: "<= 4", 400: "", 1000: "<= 45"}  # by number of robots
+REQUIRED = {3: "", 100: "<= 4", 1000: "<= 45"}  # by number of robots
 ROBOTS_AT_ONCE = 300  # at least, in one measurement
 
 

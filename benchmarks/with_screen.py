@@ -10,16 +10,16 @@ from contextlib import contextmanager
 from time import perf_counter
 from typing import TYPE_CHECKING
 
-from benchmarks.measure import Effort, Measurement
+from benchmarks.measure import Effort, Measurement, summed_up
 from benchmarks.whole_game import ticks_per_second
 from logical_robots_tui import Program, load_level
 from logical_robots_tui.game import load_program
 from tests.terminal import Terminal
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Iterator, Sequence
 
-__all__ = ["traffic", "with_screen"]
+__all__ = ["opened", "traffic", "with_screen"]
 
 SIZE = (120, 40)
 LEVEL, PROGRAM = "02-open-space", "open-space-starter"  # never wins
@@ -46,23 +46,17 @@ def with_screen(effort: Effort) -> Iterator[Measurement]:
             shares.append(100 * _ticks_per_second(terminal, seconds) / alone)
             keys += _key_milliseconds(terminal, max(6, effort.ticks // 25))
     group, subject = "with a screen", f"{SIZE[0]}x{SIZE[1]}, 1 robot, flat out"
-    yield Measurement(
-        *(group, subject, statistics.median(shares), "% of without"),
-        *(min(shares), max(shares), ">= 70"),
-    )
-    slow = statistics.quantiles(keys, n=100)[98]
-    yield Measurement(
-        *("key to screen, p99", subject, slow, "ms", min(keys), max(keys), "< 50"),
-    )
+    yield summed_up(group, subject, "% of without", shares, required=">= 70")
+    yield summed_up("key to screen, p99", subject, "ms", keys, value=_p99, required="< 50")
 
 
 def traffic(effort: Effort) -> Iterator[Measurement]:
     """Measure the kB per second that a running and a paused game send to the terminal."""
     seconds = SECONDS * effort.ticks
-    for level, program, robots, size, allowed in TRAFFIC[: 1 if effort.is_quick else None]:
+    for level, program, robots, size, allowed in TRAFFIC:
         running, paused = [], []
-        with _opened(level, program, size) as terminal:
-            for _ in range(effort.repeats):
+        with opened(level, program, size) as terminal:
+            for _ in range(min(2, effort.repeats)):
                 terminal.send(" ")
                 terminal.wait_for("RUNNING")
                 running.append(_kilobytes_per_second(terminal, seconds))
@@ -72,15 +66,12 @@ def traffic(effort: Effort) -> Iterator[Measurement]:
                 paused.append(_kilobytes_per_second(terminal, seconds))
         columns, rows = size
         for state, found, required in (("running", running, allowed), ("paused", paused, 0)):
-            yield Measurement(
-                "traffic",
-                f"{columns}x{rows}, {robots}, {state}",
-                statistics.median(found),
-                "kB/s",
-                min(found),
-                max(found),
-                f"<= {required}",
-            )
+            subject = f"{columns}x{rows}, {robots}, {state}"
+            yield summed_up("traffic", subject, "kB/s", found, required=f"<= {required}")
+
+
+def _p99(values: Sequence[float]) -> float:
+    return statistics.quantiles(values, n=100)[98]
 
 
 def _kilobytes_per_second(terminal: Terminal, seconds: float) -> float:
@@ -92,7 +83,7 @@ def _kilobytes_per_second(terminal: Terminal, seconds: float) -> float:
 
 
 @contextmanager
-def _opened(level: str, program: str, size: tuple[int, int]) -> Iterator[Terminal]:
+def opened(level: str, program: str, size: tuple[int, int] = SIZE) -> Iterator[Terminal]:
     """Open the game in a terminal, with the focus in the labyrinth."""
     with tempfile.TemporaryDirectory() as data_dir:
         game = [sys.executable, "-m", "logical_robots_tui", "play", level, program]
@@ -105,7 +96,7 @@ def _opened(level: str, program: str, size: tuple[int, int]) -> Iterator[Termina
 @contextmanager
 def _running() -> Iterator[Terminal]:
     """Run the game in a terminal at full speed, with the focus in the editor."""
-    with _opened(LEVEL, PROGRAM, SIZE) as terminal:
+    with opened(LEVEL, PROGRAM, SIZE) as terminal:
         terminal.send("+" * FASTEST)
         terminal.wait_for("flat out")
         terminal.send("1 ")

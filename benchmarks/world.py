@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 from benchmarks.halls import halls, open_room
 from benchmarks.measure import Effort, Measurement, median_of, seconds_for
-from benchmarks.subjects import all_levels, drive, robots_of
+from benchmarks.subjects import drive
 from logical_robots_tui import World
 
 if TYPE_CHECKING:
@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
     from logical_robots_tui import Level
 
-__all__ = ["crowds", "world_alone"]
+__all__ = ["crowds"]
 
 CROWDS = (
     ("1 robot, open 500x500", open_room(500, 500), "<= 0.15"),
@@ -27,18 +27,6 @@ CROWDS = (
     ),
 )
 TICKS_OF_ROBOTS = 400  # in one measurement, at least 5
-
-
-def world_alone(effort: Effort) -> Iterator[Measurement]:
-    """Measure the ticks per second of sensing and acting, without a mind."""
-    for level in all_levels():
-        yield median_of(
-            "world alone",
-            f"{level.name}, {robots_of(level)}",
-            "ticks/s",
-            effort.repeats,
-            partial(_ticks_per_second, level, effort.ticks),
-        )
 
 
 def crowds(effort: Effort) -> Iterator[Measurement]:
@@ -65,7 +53,3 @@ def _largest_megabytes() -> float:
         return tracemalloc.get_traced_memory()[1] / 1e6
     finally:
         tracemalloc.stop()
-
-
-def _ticks_per_second(level: Level, ticks: int) -> float:
-    return ticks / seconds_for(partial(drive, World(level), ticks))

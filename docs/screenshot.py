@@ -14,7 +14,7 @@ from itertools import groupby
 from pathlib import Path
 from typing import TYPE_CHECKING, TypeAlias
 
-from logical_robots_tui.game.reference import reference_table
+from logical_robots_tui.game.victory import reference_table
 from logical_robots_tui.progress import FILE_NAME, Progress
 from tests.terminal import Terminal
 

@@ -48,13 +48,13 @@ class CacheFolder:
     """A folder of entries that evicts the oldest when it is full.
 
     Attributes:
-        place: The folder; it need not exist.
+        place: The folder, which need not exist; None keeps nothing.
         suffix: The ending of entries' names.
         most_entries: The largest number of entries.
         most_bytes: The largest total size.
     """
 
-    place: Path
+    place: Path | None
     suffix: str
     most_entries: int
     most_bytes: int
@@ -66,7 +66,9 @@ class CacheFolder:
             name: Of the entry, without the suffix.
             largest: The most bytes it may have; a larger entry is removed.
         """
-        path = self._path(name)
+        if self.place is None:
+            return None
+        path = self.place / f"{name}{self.suffix}"
         try:
             with path.open("rb") as file:
                 content = file.read(largest + 1)
@@ -81,31 +83,31 @@ class CacheFolder:
 
     def keep(self, name: str, content: Iterable[bytes]) -> None:
         """Store an entry, given in pieces, and evict the oldest if there are too many."""
+        if self.place is None:
+            return
         with contextlib.suppress(OSError):
             self.place.mkdir(mode=0o700, parents=True, exist_ok=True)
             handle, unfinished = tempfile.mkstemp(suffix=_UNFINISHED, dir=self.place)
             try:
                 with os.fdopen(handle, "wb") as file:
                     file.writelines(content)
-                Path(unfinished).replace(self._path(name))
+                Path(unfinished).replace(self.place / f"{name}{self.suffix}")
             except BaseException:
                 with contextlib.suppress(OSError):
                     Path(unfinished).unlink()
                 raise
-            self._make_room()
+            self._make_room(self.place)
 
     def drop(self, name: str) -> None:
         """Remove an entry."""
-        with contextlib.suppress(OSError):
-            self._path(name).unlink()
+        if self.place is not None:
+            with contextlib.suppress(OSError):
+                (self.place / f"{name}{self.suffix}").unlink()
 
-    def _path(self, name: str) -> Path:
-        return self.place / f"{name}{self.suffix}"
-
-    def _make_room(self) -> None:
+    def _make_room(self, place: Path) -> None:
         """Evict the oldest entries beyond the limits, including leftovers of killed processes."""
         found = []
-        with os.scandir(self.place) as entries:
+        with os.scandir(place) as entries:
             for entry in entries:
                 if entry.name.endswith((self.suffix, _UNFINISHED)):
                     with contextlib.suppress(OSError):

@@ -1,11 +1,13 @@
 """Confine a player's files on a shared machine to one folder with a quota, for the whole process.
 
-Without `confine` everything is allowed.
+Without `confine` everything is allowed. Memory is bounded by the address space of the process.
 """
 
 from __future__ import annotations
 
+import mmap
 import os
+import resource
 from errno import EACCES, EDQUOT
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -13,7 +15,16 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
     from pathlib import Path
 
-__all__ = ["MOST_BYTES", "MOST_FILES", "WHY", "check_mine", "check_quota", "confine", "is_confined"]
+__all__ = [
+    "MOST_BYTES",
+    "MOST_FILES",
+    "WHY",
+    "check_mine",
+    "check_quota",
+    "check_room",
+    "confine",
+    "is_confined",
+]
 
 MOST_FILES = 2_000
 MOST_BYTES = 200 * 2**20
@@ -93,3 +104,23 @@ def _files(folder: str) -> Iterator[os.DirEntry[str]]:
                         yield entry
         except OSError:
             continue
+
+
+def check_room(size: int) -> None:
+    """Check that the process may still use so many bytes, if its address space is bounded.
+
+    Some code crashes when memory runs out, such as orjson and numpy, so there must be enough before
+    it begins. Without a bound, there is no way to ask how much the machine has left.
+
+    Raises:
+        MemoryError: There is not enough.
+    """
+    if resource.getrlimit(resource.RLIMIT_AS)[0] == resource.RLIM_INFINITY:
+        return
+    try:
+        mmap.mmap(-1, size, flags=mmap.MAP_PRIVATE | mmap.MAP_ANONYMOUS | _NO_RESERVE).close()
+    except OSError:
+        raise MemoryError from None
+
+
+_NO_RESERVE = getattr(mmap, "MAP_NORESERVE", 0)

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import fcntl
 import logging
+import shutil
+import sys
 from collections import Counter
 from contextlib import contextmanager
 from datetime import date
@@ -12,11 +14,14 @@ from typing import TYPE_CHECKING
 import pytest
 from hypothesis import HealthCheck, settings
 
+from logical_robots_tui.caching import FOLDER_VARIABLE
 from logical_robots_tui.garbage import collect_seldom
 from logical_robots_tui.mind import Decision, Notice
+from logical_robots_tui.progress import store
 from tests.installed import Installed, build_wheel, install
 
 if TYPE_CHECKING:
+    import sqlite3
     from collections.abc import Iterator
     from pathlib import Path
 
@@ -26,7 +31,7 @@ SHARE = 10
 collect_seldom()
 
 # Each run tries other examples; `make proof` tries many at once. A machine may be slow.
-for _profile, _examples in (("some", 10), ("all", 40), ("proof", 500)):
+for _profile, _examples in (("some", 5), ("all", 40), ("proof", 500)):
     settings.register_profile(
         _profile,
         max_examples=_examples,
@@ -58,6 +63,10 @@ def pytest_addoption(parser: pytest.Parser) -> None:
 @pytest.hookimpl(tryfirst=True)
 def pytest_configure(config: pytest.Config) -> None:
     settings.load_profile("all" if config.option.all else "some")
+    if not hasattr(config, "workerinput"):
+        # Runs are computed anew each time, and with `--all` programs are compiled anew as well.
+        place = _compiled(config)
+        shutil.rmtree(place if config.option.all else place / "runs", ignore_errors=True)
 
 
 def pytest_report_header(config: pytest.Config) -> str | None:
@@ -72,18 +81,26 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
     named = config.option.keyword or any(".py" in argument for argument in config.args)
     if config.option.all or named:
         return
+    tests = {item: item.nodeid.split("[")[0] for item in items}
+    cases = Counter(tests[item] for item in items if item.get_closest_marker("sampled"))
     seen: Counter[str] = Counter()
     left_out = []
-    for item in items:
+    for item, test in tests.items():
         sampled = item.get_closest_marker("sampled") is not None
-        place = seen[item.nodeid.split("[")[0]]
-        seen[item.nodeid.split("[")[0]] += sampled
-        if (sampled and place % SHARE != config.option.tenth) or item.get_closest_marker("slow"):
+        share = min(SHARE, cases[test])  # at least one case
+        is_passed_over = sampled and seen[test] % share != config.option.tenth % share
+        if is_passed_over or item.get_closest_marker("slow"):
             left_out.append(item)
+        seen[test] += sampled
     if left_out:
         config.hook.pytest_deselected(items=left_out)
         gone = set(left_out)
         items[:] = [item for item in items if item not in gone]
+
+
+def _compiled(config: pytest.Config) -> Path:
+    """The folder of compiled programs, which outlives the run."""
+    return config.rootpath / ".pytest_cache" / f"compiled-{sys.implementation.cache_tag}"
 
 
 def _shared(factory: pytest.TempPathFactory, worker_id: str) -> Path:
@@ -102,11 +119,13 @@ def _one_at_a_time(factory: pytest.TempPathFactory, worker_id: str) -> Iterator[
 
 
 @pytest.fixture(scope="session", autouse=True)
-def compiled_programs(tmp_path_factory: pytest.TempPathFactory, worker_id: str) -> Iterator[None]:
-    """What tests compile is kept for all of them, apart from what players have compiled."""
-    folder = _shared(tmp_path_factory, worker_id)
+def compiled_programs(pytestconfig: pytest.Config) -> Iterator[None]:
+    """Programs are compiled once until the compiler changes, apart from what players have compiled.
+
+    An entry is named by its text and a digest of the compiler's code, in the game as in the tests.
+    """
     with pytest.MonkeyPatch.context() as patch:
-        patch.setenv("LOGICAL_ROBOTS_CACHE_DIR", str(folder / "compiled"))
+        patch.setenv(FOLDER_VARIABLE, str(_compiled(pytestconfig)))
         yield
 
 
@@ -135,6 +154,26 @@ def _log_handlers_as_before() -> Iterator[None]:
     before = list(log.handlers)
     yield
     log.handlers = before
+
+
+@pytest.fixture(autouse=True)
+def _progress_closed(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
+    """Close what a test leaves open.
+
+    From Python 3.13 on, a connection that nobody closed is a warning when it is collected, in any
+    later test, which then fails.
+    """
+    opened: list[sqlite3.Connection] = []
+    connect = store._connect
+
+    def noted(name: str, *, uri: bool = False) -> sqlite3.Connection:
+        opened.append(connect(name, uri=uri))
+        return opened[-1]
+
+    monkeypatch.setattr(store, "_connect", noted)
+    yield
+    for connection in opened:
+        connection.close()
 
 
 @pytest.fixture

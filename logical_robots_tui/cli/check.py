@@ -6,8 +6,7 @@ import json
 from dataclasses import asdict
 from typing import TYPE_CHECKING
 
-from logical_robots_tui.cli.command import add_data_dir, new_command
-from logical_robots_tui.cli.text import harmless
+from logical_robots_tui.cli.command import add_data_dir, harmless, new_command
 
 if TYPE_CHECKING:
     import argparse

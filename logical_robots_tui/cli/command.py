@@ -1,12 +1,15 @@
-"""What all commands share."""
+"""What all commands share: options, and text that is safe to print."""
 
 from __future__ import annotations
 
 import argparse
+import json
+import math
 import os
 import sys
+import unicodedata
 from pathlib import Path
-from typing import TYPE_CHECKING, TypeAlias
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -14,15 +17,21 @@ if TYPE_CHECKING:
     Commands: TypeAlias = "argparse._SubParsersAction[argparse.ArgumentParser]"
 
 __all__ = [
+    "UNRELIABLE",
     "Commands",
     "add_data_dir",
     "add_json",
     "add_no_solutions",
+    "columns",
+    "finite",
     "folder_of",
+    "harmless",
+    "line_of_json",
     "new_command",
     "number_from",
     "own_programs",
     "prefers_json",
+    "written",
 ]
 
 
@@ -124,3 +133,48 @@ def add_json(command: argparse.ArgumentParser) -> None:
 def prefers_json(options: argparse.Namespace) -> bool:
     """Return whether to print JSON: on request, or if standard output is not a terminal."""
     return bool(options.json) or not sys.stdout.isatty()
+
+
+UNRELIABLE = "A time limit ended a thought: another run may differ."
+
+_UNPRINTABLE = {"Cc", "Cf", "Cn", "Co", "Cs", "Zl", "Zp"}
+
+
+def harmless(text: str) -> str:
+    r"""Make text from a file or program safe to print: control characters become ``\x1b``."""
+    return "".join(repr(c)[1:-1] if unicodedata.category(c) in _UNPRINTABLE else c for c in text)
+
+
+def columns(rows: list[tuple[str, ...]]) -> list[str]:
+    """Format rows as aligned columns, two spaces apart, with `harmless` cells."""
+    clean = [tuple(harmless(cell) for cell in row) for row in rows]
+    widths = [max(map(len, column)) for column in zip(*clean, strict=True)]
+    return [
+        "  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip()
+        for row in clean
+    ]
+
+
+def finite(value: Any) -> Any:
+    """Replace infinities and NaN, which JSON does not have, by null."""
+    if isinstance(value, float):
+        return value if math.isfinite(value) else None
+    if isinstance(value, dict):
+        return {str(key): finite(inner) for key, inner in value.items()}
+    if isinstance(value, list | tuple):
+        return [finite(inner) for inner in value]
+    return value
+
+
+def line_of_json(value: Any) -> str:
+    r"""Format a value as one line of JSON, with control characters escaped as in ``\u009b``."""
+    text = json.dumps(finite(value), ensure_ascii=False, allow_nan=False)
+    if text.isprintable():
+        return text
+    return "".join(c if c.isprintable() else json.dumps(c)[1:-1] for c in text)
+
+
+def written(value: Any, width: int | None = None) -> str:
+    """Format a value as one line of JSON, cut to a width in characters if one is given."""
+    text = harmless(json.dumps(finite(value), ensure_ascii=False, allow_nan=False))
+    return text if width is None or len(text) <= width else f"{text[: width - 3]}..."

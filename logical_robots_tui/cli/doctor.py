@@ -11,8 +11,7 @@ from dataclasses import asdict, dataclass
 from typing import TYPE_CHECKING
 
 from logical_robots_tui import __version__
-from logical_robots_tui.cli.command import add_data_dir, new_command
-from logical_robots_tui.cli.text import harmless
+from logical_robots_tui.cli.command import add_data_dir, folder_of, harmless, new_command
 from logical_robots_tui.paths import is_folder, is_there
 
 if TYPE_CHECKING:
@@ -88,7 +87,7 @@ def _terminal() -> Iterator[Finding]:
     """Yield what is known about the terminal without querying it."""
     from rich.console import Console
 
-    from logical_robots_tui.tui.layout.layout import LEAST_HEIGHT, LEAST_WIDTH
+    from logical_robots_tui.tui.layout.arrangement import LEAST_HEIGHT, LEAST_WIDTH
     from logical_robots_tui.tui.terminal.capabilities import (
         assume_colours,
         drawing_for,
@@ -148,14 +147,10 @@ def _versions() -> Iterator[Finding]:
 
 def _places(data_dir: Path | None) -> Iterator[Finding]:
     """Yield the folders, and whether they can be written to."""
-    from platformdirs import user_data_path
-
     from logical_robots_tui.mind import cache
-    from logical_robots_tui.tui.app.facts import settings_path
-    from logical_robots_tui.tui.app.settings import read_settings
+    from logical_robots_tui.tui.app.settings import read_settings, settings_path
 
-    data = data_dir or user_data_path("logical-robots", appauthor=False)
-    yield _place("data", data, "your work can't be saved")
+    yield _place("data", folder_of(data_dir), "your work can't be saved")
     settings = settings_path()
     complaints = read_settings(settings).complaints
     wrong = "it has errors; run logical-robots config" if complaints else ""

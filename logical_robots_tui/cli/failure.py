@@ -12,7 +12,7 @@ from datetime import UTC, datetime
 from typing import TYPE_CHECKING, Any
 
 from logical_robots_tui import __version__
-from logical_robots_tui.cli.text import harmless
+from logical_robots_tui.cli.command import harmless
 from logical_robots_tui.errors import InputError, LogicalRobotsError, is_out_of_memory
 
 if TYPE_CHECKING:

@@ -1,23 +1,33 @@
-"""``logical-robots levels`` and ``logical-robots programs``: lists of both."""
+"""Commands that print what there is: levels, programs, functions, and the settings."""
 
 from __future__ import annotations
 
 import json
+import sys
 from typing import TYPE_CHECKING
 
-from logical_robots_tui.cli.command import add_data_dir, add_no_solutions, new_command
-from logical_robots_tui.cli.text import columns
+from logical_robots_tui.cli.command import (
+    add_data_dir,
+    add_no_solutions,
+    columns,
+    harmless,
+    new_command,
+)
+from logical_robots_tui.errors import InputError
+from logical_robots_tui.paths import is_there
 
 if TYPE_CHECKING:
     import argparse
 
     from logical_robots_tui.cli.command import Commands
+    from logical_robots_tui.mind.reference import FunctionHelp
 
 __all__ = ["declare"]
 
 
 def declare(commands: Commands) -> None:
     """Add the commands to the list."""
+    _declare_help(commands)
     levels = new_command(
         commands,
         "levels",
@@ -36,6 +46,7 @@ def declare(commands: Commands) -> None:
     programs.add_argument("--json", action="store_true", help="print JSON")
     add_data_dir(programs)
     add_no_solutions(programs)
+    _declare_config(commands)
 
 
 def list_all_levels(options: argparse.Namespace) -> int:
@@ -84,3 +95,100 @@ def list_all_programs(options: argparse.Namespace) -> int:
     ]
     print(*columns([("NAME", "FROM"), *rows]), sep="\n")
     return 0
+
+
+_HELP_EPILOG = """\
+examples:
+  logical-robots help               list everything
+  logical-robots help ArgMin        explain one of them
+  logical-robots help '%'           operators need quotes
+
+exit status: 0, or 2 if there is no such function
+"""
+
+
+def _declare_help(commands: Commands) -> None:
+    command = new_command(
+        commands,
+        "help",
+        start=print_help,
+        summary="explain the functions that a program can use",
+        description="Explain the functions, aggregates and operators that a program can use.",
+        epilog=_HELP_EPILOG,
+    )
+    command.add_argument("name", metavar="FUNCTION", nargs="?", help="what to explain")
+
+
+def print_help(options: argparse.Namespace) -> int:
+    """Print help on one function, or the list of all."""
+    from logical_robots_tui.mind.reference import REFERENCE, find_help, similar
+
+    if options.name is None:
+        for kind in ("operator", "aggregate", "function"):
+            rows: list[tuple[str, ...]] = [
+                (entry.name, entry.summary) for entry in REFERENCE if entry.kind == kind
+            ]
+            print(f"{kind.capitalize()}s", *(f"  {row}" for row in columns(rows)), "", sep="\n")
+        print("logical-robots help NAME explains one, with an example.")
+        return 0
+    entry = find_help(options.name)
+    if entry is None:
+        close = similar(options.name)
+        hint = f"Did you mean {close}?" if close else "`logical-robots help` lists all functions."
+        raise InputError(f"there is no function {options.name}.", hint=hint)
+    print(_explained(entry))
+    return 0
+
+
+def _explained(entry: FunctionHelp) -> str:
+    article = "an" if entry.kind[0] in "ao" else "a"
+    return "\n".join(
+        [
+            entry.signature,
+            f"  {entry.summary} ({article} {entry.kind})",
+            "",
+            f"  {entry.example}",
+            f"  gives {entry.result}",
+        ]
+    )
+
+
+FINE, WRONG = 0, 2
+
+_CONFIG_EPILOG = """\
+examples:
+  logical-robots config             the settings and the keys of all commands
+  logical-robots config --path      the path of the configuration file
+  logical-robots config --default   the defaults, to start your own file
+
+exit status: 0 the file is valid, 2 it has errors, which are printed to stderr
+"""
+
+
+def _declare_config(commands: Commands) -> None:
+    command = new_command(
+        commands,
+        "config",
+        start=print_settings,
+        summary="show the settings and keys, and where to change them",
+        description="Print the settings and keys in the format of the configuration file.",
+        epilog=_CONFIG_EPILOG,
+    )
+    command.add_argument("--path", action="store_true", help="print only the path of the file")
+    command.add_argument("--default", action="store_true", help="print the defaults instead")
+
+
+def print_settings(options: argparse.Namespace) -> int:
+    """Print the settings."""
+    from logical_robots_tui.tui.app.settings import Settings, as_toml, read_settings, settings_path
+
+    path = settings_path()
+    if options.path:
+        print(path)
+        return FINE
+    settings = Settings() if options.default else read_settings(path)
+    what = "settings from" if is_there(path) and not options.default else "defaults, to be put into"
+    print(f"# Logical Robots: {what} {harmless(str(path))}", as_toml(settings), sep="\n")
+    for complaint in settings.complaints:
+        print(harmless(complaint), file=sys.stderr)
+    return WRONG if settings.complaints else FINE

@@ -33,11 +33,12 @@ _HOMES = {
     "origin": "runs.origin",
     "diagnose": "runs.diagnose",
     "check": "check",
-    "help": "help",
+    "help": "listing",
     "levels": "listing",
     "programs": "listing",
-    "level": "level.command",
-    "config": "config",
+    "config": "listing",
+    "progress": "progress",
+    "level": "level",
     "doctor": "doctor",
     "completion": "completion",
 }
@@ -69,6 +70,7 @@ examples:
   logical-robots diagnose 01-first-steps first-steps
                                        scan a run for likely mistakes
   logical-robots help ArgMin           explain a function of the language
+  logical-robots progress              list your results
   logical-robots level new maze.toml   create a level
   logical-robots config                show settings and keys
   logical-robots doctor                check this machine and this terminal

@@ -7,8 +7,8 @@ import math
 import sys
 from typing import TYPE_CHECKING
 
+from logical_robots_tui.cli.command import harmless
 from logical_robots_tui.cli.failure import ProgramFileError
-from logical_robots_tui.cli.text import harmless
 from logical_robots_tui.errors import InputError
 from logical_robots_tui.game import (
     Breakpoint,
@@ -17,7 +17,6 @@ from logical_robots_tui.game import (
     goals,
     level_key,
     load_program,
-    mistake_in,
     save_program,
 )
 from logical_robots_tui.game.continuing import (
@@ -26,9 +25,9 @@ from logical_robots_tui.game.continuing import (
     note_level,
     program_to_begin_with,
 )
-from logical_robots_tui.game.events import events_between
+from logical_robots_tui.game.frame import events_between
 from logical_robots_tui.game.source import hide_solutions, target
-from logical_robots_tui.game.victory import keep_victory, victory_of
+from logical_robots_tui.game.victory import keep_victory, result_line, victory_of
 from logical_robots_tui.mind import Program, ProgramError
 from logical_robots_tui.paths import is_there
 from logical_robots_tui.progress import FILE_NAME, Progress
@@ -66,7 +65,7 @@ def play_in_lines(
     """Play in lines of text until the player leaves; return the exit status.
 
     Args:
-        level_name: A level's name or path; by default the shipped level played last.
+        level_name: A level's name or path; by default the level played last.
         program: A program's name or path; by default the player's last program for that level.
         data_dir: The folder with the player's programs and progress.
         solutions: Whether the solution of a level can be read before it is won.
@@ -80,7 +79,7 @@ def play_in_lines(
         hide_solutions(progress)
     own = data_dir / "programs"
     try:
-        level = load_level(level_name or level_to_begin_with(progress))
+        level = load_level(level_name) if level_name else level_to_begin_with(progress)
         source, kept = program_to_begin_with(progress, level, program, own)
         if kept is not None and kept != source.text:
             source = source._replace(text=kept)
@@ -176,10 +175,10 @@ class _TextGame:
             self._game.breakpoints.remove(wanted)
             _say(f"Runs no longer stop when {wanted.words}.")
             return
-        mistake = mistake_in(wanted, self._level, self._game.program)
-        if not mistake:
+        problem = self._game.problem_with(wanted)
+        if not problem:
             self._game.breakpoints.add(wanted)
-        _say(mistake or f"Runs will stop when {wanted.words}.")
+        _say(problem or f"Runs will stop when {wanted.words}.")
 
     def _save(self, name: str) -> None:
         try:
@@ -230,6 +229,8 @@ class _TextGame:
             _say("The victory is saved in your progress.")
         else:
             _say("The victory only counts until you leave: nothing can be saved on this disk.")
+        if victory.verdict == "counts" and victory.measures is not None:
+            _say(result_line(victory.level, victory.measures))
 
     def _places(self) -> Iterator[str]:
         frame = self._game.frame

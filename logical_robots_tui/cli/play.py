@@ -6,6 +6,7 @@ import argparse
 import os
 import re
 import sys
+from datetime import date
 from importlib import import_module
 from typing import TYPE_CHECKING
 
@@ -21,11 +22,14 @@ if TYPE_CHECKING:
 
 __all__ = ["declare"]
 
+SIZES = ("small", "medium", "large")
+
 EPILOG = """\
 examples:
   logical-robots play                  continue, or start the first level
   logical-robots play 02-open-space    play another level
   logical-robots play my-level.toml my-program.l
+  logical-robots play --daily          play the labyrinth of today
   logical-robots play --plain          play in lines of text, also in a pipe:
   echo run | logical-robots play 01-first-steps first-steps --plain
 
@@ -45,6 +49,17 @@ def declare(commands: Commands) -> None:
     )
     command.add_argument("level", nargs="?", metavar="LEVEL", help="a level's name or file")
     command.add_argument("program", nargs="?", metavar="PROGRAM", help="a program's name or file")
+    command.add_argument(
+        "--daily",
+        nargs="?",
+        metavar="DATE",
+        type=_day,
+        const=_day("today"),
+        help="play the labyrinth of a day, which everybody has; LEVEL is left out",
+    )
+    command.add_argument(
+        "--size", choices=SIZES, default=SIZES[1], help="of the labyrinth of the day"
+    )
     command.add_argument(
         "--plain",
         action="store_true",
@@ -84,13 +99,34 @@ def start(options: argparse.Namespace) -> int:
     if options.restricted and not options.player:
         _refuse_shared_folder(folder_of(options.data_dir))
     options.data_dir = folder_of(options.data_dir, options.player)
+    if options.daily is not None:
+        _choose_daily(options)
     if options.plain:
         if options.restricted:
             _restrict(options, "logical_robots_tui.cli.plain")
         return _play_in_lines(options)
     if options.restricted:
-        _restrict(options, "logical_robots_tui.tui.app.play")
+        _restrict(options, "logical_robots_tui.tui.app.app")
     return _play_on_screen(options)
+
+
+def _choose_daily(options: argparse.Namespace) -> None:
+    """Take the labyrinth of the day as the level.
+
+    Raises:
+        InputError: A level is given, too, or no labyrinth can be offered.
+    """
+    from logical_robots_tui.game.continuing import daily_level
+    from logical_robots_tui.progress import FILE_NAME, Progress
+
+    if options.program is not None:
+        raise InputError("--daily is the level; name a program at most, not two things.")
+    progress = Progress(options.data_dir / FILE_NAME)
+    try:
+        level = daily_level(progress, options.daily, options.size)
+    finally:
+        progress.close()
+    options.level, options.program = level.name, options.level
 
 
 def _refuse_shared_folder(folder: Path) -> None:
@@ -140,8 +176,8 @@ def _prepare_screen() -> None:
 
 
 def _play_on_screen(options: argparse.Namespace) -> int:
-    from logical_robots_tui.tui.app.permissions import Permissions
-    from logical_robots_tui.tui.app.play import play
+    from logical_robots_tui.tui.app.app import play
+    from logical_robots_tui.tui.app.ui import Permissions
 
     free = not options.restricted
     permissions = Permissions(
@@ -158,6 +194,16 @@ def _play_in_lines(options: argparse.Namespace) -> int:
     return play_in_lines(
         options.level, options.program, options.data_dir, solutions=not options.no_solutions
     )
+
+
+def _day(text: str) -> date:
+    if text == "today":
+        return date.today()
+    try:
+        return date.fromisoformat(text)
+    except ValueError:
+        message = f"{text!r} is not a date such as 2026-11-22; a program comes before --daily"
+        raise argparse.ArgumentTypeError(message) from None
 
 
 def _player(text: str) -> str:

@@ -12,10 +12,10 @@ import numpy as np
 from logical_robots_tui.editing.records import all_things, words_of
 from logical_robots_tui.editing.things import KINDS, Ref, reread
 from logical_robots_tui.editing.walls import Regions
-from logical_robots_tui.world.fields import Fields
 from logical_robots_tui.world.level import Area, Beacon, LevelError, Robot
-from logical_robots_tui.world.limits import MOST_OF_A_KIND
-from logical_robots_tui.world.native import oddities, read_words
+from logical_robots_tui.world.levels.fields import Fields
+from logical_robots_tui.world.levels.limits import MOST_OF_A_KIND
+from logical_robots_tui.world.levels.native import oddities, read_words
 from logical_robots_tui.world.sensing import ROBOT_RADIUS
 from logical_robots_tui.world.walls import row_clearances
 

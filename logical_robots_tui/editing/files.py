@@ -11,8 +11,8 @@ from logical_robots_tui.editing.rewriting import rewritten
 from logical_robots_tui.paths import real
 from logical_robots_tui.shipped import shipped_folder
 from logical_robots_tui.world.level import LevelError
-from logical_robots_tui.world.limits import MOST_BYTES
-from logical_robots_tui.world.load import SUFFIXES, WEB, load_level, read_text
+from logical_robots_tui.world.levels.limits import MOST_BYTES
+from logical_robots_tui.world.levels.load import SUFFIXES, WEB, load_level, read_text
 from logical_robots_tui.writing import write_atomically
 
 if TYPE_CHECKING:

@@ -3,21 +3,22 @@
 from __future__ import annotations
 
 import json
+from dataclasses import asdict
 from typing import TYPE_CHECKING
 
 import numpy as np
 import tomlkit
 
-from logical_robots_tui.editing.records import Record, record_of, words_of, written_number
+from logical_robots_tui.editing.records import Record, Thing, record_of, words_of, written_number
 from logical_robots_tui.editing.things import KINDS, Kind
-from logical_robots_tui.world.drawing import coarsest_cell, draw_rows
-from logical_robots_tui.world.level import Visibility
-from logical_robots_tui.world.native import oddities
+from logical_robots_tui.world.level import Robot, Visibility
+from logical_robots_tui.world.levels.drawing import coarsest_cell, draw_rows
+from logical_robots_tui.world.levels.native import oddities
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from logical_robots_tui.world.level import Area, Beacon, Level, Robot
+    from logical_robots_tui.world.level import Level
 
 __all__ = ["block_text", "lost_in_web", "needs_leniency", "toml_text", "write_native", "write_web"]
 
@@ -76,9 +77,9 @@ def write_web(level: Level) -> str:
     record = {
         "width": level.width,
         "height": level.height,
-        "robots": [_robot(robot) for robot in level.robots],
-        "beacons": [_beacon(beacon) for beacon in level.beacons],
-        "areas": [_area(area) for area in level.areas],
+        "robots": [_record(robot) for robot in level.robots],
+        "beacons": [_record(beacon) for beacon in level.beacons],
+        "areas": [_record(area) for area in level.areas],
         "walls": digits.tobytes().decode("ascii"),
     }
     return json.dumps(record, indent=1, ensure_ascii=False, allow_nan=False) + "\n"
@@ -94,42 +95,11 @@ def lost_in_web(level: Level) -> list[str]:
     return lost
 
 
-def _robot(robot: Robot) -> Record:
-    record: Record = {
-        "name": robot.name,
-        "x": written_number(robot.x),
-        "y": written_number(robot.y),
-        "angle": written_number(robot.angle),
-        "color": robot.color,
-    }
-    numbers = (robot.battery_capacity, robot.battery_consumption_rate)
-    if robot.has_battery or any(numbers):
-        record["has_battery"] = robot.has_battery
-        record["can_charge"] = robot.can_charge
-        record["battery_capacity"] = written_number(robot.battery_capacity)
-        record["battery_consumption_rate"] = written_number(robot.battery_consumption_rate)
+def _record(thing: Thing) -> Record:
+    """Return the record of a thing, whose keys are the names of its attributes."""
+    record: Record = {name: written_number(value) for name, value in asdict(thing).items()}
+    if isinstance(thing, Robot) and not (
+        thing.has_battery or thing.battery_capacity or thing.battery_consumption_rate
+    ):
+        return {name: record[name] for name in ("name", "x", "y", "angle", "color")}
     return record
-
-
-def _beacon(beacon: Beacon) -> Record:
-    return {
-        "name": beacon.name,
-        "x": written_number(beacon.x),
-        "y": written_number(beacon.y),
-        "charging_station": beacon.charging_station,
-    }
-
-
-def _area(area: Area) -> Record:
-    return {
-        "name": area.name,
-        "x": written_number(area.x),
-        "y": written_number(area.y),
-        "radius": written_number(area.radius),
-        "color": area.color,
-        "victory_robots": list(area.victory_robots),
-        "on_beacon": area.on_beacon,
-        "off_beacon": area.off_beacon,
-        "sticky_switch": area.sticky_switch,
-        "impenetrable": area.impenetrable,
-    }

@@ -8,10 +8,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from logical_robots_tui.editing.records import all_things, words_of
-from logical_robots_tui.world.fields import Fields
 from logical_robots_tui.world.level import LevelError
-from logical_robots_tui.world.limits import MOST_OF_A_NUMBER
-from logical_robots_tui.world.native import Words, read_words
+from logical_robots_tui.world.levels.fields import Fields
+from logical_robots_tui.world.levels.limits import MOST_OF_A_NUMBER
+from logical_robots_tui.world.levels.native import Words, read_words
 
 if TYPE_CHECKING:
     from logical_robots_tui.world.level import Level

@@ -6,7 +6,7 @@ import math
 from typing import TYPE_CHECKING
 
 from logical_robots_tui.world.level import AREA_COLOR, ROBOT_COLOR, Area, Beacon, Robot, Visibility
-from logical_robots_tui.world.limits import MOST_OF_A_NUMBER
+from logical_robots_tui.world.levels.limits import MOST_OF_A_NUMBER
 
 if TYPE_CHECKING:
     from collections.abc import Iterator

@@ -21,9 +21,14 @@ from logical_robots_tui.editing.level_text import (
 )
 from logical_robots_tui.editing.records import Record, Thing, record_of, words_of
 from logical_robots_tui.editing.things import KINDS, Kind, kind_of
-from logical_robots_tui.world.drawing import coarsest_cell, draw_rows, expresses, find_drawing
 from logical_robots_tui.world.level import LevelError, alike
-from logical_robots_tui.world.native import read_native
+from logical_robots_tui.world.levels.drawing import (
+    coarsest_cell,
+    draw_rows,
+    expresses,
+    find_drawing,
+)
+from logical_robots_tui.world.levels.native import read_native
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

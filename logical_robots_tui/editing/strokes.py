@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from logical_robots_tui.world.level import LevelError
-from logical_robots_tui.world.limits import MOST_OF_A_NUMBER, MOST_SIDE
+from logical_robots_tui.world.levels.limits import MOST_OF_A_NUMBER, MOST_SIDE
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

@@ -1,7 +1,4 @@
-"""Placing, moving, changing and removing robots, beacons and areas.
-
-Every function returns a new, valid level, or raises a ``LevelError`` with the reason.
-"""
+"""Robots, beacons and areas: adding, changing and removing them, and where they stand by now."""
 
 from __future__ import annotations
 
@@ -11,22 +8,26 @@ from dataclasses import dataclass, fields, replace
 from typing import TYPE_CHECKING, Any, Literal, TypeAlias
 
 from logical_robots_tui.editing.records import Thing, record_of
-from logical_robots_tui.world.fields import Fields, check_robot_names
 from logical_robots_tui.world.level import Beacon, LevelError, Robot
-from logical_robots_tui.world.limits import LONGEST_NAME, MOST_OF_A_KIND
-from logical_robots_tui.world.native import read_area, read_beacon, read_robot
+from logical_robots_tui.world.levels.fields import Fields, check_robot_names
+from logical_robots_tui.world.levels.limits import LONGEST_NAME, MOST_OF_A_KIND
+from logical_robots_tui.world.levels.native import read_area, read_beacon, read_robot
 from logical_robots_tui.world.sensing import BEACON_RADIUS, ROBOT_RADIUS
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
 
+    from logical_robots_tui.world import RobotState, WorldState
+    from logical_robots_tui.world.changing import Pose
     from logical_robots_tui.world.level import Level
 
 __all__ = [
     "KINDS",
     "Kind",
+    "Poses",
     "Ref",
     "add",
+    "as_it_stands",
     "change",
     "duplicate",
     "kind_of",
@@ -236,3 +237,53 @@ def _numbered(name: str) -> Iterator[str]:
     for number in range(2, MOST_OF_A_KIND + 3):
         ending = f" {number}"
         yield stem[: LONGEST_NAME - len(ending)] + ending
+
+
+def as_it_stands(level: Level, state: WorldState) -> Level:
+    """Return a level with its robots at their current places."""
+    if state.tick == 0:
+        return level
+    bodies = {body.name: body for body in state.robots}
+    robots = tuple(
+        robot if (body := bodies.get(robot.name)) is None else _now(robot, body)
+        for robot in level.robots
+    )
+    return replace(level, robots=robots)
+
+
+class Poses:
+    """Where robots are put when the level is changed while they run.
+
+    A robot that is moved in the level goes there at once. Undo moves it back to its place at that
+    moment, not to its start in the level.
+    """
+
+    def __init__(self) -> None:
+        self._stood: dict[tuple[str, Pose], Pose] = {}
+
+    def note(self, robot: Robot, now: Robot) -> None:
+        """Remember a robot's place before it is moved.
+
+        Args:
+            robot: The robot in the level.
+            now: Its current state.
+        """
+        self._stood[robot.name, _pose(robot)] = _pose(now)
+
+    def between(self, before: Level, after: Level) -> dict[str, Pose]:
+        """Return where robots are put when one level replaces the other."""
+        known = {robot.name: _pose(robot) for robot in before.robots}
+        moved = {
+            robot.name: _pose(robot)
+            for robot in after.robots
+            if robot.name in known and known[robot.name] != _pose(robot)
+        }
+        return {name: self._stood.get((name, pose), pose) for name, pose in moved.items()}
+
+
+def _now(robot: Robot, body: RobotState) -> Robot:
+    return replace(robot, x=body.x, y=body.y, angle=body.angle)
+
+
+def _pose(robot: Robot) -> Pose:
+    return robot.x, robot.y, robot.angle

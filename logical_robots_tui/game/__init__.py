@@ -6,7 +6,6 @@ from logical_robots_tui.later import lazy_exports
 
 if TYPE_CHECKING:
     from logical_robots_tui.game.advancing import start_frame
-    from logical_robots_tui.game.compiling import compile_program, mistake_in_question
     from logical_robots_tui.game.continuing import Place, place_of
     from logical_robots_tui.game.debugging.breakpoints import (
         EVENTS,
@@ -18,7 +17,12 @@ if TYPE_CHECKING:
         subjects,
     )
     from logical_robots_tui.game.debugging.inquiry import Inquiry
-    from logical_robots_tui.game.debugging.matches import Matches, find_matches
+    from logical_robots_tui.game.debugging.matches import (
+        Matches,
+        SearchResult,
+        find_matches,
+        search_ticks,
+    )
     from logical_robots_tui.game.debugging.origin import (
         Link,
         Origin,
@@ -35,98 +39,39 @@ if TYPE_CHECKING:
         pin_of_cell,
         read,
     )
-    from logical_robots_tui.game.debugging.search import SearchResult, search_ticks
-    from logical_robots_tui.game.debugging.watching import matching_rows
-    from logical_robots_tui.game.events import Goal, goals
-    from logical_robots_tui.game.frame import Frame, NoSuchTickError, Superseded
-    from logical_robots_tui.game.game import Answer, Game
+    from logical_robots_tui.game.frame import Frame, Goal, NoSuchTickError, Superseded, goals
+    from logical_robots_tui.game.game import Game
     from logical_robots_tui.game.history.divergence import Difference, Divergence
     from logical_robots_tui.game.history.history import History
     from logical_robots_tui.game.history.marks import MARK_KINDS, Mark, MarkKind
-    from logical_robots_tui.game.pace import FLAT_OUT, SPEEDS, Pace
-    from logical_robots_tui.game.reference import count_rules, is_shipped, level_key, reference_for
+    from logical_robots_tui.game.pace import Pace
     from logical_robots_tui.game.run import Run, run_key
-    from logical_robots_tui.game.source import Source, list_programs, load_program, save_program
-
-__all__ = [
-    "EVENTS",
-    "FLAT_OUT",
-    "MARK_KINDS",
-    "MIND",
-    "ROBOT_COLUMNS",
-    "SPEEDS",
-    "Answer",
-    "Breakpoint",
-    "Breakpoints",
-    "Difference",
-    "Divergence",
-    "Event",
-    "Frame",
-    "Game",
-    "Goal",
-    "History",
-    "Hit",
-    "Inquiry",
-    "Link",
-    "Mark",
-    "MarkKind",
-    "Matches",
-    "NoSuchTickError",
-    "Origin",
-    "Pace",
-    "Path",
-    "Pin",
-    "Place",
-    "Reading",
-    "Run",
-    "SearchResult",
-    "Source",
-    "Superseded",
-    "compile_program",
-    "count_rules",
-    "find_matches",
-    "goals",
-    "is_shipped",
-    "level_key",
-    "list_programs",
-    "load_program",
-    "matching_rows",
-    "mistake_in",
-    "mistake_in_question",
-    "origin_in_game",
-    "origin_in_run",
-    "pin_of_cell",
-    "place_of",
-    "read",
-    "read_path",
-    "reference_for",
-    "run_key",
-    "save_program",
-    "search_ticks",
-    "start_frame",
-    "subjects",
-]
+    from logical_robots_tui.game.source import (
+        Source,
+        compile_program,
+        list_programs,
+        load_program,
+        mistake_in_question,
+        save_program,
+    )
+    from logical_robots_tui.game.victory import count_rules, is_shipped, level_key, reference_for
 
 _NAMES = {
     "debugging.breakpoints": "EVENTS Breakpoint Breakpoints Event Hit mistake_in subjects",
-    "compiling": "compile_program mistake_in_question",
-    "frame": "Frame NoSuchTickError Superseded",
-    "game": "Answer Game",
-    "events": "Goal goals",
+    "frame": "Frame Goal NoSuchTickError Superseded goals",
+    "game": "Game",
     "history.history": "History",
-    "debugging.matches": "Matches find_matches",
-    "debugging.watching": "matching_rows",
+    "debugging.matches": "Matches SearchResult find_matches search_ticks",
     "debugging.inquiry": "Inquiry",
     "history.marks": "MARK_KINDS Mark MarkKind",
     "debugging.origin": "Link Origin origin_in_game origin_in_run read_path",
-    "pace": "FLAT_OUT SPEEDS Pace",
+    "pace": "Pace",
     "history.divergence": "Difference Divergence",
     "debugging.pins": "MIND ROBOT_COLUMNS Path Pin Reading pin_of_cell read",
     "continuing": "Place place_of",
-    "reference": "count_rules is_shipped level_key reference_for",
+    "victory": "count_rules is_shipped level_key reference_for",
     "run": "Run run_key",
-    "debugging.search": "SearchResult search_ticks",
-    "source": "Source list_programs load_program save_program",
+    "source": "Source compile_program list_programs load_program mistake_in_question save_program",
     "advancing": "start_frame",
 }
 

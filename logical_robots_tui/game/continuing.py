@@ -3,28 +3,32 @@
 from __future__ import annotations
 
 import json
+from contextlib import suppress
 from typing import TYPE_CHECKING, NamedTuple
 
 from logical_robots_tui.errors import InputError
-from logical_robots_tui.game.reference import is_shipped, level_key
 from logical_robots_tui.game.source import (
     DEFAULT_PROGRAM,
     Source,
     load_program,
     shipped_texts,
 )
-from logical_robots_tui.world import list_levels
+from logical_robots_tui.game.victory import level_key
+from logical_robots_tui.world import LevelError, list_levels, load_level
 
 if TYPE_CHECKING:
+    from datetime import date
     from pathlib import Path
 
     from logical_robots_tui.game.game import Game
     from logical_robots_tui.game.source import Source
     from logical_robots_tui.progress import Progress
     from logical_robots_tui.world import Level
+    from logical_robots_tui.world.levels.daily import DailySize
 
 __all__ = [
     "Place",
+    "daily_level",
     "keep_if_own",
     "level_to_begin_with",
     "note_level",
@@ -34,9 +38,13 @@ __all__ = [
 
 _LAST_LEVEL = "level"
 
+_PROVING = "the-long-hall"  # follows a wall, which leads everywhere where there are no loops
+_TICKS_PER_CELL = 250
+_MOST_DAILIES = 9
 
-def level_to_begin_with(progress: Progress) -> str:
-    """Return the shipped level that was played last, or the first one.
+
+def level_to_begin_with(progress: Progress) -> Level:
+    """Return the level that was played last, if it can still be read, or the first one.
 
     Raises:
         InputError: The levels are missing from the installation.
@@ -45,13 +53,50 @@ def level_to_begin_with(progress: Progress) -> str:
     if not names:
         raise InputError("The levels are missing from this installation.", hint="Install it again.")
     last = progress.fact(_LAST_LEVEL)
-    return last if last in names else names[0]
+    if last is not None:
+        with suppress(LevelError):  # it was deleted, broken, or renamed in a newer version
+            return load_level(last)
+    return load_level(names[0])
 
 
 def note_level(progress: Progress, level: Level) -> None:
-    """Record that the player has opened a level."""
-    if is_shipped(level):
-        progress.set_fact(_LAST_LEVEL, level.name)
+    """Record that the player has opened a level that has a file."""
+    if level.source:
+        progress.set_fact(_LAST_LEVEL, level_key(level))
+
+
+def daily_level(progress: Progress, day: date, size: DailySize) -> Level:
+    """Return the labyrinth of a day, which one of our programs has been shown to win.
+
+    Args:
+        progress: Where to look up and keep that it was shown.
+        day: The day.
+        size: How large.
+
+    Raises:
+        InputError: This machine is too busy to show it, or no labyrinth of the day can be won.
+    """
+    from logical_robots_tui.game.robustness import LateError, play_through
+    from logical_robots_tui.mind import Program
+    from logical_robots_tui.world.levels.daily import Daily
+
+    program: Program | None = None
+    for number in range(1, _MOST_DAILIES + 1):
+        daily = Daily(day, size, number)
+        level = load_level(daily.name)
+        fact = f"won {daily.name}"
+        if progress.fact(fact) is not None:
+            return level
+        program = program or Program.compile(load_program(_PROVING).text)
+        try:
+            played = play_through(level, program, _TICKS_PER_CELL * daily.cells)
+        except LateError:
+            message = "This machine is too busy to check that the labyrinth can be won."
+            raise InputError(message, hint="Try again.") from None
+        if played.won_at is not None:
+            progress.set_fact(fact, str(played.won_at))
+            return level
+    raise InputError(f"No {size} labyrinth of {day.isoformat()} can be won.")
 
 
 def program_to_begin_with(

@@ -13,8 +13,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from logical_robots_tui.game.reference import count_rules
 from logical_robots_tui.game.robustness import STARTS, LateError, play_through, try_starts
+from logical_robots_tui.game.victory import count_rules
 from logical_robots_tui.progress import Measures
 
 if TYPE_CHECKING:
@@ -168,7 +168,8 @@ def main() -> None:
     )
     threading.Thread(target=_end_with_the_game, daemon=True).start()
     try:
-        _say(late=False, measures=_as_record(_measured(level, program, known)))
+        found = _measured(level, program, known)
+        _say(late=False, measures=found and found._asdict())
     except LateError:
         _say(late=True)
 
@@ -184,12 +185,6 @@ def _measured(level: Level, program: Program, known: Measures | None) -> Measure
         level, program, patience, report=lambda tried, won: _say(tried=tried, wins=won)
     )
     return Measures(known.ticks, known.rules, known.distance, wins, STARTS)
-
-
-def _as_record(found: Measures | None) -> dict[str, object] | None:
-    if found is None:
-        return None
-    return {name: getattr(found, name) for name in found._fields}
 
 
 def _say(**what: object) -> None:

@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+import asyncio
 import re
+import threading
 from functools import lru_cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Literal, NamedTuple
 
 from logical_robots_tui.confinement import check_mine
 from logical_robots_tui.errors import InputError
+from logical_robots_tui.mind import ProgramError
 from logical_robots_tui.paths import is_file, is_folder, is_there, read_ordinary, real, typed_path
 from logical_robots_tui.shipped import did_you_mean, shipped_folder, shipped_names
 from logical_robots_tui.world import list_levels, load_level
@@ -17,6 +20,7 @@ from logical_robots_tui.writing import write_atomically
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
+    from logical_robots_tui.mind import Program, Report
     from logical_robots_tui.progress import Progress
 
 __all__ = [
@@ -24,10 +28,12 @@ __all__ = [
     "MAX_PROGRAM_BYTES",
     "SUFFIX",
     "Source",
+    "compile_program",
     "hide_solutions",
     "is_hidden",
     "list_programs",
     "load_program",
+    "mistake_in_question",
     "save_program",
     "shipped_texts",
     "target",
@@ -242,3 +248,56 @@ def _from_root(path: Path) -> Path:
         raise InputError(
             "the current folder no longer exists", place=str(path), hint=hint
         ) from error
+
+
+async def compile_program(text: str, report: Report | None = None) -> Program:
+    """Compile Logica text without blocking the event loop.
+
+    Cancelling the call ends the compilation.
+
+    Args:
+        text: The program.
+        report: Called on the event loop with the numbers of compiled predicates and of all.
+
+    Raises:
+        ProgramError: The program is wrong; the error holds diagnostics with line, column and hint.
+    """
+    stop = threading.Event()
+    loop = asyncio.get_running_loop()
+
+    def pass_on(done: int, of_all: int) -> None:
+        if report is not None and not stop.is_set():
+            loop.call_soon_threadsafe(report, done, of_all)
+
+    def work() -> Program:
+        # A mind will be needed next.
+        from logical_robots_tui.mind import Mind, Program  # noqa: F401 - to load it
+
+        return Program.compile(text, stop=stop, report=pass_on)
+
+    try:
+        return await asyncio.to_thread(work)
+    except asyncio.CancelledError:
+        stop.set()
+        raise
+
+
+async def mistake_in_question(program: Program, query: str) -> str:
+    """Return what is wrong with a question about a program, in words, or "".
+
+    Cancelling the call ends the compilation.
+
+    Args:
+        program: The program.
+        query: A call, an expression, conditions, or whole rules of which the last is evaluated.
+    """
+    stop = threading.Event()
+    try:
+        await asyncio.to_thread(program.question, query, stop=stop)
+    except ProgramError as error:
+        first = error.diagnostics[0]
+        return f"{first.message}. {first.hint}".strip()
+    except asyncio.CancelledError:
+        stop.set()
+        raise
+    return ""

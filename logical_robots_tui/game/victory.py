@@ -1,22 +1,95 @@
-"""A victory: what it counts for, and keeping it. With a screen and without it is the same."""
+"""Victories: what they count for, and how they compare with the reference programs."""
 
 from __future__ import annotations
 
+from functools import lru_cache
+from pathlib import Path
 from typing import TYPE_CHECKING, Literal, NamedTuple, TypeAlias
 
-from logical_robots_tui.game.reference import count_rules
 from logical_robots_tui.game.source import shipped_texts
 from logical_robots_tui.progress import Measures
+from logical_robots_tui.shipped import shipped_folder
 from logical_robots_tui.world.level import alike
 
 if TYPE_CHECKING:
+    from collections.abc import Mapping
+
     from logical_robots_tui.game.game import Game
     from logical_robots_tui.game.history.history import History
     from logical_robots_tui.mind import Program
     from logical_robots_tui.progress import Progress
     from logical_robots_tui.world import Level
 
-__all__ = ["Verdict", "Victory", "is_by_the_book", "keep_victory", "victory_of"]
+__all__ = [
+    "FIELDS",
+    "FILE_NAME",
+    "Verdict",
+    "Victory",
+    "count_rules",
+    "is_by_the_book",
+    "is_shipped",
+    "keep_victory",
+    "level_key",
+    "reference_for",
+    "reference_table",
+    "result_line",
+    "victory_of",
+]
+
+FILE_NAME = "reference.csv"
+FIELDS = ("level", "ticks", "rules", "distance", "wins", "starts")
+
+
+def is_shipped(level: Level) -> bool:
+    """Return whether a level is a shipped one."""
+    if not level.source:
+        return False
+    return Path(level.source).resolve().parent == shipped_folder("levels").resolve()
+
+
+def level_key(level: Level) -> str:
+    """Return the key for progress at a level: its name, or the full path of a player's level."""
+    return level.name if is_shipped(level) else str(Path(level.source or level.name).absolute())
+
+
+def reference_for(level: Level) -> Measures | None:
+    """Return the measures of a level's reference program, or None if there is none."""
+    return reference_table().get(level.name) if is_shipped(level) else None
+
+
+@lru_cache(maxsize=1)
+def reference_table() -> Mapping[str, Measures]:
+    """Return the measures of all reference programs by level name."""
+    import csv  # takes time that the first picture needs
+
+    try:
+        with (shipped_folder("levels") / FILE_NAME).open(encoding="utf-8", newline="") as file:
+            return {row["level"]: _measures(row) for row in csv.DictReader(file)}
+    except FileNotFoundError:
+        return {}
+
+
+def _measures(row: dict[str, str]) -> Measures:
+    return Measures(
+        int(row["ticks"]),
+        int(row["rules"]),
+        float(row["distance"]),
+        int(row["wins"]),
+        int(row["starts"]),
+    )
+
+
+def count_rules(text: str) -> int:
+    """Return the number of rules of a program that compiles.
+
+    Every statement counts as one, however long it is and however many cases it has; annotations,
+    which begin with ``@``, don't.
+    """
+    from logical_robots_tui.mind.source_text import prepare, statements
+
+    source = prepare(text)
+    return sum(source.text[start] != "@" for start, _ in statements(source))
+
 
 Verdict: TypeAlias = Literal["counts", "reference", "clock", "edited"]
 
@@ -27,15 +100,15 @@ _REFUSALS: dict[Verdict, str] = {
 
 
 class Victory(NamedTuple):
-    """The tick in which a level was won.
+    """A victory.
 
     Attributes:
-        level: Where, as it is in its file.
-        program: What the robots thought with at the end.
-        tick: Its number.
-        verdict: Whether it ``counts`` for the player, is that of the ``reference`` program, or is
-            not kept because a ``clock`` ended a thought or somebody ``edited`` the level.
-        measures: How good it is; None if other programs decided on the way, too.
+        level: The level as in its file.
+        program: The robots' program at the end.
+        tick: The tick of victory.
+        verdict: ``counts``; won by the ``reference`` program; or not saved, because a time limit
+            (``clock``) ended a thought or the level was ``edited``.
+        measures: Its measures; None if other programs decided earlier ticks.
     """
 
     level: Level
@@ -46,16 +119,16 @@ class Victory(NamedTuple):
 
     @property
     def refusal(self) -> str:
-        """Why it is not kept, one sentence, or ""."""
+        """Why it is not saved, one sentence, or ""."""
         return _REFUSALS.get(self.verdict, "")
 
 
 def victory_of(game: Game, level: Level) -> Victory | None:
-    """The victory at the present tick of a game, or None if it is not the tick of one.
+    """Return the victory at the current tick of a game, or None.
 
     Args:
         game: The game.
-        level: Its level as it is in its file.
+        level: Its level as in its file.
     """
     tick, program, history = game.frame.tick, game.program, game.history
     if game.won_at != tick:
@@ -74,11 +147,26 @@ def victory_of(game: Game, level: Level) -> Victory | None:
 
 
 def is_by_the_book(history: History, level: Level, tick: int) -> bool:
-    """Whether all up to a tick happened in a level as it is in its file."""
+    """Return whether the level was as in its file in all ticks up to one."""
     return not history.is_changed_up_to(tick) and alike(history.level_at(0), level)
 
 
 def keep_victory(progress: Progress, key: str, victory: Victory) -> None:
-    """Keep a victory that counts in the record of the level with that key. Blocks."""
+    """Save a victory that counts in the record of the level with that key. Blocks."""
     if victory.verdict == "counts":
         progress.win(key, victory.program.text, victory.measures)
+
+
+def result_line(level: Level, measures: Measures) -> str:
+    """Return a result as a line of text to share.
+
+    Args:
+        level: Where it was achieved.
+        measures: How good it is.
+    """
+    rules = f"{measures.rules} rule{'s' * (measures.rules != 1)}"
+    line = f"Logical Robots · {level.title} · {measures.ticks:,} ticks · {rules}"
+    line += f" · {measures.distance:,.0f} units driven"
+    if measures.wins is not None:
+        line += f" · {measures.wins} of {measures.starts} starts"
+    return line

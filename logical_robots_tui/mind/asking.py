@@ -16,7 +16,6 @@ from logical_robots_tui.mind.sqlite.moment import TooHeavyError
 from logical_robots_tui.mind.sqlite.stored import TooDeepError, from_sql
 from logical_robots_tui.mind.sqlite.tables import PlainTables, TunedTables, UnfitError
 from logical_robots_tui.mind.table import plan_lines
-from logical_robots_tui.mind.why.relations import ALIKE, SAME, alike_in_sql, same_in_sql
 
 if TYPE_CHECKING:
     from collections.abc import Collection, Iterator, Sequence
@@ -57,6 +56,9 @@ class Asking:
         limits: Bounds on memory, on values and on results.
         plain: Whether to use the plain queries only.
         frozen: Whether inputs and answers never change, then or later.
+
+    Attributes:
+        plain: The tables for plain queries.
     """
 
     def __init__(
@@ -68,11 +70,10 @@ class Asking:
         frozen: bool = False,
     ) -> None:
         self._program = program
-        self._plain = PlainTables(limits)
+        self.plain = PlainTables(limits)
         self._tuned = None if plain else _tables(program, limits, frozen=frozen)
         self._deepest = limits.depth
         self._read_value = Interner().read if frozen else from_sql
-        self._explores = False
 
     def each(
         self, predicate: str, moment: Moment, within: Within
@@ -123,9 +124,11 @@ class Asking:
         """Return the rows of a predicate for one view.
 
         Raises:
-            FailureError: It failed, took too long, or has too many rows.
+            FailureError: It can't be computed, failed, took too long, or has too many rows.
         """
-        tuned, sql = self._program.tuned.get(predicate), self._program.statements[predicate]
+        tuned, sql = self._program.tuned.get(predicate), self._program.statements.get(predicate)
+        if sql is None:
+            raise FailureError(f"{predicate} can't be computed")
         columns, rows = self._ask(tuned, sql, moment, view, within)
         if len(rows) > within.rows and not within.cut:
             raise FailureError(f"{predicate} has more than {within.rows:,} rows")
@@ -163,7 +166,7 @@ class Asking:
 
     def close(self) -> None:
         """Close the databases."""
-        self._plain.close()
+        self.plain.close()
         if self._tuned is not None:
             self._tuned.close()
 
@@ -181,20 +184,8 @@ class Asking:
             FailureError: It failed, or took too long.
         """
         with failures_in_words(within):
-            columns, rows = self._plain.ask(sql, moment, view, within, parameters)
+            columns, rows = self.plain.ask(sql, moment, view, within, parameters)
             return columns, self._read_all(rows, within)
-
-    def tables_to_explore(self) -> PlainTables:
-        """Return the plain tables, with the functions that explanations need."""
-        if not self._explores:
-            self._plain.offer(SAME, same_in_sql, 2)
-            self._plain.offer(ALIKE, alike_in_sql, 2)
-            self._explores = True
-        return self._plain
-
-    def sql_of(self, predicate: str) -> str:
-        """Return the plain query for the rows of a predicate, or "" if it has none."""
-        return self._program.statements.get(predicate, "")
 
     # -- inside --------------------------------------------------------------------------------
 
@@ -248,7 +239,7 @@ class Asking:
         moment: Moment,
         within: Within,
         *,
-        in_order: bool = True,
+        in_order: bool,
     ) -> list[Answer] | None:
         """Return answers for all views from rows that end with the number of their viewer."""
         numbers = [row[-1] for row in found]

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
 __all__ = ["FOLDER_VARIABLE", "MAX_BYTES", "MAX_ENTRIES", "find", "folder", "keep"]
 
-MAX_ENTRIES = 1_000
+MAX_ENTRIES = 5_000
 MAX_BYTES = 50_000_000
 _LARGEST = 5_000_000  # bytes of one entry
 _SUFFIX = ".program"
@@ -42,8 +42,8 @@ def find(request: bytes, kind: type[T]) -> T | None:
         kind: The dataclass of the result.
     """
     entries, name = _entries(), _name(request)
-    content = None if entries is None else entries.read(name, _LARGEST)
-    if entries is None or content is None:
+    content = entries.read(name, _LARGEST)
+    if content is None:
         return None
     digest, _, body = content.partition(b"\n")
     try:
@@ -61,7 +61,7 @@ def find(request: bytes, kind: type[T]) -> T | None:
 def keep(request: bytes, made: DataclassInstance) -> None:
     """Store the result of a request, and evict the oldest entries if there are too many."""
     entries = _entries()
-    if entries is None:
+    if entries.place is None:
         return
     entry: list[Any] = [request.decode(), asdict(made)]
     body = json.dumps(entry, separators=(",", ":")).encode()
@@ -70,9 +70,8 @@ def keep(request: bytes, made: DataclassInstance) -> None:
         entries.keep(_name(request), [content])
 
 
-def _entries() -> CacheFolder | None:
-    place = folder()
-    return None if place is None else CacheFolder(place, _SUFFIX, MAX_ENTRIES, MAX_BYTES)
+def _entries() -> CacheFolder:
+    return CacheFolder(folder(), _SUFFIX, MAX_ENTRIES, MAX_BYTES)
 
 
 def _name(request: bytes) -> str:

@@ -5,20 +5,19 @@ JSON text says little about that: an empty record has two characters and takes 6
 
 from __future__ import annotations
 
-import mmap
-import resource
 from dataclasses import dataclass, fields
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from logical_robots_tui.values import Value
 
 __all__ = [
     "HEAVIEST_CHARACTER",
     "Limits",
-    "check_room",
-    "is_bounded",
     "weight_of",
+    "weight_of_row",
     "weight_of_text",
 ]
 
@@ -91,8 +90,7 @@ _RECORD, _FIELD = 184, 28  # CPython's dict: its least size, and the size of a f
 _LIST, _ITEM = 56, 8
 _TEXT = 50
 _NUMBER = 32
-
-_LONG = 10_000  # characters from which on a text is examined closely
+_ROW, _COLUMN = 400, 64  # a row, and the same as a record of its columns
 
 
 def weight_of(value: Value, most: int) -> int:
@@ -122,34 +120,19 @@ def weight_of(value: Value, most: int) -> int:
 
 def weight_of_text(text: str) -> int:
     """Return an upper bound for the bytes of objects that JSON text stands for."""
-    if len(text) < _LONG:
-        return len(text) * HEAVIEST_CHARACTER
     parts = text.count(",") * (_ITEM + _FIELD + _NUMBER) + text.count('"') * _TEXT
-    opened = text.count("{") * (_RECORD + _FIELD + _NUMBER) + text.count("[") * (_LIST + _NUMBER)
-    return len(text) * (1 if text.isascii() else 4) + parts + opened
+    records = text.count("{") * (_RECORD + _FIELD + _NUMBER)
+    lists = text.count("[") * (_LIST + _ITEM + _NUMBER)
+    return len(text) * (1 if text.isascii() else 4) + parts + records + lists
 
 
-def is_bounded() -> bool:
-    """Return whether the process's address space is limited, as in a restricted game.
-
-    Otherwise the machine's memory is the limit, and there is no way to ask how much is left.
-    """
-    return resource.getrlimit(resource.RLIMIT_AS)[0] != resource.RLIM_INFINITY
-
-
-def check_room(size: int) -> None:
-    """Check that a bounded process may still use so many bytes of address space.
-
-    Some code crashes when memory runs out, such as orjson, so there must be enough before a think
-    begins.
-
-    Raises:
-        MemoryError: There is not enough.
-    """
-    try:
-        mmap.mmap(-1, size, flags=mmap.MAP_PRIVATE | mmap.MAP_ANONYMOUS | _NO_RESERVE).close()
-    except OSError:
-        raise MemoryError from None
-
-
-_NO_RESERVE = getattr(mmap, "MAP_NORESERVE", 0)
+def weight_of_row(row: Sequence[object]) -> int:
+    """Return an upper bound for the bytes of objects that a row of SQLite's values stands for."""
+    weight = _ROW + _COLUMN * len(row)
+    for value in row:
+        if isinstance(value, str):
+            if value[:1] in ("{", "["):
+                weight += weight_of_text(value)
+            else:
+                weight += _TEXT + len(value) * (1 if value.isascii() else 4)
+    return weight

@@ -6,13 +6,13 @@ from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from time import perf_counter
 from typing import TYPE_CHECKING, Literal
 
+from logical_robots_tui.confinement import check_room
 from logical_robots_tui.mind.asking import Asking
 from logical_robots_tui.mind.deciding import blame, cut_offs, decide, note_stranger
 from logical_robots_tui.mind.decision import Decision, Notice
 from logical_robots_tui.mind.diagnostics import QueryError
-from logical_robots_tui.mind.explored import Explored
 from logical_robots_tui.mind.failures import FailureError
-from logical_robots_tui.mind.limits import Limits, check_room, is_bounded
+from logical_robots_tui.mind.limits import Limits
 from logical_robots_tui.mind.sqlite.interning import Sizes
 from logical_robots_tui.mind.sqlite.moment import Moment, View, Within
 from logical_robots_tui.mind.sqlite.stored import size_of
@@ -70,7 +70,6 @@ class Mind:
         self._thought: list[tuple[View, Answer]] = []
         self._asking = Asking(program, self.limits, plain=plain, frozen=frozen)
         self._within = Within.of_thought(self.limits)
-        self._is_tight = is_bounded()
 
     def think(
         self,
@@ -94,8 +93,7 @@ class Mind:
         within.stop = stop
         within.renew()
         try:
-            if self._is_tight:
-                check_room(_ROOM)
+            check_room(_ROOM)
             decisions = self._decisions(moment, memories, within)
             if within.is_close:
                 within = within.again()
@@ -284,7 +282,7 @@ class Mind:
         if view is None:
             raise QueryError(f"There is no robot {robot} at this tick.")
         within = self._within_query(_EXPLAINED_ROWS, stop, cut=False)
-        relations = Relations(Explored(self._asking, moment, view, within))
+        relations = Relations(self._asking, moment, view, within)
         return Explainer(self.program, relations, robot, self.limits, within)
 
     def query_plan(
@@ -331,8 +329,7 @@ class Mind:
     def _within_query(self, rows: int, stop: threading.Event | None, *, cut: bool = True) -> Within:
         """Return the budget of a query."""
         try:
-            if self._is_tight:
-                check_room(_ROOM)
+            check_room(_ROOM)
         except MemoryError:
             raise QueryError("There is not enough memory to look this up.") from None
         return Within.of_query(self.limits, rows, stop, cut=cut)

@@ -210,7 +210,7 @@ class Program:
         request = {"text": self.text, "query": query, "columns": columns}
         return compiled(request, Question, stop=stop, limits=limits)
 
-    def take_apart(
+    def decompose(
         self,
         predicate: str,
         within: str = "",

@@ -5,6 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
+from logical_robots_tui.mind.program import VALUE
+
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
 
@@ -50,8 +52,8 @@ def table_of(
         columns = names
         rows += found
         viewers += [viewer] * len(found)
-    if "logica_value" in columns and "value" not in columns:
-        columns = ["value" if column == "logica_value" else column for column in columns]
+    if VALUE in columns and "value" not in columns:
+        columns = ["value" if column == VALUE else column for column in columns]
     return Table(
         tuple(columns),
         tuple(rows[:most]),

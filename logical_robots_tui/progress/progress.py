@@ -97,6 +97,13 @@ class Progress:
 
         return self._store.read(look)
 
+    def levels(self) -> list[str]:
+        """Return the levels with a record, by name."""
+        rows = self._store.read(
+            lambda connection: connection.execute("SELECT name FROM level ORDER BY name").fetchall()
+        )
+        return [name for (name,) in rows]
+
     def begin(self, level: str) -> None:
         """Record that the player has started a level."""
         level = _storable(level)
@@ -154,44 +161,30 @@ class Progress:
 
     def newest(self, level: str) -> str | None:
         """Return the text last used in a level, or None."""
-        level = _storable(level)
-        found: tuple[str] | None = self._store.read(
-            lambda connection: connection.execute(
-                "SELECT text FROM version WHERE level = ? ORDER BY turn DESC LIMIT 1", (level,)
-            ).fetchone()
+        found = self._row(
+            "SELECT text FROM version WHERE level = ? ORDER BY turn DESC LIMIT 1", _storable(level)
         )
         return found[0] if found else None
 
     def measures(self, level: str, text: str) -> Measures | None:
         """Return the known measures of a text in a level, or None."""
-        level = _storable(level)
-        found = self._store.read(
-            lambda connection: connection.execute(
-                "SELECT ticks, rules, distance, wins, coalesce(starts, 0) FROM version "
-                "WHERE level = ? AND digest = ? AND ticks NOT NULL",
-                (level, _digest(text)),
-            ).fetchone()
+        found = self._row(
+            "SELECT ticks, rules, distance, wins, coalesce(starts, 0) FROM version "
+            "WHERE level = ? AND digest = ? AND ticks NOT NULL",
+            _storable(level),
+            _digest(text),
         )
         return Measures(*found) if found else None
 
     def holds(self, text: str) -> bool:
         """Return whether a text is stored as a version for any level."""
-        found = self._store.read(
-            lambda connection: connection.execute(
-                "SELECT 1 FROM version WHERE digest = ?", (_digest(text),)
-            ).fetchone()
-        )
-        return found is not None
+        return self._row("SELECT 1 FROM version WHERE digest = ?", _digest(text)) is not None
 
     # -- the player ----------------------------------------------------------------------------
 
     def fact(self, name: str) -> str | None:
         """Return a fact about the player, or None."""
-        found: tuple[str] | None = self._store.read(
-            lambda connection: connection.execute(
-                "SELECT value FROM fact WHERE name = ?", (name,)
-            ).fetchone()
-        )
+        found = self._row("SELECT value FROM fact WHERE name = ?", name)
         return found[0] if found else None
 
     def set_fact(self, name: str, value: str) -> None:
@@ -201,6 +194,10 @@ class Progress:
             connection.execute("INSERT OR REPLACE INTO fact VALUES (?, ?)", (name, value))
 
         self._store.write(note)
+
+    def _row(self, query: str, *values: str) -> Any:
+        """Return the first row of a query as a tuple, or None."""
+        return self._store.read(lambda connection: connection.execute(query, values).fetchone())
 
 
 def _begin(connection: sqlite3.Connection, level: str) -> None:

@@ -6,6 +6,7 @@ import math
 from numbers import Real
 from typing import TYPE_CHECKING
 
+from logical_robots_tui.confinement import check_room
 from logical_robots_tui.shipped import did_you_mean
 from logical_robots_tui.world.changing import start_state
 from logical_robots_tui.world.dynamics import (
@@ -29,6 +30,8 @@ if TYPE_CHECKING:
     from logical_robots_tui.world.level import Level
 
 __all__ = ["World"]
+
+_ROOM = 32 * 1024**2  # bytes of address space that arrays of rays may take
 
 
 class World:
@@ -179,6 +182,7 @@ class World:
         self._sensed = None
 
     def _look(self, clock: int) -> tuple[list[SensorRow], frozenset[str]]:
+        check_room(_ROOM)
         return self._senses.sense(self._state.robots, self._state.areas, clock)
 
     def _refuse_strangers(self, names: Iterable[str]) -> None:

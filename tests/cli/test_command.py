@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
 COMMANDS = (
     *("play", "run", "trace", "query", "when", "why", "origin", "diagnose", "check", "help"),
-    *("levels", "programs", "level", "config", "doctor", "completion"),
+    *("levels", "programs", "progress", "level", "config", "doctor", "completion"),
 )
 
 
@@ -53,7 +53,7 @@ def test_a_command_that_is_loaded_alone_takes_what_it_takes_among_the_others() -
     for name, usage in together.items():
         alone = usages(command_parser(name))
         assert alone[name] == usage
-        assert set(alone) <= {name, "levels", "programs"}  # these two share a module
+        assert set(alone) <= {name, "help", "levels", "programs", "config"}  # these share a module
 
 
 @pytest.mark.parametrize("name", ["play", "run"])

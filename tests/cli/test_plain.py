@@ -10,7 +10,7 @@ import pytest
 
 from logical_robots_tui.game import load_program
 from logical_robots_tui.game.advancing import start_frame
-from logical_robots_tui.game.events import events_between
+from logical_robots_tui.game.frame import events_between
 from logical_robots_tui.progress import FILE_NAME, Progress
 from logical_robots_tui.world import load_level
 

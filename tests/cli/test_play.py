@@ -2,14 +2,19 @@
 
 from __future__ import annotations
 
+import io
 import sys
 from typing import TYPE_CHECKING
+
+import pytest
 
 from tests.cli.running import in_terminal
 from tests.terminal import Terminal
 
 if TYPE_CHECKING:
     from pathlib import Path
+
+    from tests.cli.running import Command
 
 
 def test_the_size_is_that_of_the_terminal_whatever_the_environment_says(
@@ -38,3 +43,28 @@ def test_quitting_ends_with_status_0_and_gives_the_screen_back(
         assert terminal.finish() == 0
     entered, left = (terminal.everything.rfind(f"\x1b[?1049{how}") for how in "hl")
     assert 0 <= entered < left
+
+
+def test_the_labyrinth_of_a_day_is_played(
+    command: Command, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("sys.stdin", io.StringIO("where\n"))
+    told = command("play", "--daily", "2026-11-22", "--size", "small", "--plain")
+    assert told.status == 0
+    assert told.out.startswith("Labyrinth of 2026-11-22, small\n")
+
+
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [
+        (("--daily", "yesterday"), "'yesterday' is not a date such as 2026-11-22"),
+        (("a-level", "a-program", "--daily"), "--daily is the level"),
+        (("--size", "huge"), "invalid choice: 'huge'"),
+    ],
+)
+def test_a_labyrinth_that_can_not_be_played_is_told(
+    words: tuple[str, ...], message: str, command: Command
+) -> None:
+    told = command("play", *words, "--plain")
+    assert told.status == 2
+    assert message in told.err

@@ -7,7 +7,7 @@ import json
 from hypothesis import given
 from hypothesis import strategies as st
 
-from logical_robots_tui.cli.text import columns, harmless, line_of_json
+from logical_robots_tui.cli.command import columns, harmless, line_of_json
 
 
 @given(st.text())

@@ -8,8 +8,7 @@ from dataclasses import replace
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from logical_robots_tui.editing.delta import Delta
-from logical_robots_tui.editing.edits import Edits
+from logical_robots_tui.editing.edits import Delta, Edits
 from logical_robots_tui.editing.properties import resize
 from logical_robots_tui.editing.walls import paint
 from logical_robots_tui.world.level import alike

@@ -148,6 +148,23 @@ async def test_a_mistake_is_told_with_its_line(
     assert said.removeprefix("by ") in words
 
 
+async def test_of_a_made_predicate_the_conditions_are_told_that_it_really_has(
+    tmp_path: Path,
+) -> None:
+    found = await diagnosed(
+        tmp_path,
+        "Far(r) :- r.distance > 9000;\n"
+        "Farther(r) :- r.distance > 8000;\n"
+        "Seen(robot_name:) :- Sensor(robot_name:, sensor:), r in sensor.radar, Far(r);\n"
+        "Spotted := Seen(Far: Farther);\n"
+        f'Robot(robot_name:, {ENGINES}, memory: "") :-\n'
+        "  Sensor(robot_name:), ~Seen(robot_name:), ~Spotted(robot_name:);",
+    )
+    words = [each.message for each in found.findings]
+    assert any("`r.distance > 8000` was never true in Spotted" in each for each in words)
+    assert not any("`r.distance > 9000` was never true in Spotted" in each for each in words)
+
+
 async def test_a_text_that_is_no_name_is_no_mistake(tmp_path: Path) -> None:
     text = PLAIN.replace(
         '""', '(if StartsWith(robot_name, "A") then robot_name ++ "!" else "nobody")'

@@ -18,7 +18,7 @@ from hypothesis.stateful import (
 
 from logical_robots_tui.game import Frame, Game, History, load_program
 from logical_robots_tui.game.history.packing import Moment, Packed
-from logical_robots_tui.game.reference import reference_table
+from logical_robots_tui.game.victory import reference_table
 from logical_robots_tui.mind import Decision, Notice, Program
 from logical_robots_tui.values import Desire
 from logical_robots_tui.world import (
@@ -133,7 +133,7 @@ class Histories(RuleBasedStateMachine):
         self.course = [start()]
         self.other: list[Frame] | None = None
         self.latest = 0
-        self.out_of_reach: list[Frame] | None = None  # the other course, if that has parted so
+        self.out_of_reach: list[Frame] | None = None  # the other course, if that has diverged so
         self.history = History(self.course[0], LEVEL, LENGTH)
 
     @rule(done=ticks, times=st.integers(1, 80))
@@ -196,15 +196,15 @@ class Histories(RuleBasedStateMachine):
             assert found is None
             return
         pairs = zip(self.course, self.other, strict=False)
-        parted = next((a.tick for a, b in pairs if differ(a, b)), None)
+        diverged = next((a.tick for a, b in pairs if differ(a, b)), None)
         if found is not None:
             assert differ(self.course[found.tick], self.other[found.tick])
         in_reach = max(self.history.first, self.history.other.start)
-        if parted is not None and parted < in_reach:
+        if diverged is not None and diverged < in_reach:
             # Where the future is forgotten, older ticks are in reach again; nobody compares them.
             self.out_of_reach = self.other
         elif not any(self.out_of_reach is each for each in (self.other, self.course)):
-            assert parted == (found.tick if found else None)
+            assert diverged == (found.tick if found else None)
 
 
 def differ(one: Frame, other: Frame) -> bool:

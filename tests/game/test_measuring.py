@@ -14,8 +14,8 @@ from benchmarks.reference import measure_reference
 from logical_robots_tui import Game, Program, list_levels, load_level
 from logical_robots_tui.game import count_rules, level_key, measuring, reference_for
 from logical_robots_tui.game.measuring import Trial, measure, patience_for
-from logical_robots_tui.game.reference import reference_table
 from logical_robots_tui.game.robustness import play_through, shifted, try_starts
+from logical_robots_tui.game.victory import reference_table
 from logical_robots_tui.mind import Stopped
 from logical_robots_tui.progress import Measures
 from logical_robots_tui.shipped import shipped_folder

@@ -2,13 +2,19 @@
 
 from __future__ import annotations
 
+import os
 import subprocess
 import sys
 
 import pytest
 
 from logical_robots_tui.mind import Limits, Mind, Program
-from logical_robots_tui.mind.limits import HEAVIEST_CHARACTER, weight_of, weight_of_text
+from logical_robots_tui.mind.limits import (
+    HEAVIEST_CHARACTER,
+    weight_of,
+    weight_of_row,
+    weight_of_text,
+)
 from tests.mind.rows import ROBOT, row
 from tests.waiting import PATIENCE
 
@@ -23,16 +29,20 @@ PLAYS = """if True:
     level, text, ticks, addresses = sys.argv[1:]
     program = Program.compile(text)
     resource.setrlimit(resource.RLIMIT_AS, (int(addresses),) * 2)
+    DROPPING = 8  # ticks after which a game that drops as many as it adds has shown what it takes
 
     async def play():
         game = Game(load_level(level), program)
-        said = set()
-        while game.frame.tick < int(ticks):
+        said, ends = set(), int(ticks)
+        while game.frame.tick < ends:
             frame = await game.step()
             said |= {n.kind for d in frame.decisions for n in d.notices}
             assert len(frame.decisions) == len(frame.after.robots)
+            if game.history.dropped and "dropped" not in said:
+                said.add("dropped")
+                ends = min(ends, frame.tick + DROPPING)
         game.go_to(game.history.first)
-        assert game.frame_at(game.history.last).tick == int(ticks)
+        assert game.frame_at(game.history.last).tick == ends
         await game.close()
         return said
 
@@ -40,6 +50,29 @@ PLAYS = """if True:
     status = open("/proc/self/status").read()
     most = re.search(r"VmHWM:\\s+(\\d+)", status)[1]
     print(most, *sorted(kind.replace(" ", "_") for kind in said))
+"""
+
+STARVES = """if True:
+    import asyncio, re, resource, sys
+    from logical_robots_tui import Game, Program, load_level
+    from tests.mind.rows import ROBOT
+    level, room = sys.argv[1], int(sys.argv[2]) * 1024
+    program = Program.compile(ROBOT + "m = sensor.clock;")
+
+    async def play():
+        game = Game(load_level(level), program)
+        await game.step()
+        status = open("/proc/self/status").read()
+        size = int(re.search(r"VmSize:\\s+(\\d+)", status)[1]) * 1024
+        resource.setrlimit(resource.RLIMIT_AS, (size + room, resource.RLIM_INFINITY))
+        try:
+            await game.step()
+        except MemoryError:
+            print("no memory")
+        resource.setrlimit(resource.RLIMIT_AS, (resource.RLIM_INFINITY,) * 2)
+        await game.close()
+
+    asyncio.run(play())
 """
 
 HUNGRY = {
@@ -51,12 +84,32 @@ HUNGRY = {
     "what can't be packed": "m = List{NaturalHash(ToString(sensor.clock * i)) :- i in Range(9000)}",
     "all that was": 'Memory(robot_name:, memory:), m = [memory, Format("%090000d", sensor.clock)]',
 }
+MANY_ROWS = {
+    "many rows": "m in Range(10000)",
+    "many rows of short lists": (
+        'i in Range(800), m = "[" ++ i ++ Replace(Format("%03000d", 0), "0", ",{}") ++ "]"'
+    ),
+}
+KEPT_BY_NOBODY = ("empty records", "empty lists", "many numbers", *MANY_ROWS)  # of a hundred robots
+DENSE = (
+    "a = List{NaturalHash(ToString(sensor.clock * i)) :- i in Range(19000)}, "
+    "b = List{NaturalHash(ToString(7 * sensor.clock + i)) :- i in Range(19000)}, m = {a:, b:}"
+)
 
 
-def played(level: str, text: str, ticks: int, addresses: int = ADDRESSES) -> tuple[int, set[str]]:
-    """The most KiB that a game held, and the kinds of notices that it gave."""
+def played(
+    level: str,
+    text: str,
+    ticks: int,
+    addresses: int = ADDRESSES,
+    patience: float = 10 * PATIENCE,
+) -> tuple[int, set[str]]:
+    """The most KiB that a game held, and the kinds of notices that it gave.
+
+    The game ends after so many ticks, or a few after its history began to drop the oldest ones.
+    """
     command = [sys.executable, "-c", PLAYS, level, text, str(ticks), str(addresses)]
-    done = subprocess.run(command, capture_output=True, text=True, check=False, timeout=PATIENCE)
+    done = subprocess.run(command, capture_output=True, text=True, check=False, timeout=patience)
     assert done.returncode == 0, (done.returncode, done.stderr[-2000:])
     most, *kinds = done.stdout.split()
     return int(most), set(kinds)
@@ -69,23 +122,46 @@ def test_one_robot_s_memories_stay_within_bounds(what: str) -> None:
     assert most < MOST - SCREEN
 
 
+@pytest.mark.proof
+def test_one_robot_fills_the_history_and_the_oldest_ticks_are_dropped() -> None:
+    most, kinds = played("01-first-steps", ROBOT + DENSE + ";", 2000)
+    assert kinds == {"dropped"}
+    assert most < MOST - SCREEN
+
+
 @pytest.mark.sampled
 @pytest.mark.parametrize(
     "what",
     [
         name if name.startswith("long") else pytest.param(name, marks=pytest.mark.proof)
-        for name in HUNGRY
+        for name in HUNGRY | MANY_ROWS
     ],
 )
 def test_the_memories_of_a_hundred_stay_within_bounds(what: str) -> None:
-    most, kinds = played("12-swarm", ROBOT + HUNGRY[what] + ";", 25)
+    ticks = 10 if what in KEPT_BY_NOBODY else 25
+    most, kinds = played("12-swarm", ROBOT + (HUNGRY | MANY_ROWS)[what] + ";", ticks)
     assert most < MOST - SCREEN
-    assert kinds <= {"no_memory", "failed"}
+    assert kinds <= {"no_memory", "failed", "several_rows", "dropped"}
+    assert ("dropped" in kinds) == (what == "what can't be packed")
 
 
 def test_without_room_a_thought_is_a_notice_and_the_game_goes_on() -> None:
     _, kinds = played("01-first-steps", ROBOT + "m = sensor.clock;", 40, 420 * 1024**2)
     assert kinds == {"no_room"}
+
+
+def test_without_room_to_sense_a_game_ends_with_an_exception_and_never_crashes() -> None:
+    environment = {**os.environ, "MALLOC_ARENA_MAX": "1"}  # no room is left in other arenas
+    for level, room in (("01-first-steps", 50), ("01-first-steps", 20_000), ("12-swarm", 200)):
+        done = subprocess.run(
+            [sys.executable, "-c", STARVES, level, str(room)],
+            capture_output=True,
+            text=True,
+            check=False,
+            env=environment,
+            timeout=PATIENCE,
+        )
+        assert (done.returncode, done.stdout) == (0, "no memory\n"), done.stderr[-2000:]
 
 
 @pytest.mark.parametrize(
@@ -100,6 +176,8 @@ def test_without_room_a_thought_is_a_notice_and_the_game_goes_on() -> None:
         "x" * 100_000,
         ["ä" * 10] * 3000,
         [1] * 9000,
+        [1],
+        [[1]] * 3000,
     ],
 )
 def test_what_text_says_of_objects_is_never_too_little(value: object) -> None:
@@ -107,8 +185,9 @@ def test_what_text_says_of_objects_is_never_too_little(value: object) -> None:
 
     text = orjson.dumps(value).decode()
     weight = weight_of(value, 10**9)  # type: ignore[arg-type]  # values of many shapes
+    assert weight < weight_of_row(["Ada", text])
     assert weight <= min(weight_of_text(text), len(text) * HEAVIEST_CHARACTER)
-    assert weight_of(value, 1000) > 1000  # type: ignore[arg-type]  # the same
+    assert len(text) < 1000 or weight_of(value, 1000) > 1000  # type: ignore[arg-type]  # the same
 
 
 def test_a_memory_too_heavy_as_objects_is_told_and_the_old_one_kept() -> None:

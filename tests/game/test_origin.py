@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import pytest
 
 from logical_robots_tui.game import Game, Link, Run, origin_in_game, origin_in_run, read_path
-from logical_robots_tui.game.debugging.origin import written_path
+from logical_robots_tui.game.debugging.pins import written_path
 from logical_robots_tui.mind import Program, QueryError
 from tests.game.playing import hall
 

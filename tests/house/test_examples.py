@@ -97,6 +97,7 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     return folder
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize("text", EXAMPLES)
 def test_the_examples_of_a_text_do_what_they_say(
     text: str,

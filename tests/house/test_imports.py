@@ -26,7 +26,7 @@ MUST_NOT_LOAD = {
     PROGRESS: {WORLD, MIND, GAME, TUI, CLI, "numpy", "logica"} | SCREEN,
     f"{EDITING}.edits": {MIND, PROGRESS, GAME, TUI, CLI, "logica", "sqlite3"} | SCREEN,
     GAME: {TUI, CLI, "logica", "sqlglot"} | SCREEN,
-    "logical_robots_tui.tui.app.play": {CLI},
+    "logical_robots_tui.tui.app.app": {CLI},
     **{
         f"{TUI}.{part}": {CLI, f"{TUI}.app.main_screen"} | SCREEN
         for part in (
@@ -36,7 +36,7 @@ MUST_NOT_LOAD = {
             "labyrinth.victory",
             "level_editor.controller",
             "level_editor.mode",
-            "recovery.bookmark",
+            "recovery.offers",
             "timeline.controller",
         )
     },

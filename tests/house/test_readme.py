@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from logical_robots_tui import Program, list_levels, load_level
+from logical_robots_tui import list_levels, load_level
 from logical_robots_tui.cli.main import main
 from logical_robots_tui.cli.main import parser as command_parser
 from logical_robots_tui.tui.app.settings import read_settings
@@ -87,11 +87,6 @@ def test_the_run_that_is_shown_wins(monkeypatch: pytest.MonkeyPatch, tmp_path: P
     monkeypatch.setenv("HOME", str(tmp_path))
     (run, *_) = re.findall(r"^logical-robots (run .*)$", README.read_text(), re.MULTILINE)
     assert main(run.split()) == 0
-
-
-def test_the_program_compiles() -> None:
-    (text,) = code(DOCS / "programs.md", "prolog")
-    assert Program.compile(text).predicate("Robot")
 
 
 def test_the_settings_can_be_used(tmp_path: Path) -> None:

@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import pytest
 
 from logical_robots_tui import Mind, Program, World, load_level
-from logical_robots_tui.game.reference import reference_table
+from logical_robots_tui.game.victory import reference_table
 from tests.levels.playing import LEVELS, program_text, ticks_to_win
 
 if TYPE_CHECKING:

@@ -14,8 +14,8 @@ import pytest
 
 from logical_robots_tui import load_level
 from logical_robots_tui.game.measuring import MOST_TICKS, patience_for
-from logical_robots_tui.game.reference import count_rules, reference_table
 from logical_robots_tui.game.robustness import STARTS, play_through, shifted, try_starts
+from logical_robots_tui.game.victory import count_rules, reference_table
 from tests.levels.playing import (
     LEVELS,
     program_text,
@@ -83,6 +83,7 @@ def test_the_solution_wins_from_a_shifted_start(name: str, seed: int) -> None:
     assert ticks_to_win(shifted(level, seed), program, patience_for(ticks))
 
 
+@pytest.mark.sampled
 @each_level
 def test_the_starter_does_not_win_soon(name: str) -> None:
     level = load_level(name)

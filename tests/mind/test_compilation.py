@@ -14,6 +14,7 @@ from time import monotonic
 
 import pytest
 
+from logical_robots_tui.caching import FOLDER_VARIABLE
 from logical_robots_tui.mind import Limits, Program, ProgramError, Stopped, compilation
 from logical_robots_tui.mind.compiling import compiler, worker
 from tests.mind.rows import ROBOT
@@ -28,6 +29,11 @@ HEAVY = (
 """Its SQL would have a million million characters."""
 
 ONLY_LINUX = pytest.mark.skipif(not Path("/proc/self").exists(), reason="needs /proc")
+
+
+@pytest.fixture(autouse=True)
+def _nothing_is_compiled_yet(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv(FOLDER_VARIABLE, "")
 
 
 def process() -> subprocess.Popen[bytes]:

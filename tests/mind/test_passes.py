@@ -29,7 +29,7 @@ if TYPE_CHECKING:
 
 PAGE = Path(__file__).parents[2] / "docs" / "speed.md"
 
-OPTIONAL = [each.name for each in PASSES if not each.must]
+OPTIONAL = [each.name for each in PASSES if not each.required]
 LEFT_OUT: list[Collection[str]] = [*({name} for name in OPTIONAL), OPTIONAL]
 """Each pass alone, and all of them together."""
 
@@ -90,6 +90,7 @@ def test_each_pass_comes_after_those_that_it_needs_and_is_documented() -> None:
         assert f"`{each.name}`" in PAGE.read_text(encoding="utf-8")
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize(("number", "name"), [*enumerate(list_programs())])
 def test_a_shipped_program_decides_the_same_without_some_passes(number: int, name: str) -> None:
     program, moments, visible = in_its_level(name)
@@ -117,6 +118,7 @@ def check_whole(title: str, sets: list[Collection[str]]) -> None:
     check(Program.compile(PROGRAMS[title]), moments, sets, memory="all")
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize("text", CASE_TEXTS[::10])
 def test_a_construct_means_the_same_without_any_pass(text: str) -> None:
     check_case(text)
@@ -128,6 +130,7 @@ def test_every_construct_means_the_same_without_any_pass(text: str) -> None:
     check_case(text)
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize(("number", "title"), [*enumerate(PROGRAMS)][::10])
 def test_a_whole_program_decides_the_same_without_some_passes(number: int, title: str) -> None:
     check_whole(title, LEFT_OUT[number // 10 % 10 :: 10])

@@ -132,6 +132,22 @@ def test_a_recursion_that_the_robot_does_not_need_is_not_looked_at() -> None:
     assert remembered("1", rules="Step(0); Step(n + 1) :- Step(n);") == 1
 
 
+@pytest.mark.parametrize(
+    ("rule", "named"),
+    [
+        ("F(x) :- Sensor(sensor:), x in Range;", ["Range"]),
+        ("F(x) = x; G(x) = F;", ["F"]),
+        ("F(x) = Range(x); G() = F;", ["F"]),
+        ("F(x) = Range(x);", []),
+        ("F(x) = TryCast(x, Num); @NoInject(F); P() = 1; G() = P(); H := G(P: P);", []),
+    ],
+)
+def test_a_function_without_its_arguments_is_told(rule: str, named: list[str]) -> None:
+    warnings = Program.compile(f"{rule}\n{GOOD}").warnings
+    told = [w.message.split()[0] for w in warnings if "without its arguments" in w.message]
+    assert told == named
+
+
 def test_warnings_come_with_the_program() -> None:
     text = "Next(neighbor) :- Edge(neighbor), Edge(neighbour);\nEdge(1);\n" + GOOD
     (warning,) = Program.compile(text).warnings

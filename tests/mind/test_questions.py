@@ -65,6 +65,35 @@ def test_what_is_asked_is_answered(query: str, columns: Any, rows: Any) -> None:
     assert (table.columns, table.rows) == (columns, rows)
 
 
+@pytest.mark.parametrize(
+    ("query", "columns", "rows"),
+    [
+        ("sensor.clock", ("value", "robot_name"), ((1, "Ada"), (1, "Bo"))),
+        ("robot_name", ("value", "robot_name"), (("Ada", "Ada"), ("Bo", "Bo"))),
+        ("Twice(sensor.clock)", ("value", "robot_name"), ((2, "Ada"), (2, "Bo"))),
+        ("Sum{1 :- ray in sensor.radar}", ("value", "robot_name"), ((31, "Ada"), (31, "Bo"))),
+        ("memory is null", ("robot_name",), (("Bo",),)),
+        ("memory", ("value", "robot_name"), (({"seen": [1]}, "Ada"), (None, "Bo"))),
+        ("sensor.clock < 2, x in [1]", ("x", "robot_name"), ((1, "Ada"), (1, "Bo"))),
+        ('robot_name == "Bo"', ("robot_name",), (("Bo",),)),
+        ('Item("one", sensor.clock)', ("robot_name",), (("Ada",), ("Bo",))),
+        (
+            'Sensor(robot_name: "Bo", sensor:), sensor.clock == 1, x == sensor.clock',
+            ("sensor", "x"),
+            None,
+        ),
+        ("Sum{sensor.clock :- Sensor(sensor:)}", ("value",), ((2,),)),
+        ("sensor in [1, 2]", ("sensor",), ((1,), (2,))),
+    ],
+)
+def test_inputs_that_a_question_leaves_open_are_those_of_each_robot(
+    query: str, columns: Any, rows: Any
+) -> None:
+    found = ask(query)
+    assert found.columns == columns
+    assert rows is None or sorted(map(str, found.rows)) == sorted(map(str, rows))
+
+
 def test_where_robots_reason_apart_each_answers_for_itself() -> None:
     table = ask("Named(robot_name:, far:)", memory="own", sensor="own")
     assert table.rows == (("Ada", 200), ("Bo", 200))

@@ -15,6 +15,8 @@ from hypothesis import strategies as st
 from benchmarks.schemas import EXAMPLE, TYPE
 from benchmarks.subjects import program_text
 from logical_robots_tui.mind import Mind, Program
+from logical_robots_tui.mind.sqlite import tables
+from logical_robots_tui.mind.sqlite.filling import fillings
 from logical_robots_tui.mind.tuning import tune
 from tests.mind.rows import ROBOT, nearly_same, remembered, row, think
 
@@ -167,3 +169,24 @@ def _shape(text: str) -> str:
     """The query of a program without numbers, and types with their fields in order."""
     sql = re.sub(r"\d+", "", Program.compile(text).tuned["Robot"].sql)
     return re.sub(r"'(\{.*?\})'", lambda m: json.dumps(json.loads(m[1]), sort_keys=True), sql)
+
+
+def test_memories_too_large_for_the_tables_are_tried_once_for_all_robots(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    tried: list[str] = []
+
+    def noted(table: str, *rest: Any) -> Any:
+        tried.append(table)
+        return fillings(table, *rest)
+
+    monkeypatch.setattr(tables, "fillings", noted)
+    names = [f"Bee {number}" for number in range(40)]
+    rows = [row(name) for name in names]
+    found = ROBOT + 'Memory(robot_name:, memory:), m = [memory.clock + 1, Like(memory.text, "x%")];'
+    for size, times in ((100, 1), (500_000, 2)):
+        tried.clear()
+        memories = {name: {"clock": at, "text": "x" * size} for at, name in enumerate(names)}
+        decisions = think(found, rows, memories, memory="all")
+        assert [decision.memory for decision in decisions] == [[at + 1, True] for at in range(40)]
+        assert tried.count("Memory") <= times

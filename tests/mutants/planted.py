@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import asyncio
 import tomllib
-from dataclasses import dataclass
+from contextlib import closing
+from dataclasses import asdict, dataclass
 from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -12,14 +13,12 @@ from typing import TYPE_CHECKING
 from logical_robots_tui.game import Game, load_program
 from logical_robots_tui.game.diagnosis.diagnosing import diagnose
 from logical_robots_tui.mind import Mind, Program
-from logical_robots_tui.mind.diagnosis.nearest import nearest_misses
-from logical_robots_tui.mind.diagnosis.sites import check_up
 from logical_robots_tui.world import World, load_level
 
 if TYPE_CHECKING:
     from logical_robots_tui.game.diagnosis.diagnosing import Diagnosis
     from logical_robots_tui.mind.diagnosis.finding import Finding
-    from logical_robots_tui.mind.diagnosis.nearest import Suggestion
+    from logical_robots_tui.mind.why.nearest import Suggestion
     from logical_robots_tui.values import SensorRow, Value
 
 __all__ = [
@@ -186,20 +185,10 @@ def verdict(number: int) -> Verdict:
 def suggestions(mutant: Mutant, there: Difference) -> list[Suggestion]:
     """The nearest misses of all rules that `Robot` leans on, where a mutant first differs."""
     program = Program.compile(mutant.text)
-    visibility = load_level(mutant.level).visibility
+    visibility = asdict(load_level(mutant.level).visibility)
     found: list[Suggestion] = []
-    numbers: dict[str, int] = {}
-    for rule in check_up(program).rules:
-        number = numbers[rule.predicate] = numbers.get(rule.predicate, -1) + 1
-        if rule.is_needed and not rule.is_function:
-            found += nearest_misses(
-                program,
-                rule.predicate,
-                number,
-                there.robot,
-                there.rows,
-                there.memories,
-                memory=visibility.memory,
-                sensor=visibility.sensor,
-            )
+    with closing(Mind(program, **visibility)) as mind:
+        explainer = mind.explainer(there.robot, there.rows, there.memories)
+        for predicate in program.needed:
+            found += [each for _, each in explainer.nearest(predicate)]
     return found

@@ -14,6 +14,7 @@ from textual import events
 
 from logical_robots_tui.game import Source, load_program
 from logical_robots_tui.tui.app.app import LogicalRobotsApp
+from logical_robots_tui.tui.inspector import pane as inspector_pane
 from logical_robots_tui.tui.inspector.pane import InspectorPane
 from logical_robots_tui.tui.layout.status_line import StatusLine
 from logical_robots_tui.tui.program.editor import Editor
@@ -180,7 +181,7 @@ class Opened:
         """Wait until the first program is compiled and everything is loaded."""
         await self.until(lambda: self.session.state.phase in ("applied", "mistake"))
         # Which the game loads at its leisure.
-        await self.until(lambda: self.inspector.pages.asking.line.is_mounted)
+        await self.until(lambda: self.inspector.pages.ask.line.is_mounted)
 
     async def write(self, text: str) -> None:
         """Put a text into the editor as a paste and apply it."""
@@ -195,6 +196,12 @@ class Opened:
 
     def shows(self, text: str) -> bool:
         return text in self.screen()
+
+
+@pytest.fixture(autouse=True)
+def _pages_at_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    """No test waits until the inspector loads its pages at leisure."""
+    monkeypatch.setattr(inspector_pane, "_LOADING_DELAY", 0.0)
 
 
 @pytest.fixture

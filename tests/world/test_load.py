@@ -10,7 +10,8 @@ import pytest
 from logical_robots_tui import shipped
 from logical_robots_tui.errors import InputError
 from logical_robots_tui.shipped import did_you_mean, shipped_folder, shipped_names
-from logical_robots_tui.world import LevelError, list_levels, load, load_level
+from logical_robots_tui.world import LevelError, list_levels, load_level
+from logical_robots_tui.world.levels import load
 
 from .records import LEVELS
 from .test_native import SMALL

@@ -2,31 +2,35 @@
 
 from __future__ import annotations
 
-from contextlib import asynccontextmanager
+import sys
+from contextlib import ExitStack, asynccontextmanager, contextmanager
+from time import monotonic
 from typing import TYPE_CHECKING
 
 from logical_robots_tui.cli.command import (
     add_data_dir,
     add_json,
+    harmless,
     new_command,
     number_from,
     own_programs,
     prefers_json,
 )
 from logical_robots_tui.cli.failure import ProgramFileError
-from logical_robots_tui.cli.runs.progress import progress_bar
 from logical_robots_tui.errors import InputError
 
 if TYPE_CHECKING:
     import argparse
-    from collections.abc import AsyncIterator, Callable, Iterable
+    from collections.abc import AsyncIterator, Callable, Iterable, Iterator
+
+    from rich.progress import Progress
 
     from logical_robots_tui.cli.command import Commands
     from logical_robots_tui.game import Frame, Run
     from logical_robots_tui.mind import Program
     from logical_robots_tui.world import Level
 
-__all__ = ["check_name", "frame_at", "new_run_command", "opened", "run_shown"]
+__all__ = ["check_name", "frame_at", "new_run_command", "opened", "progress_bar", "run_shown"]
 
 _SOON = 0.5  # seconds before the progress bar appears
 
@@ -171,3 +175,53 @@ async def frame_at(level: Level, program: Program, tick: int) -> Frame:
     """
     async with run_shown(level, program, tick) as (run, show):
         return await run.frame(tick, show)
+
+
+_REDRAW_EVERY = 0.1  # seconds
+
+
+@contextmanager
+def progress_bar(title: str, ticks: int, *, after: float = 0.0) -> Iterator[Callable[[int], None]]:
+    """Show the progress of a run on a terminal; the bar disappears at the end.
+
+    Args:
+        title: The label.
+        ticks: The last tick.
+        after: Seconds before the bar appears.
+
+    Yields:
+        A callback to call with each finished tick; it redraws a few times a second only.
+    """
+    began = monotonic()
+    due = began + after if sys.stderr.isatty() else float("inf")
+    bar: Progress | None = None
+    with ExitStack() as stack:
+
+        def show(tick: int) -> None:
+            nonlocal bar, due
+            now = monotonic()
+            if now < due:
+                return
+            due = now + _REDRAW_EVERY
+            if bar is None:
+                bar = stack.enter_context(_new_bar())
+                bar.add_task(harmless(title), total=ticks, pace=0.0)
+            pace = tick / max(now - began, 1e-9)
+            bar.update(bar.task_ids[0], completed=tick, pace=pace, refresh=True)
+
+        yield show
+
+
+def _new_bar() -> Progress:
+    from rich.console import Console
+    from rich.progress import BarColumn, Progress, TextColumn
+
+    return Progress(
+        TextColumn("{task.description}", markup=False),
+        BarColumn(),
+        TextColumn("tick {task.completed:.0f} of {task.total:.0f}"),
+        TextColumn("{task.fields[pace]:.0f} ticks/s"),
+        console=Console(stderr=True),
+        auto_refresh=False,
+        transient=True,
+    )

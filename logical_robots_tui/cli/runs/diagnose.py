@@ -8,9 +8,8 @@ import sys
 import textwrap
 from typing import TYPE_CHECKING, Any
 
-from logical_robots_tui.cli.command import prefers_json
+from logical_robots_tui.cli.command import harmless, line_of_json, prefers_json
 from logical_robots_tui.cli.runs.common import new_run_command, opened
-from logical_robots_tui.cli.text import harmless, line_of_json
 
 if TYPE_CHECKING:
     import argparse

@@ -6,9 +6,8 @@ import argparse
 import asyncio
 from typing import TYPE_CHECKING, Any
 
-from logical_robots_tui.cli.command import prefers_json
+from logical_robots_tui.cli.command import harmless, line_of_json, prefers_json, written
 from logical_robots_tui.cli.runs.common import new_run_command, opened, run_shown
-from logical_robots_tui.cli.text import harmless, line_of_json, written
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -91,10 +90,10 @@ def _lines(origin: Origin) -> Iterator[str]:
 
 
 def _link(number: int, link: Link) -> Iterator[str]:
-    from logical_robots_tui.game.debugging.origin import written_path
+    from logical_robots_tui.game.debugging.pins import written_path
 
     name = f"{link.robot}'s {written_path(link.path)}"
-    yield harmless(f"{number + 1}. {name} = {_short(link.value)}")
+    yield harmless(f"{number + 1}. {name} = {written(link.value, _LONGEST)}")
     if link.tick == 0:
         yield f"   there from the start until tick {link.until}"
         return
@@ -112,13 +111,13 @@ def _link(number: int, link: Link) -> Iterator[str]:
 
 
 def _read(read: Read) -> str:
-    from logical_robots_tui.game.debugging.origin import written_path
+    from logical_robots_tui.game.debugging.pins import written_path
 
-    return f"{read.robot}'s {written_path(read.path, read.what)} = {_short(read.value)}"
+    return f"{read.robot}'s {written_path(read.path, read.what)} = {written(read.value, _LONGEST)}"
 
 
 def _data(link: Link) -> dict[str, Any]:
-    from logical_robots_tui.game.debugging.origin import written_path
+    from logical_robots_tui.game.debugging.pins import written_path
 
     return {
         "robot": link.robot,
@@ -135,10 +134,6 @@ def _data(link: Link) -> dict[str, Any]:
         ],
         "before": link.before,
     }
-
-
-def _short(value: Any) -> str:
-    return _cut(written(value))
 
 
 def _cut(text: str) -> str:

@@ -6,9 +6,8 @@ import asyncio
 import sys
 from typing import TYPE_CHECKING
 
-from logical_robots_tui.cli.command import prefers_json
+from logical_robots_tui.cli.command import columns, line_of_json, prefers_json, written
 from logical_robots_tui.cli.runs.common import frame_at, new_run_command, opened
-from logical_robots_tui.cli.text import columns, line_of_json, written
 
 if TYPE_CHECKING:
     import argparse

@@ -10,10 +10,8 @@ from dataclasses import dataclass, field
 from time import perf_counter
 from typing import TYPE_CHECKING, Any
 
-from logical_robots_tui.cli.command import prefers_json
-from logical_robots_tui.cli.runs.common import new_run_command, opened
-from logical_robots_tui.cli.runs.progress import progress_bar
-from logical_robots_tui.cli.text import UNRELIABLE, columns, finite, harmless
+from logical_robots_tui.cli.command import UNRELIABLE, columns, finite, harmless, prefers_json
+from logical_robots_tui.cli.runs.common import new_run_command, opened, progress_bar
 
 if TYPE_CHECKING:
     import argparse

@@ -5,8 +5,8 @@ from __future__ import annotations
 import asyncio
 from typing import TYPE_CHECKING, Any, TypeAlias
 
+from logical_robots_tui.cli.command import line_of_json
 from logical_robots_tui.cli.runs.common import check_name, new_run_command, opened
-from logical_robots_tui.cli.text import line_of_json
 
 if TYPE_CHECKING:
     import argparse

@@ -5,9 +5,8 @@ from __future__ import annotations
 import asyncio
 from typing import TYPE_CHECKING, Any
 
-from logical_robots_tui.cli.command import prefers_json
+from logical_robots_tui.cli.command import UNRELIABLE, columns, harmless, line_of_json, prefers_json
 from logical_robots_tui.cli.runs.common import new_run_command, opened, run_shown
-from logical_robots_tui.cli.text import UNRELIABLE, columns, harmless, line_of_json
 
 if TYPE_CHECKING:
     import argparse

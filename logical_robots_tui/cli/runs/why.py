@@ -9,16 +9,21 @@ import shlex
 import shutil
 from typing import TYPE_CHECKING, Any
 
-from logical_robots_tui.cli.command import number_from, prefers_json
+from logical_robots_tui.cli.command import (
+    harmless,
+    line_of_json,
+    number_from,
+    prefers_json,
+    written,
+)
 from logical_robots_tui.cli.runs.common import check_name, frame_at, new_run_command, opened
-from logical_robots_tui.cli.text import harmless, line_of_json, written
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
     from logical_robots_tui.cli.command import Commands
     from logical_robots_tui.mind import Ask, Explanation, Node, Program
-    from logical_robots_tui.mind.diagnosis.nearest import Suggestion
+    from logical_robots_tui.mind.why.nearest import Suggestion
     from logical_robots_tui.world import Level
 
 __all__ = ["declare"]

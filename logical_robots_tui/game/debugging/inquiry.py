@@ -12,7 +12,6 @@ from logical_robots_tui.game.debugging.watching import matching_rows
 from logical_robots_tui.game.frame import Superseded
 from logical_robots_tui.game.thinker import Thinker
 from logical_robots_tui.mind import Limits, ProgramError, QueryError, Stopped, Table
-from logical_robots_tui.mind.diagnosis.sites import check_up
 
 if TYPE_CHECKING:
     import threading
@@ -21,7 +20,7 @@ if TYPE_CHECKING:
     from logical_robots_tui.game.debugging.pins import Pin, Reading
     from logical_robots_tui.game.frame import Frame
     from logical_robots_tui.mind import Explanation, Mind, Program, Proof, QueryPlan
-    from logical_robots_tui.mind.diagnosis.nearest import Suggestion
+    from logical_robots_tui.mind.why.nearest import Suggestion
     from logical_robots_tui.values import Value
     from logical_robots_tui.world import Level
 
@@ -172,30 +171,15 @@ class Inquiry:
             QueryError: The program is too complex.
             Superseded: A newer question came before the answer was ready.
         """
-        from logical_robots_tui.mind.diagnosis.nearest import nearest_misses
 
         def work(mind: Mind, stop: threading.Event) -> list[tuple[int, Suggestion]]:
-            rules = check_up(program, stop=stop, limits=self._limits).rules
-            lines = [rule.span.line for rule in rules if rule.predicate == predicate]
-            found = []
-            for number, line in enumerate(lines):
-                misses = nearest_misses(
-                    program,
-                    predicate,
-                    number,
-                    robot,
-                    frame.sensors,
-                    frame.memories_before,
-                    memory=mind.memory,
-                    sensor=mind.sensor,
-                    stop=stop,
-                )
-                found += [(line, each) for each in misses]
-            return found
+            sensors, memories = frame.sensors, frame.memories_before
+            explainer = mind.explainer(robot, sensors, memories, stop=stop)
+            return [(rule.line, found) for rule, found in explainer.nearest(predicate)]
 
         return await self._do(self._explainer, program, work)
 
-    async def machinery(self, program: Program, frame: Frame) -> list[QueryPlan]:
+    async def query_plans(self, program: Program, frame: Frame) -> list[QueryPlan]:
         """Return how each of the program's predicates is computed at a frame, slowest first.
 
         Args:

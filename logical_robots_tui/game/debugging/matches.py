@@ -1,29 +1,32 @@
-"""The ticks of a run in which a question holds.
-
-The answers for a whole run are cached on disk, next to the run itself.
-"""
+"""The ticks in which a question holds: the nearest one in a game, or all of a run."""
 
 from __future__ import annotations
 
 import hashlib
 import json
 from dataclasses import asdict, dataclass
-from typing import TYPE_CHECKING
+from functools import partial
+from typing import TYPE_CHECKING, Literal, TypeAlias
 
 from logical_robots_tui.caching import CacheFolder, cache_place
 from logical_robots_tui.game.debugging.watching import matching_rows
-from logical_robots_tui.mind import QueryError
+from logical_robots_tui.game.frame import NoSuchTickError
+from logical_robots_tui.game.thinker import Thinker
+from logical_robots_tui.mind import QueryError, Stopped
 from logical_robots_tui.records import record
 
 if TYPE_CHECKING:
     import threading
-    from collections.abc import Callable
+    from collections.abc import Callable, Sequence
 
+    from logical_robots_tui.game.advancing import Known
     from logical_robots_tui.game.frame import Frame
+    from logical_robots_tui.game.game import Game
+    from logical_robots_tui.game.history.packing import Moment
     from logical_robots_tui.game.run import Run
-    from logical_robots_tui.mind import Mind, Question
+    from logical_robots_tui.mind import Mind, Program, Question
 
-__all__ = ["Matches", "find_matches"]
+__all__ = ["Matches", "SearchResult", "find_matches", "search_ticks"]
 
 MAX_ENTRIES = 500
 MAX_BYTES = 10_000_000
@@ -121,15 +124,13 @@ def _add(stretches: list[tuple[int, int]], tick: int) -> None:
         stretches.append((tick, tick))
 
 
-def _folder() -> CacheFolder | None:
-    place = cache_place("runs", named="runs")
-    return None if place is None else CacheFolder(place, SUFFIX, MAX_ENTRIES, MAX_BYTES)
+def _folder() -> CacheFolder:
+    return CacheFolder(cache_place("runs", named="runs"), SUFFIX, MAX_ENTRIES, MAX_BYTES)
 
 
 def _find(name: str) -> Matches | None:
-    folder = _folder()
-    content = None if folder is None else folder.read(name, _LARGEST)
-    if folder is None or content is None:
+    content = _folder().read(name, _LARGEST)
+    if content is None:
         return None
     digest, _, body = content.partition(b"\n")
     try:
@@ -140,17 +141,111 @@ def _find(name: str) -> Matches | None:
         if ends != sorted(ends) or not all(0 < end <= found.ticks for end in ends):
             raise ValueError("no stretches of these ticks")
     except (ValueError, TypeError, RecursionError):
-        folder.drop(name)
+        _folder().drop(name)
         return None
     return found
 
 
 def _keep(name: str, found: Matches) -> None:
     body = json.dumps(asdict(found)).encode()
-    folder = _folder()
-    if folder is not None and len(body) < _LARGEST:
-        folder.keep(name, [_digest(name, body), b"\n", body])
+    if len(body) < _LARGEST:
+        _folder().keep(name, [_digest(name, body), b"\n", body])
 
 
 def _digest(name: str, body: bytes) -> bytes:
     return hashlib.sha256(name.encode() + body).hexdigest().encode()
+
+
+_TOGETHER = 16  # ticks evaluated at once
+_ROBOTS = 200  # taken from history at once, so that the event loop is not blocked
+
+_Tick: TypeAlias = "tuple[Moment, Known]"
+"""The state after the previous tick, and the tick."""
+
+
+@dataclass(frozen=True, slots=True)
+class SearchResult:
+    """The result of a search.
+
+    Attributes:
+        tick: The tick that was found, or None.
+        last: The last tick that was evaluated.
+        holds_here: Whether the question holds in the tick where the search began.
+        problem: Why it failed in the first tick in which it did, or "".
+    """
+
+    tick: int | None
+    last: int
+    holds_here: bool
+    problem: str = ""
+
+
+async def search_ticks(
+    game: Game,
+    query: str,
+    way: Literal[-1, 1],
+    told: Callable[[int], object] = lambda _tick: None,
+) -> SearchResult:
+    """Find the nearest tick after or before the current one in which a question holds.
+
+    If it holds in the current tick, the adjacent ticks in which it holds too are skipped. Robots
+    sense and reason off the event loop; cancelling the call ends the search.
+
+    Args:
+        game: The game; the search starts at its current tick and uses its program.
+        query: A call, an expression, conditions, or whole rules of which the last is evaluated.
+        way: 1 to search later ticks, -1 to search earlier ones.
+        told: Called with the last tick searched; an exception that it raises ends the search.
+
+    Raises:
+        ProgramError: The query is wrong.
+    """
+    program, history, here = game.program, game.history, game.frame.tick
+    end = history.last if way > 0 else history.first
+    ticks = range(here, end + way, way)
+    thinker = Thinker("search")
+
+    def ask(question: Question, some: Sequence[_Tick], stop: threading.Event) -> list[bool | str]:
+        answers: list[bool | str] = []
+        for before, known in some:
+            frame, mind = thinker.replay(program, before, known, game.limits)
+            try:
+                sensors, memories = frame.sensors, frame.memories_before
+                table = mind.ask(question, sensors, memories, stop=stop, in_order=False)
+                answers.append(bool(matching_rows(question, table).rows))
+            except QueryError as error:
+                answers.append(str(error))
+            if stop.is_set():
+                raise Stopped
+        return answers
+
+    problem, holds_here, is_outside, last = "", False, False, here
+    try:
+        question = await thinker.do(partial(_compiled, game, program, query))
+        together = max(1, min(_TOGETHER, _ROBOTS // len(game.level.robots)))
+        for at in range(0, len(ticks), together):
+            numbers = ticks[at : at + together]
+            try:
+                some = [(history.around(tick)[0], history.known(tick)) for tick in numbers]
+            except NoSuchTickError:  # dropped in the meantime
+                break
+            for tick, answer in zip(
+                numbers, await thinker.do(partial(ask, question, some)), strict=True
+            ):
+                last = tick
+                if isinstance(answer, str):
+                    problem = problem or f"Tick {tick}: {answer}"
+                holds = answer is True
+                if tick == here:
+                    holds_here = holds
+                elif holds and is_outside:
+                    return SearchResult(tick, tick, holds_here, problem)
+                is_outside = is_outside or not holds
+            told(last)
+    finally:
+        await thinker.close()
+    return SearchResult(None, last, holds_here, problem)
+
+
+def _compiled(game: Game, program: Program, query: str, stop: threading.Event) -> Question:
+    return program.question(query, stop=stop, limits=game.limits)

@@ -36,7 +36,6 @@ __all__ = [
     "origin_in_run",
     "origin_of",
     "read_path",
-    "written_path",
 ]
 
 MOST_LINKS = 24
@@ -229,11 +228,6 @@ def read_path(text: str) -> Path:
         )
     pieces = re.findall(r"\.([^.\[\]]+)|\[(-?\d+)\]", found.group(1))
     return tuple(name if name else int(number) for name, number in pieces)
-
-
-def written_path(path: Path, what: str = "memory") -> str:
-    """Return a path as text; the inverse of `read_path`."""
-    return what + "".join(f"[{p}]" if isinstance(p, int) else f".{p}" for p in path)
 
 
 def _source(

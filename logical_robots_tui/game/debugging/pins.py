@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from logical_robots_tui.mind import Table
     from logical_robots_tui.values import Value
 
-__all__ = ["MIND", "ROBOT_COLUMNS", "Path", "Pin", "Reading", "pin_of_cell", "read"]
+__all__ = ["MIND", "ROBOT_COLUMNS", "Path", "Pin", "Reading", "pin_of_cell", "read", "written_path"]
 
 MIND = "in the mind of"
 """Pseudo-column for the robot in whose reasoning a row holds. No real column has this name."""
@@ -53,8 +53,7 @@ class Pin(NamedTuple):
             return self.predicate
         if not self.column:
             return f"{self.predicate}: rows"
-        steps = (f"[{step}]" if isinstance(step, int) else f".{step}" for step in self.path)
-        return f"{self.predicate}.{self.column}{''.join(steps)}"
+        return written_path(self.path, f"{self.predicate}.{self.column}")
 
     @property
     def words(self) -> str:
@@ -91,6 +90,16 @@ class Reading(NamedTuple):
         except OverflowError:
             return None
         return number if math.isfinite(number) else None
+
+
+def written_path(path: Path, what: str = "memory") -> str:
+    """Return the path of a part as text, such as ``memory.seen[0]``.
+
+    Args:
+        path: The path.
+        what: The whole value.
+    """
+    return what + "".join(f"[{p}]" if isinstance(p, int) else f".{p}" for p in path)
 
 
 def pin_of_cell(

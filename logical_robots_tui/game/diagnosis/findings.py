@@ -68,9 +68,10 @@ def _of_notices(
         elif named == "bad engine":
             yield _of_null(tally, robot, tick, first)
         elif named == "no row":
-            rules = [r.span for r in tally.checkup.rules if r.predicate == "Robot"]
-            stops = _stops(tally)
-            span, others = _split([*stops, *rules])
+            rules = {n: r.span for n, r in enumerate(tally.checkup.rules) if r.predicate == "Robot"}
+            stops = [stop for rule in rules if (stop := tally.stopped(rule)) is not None]
+            places = [tally.checkup.sites[stop].span for stop in stops]
+            span, others = _split([*places, *rules.values()])
             hint = "No rule covers this case; each fails somewhere."
             yield Finding("no row", "warning", span, tick, first, hint, others, robot)
         else:
@@ -137,21 +138,6 @@ def _of_null(tally: Tally, robot: str, tick: int, first: str) -> Finding:
 def _split(places: list[Span]) -> tuple[Span | None, tuple[Span, ...]]:
     """Split places into the first, if there is one, and the rest."""
     return (places[0] if places else None), tuple(places[1 : _MOST_PLACES + 1])
-
-
-def _stops(tally: Tally) -> list[Span]:
-    """Return where the rules of `Robot` failed in one tick."""
-    found = []
-    for rule, each in enumerate(tally.checkup.rules):
-        if each.predicate != "Robot":
-            continue
-        stop = None
-        for number, site in enumerate(tally.checkup.sites):
-            count = tally.sites[number]
-            if site.rule == rule and site.is_step:
-                stop = site.span if count.reached is not None and count.true is None else stop
-        found += [stop] if stop is not None else []
-    return found
 
 
 # -- memory and texts --------------------------------------------------------------------------

@@ -125,15 +125,14 @@ class Recording:
 
     def forget(self) -> None:
         """Discard everything after the start, also on disk."""
-        if (folder := _folder()) is not None:
-            folder.drop(self._key)
+        _folder().drop(self._key)
         self._pieces, self._loose = [], [self._start]
         self._lasting = math.inf
 
     def save(self) -> None:
         """Write the added ticks to disk, up to the size limit, unless the file has more already."""
         folder = _folder()
-        if folder is None or not self._is_new:
+        if folder.place is None or not self._is_new:
             return
         self._is_new = False
         pieces = _that_fit(self._up_to(min(self._lasting, self.last)))
@@ -183,8 +182,7 @@ class Recording:
 
     def _read(self) -> None:
         """Load the file, if it is a recording of this run."""
-        folder = _folder()
-        content = None if folder is None else folder.read(self._key, MAX_BYTES)
+        content = _folder().read(self._key, MAX_BYTES)
         if content is None:
             return
         try:
@@ -313,9 +311,9 @@ def _unpacked(piece: _Piece) -> Any:
     return json.loads(text)
 
 
-def _folder() -> CacheFolder | None:
+def _folder() -> CacheFolder:
     place = cache_place("runs", named="runs")
-    return None if place is None else CacheFolder(place, SUFFIX, MAX_ENTRIES, MAX_FOLDER_BYTES)
+    return CacheFolder(place, SUFFIX, MAX_ENTRIES, MAX_FOLDER_BYTES)
 
 
 def _index(content: bytes) -> tuple[dict[str, Any], int]:

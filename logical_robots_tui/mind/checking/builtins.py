@@ -9,8 +9,7 @@ import sqlite3
 from logica.compiler import expr_translate
 
 from logical_robots_tui.mind.compiling.dialect import RobotDialect
-from logical_robots_tui.mind.sqlite.allowed import BUILT_IN
-from logical_robots_tui.mind.sqlite.functions import registry
+from logical_robots_tui.mind.sqlite.database import Database
 
 __all__ = ["arity", "is_built_in", "names", "runs"]
 
@@ -25,7 +24,6 @@ _INTERNAL = frozenset(
     {"Constraint", "Container", "FlagValue", "MagicalEntangle", "SqlExpr"}
     | {"ToUInt64", "ValueOfUnnested"}
 )
-_REFUSED = sqlite3.SQLITE_DENY
 
 
 @functools.cache
@@ -93,24 +91,12 @@ def _templates() -> dict[str, str | None]:
 
 def _compiles(expression: str) -> bool:
     try:
-        _connection().execute(f"EXPLAIN SELECT {expression}")
+        _database().prepare(f"SELECT {expression}")
     except sqlite3.Error:
         return False
     return bool(expression)
 
 
 @functools.cache
-def _connection() -> sqlite3.Connection:
-    connection = sqlite3.connect(":memory:", check_same_thread=False)
-    registry.install(connection)
-    # SQLite creates its JSON tables on first use, which the authorizer would refuse.
-    connection.execute("SELECT 1 FROM json_each('[]')").fetchall()
-    connection.set_authorizer(_authorize)
-    return connection
-
-
-def _authorize(action: int, _first: str | None, second: str | None, *_: str | None) -> int:
-    if action == sqlite3.SQLITE_FUNCTION and second is not None:
-        name = second.lower()
-        return sqlite3.SQLITE_OK if name in BUILT_IN or name in registry.NAMES else _REFUSED
-    return sqlite3.SQLITE_OK
+def _database() -> Database:
+    return Database()

@@ -10,11 +10,10 @@ from __future__ import annotations
 import re
 from typing import TYPE_CHECKING, Any, TypeAlias
 
+from logical_robots_tui.mind.checking.parameters import mentioned_by_make
 from logical_robots_tui.mind.checking.shapes import SENSOR, ListOf, Record, Scalar, Shape
 from logical_robots_tui.mind.compiling.rules import (
     VALUE,
-    called,
-    fields,
     head_name,
     heads,
     value_of,
@@ -23,8 +22,6 @@ from logical_robots_tui.mind.similar_names import closest
 from logical_robots_tui.mind.source_text import diagnostic_for
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
-
     from logical_robots_tui.mind.compiling.rules import Rule
     from logical_robots_tui.mind.diagnostics import Diagnostic
 
@@ -58,7 +55,7 @@ class Inference:
         self._text = text
         self._heads = heads(rules)
         self._rules = [rule for rule in rules if not head_name(rule).startswith("@")]
-        made = {n for rule in rules if head_name(rule) == "@Make" for n in _names_in(rule)}
+        made = {n for rule in rules if head_name(rule) == "@Make" for n in mentioned_by_make(rule)}
         self._unknown = doubtful | made
         self._columns: dict[Column, Shape | None] = {("Sensor", "sensor"): SENSOR}
         self._arguments: dict[Column, Shape | None] = {}
@@ -309,14 +306,6 @@ class Inference:
         start = getattr(piece, "start", None)
         if start is not None and len(hint) <= 120:
             self._problems[start] = diagnostic_for(self._text, piece, message, hint)
-
-
-def _names_in(rule: Rule) -> Iterator[str]:
-    yield from called(rule)
-    for fv in rule["head"]["record"]["field_value"]:
-        record = (value_of(fv) or {}).get("record")
-        if record:
-            yield from (name for name in fields(record) if isinstance(name, str))
 
 
 def _common(shapes: list[Shape | None]) -> Shape | None:

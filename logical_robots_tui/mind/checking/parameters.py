@@ -11,7 +11,7 @@ if TYPE_CHECKING:
 
     from logical_robots_tui.mind.compiling.rules import Rule
 
-__all__ = ["filled_in", "lacking", "parameters"]
+__all__ = ["filled_in", "lacking", "mentioned_by_make", "parameters"]
 
 
 def parameters(rules: list[Rule]) -> frozenset[str]:
@@ -37,6 +37,11 @@ def lacking(rules: list[Rule]) -> dict[str, str]:
 
     found = {name: next(first_open(name, frozenset(), set()), "") for name in own}
     return {name: other for name, other in found.items() if other}
+
+
+def mentioned_by_make(rule: Rule) -> set[str]:
+    """Return the predicates that a rule with ``:=`` makes, copies, substitutes or puts in."""
+    return {*map(str, called(rule)), *filled_in(rule)}
 
 
 def filled_in(rule: Rule) -> list[str]:

@@ -5,7 +5,15 @@ from __future__ import annotations
 import re
 from typing import TYPE_CHECKING
 
-from logical_robots_tui.mind.compiling.rules import calls, head_name, nodes, value_of
+from logical_robots_tui.mind.compiling.rules import (
+    VALUE,
+    calls,
+    head_name,
+    nodes,
+    predicate_of,
+    text_of,
+    value_of,
+)
 from logical_robots_tui.mind.source_text import diagnostic_for
 
 if TYPE_CHECKING:
@@ -36,7 +44,7 @@ def verbatim(rules: list[Rule], known: Mapping[str, Signature], text: str) -> It
     for call, _ in calls(rules):
         if call["predicate_name"] == "Cast":
             for value in call["record"]["field_value"][1:2]:
-                name = _string(value)
+                name = text_of(value_of(value) or {})
                 if name is None or name.strip().upper() not in _TYPES:
                     shown = "this" if name is None else name[:40]
                     message = f"{shown} is not a type that Cast knows"
@@ -46,7 +54,7 @@ def verbatim(rules: list[Rule], known: Mapping[str, Signature], text: str) -> It
     for rule in rules:
         if head_name(rule) == "@DefineFlag" and is_within_a_text:
             for value in rule["head"]["record"]["field_value"][1:2]:
-                if _PLAIN.fullmatch(_string(value) or "") is None:
+                if _PLAIN.fullmatch(text_of(value_of(value) or {}) or "") is None:
                     message = "a flag that ${...} puts into a text can't hold quotes, \\ or $"
                     hint = 'Write FlagValue("name") instead of ${name}.'
                     yield diagnostic_for(text, "@DefineFlag", message, hint)
@@ -54,10 +62,9 @@ def verbatim(rules: list[Rule], known: Mapping[str, Signature], text: str) -> It
             yield diagnostic_for(text, "Cast", "Cast can't be given to a functor", "Call it.")
         if head_name(rule) == "@OrderBy":
             predicate, *columns = rule["head"]["record"]["field_value"]
-            literal = (value_of(predicate) or {}).get("literal", {})
-            name = literal.get("the_predicate", {}).get("predicate_name", "")
+            name = predicate_of(value_of(predicate) or {})
             for column in columns:
-                ordered = _string(column)  # other types are reported elsewhere
+                ordered = text_of(value_of(column) or {})  # other types are reported elsewhere
                 if ordered is not None and (wrong := _wrong_column(ordered, known.get(name))):
                     hint = 'Write only names of columns, such as @OrderBy(P, "col0 DESC");'
                     yield diagnostic_for(text, "@OrderBy", wrong, hint)
@@ -77,7 +84,7 @@ def _wrong_column(columns: str, signature: Signature | None) -> str:
 
 def _columns_of(signature: Signature) -> set[str]:
     numbered = {f"col{number}" for number in range(signature.count)}
-    return {*numbered, *signature.named, *(["logica_value"] if signature.has_value else [])}
+    return {*numbered, *signature.named, *([VALUE] if signature.has_value else [])}
 
 
 def _strings(rule: Rule) -> Iterator[str]:
@@ -91,8 +98,3 @@ def _strings(rule: Rule) -> Iterator[str]:
 def _is_cast(node: Rule) -> bool:
     predicate = node.get("the_predicate")
     return isinstance(predicate, dict) and predicate.get("predicate_name") == "Cast"
-
-
-def _string(field_value: Rule) -> str | None:
-    found = (value_of(field_value) or {}).get("literal", {}).get("the_string", {}).get("the_string")
-    return None if found is None else str(found)

@@ -9,15 +9,14 @@ from __future__ import annotations
 import re
 from typing import TYPE_CHECKING
 
-from logical_robots_tui.mind.checking import error_messages
 from logical_robots_tui.mind.clauses import trees
 from logical_robots_tui.mind.clauses.bodies import Names, head_of
 from logical_robots_tui.mind.clauses.functors import expand, rename
 from logical_robots_tui.mind.clauses.normal_form import Builder
 from logical_robots_tui.mind.clauses.scopes import Scope, combines, flat, in_order, names
-from logical_robots_tui.mind.compiling.compiler import compiled_rules, read_rules
+from logical_robots_tui.mind.compiling.compiler import read_rules, statements_of
 from logical_robots_tui.mind.compiling.package_patches import deep_copy
-from logical_robots_tui.mind.compiling.rules import VALUE, called, head_name
+from logical_robots_tui.mind.compiling.rules import VALUE, called, head_name, is_aggregate, nodes
 from logical_robots_tui.mind.program import INPUTS
 from logical_robots_tui.mind.why.probing import (
     DECIDED_BY_ONE,
@@ -36,13 +35,13 @@ if TYPE_CHECKING:
     from logical_robots_tui.mind.compiling.rules import Rule
     from logical_robots_tui.mind.source_text import Prepared
 
-__all__ = ["take_apart"]
+__all__ = ["decompose"]
 
 _ALL = "WhyAll"
 _GIVEN_COLUMN = re.compile(rf"\b{GIVEN}\.g(\d+)\b")
 
 
-def take_apart(
+def decompose(
     text: str,
     predicate: str,
     within: str,
@@ -191,26 +190,12 @@ def _open(rule: Rule, given: list[str], functions: Mapping[str, tuple[str, ...]]
     head, body = head_of(rule)[0], flat(rule.get("body"))
     variables = frozenset[str]().union(*map(names, [*body, *head.values()]))
     known = frozenset[str]().union(*(names(head[column]) for column in given if column in head))
-    calls = [{"predicate": call} for call in _value_calls([*body, *head.values()])]
+    inner = nodes([*body, *head.values()], is_aggregate)
+    calls = [{"predicate": node["call"]} for node in inner if isinstance(node.get("call"), dict)]
     ordered, left = in_order([*body, *calls], Scope(functions, variables), known)
     after = ordered[-1][1] if ordered else known
     lacking = {column for column, value in head.items() if not names(value) <= after}
     return lacking or ({*head} - {*given} if left else set())
-
-
-def _value_calls(tree: object) -> list[Rule]:
-    """Yield the calls in expressions, outside aggregates."""
-    found: list[Rule] = []
-    waiting = [tree]
-    while waiting:
-        node = waiting.pop()
-        if isinstance(node, list):
-            waiting.extend(node)
-        elif isinstance(node, dict) and "combine" not in node:
-            if isinstance(node.get("call"), dict):
-                found.append(node["call"])
-            waiting.extend(node.values())
-    return found
 
 
 # -- recursion -----------------------------------------------------------------------------------
@@ -261,7 +246,7 @@ def _compiled(
     rules = [*own, *flags, *probes.values()]
     for rule in rules:
         rename(rule, tables)
-    return _statements([*probes], rules, text, source)
+    return statements_of([*probes], rules, text, source)
 
 
 def _sources(
@@ -272,17 +257,4 @@ def _sources(
     if not copies:
         return {}
     rules = [deep_copy(rule) for own in expanded.rules.values() for rule in own]
-    return _statements(copies, [*deep_copy(expanded.others), *rules], text, source)
-
-
-def _statements(
-    wanted: list[str], rules: list[Rule], text: str, source: Prepared
-) -> dict[str, str]:
-    compiled = compiled_rules(rules, text, source)
-    found = {}
-    for name in wanted:
-        try:
-            found[name] = compiled.FormattedPredicateSql(name).rstrip().removesuffix(";")
-        except error_messages.COMPLAINTS:
-            continue  # reported as not computable alone
-    return found
+    return statements_of(copies, [*deep_copy(expanded.others), *rules], text, source)

@@ -7,14 +7,22 @@ from typing import TYPE_CHECKING, Any
 
 from logical_robots_tui.mind.clauses import trees
 from logical_robots_tui.mind.compiling.package_patches import deep_copy
-from logical_robots_tui.mind.compiling.rules import head_name, heads, reached, subject, value_of
+from logical_robots_tui.mind.compiling.rules import (
+    VALUE,
+    head_name,
+    heads,
+    predicate_of,
+    reached,
+    subject,
+    value_of,
+)
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping
 
     from logical_robots_tui.mind.compiling.rules import Rule
 
-__all__ = ["Expanded", "expand", "made_from", "recursions_written_out", "rename"]
+__all__ = ["Expanded", "expand", "recursions_written_out", "rename"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -91,21 +99,21 @@ def recursions_written_out(raw: list[Rule]) -> list[Rule]:
 
 
 def _is_ready(make: Rule, waiting: Mapping[str, Rule], expanded: Expanded) -> bool:
-    base, given = made_from(make)
+    base, given = _made_from(make)
     needed = {base, *expanded.reach(base)}
     for value in given.values():
-        name = _named(value)
+        name = predicate_of(value)
         needed |= {name, *expanded.reach(name)} if name else set()
     return not needed & waiting.keys()
 
 
 def _make(name: str, make: Rule, expanded: Expanded) -> None:
-    base, given = made_from(make)
+    base, given = _made_from(make)
     filled = {}
     for number, (argument, value) in enumerate(given.items()):
-        filled[argument] = _named(value) or f"{name}_given{number}"
-        if not _named(value):
-            constant = trees.rule(filled[argument], {"logica_value": value}, (), name)
+        filled[argument] = predicate_of(value) or f"{name}_given{number}"
+        if not predicate_of(value):
+            constant = trees.rule(filled[argument], {VALUE: value}, (), name)
             expanded.rules[filled[argument]] = [constant]
     reached = {base, *expanded.reach(base)}
     touched = {p for p in reached - filled.keys() if expanded.reach(p) & filled.keys()} | {base}
@@ -144,17 +152,12 @@ def rename(tree: Any, names: Mapping[str, str]) -> None:
             waiting.extend(node)
 
 
-def made_from(make: Rule) -> tuple[str, dict[str, Rule]]:
+def _made_from(make: Rule) -> tuple[str, dict[str, Rule]]:
     """Return what a ``@Make`` rule makes a predicate from, and the substitutions by name."""
     first, second, third = map(value_of, make["head"]["record"]["field_value"][:3])
     assert first is not None
     assert second is not None
     assert third is not None
-    base = str(second["literal"]["the_predicate"]["predicate_name"])
+    base = str(predicate_of(second))
     given = {str(f["field"]): value_of(f) for f in third["record"]["field_value"]}
     return base, {name: value for name, value in given.items() if value is not None}
-
-
-def _named(value: Rule) -> str:
-    """Return the predicate that an expression names, or ""."""
-    return str(value.get("literal", {}).get("the_predicate", {}).get("predicate_name", ""))

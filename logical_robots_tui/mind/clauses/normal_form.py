@@ -36,7 +36,7 @@ from logical_robots_tui.mind.clauses.terms import (
     parts_of,
 )
 from logical_robots_tui.mind.compiling.package_patches import deep_copy
-from logical_robots_tui.mind.compiling.rules import VALUE, operands
+from logical_robots_tui.mind.compiling.rules import VALUE, equated, operands, variable_of
 from logical_robots_tui.mind.program import INPUTS
 from logical_robots_tui.mind.why.probing import GIVEN, Body, Call, Clause, Collected, Step, Term
 
@@ -219,7 +219,7 @@ class _ClauseBuilder:
         return [*found, tree]
 
     def _is_call(self, tree: Rule) -> bool:
-        return str(tree.get("variable", {}).get("var_name", "")) in self._calls
+        return variable_of(tree) in self._calls
 
     # -- steps -----------------------------------------------------------------------------------
 
@@ -236,7 +236,7 @@ class _ClauseBuilder:
             call, reads = self._call(part["predicate"]), self._reads(part["predicate"])
             value = next(values_in(part["predicate"], VALUE), None)
             if kind == "function" and value is not None:
-                span = self._builder.span(self._calls[str(value["variable"]["var_name"])])
+                span = self._builder.span(self._calls[variable_of(value)])
         elif kind == "denial":
             (combine,) = combines(part)
             denied = self._inner(combine)
@@ -261,17 +261,14 @@ class _ClauseBuilder:
             return "function" if self._is_call(value) else "call"
         return "condition"
 
-    def _shown(self, part: Rule) -> list[Rule]:
+    @staticmethod
+    def _shown(part: Rule) -> list[Rule]:
         """Return the expressions of a step that explain why it holds."""
         if "inclusion" in part:
             return [part["inclusion"]["list"]]
-        if "unification" in part:
-            sides = [part["unification"]["left_hand_side"], part["unification"]["right_hand_side"]]
-        elif "predicate" in part:
-            sides = operands(part["predicate"])
-        else:
-            return []
-        return [side for side in sides if kind_of(side) != "literal"]
+        if (pair := equated(part)) is not None:
+            return list(pair)
+        return operands(part["predicate"]) if "predicate" in part else []
 
     def _call(self, call: Rule) -> Call:
         name = str(call["predicate_name"])
@@ -297,7 +294,7 @@ class _ClauseBuilder:
         columns = INPUTS.get(str(call["predicate_name"]), ())
         for column in (*columns, "*") if columns else ():
             for value in values_in(call, column):
-                root = str(value.get("variable", {}).get("var_name", ""))
+                root = variable_of(value)
                 mine = [each for each in chains(self._all) if chain_root(each) == root]
                 found |= {self._builder.span(each).text: each for each in mine}
                 if column == "memory" and root and not mine:
@@ -312,12 +309,12 @@ class _ClauseBuilder:
         if kind == "literal":
             return Term("literal", span, self._column(tree))
         if self._is_call(tree):
-            name = str(tree["variable"]["var_name"])
+            name = variable_of(tree)
             call = next(
                 part["predicate"]
                 for part in self._body
                 if any(
-                    value.get("variable", {}).get("var_name") == name
+                    variable_of(value) == name
                     for value in values_in(part.get("predicate", {}), VALUE)
                 )
             )

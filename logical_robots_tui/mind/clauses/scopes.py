@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 from logica.compiler import rule_translate
 
 from logical_robots_tui.mind.checking import builtins
-from logical_robots_tui.mind.compiling.rules import equated
+from logical_robots_tui.mind.compiling.rules import equated, is_aggregate, nodes, variable_of
 
 if TYPE_CHECKING:
     from collections.abc import Container, Iterable, Iterator, Mapping
@@ -102,7 +102,7 @@ class Scope:
     def _matched(self, pattern: Rule, known: frozenset[str]) -> frozenset[str] | None:
         """Return the variables bound after matching a value with a pattern."""
         if "variable" in pattern:
-            return known | {str(pattern["variable"]["var_name"])}
+            return known | {variable_of(pattern)}
         return known if self.mentioned(pattern) <= known else None
 
     def _equal(self, left: Rule, right: Rule, known: frozenset[str]) -> frozenset[str] | None:
@@ -153,10 +153,4 @@ def in_order(
 
 def combines(tree: Any) -> Iterator[Rule]:
     """Yield the outermost aggregates in a syntax tree."""
-    waiting = [tree]
-    while waiting:
-        node = waiting.pop()
-        if isinstance(node, dict) and "combine" in node:
-            yield node["combine"]
-        elif isinstance(node, dict | list):
-            waiting.extend(reversed(list(node.values() if isinstance(node, dict) else node)))
+    return (node["combine"] for node in nodes(tree, is_aggregate) if is_aggregate(node))

@@ -4,7 +4,13 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from logical_robots_tui.mind.compiling.rules import COMPARISONS, JUNCTIONS, operands
+from logical_robots_tui.mind.compiling.rules import (
+    COMPARISONS,
+    JUNCTIONS,
+    nodes,
+    operands,
+    variable_of,
+)
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -42,10 +48,8 @@ def parts_of(tree: Rule, kind: TermKind) -> list[Rule]:
         branches = implication["if_then"]
         pairs = [b[part] for b in branches for part in ("condition", "consequence")]
         return [*pairs, implication["otherwise"]]
-    if kind == "coalesce":
+    if kind in ("coalesce", "truth"):
         return operands(tree["call"])
-    if kind == "truth":
-        return [each for each in operands(tree["call"]) if kind_of(each) != "literal"]
     if kind == "cast":
         return operands(tree["call"])[:1]
     if kind == "field":
@@ -71,16 +75,7 @@ def names_of(tree: Rule, kind: TermKind) -> tuple[str, ...]:
 
 def chains(tree: Any) -> Iterator[Rule]:
     """Yield the field accesses in a syntax tree: ``sensor.radar``, ``memory.plan.at``."""
-    waiting = [tree]
-    while waiting:
-        node = waiting.pop()
-        if isinstance(node, list):
-            waiting.extend(reversed(node))
-        elif isinstance(node, dict):
-            if chain_root(node):
-                yield node
-            else:
-                waiting.extend(reversed(node.values()))
+    return filter(chain_root, nodes(tree, chain_root))
 
 
 def chain_root(tree: Rule) -> str:
@@ -89,7 +84,7 @@ def chain_root(tree: Rule) -> str:
         return ""
     while "subscript" in tree:
         tree = tree["subscript"].get("record", {})
-    return str(tree.get("variable", {}).get("var_name", ""))
+    return variable_of(tree)
 
 
 def _fields(tree: Rule) -> list[Rule]:
@@ -98,18 +93,8 @@ def _fields(tree: Rule) -> list[Rule]:
 
 
 def _inside(tree: Rule) -> Iterator[Rule]:
-    """Return the parts of a calculation or list that need their own explanation."""
-    waiting: list[Any] = list(tree.values())
-    waiting.reverse()
-    while waiting:
-        node = waiting.pop()
-        if isinstance(node, list):
-            waiting.extend(reversed(node))
-        elif isinstance(node, dict):
-            if _is_told(node):
-                yield node
-            else:
-                waiting.extend(reversed(node.values()))
+    """Yield the parts of a calculation or list that need their own explanation."""
+    return filter(_is_told, nodes([*tree.values()], _is_told))
 
 
 def _is_told(node: Rule) -> bool:

@@ -13,7 +13,7 @@ if TYPE_CHECKING:
 
     from logical_robots_tui.mind.compiling.rules import Rule
 
-__all__ = ["asked", "equal", "make", "number", "rule", "variable"]
+__all__ = ["asked", "call", "equal", "fields", "number", "record", "rule", "text", "variable"]
 
 
 def variable(name: str) -> Rule:
@@ -24,6 +24,23 @@ def variable(name: str) -> Rule:
 def number(text: str) -> Rule:
     """Return a number."""
     return {"literal": {"the_number": {"number": text}}}
+
+
+def text(value: str) -> Rule:
+    """Return a text."""
+    return {"literal": {"the_string": {"the_string": value}}, "expression_heritage": value}
+
+
+def record(columns: Mapping[Any, Rule]) -> Rule:
+    """Return a record."""
+    return {"record": _record(columns)}
+
+
+def call(name: str, *given: Rule, **named: Rule) -> Rule:
+    """Return a call of a function or an operator."""
+    columns: dict[int | str, Rule] = dict(enumerate(given))
+    columns.update(named)
+    return {"call": {"predicate_name": name, "record": _record(columns)}}
 
 
 def asked(predicate: str, columns: Mapping[Any, Rule]) -> Rule:
@@ -57,22 +74,10 @@ def rule(name: str, columns: Mapping[Any, Rule], body: Iterable[Rule], text: str
     return found
 
 
-def make(name: str, base: str, given: Mapping[Any, Rule]) -> Rule:
-    """Return a rule that makes a predicate from another, with ``:=``.
-
-    Args:
-        name: The new predicate.
-        base: The original.
-        given: The substitutions, by name of the parameter.
-    """
-    predicates = [{"literal": {"the_predicate": {"predicate_name": each}}} for each in (name, base)]
-    columns: dict[str | int, Rule] = dict(enumerate([*predicates, {"record": _record(given)}]))
-    return rule("@Make", columns, (), name)
+def fields(columns: Mapping[Any, Rule]) -> list[Rule]:
+    """Return the fields of a record, a head or a call."""
+    return [{"field": name, "value": {"expression": value}} for name, value in columns.items()]
 
 
 def _record(columns: Mapping[Any, Rule]) -> Rule:
-    return {
-        "field_value": [
-            {"field": name, "value": {"expression": value}} for name, value in columns.items()
-        ]
-    }
+    return {"field_value": fields(columns)}

@@ -5,6 +5,7 @@ The package keeps global state, so one process compiles one program at a time.
 
 from __future__ import annotations
 
+from contextlib import suppress
 from functools import lru_cache
 from typing import TYPE_CHECKING, Any, cast
 
@@ -34,6 +35,8 @@ from logical_robots_tui.mind.compiling.rules import (
     prelude_rules,
     reached,
     subject,
+    text_of,
+    value_of,
 )
 from logical_robots_tui.mind.compiling.spelling import spell_out
 from logical_robots_tui.mind.compiling.whole_rows import written_out
@@ -47,7 +50,14 @@ if TYPE_CHECKING:
 
     from logical_robots_tui.mind.compilation import Report
 
-__all__ = ["RobotProgram", "compile_text", "compiled_rules", "plain_rules", "read_rules"]
+__all__ = [
+    "RobotProgram",
+    "compile_text",
+    "compiled_rules",
+    "plain_rules",
+    "read_rules",
+    "statements_of",
+]
 
 _RECURSION_DEPTH = 32  # as on DuckDB; the package's SQLite default is 8
 _DEEPEST_RECURSION = 200
@@ -131,6 +141,28 @@ def compiled_rules(rules: list[Rule], text: str, source: Prepared) -> RobotProgr
         raise ProgramError(
             (_endless(error, rules, text) or error_messages.explain(error, text, source),)
         ) from None
+
+
+def statements_of(
+    wanted: list[str], rules: list[Rule], text: str, source: Prepared
+) -> dict[str, str]:
+    """Return SQL for the rows of those predicates that can be computed alone.
+
+    Args:
+        wanted: Their names.
+        rules: Rules as written.
+        text: The program that they come from.
+        source: The same, prepared.
+
+    Raises:
+        ProgramError: The rules can't be compiled.
+    """
+    compiled = compiled_rules(rules, text, source)
+    found = {}
+    for name in wanted:
+        with suppress(*error_messages.COMPLAINTS):
+            found[name] = compiled.FormattedPredicateSql(name).rstrip().removesuffix(";")
+    return found
 
 
 def _refuse(found: list[Diagnostic]) -> None:
@@ -281,7 +313,8 @@ def _take_visibility(
             if head_name(rule) not in IGNORED:
                 rest.append(rule)
             continue
-        of, wanted = subject(rule), _second_text(rule)
+        values = [value_of(fv) or {} for fv in rule["head"]["record"]["field_value"]]
+        of, wanted = subject(rule), "".join(text_of(value) or "" for value in values[1:2])
         if wanted in _VISIBILITY.get(of, ()):
             visibility[of.lower()] = wanted
         else:
@@ -292,14 +325,6 @@ def _take_visibility(
             )
             problems.append(diagnostic_for(text, head_name(rule), message, hint))
     return rest, visibility, problems
-
-
-def _second_text(rule: Rule) -> str:
-    try:
-        value = rule["head"]["record"]["field_value"][1]["value"]["expression"]["literal"]
-        return str(value["the_string"]["the_string"])
-    except (KeyError, IndexError):
-        return ""
 
 
 def _lacks_arguments(error: BaseException, rules: list[Rule]) -> bool:

@@ -7,6 +7,7 @@ from typing import Any
 
 from logica.compiler import dialects
 
+from logical_robots_tui.mind.clauses import trees
 from logical_robots_tui.mind.compiling.package_patches import deep_copy
 
 __all__ = ["RobotDialect"]
@@ -106,25 +107,11 @@ def _pair(rule: dict[str, Any]) -> dict[str, Any] | None:
 
 
 def _entangled(value: dict[str, Any], var: str) -> dict[str, Any]:
-    return {
-        "call": {
-            "predicate_name": "MagicalEntangle",
-            "record": {
-                "field_value": [
-                    {"field": 0, "value": value},
-                    {"field": 1, "value": {"expression": {"variable": {"var_name": var}}}},
-                ]
-            },
-        }
-    }
+    call = trees.call("MagicalEntangle", {}, trees.variable(var))
+    call["call"]["record"]["field_value"][0]["value"] = value
+    return call
 
 
 def _zero(var: str) -> dict[str, Any]:
-    return {
-        "inclusion": {
-            "list": {
-                "literal": {"the_list": {"element": [{"literal": {"the_number": {"number": "0"}}}]}}
-            },
-            "element": {"variable": {"var_name": var}},
-        }
-    }
+    listed = {"literal": {"the_list": {"element": [trees.number("0")]}}}
+    return {"inclusion": {"list": listed, "element": trees.variable(var)}}

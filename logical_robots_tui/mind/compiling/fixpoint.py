@@ -21,6 +21,7 @@ from typing import TYPE_CHECKING, Any
 
 from sqlglot import exp
 
+from logical_robots_tui.mind.checking.parameters import mentioned_by_make
 from logical_robots_tui.mind.compiling.package_patches import deep_copy
 from logical_robots_tui.mind.compiling.rules import called, head_name, nodes, subject
 from logical_robots_tui.mind.program import STEPS
@@ -76,7 +77,9 @@ def fixpoints(
         if not head_name(rule).startswith("@"):
             own.setdefault(str(head_name(rule)), []).append(rule)
     uses = {name: {str(c) for c in called(mine) if c in own} for name, mine in own.items()}
-    made = {str(name) for rule in rules if head_name(rule) == "@Make" for name in _names_in(rule)}
+    made = {
+        name for rule in rules if head_name(rule) == "@Make" for name in mentioned_by_make(rule)
+    }
     ordered = {subject(rule) for rule in rules if head_name(rule) in _ABOUT_THE_WHOLE}
     found: list[Fixpoint] = []
     for name in own:
@@ -125,13 +128,6 @@ def _begins(start: str, own: Mapping[str, list[Rule]], circle: set[str]) -> bool
         begun |= found
 
 
-def _names_in(rule: Rule) -> Iterator[str]:
-    yield from called(rule)
-    for node in nodes(rule["head"]):
-        if isinstance(node.get("field"), str):
-            yield node["field"]
-
-
 def _without(name: str, rules: list[Rule]) -> list[Rule]:
     return [
         rule
@@ -143,17 +139,16 @@ def _without(name: str, rules: list[Rule]) -> list[Rule]:
 
 def _step(fixpoint: Fixpoint, circle: set[str], own: Mapping[str, list[Rule]]) -> Iterator[Rule]:
     """Return copies of a recursion's rules that compute a step from the previous one."""
-    names = {name: f"{name}_For_{fixpoint.step}" for name in circle}
-    for name in circle | {fixpoint.name}:
+    copies = {name: f"{name}_For_{fixpoint.step}" for name in circle}
+    heads = {**copies, fixpoint.name: fixpoint.step}
+    calls = {**copies, fixpoint.name: fixpoint.before}
+    for name in circle:
         for rule in own[name]:
             copied = deep_copy(rule)
             for node in nodes(copied):
-                if (old := node.get("predicate_name")) in names:
-                    node["predicate_name"] = (
-                        fixpoint.before if old == fixpoint.name else names[str(old)]
-                    )
-            head = fixpoint.step if name == fixpoint.name else names[name]
-            copied["head"]["predicate_name"] = head
+                if (old := node.get("predicate_name")) in calls:
+                    node["predicate_name"] = calls[str(old)]
+            copied["head"]["predicate_name"] = heads[name]
             yield copied
 
 

@@ -17,13 +17,20 @@ from logical_robots_tui.mind.checking.checks import check
 from logical_robots_tui.mind.clauses.scopes import names
 from logical_robots_tui.mind.compiling.compiler import compiled_rules, plain_rules, read_rules
 from logical_robots_tui.mind.compiling.parsing import parse_statements
-from logical_robots_tui.mind.compiling.rules import CONDITIONS, VALUE, fields, heads, nodes
+from logical_robots_tui.mind.compiling.rules import (
+    CONDITIONS,
+    VALUE,
+    fields,
+    heads,
+    nodes,
+    value_of,
+)
 from logical_robots_tui.mind.diagnostics import Diagnostic, ProgramError
 from logical_robots_tui.mind.program import INPUTS, Question
 from logical_robots_tui.mind.source_text import diagnostic_for, prepare
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Mapping
+    from collections.abc import Iterable, Iterator, Mapping, Sequence
 
     from logical_robots_tui.mind.compiling.rules import Rule
     from logical_robots_tui.mind.source_text import Prepared
@@ -147,18 +154,59 @@ def _frame(
         body = parse.ParseProposition(parse.Strip(text))
     except error_messages.COMPLAINTS as error:
         try:
-            parse.ParseExpression(parse.Strip(text))
+            expression = parse.ParseExpression(parse.Strip(text))
         except error_messages.COMPLAINTS:
             raise ProgramError((error_messages.explain(error, query, source),)) from None
-        return f"{name}(value:", ")", "value"
-    found = names(body)
-    variables = [each for each in _in_text(body) if each in found]
+        return _value_frame(name, _open_inputs(expression))
+    found, left_open = names(body), _open_inputs(body)
+    variables = [each for each in _in_text(body) if each in found and each not in left_open]
     if not variables and _is_value(body, own):
-        return f"{name}(value:", ")", "value"
+        return _value_frame(name, left_open)
+    if left_open:
+        columns = [*variables, *({"robot_name"} - {*variables})]
+        return f"{name}({_columns(columns)}) :- {_supplied(left_open)},", "", "rows"
     if not variables:
         denied = f'; {name}(holds: "false") :- ~({query}\n)'
         return f'{name}(holds: "true") :-', denied, "truth"
-    return f"{name}({', '.join(f'{each}:' for each in variables)}) :-", "", "rows"
+    return f"{name}({_columns(variables)}) :-", "", "rows"
+
+
+def _value_frame(name: str, left_open: Sequence[str]) -> tuple[str, str, Gives]:
+    """Return the text before and after an expression, and the kind of its result."""
+    if not left_open:
+        return f"{name}(value:", ")", "value"
+    return f"{name}(value:", f", robot_name:) :- {_supplied(left_open)}", "value"
+
+
+def _columns(variables: Iterable[str]) -> str:
+    return ", ".join(f"{each}:" for each in variables)
+
+
+def _open_inputs(tree: Rule) -> list[str]:
+    """Return the columns of the inputs that a question uses as variables and gives no value."""
+    given = set()
+    for node in nodes(tree):
+        given.add(_variable(node.get("element")))
+        if "predicate" in node and node["predicate"]["predicate_name"] not in CONDITIONS:
+            values = node["predicate"]["record"]["field_value"]
+            given |= {_variable(value_of(each)) for each in values}
+    columns = {column for inputs in INPUTS.values() for column in inputs}
+    return [name for name in _in_text(tree) if name in columns and name not in given]
+
+
+def _variable(tree: object) -> str:
+    """Return the name of an expression that is only a variable, or ""."""
+    return str(tree.get("variable", {}).get("var_name", "")) if isinstance(tree, dict) else ""
+
+
+def _supplied(left_open: Sequence[str]) -> str:
+    """Return calls that give the inputs' columns the values of each robot."""
+    calls = [
+        f"{name}({_columns(columns)})"
+        for name, columns in INPUTS.items()
+        if {*left_open} & {*columns} - {"robot_name"}
+    ]
+    return ", ".join(calls) or f"Sensor({_columns(INPUTS['Sensor'])})"
 
 
 def _is_value(body: Rule, own: Mapping[str, list[Rule]]) -> bool:

@@ -10,7 +10,7 @@ from logica.parser_py import parse
 from logical_robots_tui.mind.program import VALUE
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Mapping
+    from collections.abc import Callable, Iterator, Mapping
 
 __all__ = [
     "COMPARISONS",
@@ -26,12 +26,16 @@ __all__ = [
     "fields",
     "head_name",
     "heads",
+    "is_aggregate",
     "nodes",
     "operands",
+    "predicate_of",
     "prelude_rules",
     "reached",
     "subject",
+    "text_of",
     "value_of",
+    "variable_of",
 ]
 
 _PRELUDE = """
@@ -112,12 +116,8 @@ def heads(rules: list[Rule]) -> dict[str, list[Rule]]:
 
 def subject(rule: Rule) -> str:
     """Return the predicate that an annotation is about, or ""."""
-    try:
-        literal = rule["head"]["record"]["field_value"][0]["value"]["expression"]["literal"]
-        name: str = literal["the_predicate"]["predicate_name"]
-    except (KeyError, IndexError):
-        return ""
-    return name
+    fields = rule["head"]["record"]["field_value"]
+    return predicate_of(value_of(fields[0]) or {}) if fields else ""
 
 
 def fields(record: Rule) -> list[Any]:
@@ -148,16 +148,44 @@ def equated(part: Rule) -> tuple[Rule, Rule] | None:
     return None
 
 
-def nodes(tree: Any) -> Iterator[Rule]:
-    """Yield all nodes of a syntax tree, outer before inner."""
+def nodes(tree: Any, stop: Callable[[Rule], object] | None = None) -> Iterator[Rule]:
+    """Yield all nodes of a syntax tree, outer before inner.
+
+    Args:
+        tree: The tree.
+        stop: Whether to leave out what is inside a node.
+    """
     waiting = [tree]
     while waiting:
         branch = waiting.pop()
         if isinstance(branch, dict):
             yield branch
-            waiting.extend(reversed(branch.values()))
+            if stop is None or not stop(branch):
+                waiting.extend(reversed(branch.values()))
         elif isinstance(branch, list):
             waiting.extend(reversed(branch))
+
+
+def is_aggregate(node: Rule) -> bool:
+    """Return whether a node is an aggregate or a negation, which has variables of its own."""
+    return "combine" in node
+
+
+def text_of(expression: Rule) -> str | None:
+    """Return the text of a literal, or None for any other expression."""
+    found = expression.get("literal", {}).get("the_string")
+    return None if found is None else str(found["the_string"])
+
+
+def predicate_of(expression: Rule) -> str:
+    """Return the predicate that an expression names, as written, or ""."""
+    name: str = expression.get("literal", {}).get("the_predicate", {}).get("predicate_name", "")
+    return name
+
+
+def variable_of(expression: Rule) -> str:
+    """Return the name of a variable, or "" for any other expression."""
+    return str(expression.get("variable", {}).get("var_name", ""))
 
 
 def calls(tree: Any) -> Iterator[tuple[Rule, bool]]:

@@ -6,7 +6,8 @@ import re
 from typing import TYPE_CHECKING, Any
 
 from logical_robots_tui.mind.checking import error_messages
-from logical_robots_tui.mind.compiling.rules import TRUTHS
+from logical_robots_tui.mind.clauses import trees
+from logical_robots_tui.mind.compiling.rules import TRUTHS, nodes, predicate_of
 from logical_robots_tui.mind.diagnostics import ProgramError
 from logical_robots_tui.mind.sqlite.stored import to_json
 
@@ -42,7 +43,8 @@ def spell_out(rules: list[Rule], text: str, source: Prepared) -> None:
     Raises:
         ProgramError: A `TryCast` does not have two arguments.
     """
-    for call in _calls(rules):
+    found = (node["call"] for node in nodes(rules) if "call" in node)
+    for call in reversed([*found]):  # inner ones first
         values = call["record"]["field_value"]
         if call["predicate_name"] == "ToString" and len(values) == 1:
             if _is_truth(values[0]["value"].get("expression", {})):
@@ -60,18 +62,12 @@ def _name_type(call: dict[str, Any], second: dict[str, Any]) -> None:
     except KeyError:
         second["expression"] = _with_samples(second["expression"])
         return
-    first = call["record"]["field_value"][0]["value"]
-    arguments = (("v", first), ("t", {"expression": _literal(wanted)}))
-    record = [{"field": name, "value": value} for name, value in arguments]
+    first = call["record"]["field_value"][0]
+    given = trees.record({"t": trees.text(wanted)})
+    given["record"]["field_value"].insert(0, {**first, "field": "v"})
     call["predicate_name"] = "SqlExpr"
-    call["record"]["field_value"] = [
-        {"field": 0, "value": {"expression": _literal("try_cast({v}, {t})")}},
-        {"field": 1, "value": {"expression": {"record": {"field_value": record}}}},
-    ]
-
-
-def _literal(text: str) -> dict[str, Any]:
-    return {"literal": {"the_string": {"the_string": text}}, "expression_heritage": text}
+    template = trees.text("try_cast({v}, {t})")
+    call["record"]["field_value"] = trees.fields({0: template, 1: given})
 
 
 _SAMPLES = {
@@ -87,21 +83,9 @@ def _with_samples(tree: Any) -> Any:
         return [_with_samples(branch) for branch in tree]
     if not isinstance(tree, dict):
         return tree
-    name = str(tree.get("literal", {}).get("the_predicate", {}).get("predicate_name", ""))
-    if sample := _SAMPLES.get(TYPES.get(name.upper(), "")):
+    if sample := _SAMPLES.get(TYPES.get(predicate_of(tree).upper(), "")):
         return {**tree, "literal": sample}
     return {key: _with_samples(branch) for key, branch in tree.items()}
-
-
-def _calls(tree: Any) -> list[dict[str, Any]]:
-    """Yield all calls in a tree, inner ones first."""
-    found: list[dict[str, Any]] = []
-    branches = tree.values() if isinstance(tree, dict) else tree if isinstance(tree, list) else ()
-    for branch in branches:
-        found += _calls(branch)
-    if isinstance(tree, dict) and "call" in tree:
-        found.append(tree["call"])
-    return found
 
 
 def _is_truth(expression: dict[str, Any]) -> bool:
@@ -126,7 +110,7 @@ def _type(expression: dict[str, Any]) -> Any:
         elements = literal["the_list"]["element"]
         return [_type(elements[0] if len(elements) == 1 else {})]
     if "the_predicate" in literal:
-        return TYPES[str(literal["the_predicate"]["predicate_name"]).upper()]
+        return TYPES[str(predicate_of(expression)).upper()]
     return _sql_type(str(literal["the_string"]["the_string"]))
 
 

@@ -9,6 +9,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from logical_robots_tui.mind.checking.parameters import filled_in
+from logical_robots_tui.mind.clauses import trees
 from logical_robots_tui.mind.compiling.rules import (
     VALUE,
     fields,
@@ -128,18 +129,18 @@ def _in_rule(rule: Rule, known: dict[str, list[str]]) -> None:
 
 def _replace_rest(record: Rule, rest: Rule, names: dict[str, str]) -> None:
     record["field_value"].remove(rest)
-    record["field_value"] += _field_values(names)
+    record["field_value"] += trees.fields(_variables(names))
 
 
-def _field_values(names: dict[str, str]) -> list[Rule]:
-    return [{"field": c, "value": {"expression": _variable(n)}} for c, n in names.items()]
+def _variables(names: dict[str, str]) -> dict[str, Rule]:
+    return {column: _variable(name) for column, name in names.items()}
 
 
 def _variable(name: str) -> Rule:
-    return {"variable": {"var_name": name}, "expression_heritage": name}
+    return {**trees.variable(name), "expression_heritage": name}
 
 
 def _is_record(row: str, names: dict[str, str]) -> Rule:
     """Return the condition that a row is the record of its columns."""
-    record = {"record": {"field_value": _field_values(names)}, "expression_heritage": row}
-    return {"unification": {"left_hand_side": _variable(row), "right_hand_side": record}}
+    record = {**trees.record(_variables(names)), "expression_heritage": row}
+    return trees.equal(_variable(row), record)

@@ -18,6 +18,7 @@ import sqlite3
 import sys
 import threading
 import traceback
+from contextlib import closing
 from dataclasses import asdict, replace
 from functools import partial
 from time import process_time
@@ -25,7 +26,7 @@ from typing import IO, TYPE_CHECKING, Any
 
 from logical_robots_tui.garbage import collect_seldom
 from logical_robots_tui.mind.checking.robot_rule import MAIN
-from logical_robots_tui.mind.clauses.decomposition import take_apart
+from logical_robots_tui.mind.clauses.decomposition import decompose
 from logical_robots_tui.mind.compiling import compiler
 from logical_robots_tui.mind.compiling.questions import compile_question
 from logical_robots_tui.mind.diagnosis.checkup import check_up
@@ -165,36 +166,27 @@ def _question(text: str, query: str) -> Question:
         ProgramError: It has errors, or SQLite can't prepare it in reasonable time.
     """
     question = compile_question(text, query)
-    database = Database()
-    try:
+    with closing(Database()) as database:
         if not _is_prepared_soon(database, question.sql):
             raise _tangled()
-    finally:
-        database.close()
     return question
 
 
 def _probing(text: str, request: dict[str, Any]) -> Probing:
     """Return a predicate's decomposed rules, as far as SQLite can prepare them in time."""
     predicate, within = request["predicate"], request["within"]
-    database = Database()
-    try:
+    with closing(Database()) as database:
         is_quick = partial(_is_prepared_soon, database)
         define = partial(database.define, rows=())
-        return take_apart(text, predicate, within, request["with_rows"], is_quick, define)
-    finally:
-        database.close()
+        return decompose(text, predicate, within, request["with_rows"], is_quick, define)
 
 
 def _checkup(text: str, functions: frozenset[str]) -> Checkup:
     """Return a program prepared to be watched, as far as SQLite can prepare it in time."""
-    plain, tuned = Database(), _tuned_database()
-    try:
-        is_quick = [partial(_is_prepared_soon, database) for database in (plain, tuned)]
-        return check_up(text, functions, *is_quick)
-    finally:
-        plain.close()
-        tuned.close()
+    with closing(Database()) as database:
+        found = check_up(text, functions, partial(_is_prepared_soon, database))
+    tuned = _prepared(tune_all(found.program.statements))
+    return replace(found, program=replace(found.program, tuned=tuned))
 
 
 def _try_out(program: Program) -> None:
@@ -205,9 +197,8 @@ def _try_out(program: Program) -> None:
     """
     if sum(map(len, program.statements.values())) > _MOST_SQL:
         raise _tangled()
-    database = Database()
     failed: dict[str, str] = {}
-    try:
+    with closing(Database()) as database:
         checks = [("", sql) for _, sql in program.recursions.values()]
         for name, sql in (*program.statements.items(), *checks):
             began = process_time()
@@ -217,8 +208,6 @@ def _try_out(program: Program) -> None:
                 failed[name] = in_plain_words(error)
             if process_time() - began > _PREPARE_SECONDS:
                 raise _tangled()
-    finally:
-        database.close()
     # Errors in predicates that Robot does not use are reported when they are queried.
     culprit = next((name for name in program.needed if name in failed), None)
     for predicate in program.predicates if MAIN in failed else ():
@@ -252,25 +241,16 @@ def _tuned_question(question: Question, columns: dict[str, Any]) -> Question:
     return replace(question, tuned=found.get(""))
 
 
-def _tuned_database() -> Database:
-    """Return a database that can prepare tuned queries."""
-    database = Database(layout=COLUMNS_LAYOUT)
-    database.offer(WHOLE_RAY, lambda _: None)
-    return database
-
-
 def _prepared(every: dict[str, Tuned]) -> dict[str, Tuned]:
     """Return the tuned queries that SQLite can prepare in reasonable time."""
-    database = _tuned_database()
     kept = {}
-    try:
+    with closing(Database(layout=COLUMNS_LAYOUT)) as database:
+        database.offer(WHOLE_RAY, lambda _: None)
         for name, tuned in every.items():
             if _is_prepared_soon(database, tuned.sql, tuned.bounds):
                 jointly = (tuned.for_all(alike=alike) for alike in (False, True))
                 good = all(not sql or _is_prepared_soon(database, sql, n) for sql, n in jointly)
                 kept[name] = tuned if good else replace(tuned, together="", together_alike="")
-    finally:
-        database.close()
     return kept
 
 

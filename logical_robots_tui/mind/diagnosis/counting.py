@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 from logical_robots_tui.mind.diagnosis.sites import TESTS
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
+    from collections.abc import Callable, Mapping, Sequence
 
     from logical_robots_tui.mind.diagnosis.sites import Checkup, Column, Probe, Site
     from logical_robots_tui.values import Value
@@ -162,6 +162,15 @@ class Tally:
                 found.append(number)
         return found
 
+    def stopped(self, rule: int) -> int | None:
+        """Return the last site of a rule's body that was reached and never passed."""
+        found = None
+        for number, (site, count) in enumerate(zip(self.checkup.sites, self.sites, strict=True)):
+            is_stuck = count.reached is not None and count.true is None
+            if site.rule == rule and site.is_step and is_stuck:
+                found = number
+        return found
+
     # -- inside --------------------------------------------------------------------------------
 
     def _note_parts(self, tick: int, probe: Probe, passed: int, before: int) -> None:
@@ -183,11 +192,9 @@ class Tally:
         value = row[f"c{place}"]
         if column.kind == "truth":
             return is_true(value)
-        literal = row[f"d{place}"] if column.kind == "pair" else self._literal(column)
-        return None if value is None or literal is None else value == literal
-
-    def _literal(self, column: Column) -> str | None:
-        return self.checkup.sites[column.site].literal
+        is_pair = column.kind == "pair"
+        other = row[f"d{place}"] if is_pair else self.checkup.sites[column.site].literal
+        return None if value is None or other is None else value == other
 
     def _see(
         self,
@@ -211,14 +218,8 @@ class Tally:
             _keep(site.left, row[f"c{place}"], tick)
         if column.kind == "pair":
             _keep(site.right, row[f"d{place}"], tick)
-        for name, choose, old in (("l", min, site.least), ("h", max, site.greatest)):
-            new = row.get(f"{name}{place}")
-            if isinstance(new, int | float):
-                known = float(new) if old is None else choose(old, float(new))
-                if name == "l":
-                    site.least = known
-                else:
-                    site.greatest = known
+        site.least = _extreme(min, site.least, row.get(f"l{place}"))
+        site.greatest = _extreme(max, site.greatest, row.get(f"h{place}"))
 
 
 def _is_doubtful(site: Site, count: Count) -> bool:
@@ -239,6 +240,14 @@ def is_true(value: Value) -> bool | None:
     if value is None:
         return None
     return bool(value) if isinstance(value, int | float) else False
+
+
+def _extreme(
+    choose: Callable[[float, float], float], known: float | None, new: Value
+) -> float | None:
+    if not isinstance(new, int | float):
+        return known
+    return float(new) if known is None else choose(known, float(new))
 
 
 def _first(known: int | None, tick: int) -> int:

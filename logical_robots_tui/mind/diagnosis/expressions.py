@@ -7,7 +7,16 @@ from typing import TYPE_CHECKING, Any
 from logica.parser_py import parse
 
 from logical_robots_tui.mind.clauses import trees
-from logical_robots_tui.mind.compiling.rules import COMPARISONS, VALUE, equated, operands, value_of
+from logical_robots_tui.mind.compiling.rules import (
+    COMPARISONS,
+    VALUE,
+    equated,
+    is_aggregate,
+    nodes,
+    operands,
+    value_of,
+    variable_of,
+)
 
 if TYPE_CHECKING:
     from collections.abc import Container, Iterator, Mapping, Sequence
@@ -15,22 +24,15 @@ if TYPE_CHECKING:
     from logical_robots_tui.mind.compiling.rules import Rule
 
 __all__ = [
-    "ORDERING",
     "as_expression",
     "as_part",
     "compared",
     "counted",
-    "difference",
     "field_of",
     "filled",
-    "is_null",
     "outer_calls",
     "parameters",
-    "text_of",
 ]
-
-ORDERING = frozenset({"<", "<=", ">", ">="})
-"""Comparisons that can fail by a small margin."""
 
 _FALSE = {"literal": {"the_bool": {"the_bool": "false"}}}
 
@@ -42,7 +44,7 @@ def filled(tree: Any, given: Mapping[str, Rule]) -> Any:
     if not isinstance(tree, dict):
         return tree
     if isinstance(tree.get("variable"), dict):
-        name = str(tree["variable"]["var_name"])
+        name = variable_of(tree)
         return given[name] if name in given else {**tree, "variable": dict(tree["variable"])}
     return {key: filled(value, given) for key, value in tree.items()}
 
@@ -51,15 +53,15 @@ def as_expression(part: Rule) -> Rule:
     """Return a condition of a body as a boolean expression."""
     pair = equated(part)
     if pair is not None:
-        return _call("==", left=pair[0], right=pair[1])
+        return trees.call("==", left=pair[0], right=pair[1])
     return {"call": part["predicate"]}
 
 
 def as_part(condition: Rule, *, holds: bool) -> Rule:
     """Return a part that holds where an expression is true, or where it is false or null."""
-    known = _call("Coalesce", condition, _FALSE)
+    known = trees.call("Coalesce", condition, _FALSE)
     if holds:
-        return {"predicate": _call("!=", left=known, right=_FALSE)["call"]}
+        return {"predicate": trees.call("!=", left=known, right=_FALSE)["call"]}
     return trees.equal(known, _FALSE)
 
 
@@ -69,12 +71,6 @@ def compared(condition: Rule) -> tuple[str, Rule, Rule] | None:
     sides = operands(call) if call else []
     name = str(call.get("predicate_name", ""))
     return (name, sides[0], sides[1]) if name in COMPARISONS and len(sides) == 2 else None
-
-
-def text_of(expression: Rule) -> str | None:
-    """Return the text of a literal, or None for any other expression."""
-    found = expression.get("literal", {}).get("the_string")
-    return None if found is None else str(found["the_string"])
 
 
 def field_of(subscript: Rule) -> str:
@@ -110,23 +106,6 @@ def _collected(column: str, operator: str, argument: Rule) -> Rule:
     return {"field": column, "value": {"aggregation": aggregation}}
 
 
-def _call(name: str, *given: Rule, **named: Rule) -> Rule:
-    values: dict[int | str, Rule] = dict(enumerate(given))
-    values.update(named)
-    fields = [{"field": f, "value": {"expression": v}} for f, v in values.items()]
-    return {"call": {"predicate_name": name, "record": {"field_value": fields}}}
-
-
-def difference(left: Rule, right: Rule) -> Rule:
-    """Return the difference of two numbers."""
-    return _call("-", left=left, right=right)
-
-
-def is_null(value: Rule) -> Rule:
-    """Return the condition that a value is null."""
-    return _call("IsNull", value)
-
-
 def parameters(rule: Rule) -> list[tuple[int | str, str]] | None:
     """Return the fields of a function's head with their variables, or None if it has others."""
     found = []
@@ -136,19 +115,13 @@ def parameters(rule: Rule) -> list[tuple[int | str, str]] | None:
         value = value_of(fv) or {}
         if "variable" not in value or fv["field"] == "*":
             return None
-        found.append((fv["field"], str(value["variable"]["var_name"])))
+        found.append((fv["field"], variable_of(value)))
     return found
 
 
 def outer_calls(tree: Any, own: Container[str]) -> Iterator[Rule]:
     """Yield the calls of the program's own predicates in a syntax tree, outside aggregates."""
-    waiting = [tree]
-    while waiting:
-        node = waiting.pop()
-        if isinstance(node, list):
-            waiting.extend(reversed(node))
-        elif isinstance(node, dict) and "combine" not in node:
-            for key in ("call", "predicate"):
-                if isinstance(node.get(key), dict) and str(node[key]["predicate_name"]) in own:
-                    yield node[key]
-            waiting.extend(reversed(list(node.values())))
+    for node in nodes(tree, is_aggregate):
+        for key in ("call", "predicate"):
+            if isinstance(node.get(key), dict) and str(node[key]["predicate_name"]) in own:
+                yield node[key]

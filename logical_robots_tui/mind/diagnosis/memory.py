@@ -7,8 +7,14 @@ from typing import TYPE_CHECKING
 from logical_robots_tui.mind.checking.robot_rule import MAIN
 from logical_robots_tui.mind.clauses.scopes import flat
 from logical_robots_tui.mind.clauses.spans import span_of
-from logical_robots_tui.mind.compiling.rules import COMPARISONS, VALUE, nodes, operands, value_of
-from logical_robots_tui.mind.diagnosis.expressions import text_of
+from logical_robots_tui.mind.compiling.rules import (
+    COMPARISONS,
+    VALUE,
+    nodes,
+    operands,
+    text_of,
+    value_of,
+)
 from logical_robots_tui.mind.diagnosis.sites import Field
 from logical_robots_tui.mind.program import INPUTS
 

@@ -7,7 +7,14 @@ from typing import TYPE_CHECKING, Any
 
 from logical_robots_tui.mind.clauses.scopes import names
 from logical_robots_tui.mind.clauses.spans import span_of
-from logical_robots_tui.mind.compiling.rules import VALUE, called, equated, nodes, value_of
+from logical_robots_tui.mind.compiling.rules import (
+    VALUE,
+    called,
+    equated,
+    nodes,
+    value_of,
+    variable_of,
+)
 from logical_robots_tui.mind.diagnosis.expressions import parameters
 
 if TYPE_CHECKING:
@@ -69,7 +76,7 @@ class Sources:
                 pair = equated(part)
                 if pair is not None:
                     for side, value in (pair, pair[::-1]):
-                        if side.get("variable", {}).get("var_name") == variable:
+                        if variable_of(side) == variable:
                             yield part, value, rule
                             break
                 elif variable in _given_by(part):

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 from logical_robots_tui.mind.diagnosis.counting import is_always_true
 from logical_robots_tui.mind.diagnosis.finding import Finding
 from logical_robots_tui.mind.diagnosis.sites import TESTS
+from logical_robots_tui.mind.program import INPUTS
 from logical_robots_tui.mind.similar_names import closest, distance
 
 if TYPE_CHECKING:
@@ -53,25 +54,11 @@ class _Reporter:
             found = self._of_rule(number, silent)
             if found is not None:
                 yield found
-        numbered = list(enumerate(self._checkup.sites))
-        for number, site in numbered:
-            if number not in self._said and (found := self._of_text(number, site)) is not None:
-                yield found
-        for number, site in numbered:
-            if number not in self._said and (found := self._of_site(number, site)) is not None:
-                yield found
-        for number, site in numbered:
-            count = self._tally.sites[number]
-            if is_always_true(site, count) and number not in self._said:
-                self._said.add(number)
-                yield self._finding(
-                    "never false",
-                    "note",
-                    site,
-                    count,
-                    f"{_quoted(site)} was never false{_in(site)}.",
-                    "It never excluded anything; is it the right comparison?",
-                )
+        for tell in (self._of_text, self._of_site, self._of_truth):
+            for number, site in enumerate(self._checkup.sites):
+                found = None if number in self._said else tell(number, site)
+                if found is not None:
+                    yield found
 
     # -- rules ---------------------------------------------------------------------------------
 
@@ -81,18 +68,8 @@ class _Reporter:
         for number, rule in enumerate(self._checkup.rules):
             count = self._tally.rules[number]
             if rule.is_needed and not rule.is_function and count.looks and count.gave is None:
-                silent[number] = self._stopped(number)
+                silent[number] = self._tally.stopped(number)
         return silent
-
-    def _stopped(self, rule: int) -> int | None:
-        """Return the last site of a rule's body that was reached and never passed."""
-        found = None
-        for number, site in enumerate(self._checkup.sites):
-            if site.rule == rule and site.is_step:
-                count = self._tally.sites[number]
-                if count.reached is not None and count.true is None:
-                    found = number
-        return found
 
     def _is_consequence(self, rule: int, silent: dict[int, int | None]) -> bool:
         stop = silent[rule]
@@ -152,7 +129,7 @@ class _Reporter:
             or site.kind in ("leaf", "text", "value")
         ):
             return None
-        if site.kind == "part" and site.predicate in ("", "Sensor", "Memory"):
+        if site.kind == "part" and site.predicate in ("", *INPUTS):
             return None
         if site.kind == "part" and site.stands == "denied":
             return None  # reported where it is negated
@@ -168,6 +145,15 @@ class _Reporter:
         return self._finding(
             what, self._severity, site, count, reason[0].upper() + reason[1:], hint
         )
+
+    def _of_truth(self, number: int, site: Site) -> Finding | None:
+        """Return a finding about a condition that was never false."""
+        count = self._tally.sites[number]
+        if not is_always_true(site, count):
+            return None
+        message = f"{_quoted(site)} was never false{_in(site)}."
+        hint = "It never excluded anything; is it the right comparison?"
+        return self._finding("never false", "note", site, count, message, hint)
 
     def _is_explained(self, whole: Site) -> bool:
         """Return whether an operand of ``&&`` was never true, which explains the whole."""

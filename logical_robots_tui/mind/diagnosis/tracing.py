@@ -17,7 +17,7 @@ from logical_robots_tui.mind.clauses.scopes import (
     in_order,
     names,
 )
-from logical_robots_tui.mind.compiling.rules import VALUE, equated, operands, value_of
+from logical_robots_tui.mind.compiling.rules import VALUE, equated, operands, value_of, variable_of
 from logical_robots_tui.mind.diagnosis.expressions import (
     as_expression,
     filled,
@@ -28,7 +28,7 @@ from logical_robots_tui.mind.diagnosis.watching import At, Segment, Trail
 from logical_robots_tui.mind.program import INPUTS
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
+    from collections.abc import Sequence
 
     from logical_robots_tui.mind.compiling.rules import Rule
 
@@ -40,6 +40,19 @@ _LEAVES = ("desire", VALUE)
 
 class Tracer(ValueTracing):
     """Traces rules part by part."""
+
+    def copy(self, name: str, original: str, within: str) -> None:
+        """Trace the rules that ``:=`` copied.
+
+        Args:
+            name: The predicate that they define.
+            original: The predicate whose rules these are.
+            within: The predicate made with ``:=``.
+        """
+        self._within = within
+        for rule in self._own[name]:
+            self.rule(rule, tells_robot=False)
+        self._within = ""
 
     def rule(self, rule: Rule, *, tells_robot: bool) -> None:
         """Trace a rule that has rows of its own.
@@ -56,7 +69,7 @@ class Tracer(ValueTracing):
         number = self._numbers[id(rule)]
         self._memories = set()
         decided = (columns[name].get("expression") or {} for name in _LEAVES if name in columns)
-        self._leaves = {str(each["variable"]["var_name"]) for each in decided if "variable" in each}
+        self._leaves = {*map(variable_of, decided)} - {""}
         at = At(
             Trail(Segment([])),
             number,
@@ -111,13 +124,14 @@ class Tracer(ValueTracing):
             done = self._parts(flat(rule.get("body")), within)
             if done is not None:
                 return replace(at, guard=done.guard, known=known)
-        site = self._site("part", part, at, predicate=name)
+        called = self.copies.get(name, (name, ""))[0]
+        site = self._site("part", part, at, predicate=called)
         self._in_part(part, at)
         if name == "Memory":
             for fv in call["record"]["field_value"]:
-                variable = (value_of(fv) or {}).get("variable", {})
+                variable = variable_of(value_of(fv) or {})
                 if fv["field"] in ("memory", 1, "*") and variable:
-                    self._memories.add(self._called(str(variable["var_name"]), at))
+                    self._memories.add(self._called(variable, at))
                 elif fv["field"] in ("memory", 1, "*"):
                     self.reads_all = True
         return replace(self._next(at, site, filled(part, at.given)), known=known)
@@ -145,28 +159,6 @@ class Tracer(ValueTracing):
         trail.filters = ()
         return replace(at, guard=())
 
-    def _aside(
-        self,
-        parts: Sequence[Rule],
-        at: At,
-        scope: Scope,
-        given: Mapping[str, Rule],
-        values: Sequence[tuple[Rule, bool]],
-        **changed: Any,
-    ) -> None:
-        """Trace a body inside an expression or a part."""
-        trail = Trail(Segment(self._all_of(at)))
-        within = replace(at, trail=trail, scope=scope, given=given, guard=(), **changed)
-        done = self._parts(parts, within)
-        if done is not None:
-            for value, is_leaf in values:
-                self._value(value, done, is_leaf=is_leaf)
-        self._emit(trail)
-        telling = (self.probes[name][1] for name in trail.probes)
-        if not any(probe.columns or self._tells(probe) for probe in telling):
-            for name in trail.probes:
-                del self.probes[name]
-
     def _asked(self, name: str, call: Rule, at: At) -> tuple[Rule, At] | None:
         """Return the only rule of a function that is used as a condition, and a place in it."""
         rules = self._own.get(name, [])
@@ -191,7 +183,7 @@ class Tracer(ValueTracing):
             return None
         left, right = pair
         for pattern, value in ((left, right), (right, left)):
-            name = str(pattern.get("variable", {}).get("var_name", ""))
+            name = variable_of(pattern)
             if name and name not in known and names(value) <= known:
                 return name, value
         return None

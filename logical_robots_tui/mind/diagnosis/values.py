@@ -11,19 +11,24 @@ from typing import TYPE_CHECKING, Any
 
 from logical_robots_tui.mind.clauses import trees
 from logical_robots_tui.mind.clauses.scopes import EVERY_COLUMN, Scope, column_name, flat, names
-from logical_robots_tui.mind.compiling.rules import CONDITIONS, JUNCTIONS, VALUE, operands, value_of
+from logical_robots_tui.mind.compiling.rules import (
+    CONDITIONS,
+    JUNCTIONS,
+    VALUE,
+    operands,
+    text_of,
+    value_of,
+    variable_of,
+)
 from logical_robots_tui.mind.diagnosis.expressions import (
-    ORDERING,
     compared,
-    difference,
     field_of,
     filled,
-    is_null,
     parameters,
-    text_of,
 )
 from logical_robots_tui.mind.diagnosis.sites import Field
-from logical_robots_tui.mind.diagnosis.watching import At, Stands, Watching
+from logical_robots_tui.mind.diagnosis.watching import At, Segment, Stands, Trail, Watching
+from logical_robots_tui.mind.why.probing import ORDERING
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
@@ -81,9 +86,7 @@ class ValueTracing(Watching):
         elif "the_list" in tree.get("literal", {}):
             for value in tree["literal"]["the_list"]["element"]:
                 self._value(value, at)
-        elif "variable" in tree and self._called(str(tree["variable"]["var_name"]), at) in (
-            self._memories
-        ):
+        elif "variable" in tree and self._called(variable_of(tree), at) in self._memories:
             self.reads_all = True
 
     def _nulls(self, tree: Rule, at: At) -> None:
@@ -93,7 +96,7 @@ class ValueTracing(Watching):
             node = waiting.pop(0)
             name = str(node.get("call", {}).get("predicate_name", ""))
             if "combine" in node or (name in self._functions and "call" in node):
-                lacks = is_null(filled(node, at.given))
+                lacks = trees.call("IsNull", filled(node, at.given))
                 self._add(at, self._site("value", node, at), (lacks,), "truth", lacks)
             if "record" in node:
                 waiting += operands(node)
@@ -113,7 +116,7 @@ class ValueTracing(Watching):
             texts = [text_of(side) for side in asked_sides]
             other = self._span(both[0]).text
             if sign in ORDERING:
-                lacks = difference(*asked_sides)
+                lacks = trees.call("-", left=asked_sides[0], right=asked_sides[1])
             elif sign == "==" and texts.count(None) == 1:
                 place = 0 if texts[0] is not None else 1
                 how, literal, asked = "text", texts[place], [asked_sides[1 - place]]
@@ -195,7 +198,7 @@ class ValueTracing(Watching):
         value = filled(value, at.given)
         while str(value.get("call", {}).get("predicate_name", "")) in ("TryCast", "Coalesce"):
             value = operands(value["call"])[0]
-        return str(value.get("variable", {}).get("var_name", "")) in self._memories
+        return variable_of(value) in self._memories
 
     def _entered(self, rule: Rule, name: str, call: Rule, at: At) -> At | None:
         """Return the place at the beginning of the rule of a function that is called."""
@@ -237,6 +240,20 @@ class ValueTracing(Watching):
         **changed: Any,
     ) -> None:
         """Trace a body inside an expression or a part."""
+        trail = Trail(Segment(self._all_of(at)))
+        within = replace(at, trail=trail, scope=scope, given=given, guard=(), **changed)
+        done = self._parts(parts, within)
+        if done is not None:
+            for value, is_leaf in values:
+                self._value(value, done, is_leaf=is_leaf)
+        self._emit(trail)
+        telling = (self.probes[name][1] for name in trail.probes)
+        if not any(probe.columns or self._tells(probe) for probe in telling):
+            for name in trail.probes:
+                del self.probes[name]
+
+    def _parts(self, parts: Sequence[Rule], at: At) -> At | None:
+        """Trace the parts of a body; return None if some can never be evaluated."""
         raise NotImplementedError
 
 

@@ -6,6 +6,7 @@ from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any, Literal, TypeAlias
 
 from logical_robots_tui.mind.clauses.spans import span_of
+from logical_robots_tui.mind.compiling.rules import variable_of
 from logical_robots_tui.mind.diagnosis.expressions import as_part, counted, filled
 from logical_robots_tui.mind.diagnosis.sites import TESTS, Column, Field, Probe, Site, Span
 from logical_robots_tui.mind.diagnosis.sources import Sources
@@ -14,6 +15,7 @@ from logical_robots_tui.mind.program import INPUTS
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
+    from logical_robots_tui.mind.clauses.functors import Expanded
     from logical_robots_tui.mind.clauses.scopes import Scope
     from logical_robots_tui.mind.compiling.rules import Rule
     from logical_robots_tui.mind.source_text import Prepared
@@ -103,9 +105,9 @@ class Watching:
     Args:
         text: The program.
         source: The same, prepared.
-        own: The rules of the program's own predicates.
-        functions: Names of those that need arguments.
-        rules: All these rules, by number.
+        expanded: The rules of its predicates, with every ``:=`` expanded.
+        functions: Names of predicates that need arguments.
+        rules: The rules as written, by number.
 
     Attributes:
         sites: The watched places.
@@ -113,14 +115,14 @@ class Watching:
         reads: Memory fields that are read.
         reads_all: Whether a memory is used as a whole.
         left_out: The number of probes beyond the limits.
-        within: The predicate made with ``:=`` whose rules are traced, or "".
+        copies: For each predicate whose rules ``:=`` copies, the original and the made predicate.
     """
 
     def __init__(
         self,
         text: str,
         source: Prepared,
-        own: Mapping[str, list[Rule]],
+        expanded: Expanded,
         functions: frozenset[str],
         rules: Sequence[Rule],
     ) -> None:
@@ -129,11 +131,16 @@ class Watching:
         self.reads: dict[tuple[str, int], Field] = {}
         self.reads_all = False
         self.left_out = 0
-        self.within = ""
+        made = {name: (base, name) for name, base in expanded.bases.items()}
+        self.copies = {**expanded.origins, **made}
+        self._within = ""
         self._text, self._source = text, source
-        self._own, self._functions, self._rules = own, functions, rules
+        self._own, self._functions, self._rules = expanded.rules, functions, rules
         self._numbers = {id(rule): number for number, rule in enumerate(rules)}
-        self._sources = Sources(text, source, own)
+        for copy, (original, _) in self.copies.items():
+            for rule, first in zip(self._own[copy], self._own[original], strict=True):
+                self._numbers[id(rule)] = self._numbers[id(first)]
+        self._sources = Sources(text, source, expanded.rules)
         self._known_sites: dict[tuple[Any, ...], int] = {}
         self._memories: set[str] = set()
         self._leaves: set[str] = set()
@@ -154,7 +161,7 @@ class Watching:
     def _called(self, name: str, at: At) -> str:
         """Return a variable's name in the query, or ""."""
         value = at.given.get(name)
-        return name if value is None else str(value.get("variable", {}).get("var_name", ""))
+        return name if value is None else variable_of(value)
 
     def _new(self, name: str) -> str:
         self._fresh += 1
@@ -166,12 +173,12 @@ class Watching:
     def _site(self, kind: Any, tree: Any, at: At, **told: Any) -> int:
         """Return the number of a site, the same for the same place."""
         span = self._span(tree)
-        key = (kind, span.start, span.stop, self.within)
+        key = (kind, span.start, span.stop, self._within)
         if key not in self._known_sites:
             self._known_sites[key] = len(self.sites)
             rule = self._rules[at.rule]
             places = self._sources.of(tree, rule) if kind in _EXPLAINED else ()
-            told = {"within": self.within, "places": places, "stands": at.stands, **told}
+            told = {"within": self._within, "places": places, "stands": at.stands, **told}
             self.sites.append(Site(kind, span, at.rule, **told))
         return self._known_sites[key]
 

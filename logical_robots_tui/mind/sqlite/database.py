@@ -240,9 +240,10 @@ class Database:
             raise self._too_much(error) from None
 
     def offer(self, name: str, function: Callable[..., Any], arguments: int = 1) -> None:
-        """Register another function for queries; its errors and steps count as theirs."""
-        self._connection.create_function(name, arguments, counted(function, self._work))
-        self._offered.add(name)
+        """Register another function for queries, once; its errors and steps count as theirs."""
+        if name not in self._offered:
+            self._connection.create_function(name, arguments, counted(function, self._work))
+            self._offered.add(name)
 
     def prepare(self, sql: str, parameters: Sequence[int] = ()) -> None:
         """Let SQLite compile a query, without running it.

@@ -6,7 +6,7 @@ from operator import itemgetter
 from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 
 from logical_robots_tui.mind.diagnostics import Stopped
-from logical_robots_tui.mind.limits import weight_of_text
+from logical_robots_tui.mind.limits import weight_of_row
 from logical_robots_tui.mind.sqlite.budget import Budget
 
 if TYPE_CHECKING:
@@ -132,7 +132,7 @@ class TooHeavyError(Exception):
 
 
 LONG = 10_000
-"""Characters of a text; shorter ones are limited by the number of rows."""
+"""Characters of an answer that is weighed row by row."""
 
 _CLOSE = 0.1  # of all steps; far more than the error of an inexact count
 
@@ -235,12 +235,7 @@ class Within:
         """
         if self.stop is not None and self.stop.is_set():
             raise Stopped("The program was stopped while its answer was read.")
-        for value in row:
-            if value.__class__ is str and len(value) > LONG:
-                is_text = value[0] not in "{["
-                self._left -= len(value) if is_text else weight_of_text(value)
-                if self._left < 0:
-                    raise TooHeavyError(
-                        f"all results together take more than {self.weight:,} bytes"
-                    )
+        self._left -= weight_of_row(row)
+        if self._left < 0:
+            raise TooHeavyError(f"all results together take more than {self.weight:,} bytes")
         return row

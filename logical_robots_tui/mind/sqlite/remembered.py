@@ -28,6 +28,8 @@ ITEMS = 100_000
 """Most records of a list; those of field f of memory row n, of F fields, have numbers from
 (n * F + f) * ITEMS."""
 
+_MOST_CHARACTERS = 16_000_000  # in all rows: a memory has one for each robot that sees it
+
 
 def memories(moment: Moment, columns: tuple[str, ...]) -> Sequence[Filling]:
     """Return the rows that fill ``Memory``.
@@ -37,7 +39,7 @@ def memories(moment: Moment, columns: tuple[str, ...]) -> Sequence[Filling]:
         columns: As for `fillings`.
 
     Raises:
-        ValueError: A memory is a text that may contain a record.
+        ValueError: A memory is a text that may contain a record, or all rows are too large.
     """
     insert, fields = _memory_columns(columns)
     if not fields:
@@ -46,6 +48,15 @@ def memories(moment: Moment, columns: tuple[str, ...]) -> Sequence[Filling]:
         name: [_stored(_found(field, memory)) if field else to_sql(memory) for field in fields]
         for name, memory in moment.remembered.items()
     }
+    sizes = {
+        name: sum([len(value) for value in values if value.__class__ is str])
+        for name, values in stored.items()
+    }
+    most = max(sizes.values(), default=0) * len(moment.memories)
+    if most > _MOST_CHARACTERS and (
+        sum([sizes.get(name, 0) for _, name in moment.memories]) > _MOST_CHARACTERS
+    ):
+        raise ValueError("too many characters")
     nothing = [None] * len(fields)
     rows = [(number, name, *stored.get(name, nothing)) for number, name in moment.memories]
     return (Filling(insert, rows),)

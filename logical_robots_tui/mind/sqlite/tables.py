@@ -6,7 +6,7 @@ import marshal
 from bisect import bisect_left
 from typing import TYPE_CHECKING, Any
 
-from logical_robots_tui.mind.sqlite.database import Database
+from logical_robots_tui.mind.sqlite.database import Database, TooMuchError
 from logical_robots_tui.mind.sqlite.filling import WHOLE_RAY, fillings, whole_ray
 from logical_robots_tui.mind.sqlite.layouts import COLUMNS_LAYOUT, CROWD_LAYOUT, PLAIN_LAYOUT
 from logical_robots_tui.mind.sqlite.lists import Lists
@@ -27,7 +27,7 @@ __all__ = ["PlainTables", "TunedTables", "UnfitError"]
 
 
 class UnfitError(Exception):
-    """The sensors don't have the shape that the columns need."""
+    """The sensors or memories don't have the shape or size that the columns need."""
 
 
 class PlainTables:
@@ -128,12 +128,14 @@ class TunedTables:
         self._read_before: list[Mapping[str, tuple[str, ...]]] = []
         # By table, the same for tables whose rows have the same numbers, or None.
         self._numbers: dict[str, tuple[object, ...] | None] = {}
+        # Columns into which this moment did not fit: no other view need try.
+        self._unfit: tuple[Moment | None, list[Mapping[str, tuple[str, ...]]]] = None, []
 
     def ask(self, tuned: Tuned, moment: Moment, view: View, within: Within) -> Answer:
         """Return the rows of a query over a view.
 
         Raises:
-            UnfitError: The sensors don't have the usual shape.
+            UnfitError: The sensors or memories don't have the usual shape or size.
             Exception: The exceptions of `Database.fill` and `Database.ask`.
         """
         bounds = (*view.sensors, *view.memories)[: tuned.bounds]
@@ -170,7 +172,16 @@ class TunedTables:
         moment: Moment,
         within: Within,
     ) -> Answer:
-        self._fill(moment, tuned.columns)
+        if self._unfit[0] is not moment:
+            self._unfit = moment, []
+        unfit = self._unfit[1]
+        if any(columns is tuned.columns for columns in unfit):
+            raise UnfitError("as before")
+        try:
+            self._fill(moment, tuned.columns)
+        except (UnfitError, TooMuchError):
+            unfit.append(tuned.columns)
+            raise
         return self._database.ask(sql, bounds, most=most, within=within)
 
     def _fill(self, moment: Moment, wanted: Mapping[str, tuple[str, ...]]) -> None:

@@ -1,7 +1,7 @@
-"""Tuning: the SQL of a program, rewritten so that SQLite has less to do for the same rows.
+"""Tuning: rewriting the SQL of a program so that SQLite needs less time for the same rows.
 
 Rows of all robots are loaded once a tick, with sensor fields and radar rays in columns of their
-own; what a program computes several times is computed once. Runs in the compile process only.
+own; repeated expressions are computed once. Runs in the compile process only.
 """
 
 from __future__ import annotations
@@ -25,10 +25,10 @@ _LONGEST = 100_000  # characters of a statement
 _MOST = 400_000  # characters of all statements of a program
 
 _TAKEN = frozenset({"id", "rowid", "oid", "_rowid_"})
-"""Columns that the tables of a tuned query have and those of a program have not."""
+"""Columns that exist for tuned queries only."""
 
 _OURS = frozenset(columns.TABLES).difference(name.lower() for name in INPUTS)
-"""Tables that a tuned query has and those of a program have not."""
+"""Tables that exist for tuned queries only."""
 
 
 def tune_all(statements: Mapping[str, str], *, without: Collection[str] = ()) -> dict[str, Tuned]:
@@ -60,14 +60,14 @@ def tune(
     by_name: bool = False,
     without: Collection[str] = (),
 ) -> Tuned | None:
-    """The same query for the tables of the columns layout, or None if it can't be rewritten.
+    """Return the same query for the tables of the columns layout, or None if it can't be rewritten.
 
     Args:
         statement: A query as it was generated.
-        known: Columns for fields of memories, the same for all queries of a program.
+        known: The columns of memory fields, shared by all queries of a program.
         for_all: Whether to make, if possible, one for all viewers at once as well.
-        by_name: Whether many robots look up memories by name: quicker, but sums are made in another
-            order, so that a robot would drive another way by a last digit.
+        by_name: Whether many robots look up memories by name: faster, but sums are added in another
+            order, so a robot could drive differently because of a last digit.
         without: Names of passes to leave out.
     """
     if STEPS in statement:
@@ -78,7 +78,7 @@ def tune(
             return None
         work = Rewriting(tree, known or Known(), is_for_all=for_all, is_by_name=by_name)
         for each in PASSES:
-            if each.must or each.name not in without:
+            if each.required or each.name not in without:
                 each.apply(work)
         return _finished(work)
     except (SqlglotError, ValueError, RecursionError):
@@ -105,7 +105,7 @@ def _texts(queries: Iterable[exp.Query | None]) -> tuple[str, ...]:
 
 
 def _can_be_moved(tree: exp.Expr) -> bool:
-    """Whether a query has nothing that means something else over other tables."""
+    """Return whether a query has nothing that means something else over other tables."""
     if any(column.name.lower() in _TAKEN for column in tree.find_all(exp.Column)):
         return False
     if tree.find(exp.Placeholder, exp.Parameter, exp.Star) and not _only_counts(tree):
@@ -115,7 +115,7 @@ def _can_be_moved(tree: exp.Expr) -> bool:
 
 
 def _only_counts(tree: exp.Expr) -> bool:
-    """Whether a star stands only in COUNT(*) and over a query that is written out."""
+    """Return whether a star stands only in COUNT(*) and over a query that is written out."""
     if tree.find(exp.Placeholder, exp.Parameter):
         return False
     for star in tree.find_all(exp.Star):

@@ -17,7 +17,7 @@ _NATIVE = {"arg_min": "MIN", "arg_max": "MAX"}
 
 
 def untangled(tree: exp.Expr) -> None:
-    """Take away what ties an aggregated expression to its select, where a column of it does.
+    """Remove what ties an aggregated expression to its select, where one of its columns does.
 
     An aggregate belongs to the select that its columns come from. The compiler writes
     ``IIF(x.value = 0, expression, NULL)`` over a table of a single 0 to make sure of that.
@@ -93,7 +93,7 @@ def grouped_arg_min(tree: exp.Expr) -> None:
 
 
 def _own_calls(node: exp.Expr) -> Iterator[exp.Anonymous]:
-    """The calls of functions in an expression, but not in selects inside it."""
+    """Yield the calls of functions in an expression, but not in selects inside it."""
     if isinstance(node, exp.Select):
         return
     if isinstance(node, exp.Anonymous):
@@ -107,7 +107,7 @@ def _alias(name: str) -> exp.TableAlias:
 
 
 def _is_zero(table: exp.Expr) -> bool:
-    """Whether a source is ``JSON_EACH(JSON_ARRAY(0))``."""
+    """Return whether a source is ``JSON_EACH(JSON_ARRAY(0))``."""
     if not isinstance(table, exp.Table) or sql.call_name(table.this) != "json_each":
         return False
     arguments = table.this.expressions
@@ -118,7 +118,7 @@ def _is_zero(table: exp.Expr) -> bool:
 
 
 def _tied(column: exp.Column) -> exp.Expr | None:
-    """The call of IIF that tests a column for 0, or None if the column is used otherwise."""
+    """Return the call of IIF that tests a column for 0, or None if the column is used otherwise."""
     test = column.parent
     call = test.parent if isinstance(test, exp.EQ) and test.this is column else None
     if sql.call_name(call) != "iif" or not isinstance(call, exp.Anonymous):
@@ -129,7 +129,7 @@ def _tied(column: exp.Column) -> exp.Expr | None:
 
 
 def _is_of(tied: exp.Expr, select: exp.Select, zeros: set[str]) -> bool:
-    """Whether a tied expression has a column of the select itself, or no column at all."""
+    """Return whether a tied expression has a column of the select itself, or no column at all."""
     columns = list(tied.expressions[1].find_all(exp.Column))
     if any(sql.nearest_select(column) is not select for column in columns):
         return False
@@ -143,7 +143,7 @@ def _is_grouped(select: exp.Select) -> bool:
 
 
 def _aggregates_inside(node: exp.Expr) -> bool:
-    """Whether anything that could be an aggregate or a select stands inside."""
+    """Return whether anything that could be an aggregate or a select stands inside."""
     return node.find(exp.Select) is not None or any(
         sql.call_name(call) in sql.AGGREGATES for call in node.find_all(exp.Anonymous)
     )

@@ -30,7 +30,7 @@ _UNUSUAL = ("having", "order", "limit", "offset", "windows")
 
 
 def for_all_viewers(tree: exp.Query, *, alike: bool = False) -> exp.Query | None:
-    """The same query for all viewers, or None if it can't be made.
+    """Return the same query for all viewers, or None if it can't be made.
 
     Args:
         tree: A tuned query of one viewer; it isn't changed.
@@ -155,7 +155,7 @@ class _Lifting:
         return True
 
     def _told(self, name: str, table: exp.Expr) -> exp.Column | None:
-        """The column of a source that is its viewer, or None if it has none."""
+        """Return the column of a source that is its viewer, or None if it has none."""
         if sql.table_name(table) == "sensor":
             return exp.column("id", name)
         if self._is_lifted(table) or (isinstance(table, exp.Subquery) and self.lift(table)):
@@ -166,13 +166,13 @@ class _Lifting:
         return isinstance(table, exp.Table) and table.name in self._dependent
 
     def _depends(self, select: exp.Select) -> bool:
-        """Whether anything below a select is not the same for all viewers."""
+        """Return whether anything below a select is not the same for all viewers."""
         return any(True for _ in self._bounds_in(select)) or any(
             self._is_lifted(table) for table in select.find_all(exp.Table)
         )
 
     def _bounds_in(self, select: exp.Select) -> Iterator[exp.Between]:
-        """The viewer's bounds in a select, but not in the queries that it reads from."""
+        """Yield the viewer's bounds in a select, but not in the queries that it reads from."""
         for node in select.find_all(exp.Between):
             if self._is_bound(node) and not _is_read_by(node, select):
                 yield node
@@ -253,7 +253,7 @@ def _read_everybody(select: exp.Select) -> None:
 
 
 def _is_read_by(node: exp.Expr, select: exp.Select) -> bool:
-    """Whether a node stands in one of the queries that a select reads from."""
+    """Return whether a node stands in one of the queries that a select reads from."""
     parent = node.parent
     while parent is not None and parent is not select:
         if isinstance(parent, exp.From | exp.Join) and parent.parent is select:

@@ -132,7 +132,7 @@ def bound_to_viewer(tree: exp.Expr) -> None:
 
 
 def read_by(trees: Iterable[exp.Expr]) -> dict[str, tuple[str, ...]]:
-    """The columns that queries read of each input and each table of rays, beside ``id``."""
+    """Return the columns that queries read of each input and each table of rays, beside ``id``."""
     read: dict[str, set[str]] = {}
     for tree in trees:
         for table in tree.find_all(exp.Table):
@@ -148,7 +148,7 @@ def read_by(trees: Iterable[exp.Expr]) -> dict[str, tuple[str, ...]]:
 
 
 def _same_robots(select: exp.Select) -> list[set[str]]:
-    """Sources of a select, put together where their robot names must be equal."""
+    """Return sources of a select, put together where their robot names must be equal."""
     together: list[set[str]] = []
     for condition in sql.conjuncts(select):
         if pair := _same_robot(condition):
@@ -159,7 +159,7 @@ def _same_robots(select: exp.Select) -> list[set[str]]:
 
 
 def _same_robot(condition: exp.Expr) -> set[str]:
-    """The sources whose robot names a condition demands to be equal."""
+    """Return the sources whose robot names a condition demands to be equal."""
     sides = (condition.this, condition.expression) if isinstance(condition, exp.EQ) else ()
     if not sides or not all(isinstance(side, exp.Column) for side in sides):
         return set()
@@ -169,7 +169,7 @@ def _same_robot(condition: exp.Expr) -> set[str]:
 
 
 def _radar_of(table: exp.Expr) -> str | None:
-    """The name of the sensor table whose radar is unnested, if that is what it is."""
+    """Return the name of the sensor table whose radar is unnested, if that is what it is."""
     if not isinstance(table, exp.Table) or sql.call_name(table.this) != "json_each":
         return None
     arguments = table.this.expressions
@@ -182,7 +182,7 @@ def _radar_of(table: exp.Expr) -> str | None:
 
 
 def _of_one_kind(select: exp.Select, ray: str) -> str:
-    """The table of those rays that a select wants, if it wants one kind, or "".
+    """Return the table of those rays that a select wants, if it wants one kind, or "".
 
     The condition that says so is dropped: in that table it always holds.
     """
@@ -205,5 +205,5 @@ def _is_table(column: exp.Column, name: str) -> bool:
 
 
 def is_input(table: exp.Expr) -> bool:
-    """Whether a source is ``Sensor`` or ``Memory``."""
+    """Return whether a source is ``Sensor`` or ``Memory``."""
     return sql.table_name(table) in _BOUNDS

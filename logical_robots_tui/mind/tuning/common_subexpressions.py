@@ -1,4 +1,4 @@
-"""What a select computes several times, computed once.
+"""Repeated expressions of a select, computed once.
 
 The compiler writes an expression out wherever the program mentions it. Here the repeated ones,
 and those that stand inside a subquery but do not depend on its rows, are computed first, in a
@@ -9,8 +9,8 @@ query of their own that SQLite keeps::
 
 Where that query is read once, SQLite need not even keep its rows, but can take them as they come.
 
-A value that may be a record or a list loses on that way SQLite's note that it is one; the note is
-made again where it counts.
+A record or list that passes through such a query loses SQLite's mark that it is JSON; the mark is
+restored where it matters.
 """
 
 from __future__ import annotations
@@ -40,7 +40,7 @@ _IN_JSON = frozenset({"json"})
 
 
 def shared(tree: exp.Query) -> None:
-    """Let every select outside of subqueries compute once what it would compute again."""
+    """Compute repeated expressions once in every select outside of subqueries."""
     number = 0
     for select in list(_outer_selects(tree)):
         current = select
@@ -71,12 +71,12 @@ def rows_as_they_come(tree: exp.Query) -> None:
 
 
 def is_shared(name: str) -> bool:
-    """Whether a named query is one of those that compute first what is shared."""
+    """Return whether a named query is one of those that compute first what is shared."""
     return name.startswith(_NAME)
 
 
 def _outer_selects(tree: exp.Query) -> Iterator[exp.Select]:
-    """Selects that depend on no other's rows: of the query, of its named queries, of unions."""
+    """Yield the selects of a query, its named queries and unions that depend on no outer rows."""
     waiting: list[exp.Expr] = [tree]
     while waiting:
         node = waiting.pop()
@@ -204,7 +204,7 @@ def _share(tree: exp.Query, select: exp.Select, name: str) -> exp.Select | None:
 
 
 def _chosen(examination: _Examination) -> list[exp.Expr]:
-    """The expressions to compute first: largest ones, if it is worth it."""
+    """Return the expressions to compute first: largest ones, if it is worth it."""
     found: list[exp.Expr] = []
 
     def look(node: exp.Expr) -> None:
@@ -289,7 +289,7 @@ def _name_query(tree: exp.Query, select: exp.Select, name: str, first: exp.Selec
 
 
 def _is_value(node: exp.Expr) -> bool:
-    """Whether a node stands for a value, as opposed to a part of the syntax."""
+    """Return whether a node stands for a value, as opposed to a part of the syntax."""
     if isinstance(node, exp.Select):
         return False
     if isinstance(node, exp.Subquery):

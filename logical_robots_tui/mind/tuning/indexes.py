@@ -1,9 +1,9 @@
-"""Where few robots think: an index where rows of lists are joined or rows are looked up.
+"""Automatic indexes for few robots: only for joins of lists and for lookups.
 
-SQLite makes an index for every join that has none, when it is allowed to. That pays for the rows
-of lists in memories, which are many, and for the rows of a query that is asked again and again.
-For what few robots sense and remember it takes longer than to do without, and so SQLite is kept
-from it there: for ``NOT a <> b``, which holds where ``a = b`` does, it makes none.
+If allowed to, SQLite makes an index for every join that has none. This pays for the rows of lists
+in memories, which are many, and for the rows of a query that is read again and again. For what few
+robots sense and remember, making it takes longer than it saves. There ``NOT a <> b``, which means
+the same as ``a = b``, prevents it.
 """
 
 from __future__ import annotations
@@ -62,7 +62,7 @@ def memories_by_name(tree: exp.Query) -> None:
 
 
 def _names(condition: exp.Expr, memory: str, before: AbstractSet[str]) -> bool:
-    """Whether a condition says whose memory it is, by a column of what is read before."""
+    """Return whether a condition says whose memory it is, by a column of what is read before."""
     if not isinstance(condition, exp.EQ):
         return False
     for side, other in (
@@ -104,7 +104,7 @@ def _without_index(equal: exp.EQ) -> None:
 
 
 def _finds_numbered(equal: exp.EQ, select: exp.Select) -> bool:
-    """Whether rays or records could be found by a condition, and nothing else that is read."""
+    """Return whether a condition could only serve to find rays or records."""
     for side, other in ((equal.this, equal.expression), (equal.expression, equal.this)):
         if _read_by(side, select) in _NUMBERED and side.name != "id":
             table = _read_by(other, select)
@@ -113,13 +113,13 @@ def _finds_numbered(equal: exp.EQ, select: exp.Select) -> bool:
 
 
 def _read_by(node: exp.Expr, select: exp.Select) -> str | None:
-    """The name of the table of a select that a column is of, or None; "" if it is of a query."""
+    """Return the table of a select that has a column, or None; "" for a query."""
     found = sql.source(node) if isinstance(node, exp.Column) else None
     return sql.table_name(found[1]) if found is not None and found[0] is select else None
 
 
 def _queries_of_lists(tree: exp.Query) -> AbstractSet[str]:
-    """Names of the named queries that read, at first or second hand, rows of lists."""
+    """Return names of the named queries that read, at first or second hand, rows of lists."""
     named = tree.args.get("with_")
     found: set[str] = set()
     for query in named.expressions if named else ():
@@ -136,10 +136,9 @@ def _reads_lists(query: exp.Expr, queries: AbstractSet[str]) -> bool:
 
 
 def _joins_lists(equal: exp.EQ, queries: AbstractSet[str]) -> bool:
-    """Whether columns of two sources of one select are compared, one of them a query of lists.
+    """Return whether columns of two sources of a select are compared, one of them a query of lists.
 
-    The table of all lists is none: an index would be one of the lists of all memories, for each
-    viewer anew.
+    Not the table of all lists: its index would be made again for each viewer.
     """
     sources = _sources_of_one_select(equal)
     return any(
@@ -148,19 +147,19 @@ def _joins_lists(equal: exp.EQ, queries: AbstractSet[str]) -> bool:
 
 
 def _looks_up(equal: exp.EQ) -> bool:
-    """Whether rows that a query keeps are looked up by a column."""
+    """Return whether rows that a query keeps are looked up by a column."""
     select = sql.nearest_select(equal)
     return select is not None and is_looked_up(select)
 
 
 def _finds_by_number(equal: exp.EQ) -> bool:
-    """Whether rows may be found by their number, for which there is an index anyway."""
+    """Return whether rows may be found by their number, for which there is an index anyway."""
     sides = (equal.this, equal.expression)
     return bool(_sources_of_one_select(equal)) and any(side.name == "id" for side in sides)
 
 
 def _sources_of_one_select(equal: exp.EQ) -> tuple[exp.Expr, ...]:
-    """The two sources of one select whose columns are compared; () if something else is."""
+    """Return the two sources of one select whose columns are compared; () if something else is."""
     one, other = (
         sql.source(side) if isinstance(side, exp.Column) else None
         for side in (equal.this, equal.expression)

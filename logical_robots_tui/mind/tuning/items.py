@@ -1,4 +1,4 @@
-"""Records in lists of memories as rows: a list is not written as text and taken apart again."""
+"""Records in lists of memories as rows, so that no list is written as text and parsed again."""
 
 from __future__ import annotations
 
@@ -62,7 +62,7 @@ def items_as_rows(
 
 
 def _list_of(table: exp.Table) -> exp.Column | None:
-    """The column of a memory that a source unnests, if that is what it is."""
+    """Return the column of a memory that a source unnests, if that is what it is."""
     arguments = table.this.expressions if sql.call_name(table.this) == "json_each" else []
     column = arguments[0] if len(arguments) == 1 else None
     if not isinstance(column, exp.Column) or column.name not in MEMORY_FIELDS:
@@ -72,7 +72,7 @@ def _list_of(table: exp.Table) -> exp.Column | None:
 
 
 def _joins_before(select: exp.Select, table: exp.Table, memory: str) -> bool:
-    """Whether a select reads a memory before what it unnests of it, or an outer select does."""
+    """Return whether a select, or an outer one, reads a memory before a list in it."""
     names = list(sql.sources(select))
     return memory not in names or names.index(memory) < names.index(table.alias_or_name)
 

@@ -1,4 +1,4 @@
-"""Values in JSON: taken out where no JSON is needed, written without a call of Python, marked.
+"""Values in JSON: unwrapped where no JSON is needed, written without calling Python, marked.
 
 A value in a record is written with all of its digits, and a truth as a word (`typed/changes.py`).
 SQLite marks a text that it made as a record or a list. A value that passes through a query of its
@@ -33,7 +33,7 @@ _PASSES_ON = frozenset({"coalesce", "iif", "if", "ifnull", "nullif", "min", "max
 
 
 def taken_out(value: exp.Expr) -> exp.Expr:
-    """What was written as JSON, as it was before; a truth is a number then."""
+    """Return what was written as JSON, as it was before; a truth is a number then."""
     truth = truth_in(value)
     if truth is not None:
         return truth
@@ -44,7 +44,7 @@ def taken_out(value: exp.Expr) -> exp.Expr:
 
 
 def truth_in(value: exp.Expr) -> exp.Expr | None:
-    """The truth that is written as JSON, if that is what it is."""
+    """Return the truth that is written as JSON, if that is what it is."""
     inner = value.expressions[0] if sql.call_name(value) == "json" else None
     if isinstance(inner, exp.Literal) and inner.is_string and inner.name in ("true", "false"):
         return exp.Literal.number(int(inner.name == "true"))
@@ -55,7 +55,7 @@ def truth_in(value: exp.Expr) -> exp.Expr | None:
 
 
 def truth(value: exp.Expr) -> exp.Expr:
-    """A truth, which is a number for SQLite, as JSON."""
+    """Return a truth, which is a number for SQLite, as JSON."""
     ifs = [
         exp.If(this=exp.Literal.number(number), true=exp.Literal.string(word))
         for number, word in ((1, "true"), (0, "false"))
@@ -64,9 +64,9 @@ def truth(value: exp.Expr) -> exp.Expr:
 
 
 def native_numbers(tree: exp.Expr) -> None:
-    """Let SQLite write the digits of real numbers itself, where they are not computed at length.
+    """Let SQLite write the digits of real numbers itself, unless they are expensive to compute.
 
-    Of a number without end it makes no JSON: then the query fails, and the plain way is asked.
+    SQLite can't write infinity as JSON: then the query fails, and the plain way answers.
     """
     for call in list(tree.find_all(exp.Anonymous)):
         name = sql.call_name(call)
@@ -81,7 +81,7 @@ def native_numbers(tree: exp.Expr) -> None:
 
 
 def _is_cheap(number: exp.Expr) -> bool:
-    """Whether SQLite computes a number twice in less time than a call of Python takes."""
+    """Return whether SQLite computes a number twice in less time than a call of Python takes."""
     calls = number.find_all(exp.Anonymous)
     return not number.find(exp.Query) and all(sql.call_name(call) in _CHEAP for call in calls)
 
@@ -97,7 +97,7 @@ def _digits_or_null(number: exp.Expr) -> exp.Expr:
 
 
 def _as_it_is(value: exp.Column) -> exp.Expr:
-    """A value for JSON, of which only SQLite knows whether it is a number or a text."""
+    """Return a value for JSON, of which only SQLite knows whether it is a number or a text."""
     kind = exp.Anonymous(this="TYPEOF", expressions=[value.copy()])
     is_real = exp.EQ(this=kind, expression=exp.Literal.string("real"))
     # Texts come after all numbers; to compare is quicker than to ask for the type.
@@ -111,7 +111,7 @@ def _as_it_is(value: exp.Column) -> exp.Expr:
 
 
 def is_plain(node: exp.Expr) -> bool:
-    """Whether a value is certainly no record and no list."""
+    """Return whether a value is certainly no record and no list."""
     if isinstance(node, exp.Paren):
         return is_plain(node.this)
     if isinstance(node, exp.Subquery) and isinstance(node.this, exp.Select):
@@ -135,7 +135,7 @@ def is_plain(node: exp.Expr) -> bool:
 
 
 def _is_plain_column(column: exp.Column, table: exp.Expr) -> bool:
-    """Whether a column holds numbers and plain text only."""
+    """Return whether a column holds numbers and plain text only."""
     if isinstance(table, exp.Subquery) and isinstance(table.this, exp.Select):
         for made in table.this.expressions:
             if made.alias_or_name.lower() == column.name.lower():
@@ -144,7 +144,7 @@ def _is_plain_column(column: exp.Column, table: exp.Expr) -> bool:
 
 
 def _is_noticed(node: exp.Expr, is_result: bool) -> bool:
-    """Whether it makes a difference that a value is marked as a record or a list."""
+    """Return whether it makes a difference that a value is marked as a record or a list."""
     while True:
         parent = node.parent
         if isinstance(parent, exp.Anonymous):
@@ -170,12 +170,12 @@ def _is_noticed(node: exp.Expr, is_result: bool) -> bool:
 
 
 def remarked(value: exp.Column, place: exp.Expr, *, is_result: bool) -> exp.Expr:
-    """A value that is marked again as the record or list that it is, where that is noticed."""
+    """Return a value marked again as a record or list, where that matters."""
     return marked(value, value) if _is_noticed(place, is_result) else value
 
 
 def marked(value: exp.Column, otherwise: exp.Expr) -> exp.Expr:
-    """A value as JSON if it is the text of a record or a list, or else another expression."""
+    """Return a value as JSON if it is the text of a record or list, else another expression."""
     begins = exp.Anonymous(
         this="SUBSTR", expressions=[value.copy(), exp.Literal.number(1), exp.Literal.number(1)]
     )
@@ -187,5 +187,5 @@ def marked(value: exp.Column, otherwise: exp.Expr) -> exp.Expr:
 
 
 def is_stored(table: exp.Expr) -> bool:
-    """Whether a source is a table, in which no value has the note anyway."""
+    """Return whether a source is a table, in which no value has the note anyway."""
     return sql.table_name(table) in columns.TABLES

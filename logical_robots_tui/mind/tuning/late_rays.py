@@ -1,4 +1,4 @@
-"""Rays that are wanted as a whole, written as JSON only where it is known which one is wanted.
+"""Whole rays, written as JSON only once it is known which one is needed.
 
 The nearest ray of a radar, as in ``ArgMin{ray -> ray.distance}``, is one of 31. Beside MIN a column
 of a group comes from the row that has the least value, so SQLite can ask for that ray alone.
@@ -31,7 +31,7 @@ def whole_rays_when_wanted(tree: exp.Expr) -> None:
 
 
 def _whole_rays(tree: exp.Expr) -> Iterator[tuple[exp.Column, exp.Select]]:
-    """Columns that are whole rays, with the select that reads the rays."""
+    """Yield columns that are whole rays, with the select that reads the rays."""
     for column in tree.find_all(exp.Column):
         found = sql.source(column) if column.name.lower() == _WHOLE else None
         if found is not None and sql.table_name(found[1]) in _TABLES:
@@ -39,7 +39,7 @@ def _whole_rays(tree: exp.Expr) -> Iterator[tuple[exp.Column, exp.Select]]:
 
 
 def _is_beside_aggregate(column: exp.Column, select: exp.Select) -> bool:
-    """Whether a column is one of a group's in what a select gives, and not aggregated itself."""
+    """Return whether a column is in the result of an aggregating select, not aggregated itself."""
     node: exp.Expr = column
     while node.parent is not select:
         parent = node.parent

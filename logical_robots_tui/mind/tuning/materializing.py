@@ -1,8 +1,8 @@
-"""Named queries that a subquery asks for again and again, computed once.
+"""Named queries that a subquery reads again and again, computed once.
 
-Where a query is all that a subquery reads, SQLite computes it anew each time that the subquery is
-asked, unless it is told not to. In what the compiler writes there is a table of a single 0 beside
-it, which keeps SQLite from that; but that table is taken away.
+If a subquery reads nothing else, SQLite computes the query again each time that it evaluates the
+subquery, unless told not to. The compiler adds a table of a single 0, which prevents this, but
+another pass removes that table.
 """
 
 from __future__ import annotations
@@ -38,7 +38,7 @@ def computed_once(tree: exp.Query, *, by_robots: bool = False) -> None:
 
 
 def asked_often(tree: exp.Query) -> frozenset[str]:
-    """Names of the named queries that `computed_once` has found."""
+    """Return names of the named queries that `computed_once` has found."""
     return frozenset(
         name
         for name, query in _named(tree).items()
@@ -49,8 +49,8 @@ def asked_often(tree: exp.Query) -> frozenset[str]:
 def looked_up(tree: exp.Query) -> None:
     """Let SQLite make an index where rows of these queries are looked up.
 
-    It reckons what a subquery takes when it is asked once. So an index seems to pay only where
-    rows are looked up for those of something else beside: a table of a single 0.
+    SQLite estimates the cost of evaluating a subquery once. So an index seems to pay only if rows
+    are looked up for those of another source: a table of a single 0.
     """
     named, often = _named(tree), asked_often(tree)
     for table in list(tree.find_all(exp.Table)):
@@ -64,12 +64,12 @@ def looked_up(tree: exp.Query) -> None:
 
 
 def is_looked_up(select: exp.Select) -> bool:
-    """Whether `looked_up` has put that table beside what a select reads."""
+    """Return whether `looked_up` has put that table beside what a select reads."""
     return _ZERO in sql.sources(select)
 
 
 def _compares(select: exp.Select) -> bool:
-    """Whether a select wants rows in which a column of them is equal to something."""
+    """Return whether a select wants rows in which a column of them is equal to something."""
     tests = [test for test in sql.conjuncts(select) if isinstance(test, exp.EQ)]
     sides = [side for test in tests for side in (test.this, test.expression)]
     found = [sql.source(side) for side in sides if isinstance(side, exp.Column)]
@@ -84,7 +84,7 @@ def _named(tree: exp.Query) -> Mapping[str, exp.CTE]:
 def _is_asked_often(
     table: exp.Table, named: Mapping[str, exp.CTE], *, by_robots: bool = False
 ) -> bool:
-    """Whether a mention of a query stands in a subquery that is asked for each of many rows."""
+    """Return whether a query is read by a subquery that is evaluated for each of many rows."""
     node: exp.Expr = table
     is_source = True
     while (parent := node.parent) is not None and not isinstance(parent, exp.CTE):
@@ -99,7 +99,7 @@ def _is_asked_often(
 
 
 def _has_few_rows(select: exp.Select, named: Mapping[str, exp.CTE]) -> bool:
-    """Whether a select has a row for each robot, memory, or ray of a kind, and not more."""
+    """Return whether a select has a row for each robot, memory, or ray of a kind, and not more."""
     kinds = 0
     for source in sql.sources(select).values():
         query = named.get(source.name) if isinstance(source, exp.Table) else None

@@ -1,4 +1,4 @@
-"""Fields of memories as columns: a memory that is a record is not taken apart again and again."""
+"""Fields of memories as columns, so that memories are not parsed again and again."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ class Known:
 
     @classmethod
     def closed(cls, read: Mapping[str, Sequence[str]]) -> Known:
-        """What the columns are that are read already, with no room for more.
+        """Return what the columns are that are read already, with no room for more.
 
         Args:
             read: By name of a table its columns, as a tuned query names them.
@@ -70,13 +70,13 @@ def memory_fields_as_columns(tree: exp.Expr, known: MutableMapping[str, str]) ->
 
 
 def named_fields(names: tuple[str, ...], fields: Mapping[str, str]) -> tuple[str, ...]:
-    """Names of columns of ``Memory``, those of fields with the field."""
+    """Return names of columns of ``Memory``, those of fields with the field."""
     by_column = {column: field for field, column in fields.items()}
     return tuple(f"{n}={by_column[n]}" if n in by_column else n for n in names)
 
 
 def _field_of_memory(column: exp.Column) -> tuple[exp.Case, str] | None:
-    """The expression that takes a field out of a memory if that is a record, and the field."""
+    """Return the expression that reads a field of a memory if it is a record, and the field."""
     if column.name.lower() != "memory":
         return None
     found = sql.source(column)
@@ -86,7 +86,7 @@ def _field_of_memory(column: exp.Column) -> tuple[exp.Case, str] | None:
 
 
 def guarded_field(column: exp.Column) -> tuple[exp.Case, str] | None:
-    """The expression that takes a field out of a column if that is a record, and the field.
+    """Return the expression that takes a field out of a column if that is a record, and the field.
 
     It is ``CASE WHEN JSON_VALID(column) THEN JSON_EXTRACT(column, '$.field') END``; of its two
     mentions of the column only the second has one.

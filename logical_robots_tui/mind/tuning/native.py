@@ -5,60 +5,20 @@ A call of ours takes SQLite to Python and back, which costs more than most of wh
 
 from __future__ import annotations
 
-from decimal import Decimal
-
 from sqlglot import exp
 
 from logical_robots_tui.mind.tuning import json, sql
 
-__all__ = ["folded_constants", "native_choice", "native_division"]
+__all__ = ["native_choice", "native_division"]
 
 _NUMBERS = frozenset({"abs", "avg", "count", "sqrt", "sum", "total"})
 _CHOICES = {"greatest": "MAX", "least": "MIN"}
 
 
-_MOST_DIGITS = 15  # that a real number holds
-
-
-def folded_constants(tree: exp.Expr) -> None:
-    """Compute products and sums of decimal numbers that are written out, as in ``0.3 * (-1)``.
-
-    SQLite would round each one, by way of a text, in every thought.
-    """
-    for call in list(tree.find_all(exp.Anonymous)):
-        value = _constant(call.expressions[0]) if sql.call_name(call) == "round" else None
-        if not value:  # a zero may have a sign
-            continue
-        digits = call.expressions[-1]
-        exact = -int(value.as_tuple().exponent)
-        if len(value.as_tuple().digits) > _MOST_DIGITS or digits.name != str(exact) or not exact:
-            continue
-        number: exp.Expr = exp.Literal.number(f"{abs(value):f}")
-        call.replace(exp.Paren(this=exp.Neg(this=number)) if value < 0 else number)
-
-
-def _constant(node: exp.Expr) -> Decimal | None:
-    """The decimal number that an expression of written numbers has, exactly, or None."""
-    node = node.unnest()
-    if isinstance(node, exp.Literal) and not node.is_string and "e" not in node.name.lower():
-        return Decimal(node.name)
-    if isinstance(node, exp.Neg):
-        value = _constant(node.this)
-        return None if value is None else -value
-    if not isinstance(node, exp.Add | exp.Sub | exp.Mul):
-        return None
-    left, right = _constant(node.this), _constant(node.expression)
-    if left is None or right is None:
-        return None
-    if isinstance(node, exp.Mul):
-        return left * right
-    return left + right if isinstance(node, exp.Add) else left - right
-
-
 def native_division(tree: exp.Expr) -> None:
-    """Divide numbers, if need be after a look whether the lower one is zero.
+    """Divide numbers natively, after a check for zero if necessary.
 
-    Ours knows what a number over zero is; SQLite computes a sum that is written twice once.
+    Our own function handles division by zero; SQLite computes a repeated sum only once.
     """
     for call in reversed(list(tree.find_all(exp.Anonymous))):  # what stands in another, first
         if sql.call_name(call) != "divide" or not all(map(_is_number, call.expressions)):
@@ -74,9 +34,9 @@ def native_division(tree: exp.Expr) -> None:
 
 
 def native_choice(tree: exp.Expr) -> None:
-    """The greater or the lesser of a plain value and a literal; null, of both, is the literal.
+    """Compute the greater or lesser of a plain value and a literal natively; null is ignored.
 
-    Of equal values ours gives the first. SQLite's MAX does, too, and its MIN gives the last.
+    Of equal values our functions return the first, as SQLite's MAX does; its MIN returns the last.
     """
     for call in reversed(list(tree.find_all(exp.Anonymous))):
         native = _CHOICES.get(sql.call_name(call))
@@ -93,7 +53,7 @@ def native_choice(tree: exp.Expr) -> None:
 
 
 def _is_number(node: exp.Expr) -> bool:
-    """Whether a value is certainly a number, or null."""
+    """Return whether a value is certainly a number, or null."""
     if isinstance(node, exp.Paren | exp.Alias):
         return _is_number(node.this)
     if isinstance(node, exp.Subquery) and isinstance(node.this, exp.Select):
@@ -106,7 +66,7 @@ def _is_number(node: exp.Expr) -> bool:
 
 
 def _is_light(node: exp.Expr) -> bool:
-    """Whether a value may as well be computed twice."""
+    """Return whether a value may as well be computed twice."""
     calls = node.find_all(exp.Anonymous)
     return node.find(exp.Select, exp.Case) is None and all(
         sql.call_name(call) in _NUMBERS for call in calls

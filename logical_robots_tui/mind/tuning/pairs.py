@@ -1,8 +1,8 @@
 """Pairs of ArgMin and ArgMax as two columns, where they pass through a query of their own.
 
-Where a predicate that aggregates has several rules, the compiler collects their rows first. A pair
-for ArgMin is a record there, ``JSON_OBJECT('arg', a, 'value', v) AS best``, to be written and taken
-apart again for each row.
+If an aggregating predicate has several rules, the compiler collects their rows first. There a pair
+for ArgMin is a record, ``JSON_OBJECT('arg', a, 'value', v) AS best``, which is written and parsed
+again for each row.
 """
 
 from __future__ import annotations
@@ -34,7 +34,7 @@ def pairs_as_columns(tree: exp.Expr) -> None:
 
 
 def _arms(query: exp.Expr) -> Sequence[exp.Select]:
-    """The selects whose rows a query puts together, if all name their columns alike, or ()."""
+    """Return the selects of a union, if all have the same column names, or ()."""
     while isinstance(query, exp.Select) and query.is_star:
         sources = list(sql.sources(query).values())
         if len(sources) != 1 or not isinstance(sources[0], exp.Subquery):
@@ -55,7 +55,7 @@ def _arms(query: exp.Expr) -> Sequence[exp.Select]:
 
 
 def _parts(arm: exp.Select, name: str) -> tuple[exp.Expr, exp.Expr] | None:
-    """What a select gives as the two parts of a pair, if it writes the pair out."""
+    """Return what a select gives as the two parts of a pair, if it writes the pair out."""
     made = next(item.this for item in arm.expressions if item.alias == name)
     if sql.call_name(made) != "json_object" or len(made.expressions) != 4:
         return None
@@ -67,7 +67,7 @@ def _parts(arm: exp.Select, name: str) -> tuple[exp.Expr, exp.Expr] | None:
 
 
 def _calls(tree: exp.Expr, query: str, name: str) -> list[exp.Anonymous]:
-    """The calls of ArgMin that take a column of a named query apart; [] if it has other uses."""
+    """Return the calls of ArgMin that split a column of a named query; [] if it has other uses."""
     for table in tree.find_all(exp.Table):
         select = sql.nearest_select(table)
         if table.name == query and (select is None or select.is_star):
@@ -84,7 +84,7 @@ def _calls(tree: exp.Expr, query: str, name: str) -> list[exp.Anonymous]:
 
 
 def _takes_apart(call: exp.Anonymous, column: exp.Column) -> bool:
-    """Whether a call takes its two arguments out of a column and has nothing else."""
+    """Return whether a call takes its two arguments out of a column and has nothing else."""
     if len(call.expressions) != 2:
         return False
     for argument, part in zip(call.expressions, ("arg", "value"), strict=True):
@@ -129,8 +129,8 @@ def _split(
 def _ask(call: exp.Anonymous, name: str, value: exp.Identifier) -> None:
     """Let a call of ArgMin ask for columns.
 
-    A number without end can't be written into a record. Where one would be the best, the query is
-    made to fail, so that the plain way is asked.
+    JSON has no infinity. If an infinite number were the best, the query fails on purpose, so that
+    the plain way answers.
     """
     table = next(call.find_all(exp.Column)).table
     argument = exp.column(f"t_0_{name}_arg", table)

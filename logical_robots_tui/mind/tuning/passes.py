@@ -1,4 +1,4 @@
-"""The passes that rewrite a query, in their order; each may be left out but those that must be."""
+"""The passes that rewrite a query, in order. All but the required ones can be left out."""
 
 from __future__ import annotations
 
@@ -37,14 +37,14 @@ class Rewriting:
 
     Attributes:
         tree: The query of one viewer.
-        known: Columns for fields of memories, the same for all queries of a program; added to.
-        is_for_all: Whether one for all viewers at once is wanted as well.
+        known: The columns of memory fields, shared by all queries of a program; mutable.
+        is_for_all: Whether to make a query for all viewers at once, too.
         is_by_name: Whether many robots may look up memories by name.
         result: As `records_as_columns` gives it.
         items: As `items_as_rows` gives it.
         together: The query for all viewers at once.
-        alike: The same where all viewers see the same memories.
-        crowd: The queries as they are for many robots, where these are others.
+        alike: The same for viewers that all see the same memories.
+        crowd: The queries for many robots, if they differ.
     """
 
     tree: exp.Query
@@ -63,7 +63,7 @@ class Rewriting:
         return self.tree, self.together, self.alike
 
     def keep_for_crowd(self) -> tuple[exp.Query | None, ...]:
-        """The queries for many robots, which go their own way from now on."""
+        """Return the queries for many robots, which are changed separately from now on."""
         if not self.crowd:
             self.crowd = tuple(None if query is None else query.copy() for query in self.queries)
         return self.crowd
@@ -75,15 +75,15 @@ class Pass:
 
     Attributes:
         name: In lower case with hyphens, as `docs/speed.md` lists it.
-        apply: Does it.
-        after: Names of the passes that it has to come after.
-        must: Whether the query would mean something else without it.
+        apply: Changes a query.
+        after: Names of the passes that it must follow.
+        required: Whether the query would be wrong without it.
     """
 
     name: str
     apply: Callable[[Rewriting], None]
     after: tuple[str, ...] = ()
-    must: bool = False
+    required: bool = False
 
 
 def _on_tree(change: Callable[[exp.Query], None]) -> Callable[[Rewriting], None]:
@@ -137,7 +137,7 @@ PASSES = (
     Pass("self-joins", _on_tree(columns.one_alias_per_robot)),
     Pass("ray-rows", _on_tree(columns.rays_as_rows)),
     Pass("sensor-columns", _on_tree(columns.sensor_fields_as_columns), after=("ray-rows",)),
-    Pass("viewer-bounds", _on_tree(columns.bound_to_viewer), after=("self-joins",), must=True),
+    Pass("viewer-bounds", _on_tree(columns.bound_to_viewer), after=("self-joins",), required=True),
     Pass("arg-min-pairs", _on_tree(pairs_as_columns)),
     Pass("memory-columns", _memory_columns, after=("arg-min-pairs",)),
     Pass("item-rows", _item_rows, after=("memory-columns",)),
@@ -151,7 +151,6 @@ PASSES = (
         after=("ray-rows", "sensor-columns", "memory-columns", "result-columns"),
     ),
     Pass("materialized", _on_tree(materializing.computed_once), after=("common-subexpressions",)),
-    Pass("constants", _on_tree(native.folded_constants)),
     Pass("division", _on_tree(native.native_division)),
     Pass("numbers", _on_tree(json.native_numbers), after=("result-columns",)),
     Pass("all-viewers", _all_viewers, after=("viewer-bounds", "materialized", "numbers")),
@@ -168,4 +167,4 @@ PASSES = (
     Pass("memory-by-name", _memory_by_name),
     Pass("list-indexes", _list_indexes, after=("lookups", "range-scans", "memory-by-name")),
 )
-"""What is computed often is not looked for before all of it stands in its final words."""
+"""Repeated expressions are looked for once all of them have their final form."""

@@ -1,4 +1,4 @@
-"""Records of a result as columns: numbers need not be written as text and read again."""
+"""Records of a result as columns, so that numbers are not written as text and parsed again."""
 
 from __future__ import annotations
 
@@ -55,7 +55,7 @@ def _marked(name: str, value: exp.Expr) -> str:
 
 
 def _fields(value: exp.Expr) -> dict[str, exp.Expr] | None:
-    """Expressions by field of a record that is written out, or None."""
+    """Return expressions by field of a record that is written out, or None."""
     if isinstance(value, exp.Paren):
         return _fields(value.this)
     if isinstance(value, exp.Case):
@@ -70,7 +70,7 @@ def _fields(value: exp.Expr) -> dict[str, exp.Expr] | None:
 
 
 def _chosen_fields(case: exp.Case) -> dict[str, exp.Expr] | None:
-    """The same for a choice between a few records of the same fields, which is never null."""
+    """Return the same for a choice between a few records of the same fields, never null."""
     default = case.args.get("default")
     branches = case.args["ifs"]
     if case.this is not None or default is None or len(branches) >= _WIDEST_CHOICE:
@@ -91,7 +91,7 @@ def _chosen_fields(case: exp.Case) -> dict[str, exp.Expr] | None:
 def _choice(
     branches: Sequence[exp.If], values: Sequence[exp.Expr], otherwise: exp.Expr
 ) -> exp.Expr | None:
-    """A choice between what stands in JSON, or None if some but not all of it are truths."""
+    """Return a choice between what stands in JSON, or None if some but not all of it are truths."""
     given = [*values, otherwise]
     truths = [truth for truth in map(json.truth_in, given) if truth is not None]
     if truths and len(truths) < len(given):

@@ -1,7 +1,7 @@
 """SQL as a tree: the statements of a program, read and written again without a change of meaning.
 
-The tree is that of sqlglot. It would translate functions from one database to another, so it is
-told of none: a call stays the call of that name.
+The trees are sqlglot's. sqlglot would translate functions between databases, so it is told of no
+functions: a call keeps its name.
 """
 
 from __future__ import annotations
@@ -60,7 +60,7 @@ class _Statements(SQLite):
 
     class Generator(SQLite.Generator):  # type: ignore[misc, valid-type]  # made at run time
         def join_sql(self, expression: exp.Join) -> str:
-            """A comma, or CROSS JOIN, which forbids SQLite to choose the order."""
+            """Return a comma, or CROSS JOIN, which forbids SQLite to choose the order."""
             operator = " CROSS JOIN" if expression.kind else ","
             return f"{operator} {self.sql(expression, 'this')}"
 
@@ -69,7 +69,7 @@ _DIALECT = _Statements()
 
 
 def parse(sql: str) -> exp.Query:
-    """The tree of one query.
+    """Return the tree of one query.
 
     Raises:
         ValueError: It is no query, or joins in a way that Logica never does.
@@ -94,7 +94,7 @@ def parse(sql: str) -> exp.Query:
 
 
 def written(tree: exp.Expr, *, pretty: bool = False) -> str:
-    """The text of a tree.
+    """Return the text of a tree.
 
     Args:
         tree: The tree.
@@ -110,7 +110,7 @@ def selects(tree: exp.Expr) -> Iterator[exp.Select]:
 
 
 def sources(select: exp.Select) -> dict[str, exp.Expr]:
-    """What a select reads from, by the name that columns are qualified with."""
+    """Return what a select reads from, by the name that columns are qualified with."""
     found: dict[str, exp.Expr] = {}
     first = select.args.get("from_")
     for item in ([first] if first else []) + (select.args.get("joins") or []):
@@ -120,12 +120,12 @@ def sources(select: exp.Select) -> dict[str, exp.Expr]:
 
 
 def nearest_select(node: exp.Expr) -> exp.Select | None:
-    """The select that a node stands in."""
+    """Return the select that a node stands in."""
     return node.find_ancestor(exp.Select)
 
 
 def source(column: exp.Column) -> tuple[exp.Select, exp.Expr] | None:
-    """The select, and what of it, that a qualified column means."""
+    """Return the select, and what of it, that a qualified column means."""
     name = column.table
     node: exp.Expr | None = column.parent
     while node is not None and not isinstance(node, exp.CTE):
@@ -138,7 +138,7 @@ def source(column: exp.Column) -> tuple[exp.Select, exp.Expr] | None:
 
 
 def columns_of(select: exp.Select, name: str) -> Iterator[exp.Column]:
-    """The columns below a select that are qualified with the name of one of its sources."""
+    """Yield the columns below a select that are qualified with the name of one of its sources."""
     for column in select.find_all(exp.Column):
         found = source(column) if column.table == name else None
         if found is not None and found[0] is select:
@@ -146,12 +146,12 @@ def columns_of(select: exp.Select, name: str) -> Iterator[exp.Column]:
 
 
 def call_name(node: exp.Expr | None) -> str:
-    """The name of the function that is called, in lower case, or ""."""
+    """Return the name of the function that is called, in lower case, or ""."""
     return node.name.lower() if isinstance(node, exp.Anonymous) else ""
 
 
 def extracted(node: exp.Expr | None) -> str:
-    """The path of a call of json_extract with one, or ""."""
+    """Return the path of a call of json_extract with one, or ""."""
     if call_name(node) != "json_extract":
         return ""
     assert node is not None
@@ -161,7 +161,7 @@ def extracted(node: exp.Expr | None) -> str:
 
 
 def own_aggregates(node: exp.Expr) -> bool:
-    """Whether an expression has an aggregate, or a window, of the select that it stands in."""
+    """Return whether an expression has an aggregate or a window of its own select."""
     if isinstance(node, exp.Select):
         return False
     if call_name(node) in AGGREGATES or isinstance(node, exp.Window):
@@ -170,14 +170,14 @@ def own_aggregates(node: exp.Expr) -> bool:
 
 
 def table_name(source: exp.Expr | None) -> str:
-    """The name of the table that a source of a select is, in lower case, or ""."""
+    """Return the name of the table that a source of a select is, in lower case, or ""."""
     if not isinstance(source, exp.Table) or not isinstance(source.this, exp.Identifier):
         return ""
     return source.name.lower()
 
 
 def conjuncts(select: exp.Select) -> list[exp.Expr]:
-    """The conditions of a select that must all hold."""
+    """Return the conditions of a select that must all hold."""
     where = select.args.get("where")
     found: list[exp.Expr] = []
     waiting = [where.this] if where else []

@@ -1,6 +1,6 @@
-"""What DuckDB knows of a query by its types, said in the query itself.
+"""DuckDB's static types, made explicit in a query.
 
-Both ways to evaluate a program start from what comes out of here.
+Both ways to evaluate a program start from the result.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ __all__ = ["as_on_duckdb"]
 
 
 def as_on_duckdb(statement: str) -> str:
-    """The query, in which SQLite computes what DuckDB would because of the types of values.
+    """Return the query, in which SQLite computes what DuckDB would because of the types of values.
 
     Args:
         statement: A query as it was generated.

@@ -1,4 +1,4 @@
-"""How an expression is written so that SQLite computes what DuckDB would."""
+"""Rewriting expressions so that SQLite computes what DuckDB would."""
 
 from __future__ import annotations
 
@@ -59,7 +59,7 @@ def contained(node: exp.In, listed: exp.Expr) -> None:
 
 
 def extracted(made: exp.Anonymous, kinds: Sequence[Kind]) -> Kind:
-    """The type of what stands at a path in JSON text; before the first element there is nothing."""
+    """Return the type of the value at a path in JSON; negative places are null."""
     whole, path = kinds[0], made.expressions[1]
     if isinstance(path, exp.Literal):
         name = path.name.removeprefix("$.").strip('"')
@@ -84,7 +84,7 @@ def as_decimal(node: exp.Expr, kind: Decimal) -> None:
 
 
 def made_json(made: exp.Anonymous, kinds: Sequence[Kind]) -> Kind:
-    """The type of a record or a list that is put together of values, which are written as JSON."""
+    """Return the type of a record or list made of values, which are written as JSON."""
     name = sql.call_name(made)
     values = list(made.expressions)
     if name in ("json_object", "json_group_object"):
@@ -133,7 +133,7 @@ def _is_short(value: exp.Expr) -> bool:
 
 
 def _is_json(value: exp.Expr) -> bool:
-    """Whether SQLite will know that a value is JSON, or null."""
+    """Return whether SQLite will know that a value is JSON, or null."""
     value = value.unnest()
     if isinstance(value, exp.Case):
         default = value.args.get("default")
@@ -147,7 +147,7 @@ def _is_json(value: exp.Expr) -> bool:
 
 
 def called(made: exp.Anonymous, name: str, kinds: Sequence[Kind], found: Kind) -> Kind:
-    """The type of what a function gives, after the call was written as DuckDB means it.
+    """Return the type of what a function gives, after the call was written as DuckDB means it.
 
     Args:
         made: The call.
@@ -230,7 +230,7 @@ def _cast_as_example(made: exp.Anonymous, kinds: Sequence[Kind], _: Kind) -> Kin
 
 
 def _as_cast(kind: Kind) -> Kind:
-    """The type of what is cast to that of an example: numbers are real, fields in order."""
+    """Return the type of what is cast to that of an example: numbers are real, fields in order."""
     if isinstance(kind, ListOf):
         return ListOf(_as_cast(kind.element))
     if isinstance(kind, RecordOf):

@@ -1,4 +1,4 @@
-"""Values that are to have one type in common, as the branches of a choice."""
+"""Converting values to a common type, such as the branches of a choice."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ __all__ = ["call", "cast", "conform"]
 
 
 def call(name: str, *arguments: exp.Expr) -> exp.Anonymous:
-    """A call of a function."""
+    """Return a call of a function."""
     return exp.Anonymous(this=name, expressions=list(arguments))
 
 
@@ -64,5 +64,5 @@ def _real(value: exp.Expr) -> exp.Expr:
 
 
 def cast(value: exp.Expr, to: str) -> exp.Expr:
-    """A value cast to one of SQLite's types."""
+    """Return a value cast to one of SQLite's types."""
     return call("CAST", exp.Alias(this=value.copy(), alias=exp.to_identifier(to)))

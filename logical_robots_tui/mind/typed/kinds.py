@@ -1,6 +1,6 @@
 """Static types of values, as DuckDB knows them before a query runs.
 
-SQLite asks for the type of a value when it computes with it. DuckDB decides beforehand, and some of
+SQLite checks the type of a value when it computes with it. DuckDB decides beforehand, and some of
 what a program means depends on that: how a whole real number is printed, how records are compared.
 """
 
@@ -81,7 +81,7 @@ class RecordOf:
     fields: tuple[tuple[str, Kind], ...]
 
     def field(self, name: str) -> Kind:
-        """The type of a field; of one that is not there, anything."""
+        """Return the type of a field; of one that is not there, anything."""
         return dict(self.fields).get(name, Plain.ANY)
 
 
@@ -93,27 +93,27 @@ _WHOLE_DIGITS: dict[Kind, int] = {Plain.SMALL: 10, Plain.WHOLE: 19, Plain.LARGE:
 
 
 def is_nested(kind: Kind) -> bool:
-    """Whether a value is certainly a record or a list."""
+    """Return whether a value is certainly a record or a list."""
     return isinstance(kind, ListOf | RecordOf)
 
 
 def is_number(kind: Kind) -> bool:
-    """Whether a value is certainly a number, or null."""
+    """Return whether a value is certainly a number, or null."""
     return isinstance(kind, Decimal) or kind is Plain.REAL or is_whole(kind)
 
 
 def is_whole(kind: Kind) -> bool:
-    """Whether a value is certainly a whole number, or null."""
+    """Return whether a value is certainly a whole number, or null."""
     return kind in _WHOLE_DIGITS
 
 
 def digits(kind: Kind) -> int:
-    """How many digits a number that is not real may have."""
+    """Return how many digits a number that is not real may have."""
     return kind.scale + kind.whole if isinstance(kind, Decimal) else _WHOLE_DIGITS[kind]
 
 
 def is_known(kind: Kind) -> bool:
-    """Whether all of a type is known; where there is nothing but null, anything may stand."""
+    """Return whether a type is completely known; null may be anything."""
     if isinstance(kind, ListOf):
         return is_known(kind.element)
     if isinstance(kind, RecordOf):
@@ -122,7 +122,7 @@ def is_known(kind: Kind) -> bool:
 
 
 def common(kinds: Iterable[Kind]) -> Kind:
-    """The type of a value that is one of several, as of a CASE."""
+    """Return the type of a value that is one of several, such as a CASE."""
     none: Kind = Plain.NULL
     return reduce(_either, kinds, none)
 
@@ -156,7 +156,7 @@ def _common_decimal(one: Kind, other: Kind) -> Decimal:
 
 
 def spelled(kind: Kind) -> str:
-    """A type as `try_cast` reads it, all numbers real."""
+    """Return a type as `try_cast` reads it, all numbers real."""
     return json.dumps(_spelling(kind), ensure_ascii=False, separators=(",", ":"))
 
 
@@ -171,7 +171,7 @@ def _spelling(kind: Kind) -> Any:
 
 
 def unspelled(text: str) -> Kind:
-    """The type of what `try_cast` gives, from how that was spelled for it."""
+    """Return the type of what `try_cast` gives, from how that was spelled for it."""
     return _kind(json.loads(text))
 
 

@@ -49,7 +49,7 @@ class Reader:
         self._scopes: list[dict[str, Columns]] = []
 
     def query(self, tree: exp.Expr) -> Columns:
-        """Types by name of the columns of a query, which is changed in place."""
+        """Return types by name of the columns of a query, which is changed in place."""
         if isinstance(tree, exp.Subquery):
             return self.query(tree.this)
         named = tree.args.get("with_")
@@ -117,7 +117,7 @@ class Reader:
     # -- expressions ---------------------------------------------------------------------------
 
     def kind(self, node: exp.Expr) -> Kind:
-        """The type of an expression."""
+        """Return the type of an expression."""
         if isinstance(node, exp.Paren | exp.Alias):
             return self.kind(node.this)
         if isinstance(node, exp.Column):

@@ -90,7 +90,7 @@ _ROUNDING = frozenset({"ceil", "ceiling", "floor", "trunc"})
 
 
 def given_by(name: str, kinds: Sequence[Kind]) -> Kind:
-    """The type of what a function gives.
+    """Return the type of what a function gives.
 
     Args:
         name: Its name in lower case.
@@ -109,12 +109,12 @@ def given_by(name: str, kinds: Sequence[Kind]) -> Kind:
 
 
 def sum_of(kinds: Sequence[Kind]) -> Kind:
-    """The type of a sum or difference, and of `%`."""
+    """Return the type of a sum or difference, and of `%`."""
     return common(kinds) if all(map(is_number, kinds)) else Plain.ANY
 
 
 def product_of(left: Kind, right: Kind) -> Kind:
-    """The type of a product."""
+    """Return the type of a product."""
     found = sum_of((left, right))
     if not isinstance(found, Decimal):
         return found

@@ -1,6 +1,6 @@
-"""Why a row is there, or none: one derivation of it, or where each rule ends.
+"""Why a predicate has a row or none: a derivation of the row, or where each rule fails.
 
-Like compiling, taking apart is done in the compile process: `clauses` makes one query for the
-derivations of each body. `derivations` asks these queries at a tick, `deriving` and `refuting` tell
-what they gave, and `sourcing` follows a value through them.
+In the compile process, `clauses` decomposes rules: one query for the derivations of each body.
+`derivations` evaluates these queries at a tick, `deriving` and `refuting` describe the results,
+`nearest` looks for changes after which a rule would hold, and `sourcing` traces a value.
 """

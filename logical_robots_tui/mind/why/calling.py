@@ -30,7 +30,7 @@ def calls_of(
     derivations: Derivations,
     most: int,
 ) -> tuple[tuple[str, ...], list[tuple[Value, ...]]]:
-    """The different calls of a function: columns, and a row for each call and result.
+    """Return the different calls of a function: columns, and a row for each call and result.
 
     Args:
         name: The function.
@@ -39,12 +39,12 @@ def calls_of(
         most: Most calls.
 
     Raises:
-        QueryError: A predicate can't be taken apart.
+        QueryError: A predicate can't be decomposed.
         FailureError: It takes too long.
     """
     search = _Search(callers, derivations, most)
     found = search.arguments(name, 0)
-    probing = derivations.take_apart(name, "")
+    probing = derivations.decompose(name, "")
     rows: list[tuple[Value, ...]] = []
     for given in found:
         arguments = {column: given.get(column) for column in probing.given}
@@ -68,14 +68,14 @@ class _Search:
         self._known: dict[str, list[Mapping[str, Value]]] = {}
 
     def arguments(self, name: str, depth: int) -> list[Mapping[str, Value]]:
-        """The different arguments that a function is called with."""
+        """Return the different arguments that a function is called with."""
         if name in self._known or depth > _DEEPEST:
             return self._known.get(name, [])
         self._known[name] = []
-        needed = self._derivations.take_apart(name, "").given
+        needed = self._derivations.decompose(name, "").given
         found: dict[str, Mapping[str, Value]] = {}
         for caller in self._callers.get(name, ()):
-            probing = self._derivations.take_apart(caller, "")
+            probing = self._derivations.decompose(caller, "")
             contexts: Iterable[Mapping[str, Value]] = ({},)
             if probing.given:
                 contexts = self.arguments(caller, depth + 1)
@@ -120,7 +120,7 @@ class _Search:
 
 
 def _bodies(clause: Clause) -> Iterator[Body]:
-    """The aggregates and denials of a clause."""
+    """Yield the aggregates and denials of a clause."""
     for step in clause.steps:
         if step.denied is not None:
             yield step.denied

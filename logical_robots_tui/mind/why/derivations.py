@@ -51,23 +51,23 @@ class Derivations:
     Args:
         relations: The rows of predicates at the moment in question.
         robot: In whose reasoning.
-        take_apart: Gives a predicate, by its name and the made predicate in whose copy it stands,
-            taken apart.
+        decompose: Returns a decomposed predicate, by its name and the made predicate in whose copy
+            it is.
 
     Attributes:
         relations: The same.
         robot: The same.
-        take_apart: The same.
+        decompose: The same.
     """
 
     def __init__(
-        self, relations: Relations, robot: str, take_apart: Callable[[str, str], Probing]
+        self, relations: Relations, robot: str, decompose: Callable[[str, str], Probing]
     ) -> None:
-        self.relations, self.robot, self.take_apart = relations, robot, take_apart
+        self.relations, self.robot, self.decompose = relations, robot, decompose
         self._stages: dict[tuple[str, ...], Stages] = {}
 
     def rows(self, probing: Probing, given: Row) -> Sequence[Row]:
-        """The rows of a predicate with given values.
+        """Return the rows of a predicate with given values.
 
         Raises:
             FailureError: They can't be computed.
@@ -88,13 +88,13 @@ class Derivations:
         return [row for row in found if all(same(row[c], v) for c, v in given.items())]
 
     def first(self, predicate: str, within: str, given: Row) -> Derived:
-        """The first row with given values, and a derivation of it; of aggregates, all of them.
+        """Return the first row with given values and a derivation of it; all, for aggregates.
 
         Raises:
             QueryError: There is none, or how it came about can't be told.
             FailureError: A query failed.
         """
-        probing = self.take_apart(predicate, within)
+        probing = self.decompose(predicate, within)
         given = checked(given, probing)
         self.prepare(probing)
         rows = self.rows(probing, given)
@@ -115,7 +115,7 @@ class Derivations:
         return Derived(probing, row, tuple(ways))
 
     def elements(self, probing: Probing, body: Body, way: Way) -> list[tuple[Clause, Way]]:
-        """Derivations of what an aggregate goes over, in one derivation.
+        """Return derivations of what an aggregate goes over, in one derivation.
 
         Raises:
             FailureError: A query failed.
@@ -136,7 +136,7 @@ class Derivations:
         arguments: Sequence[Scalar],
         most: int = 1,
     ) -> Iterator[tuple[Clause, Way]]:
-        """Derivations of a row by a rule; of one with aggregates, what contributes to it."""
+        """Yield derivations of a row by a rule; of one with aggregates, what contributes to it."""
         for clause in rule.clauses:
             alike = [(place, row[c]) for c, place in clause.head.items() if c in row]
             sql = self.sql(clause, probing)
@@ -148,7 +148,7 @@ class Derivations:
 
     @staticmethod
     def sql(clause: Clause, probing: Probing) -> str:
-        """The query for the derivations of a clause.
+        """Return the query for the derivations of a clause.
 
         Raises:
             FailureError: There is none.
@@ -178,14 +178,14 @@ class Derivations:
             members = {}
             if probing.founded:
                 members = {
-                    name: self.take_apart(*called) for name, called in probing.recursive.items()
+                    name: self.decompose(*called) for name, called in probing.recursive.items()
                 }
             self._stages[key] = Stages(self.relations, members)
         return self._stages[key]
 
 
 def checked(given: Row, probing: Probing) -> Row:
-    """The given values, by columns that there are.
+    """Return the given values, by columns that there are.
 
     Raises:
         QueryError: One is not there, or an argument is missing.
@@ -203,5 +203,5 @@ def checked(given: Row, probing: Probing) -> Row:
 
 
 def is_aggregated(rule: RuleParts) -> bool:
-    """Whether the head of a rule aggregates."""
+    """Return whether the head of a rule aggregates."""
     return any(clause.collected for clause in rule.clauses)

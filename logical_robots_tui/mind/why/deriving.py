@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from logical_robots_tui.mind.program import VALUE
+from logical_robots_tui.mind.program import INPUTS, VALUE
 from logical_robots_tui.mind.sqlite.stored import from_sql
 from logical_robots_tui.mind.why.explanation import Ask, Node
 from logical_robots_tui.mind.why.probing import DECIDED_BY_ONE
@@ -44,7 +44,7 @@ class Telling:
         self._relations, self._queries, self._refute = relations, queries, refute
 
     def derivation(self, clause: Clause, way: Way, until: int | None = None) -> tuple[Node, ...]:
-        """The nodes of a derivation.
+        """Return the nodes of a derivation.
 
         Args:
             clause: The clause.
@@ -62,7 +62,7 @@ class Telling:
         return tuple(nodes)
 
     def row(self, clause: Clause, way: Way, row: Mapping[str, Value]) -> tuple[Node, ...]:
-        """The nodes of the columns of a row that are not aggregated, and where they come from."""
+        """Return the nodes of a row's columns that are not aggregated, and their sources."""
         return tuple(
             self._column(column, clause.terms[column], way, row[column])
             for column in clause.head
@@ -70,7 +70,7 @@ class Telling:
         )
 
     def step(self, step: Step, way: Way) -> Iterator[Node]:
-        """The node of a step that holds; none for a call that its expression tells about."""
+        """Yield the node of a step that holds; none for a call that its expression tells about."""
         span, text = step.span, step.span.text
         given = tuple(
             Node("value", name, values=(value_of(way, place),))
@@ -80,7 +80,7 @@ class Telling:
         if step.kind == "call" and step.call is not None:
             reads = tuple(node for term in step.reads for node in self._read(term, way))
             robot = value_of(way, step.call.arguments.get("robot_name", ""))
-            is_input = step.call.predicate in ("Sensor", "Memory")
+            is_input = step.call.predicate in INPUTS
             yield Node(
                 "call",
                 text,
@@ -111,17 +111,17 @@ class Telling:
             yield Node("denial", text, said, True, span=span, children=inside)
 
     def given(self, body: Body, way: Way) -> list[Scalar]:
-        """The values that a body within this one is given."""
+        """Return the values that a body within this one is given."""
         return [way.get(place) for place in body.given.values()]
 
     def ask(self, call: Call, way: Way) -> Ask:
-        """The question about what a step calls."""
+        """Return the question about what a step calls."""
         places = {column: place for column, place in call.arguments.items() if place in way}
         given = {column: value_of(way, place) for column, place in places.items()}
         return Ask(call.predicate, given, call.within)
 
     def term(self, term: Term, way: Way) -> Iterator[Node]:
-        """What is to be told of an expression: its value, and where that comes from."""
+        """Yield what is to be told of an expression: its value, and where that comes from."""
         if term.kind == "literal" or term.column not in way:
             return
         value = value_of(way, term.column)
@@ -146,7 +146,7 @@ class Telling:
         )
 
     def reason(self, term: Term, way: Way) -> Iterator[Node]:
-        """Where the value of an expression comes from."""
+        """Yield where the value of an expression comes from."""
         if term.kind == "if":
             yield from self._branch(term, way)
         elif term.kind == "coalesce":
@@ -177,7 +177,7 @@ class Telling:
         result: Value,
         is_all: bool,
     ) -> tuple[Node, ...]:
-        """What contributed to an aggregate.
+        """Return what contributed to an aggregate.
 
         Args:
             found: Derivations of what it went over.
@@ -209,7 +209,7 @@ class Telling:
     # -- inside ----------------------------------------------------------------------------------
 
     def _column(self, name: str, term: Term, way: Way, value: Value) -> Node:
-        """The node of a column of the head."""
+        """Return the node of a column of the head."""
         label = shown(name)
         if term.kind in ("literal", "variable"):
             return Node("column", label, values=(value,))
@@ -272,7 +272,7 @@ class Telling:
 def decided(
     found: Sequence[tuple[Clause, Collected, Way]], result: Value
 ) -> tuple[Clause, Collected, Way] | None:
-    """The element whose value is the result of an aggregate, the best of them."""
+    """Return the element whose value is the result of an aggregate, the best of them."""
     equal = [each for each in found if alike(value_of(each[2], each[1].value), result)]
     if not equal or not equal[0][1].by:
         return equal[0] if equal else None
@@ -285,12 +285,12 @@ def decided(
 
 
 def value_of(way: Way, place: str) -> Value:
-    """A value of a derivation."""
+    """Return a value of a derivation."""
     return from_sql(way.get(place))
 
 
 def denied(text: str, *, holds: bool) -> tuple[str, str]:
-    """How a denial is written, and what is said of it.
+    """Return how a denial is written, and what is said of it.
 
     Args:
         text: As it stands in the program. The compiler makes ``a => b`` the denial of a
@@ -305,12 +305,12 @@ def denied(text: str, *, holds: bool) -> tuple[str, str]:
 
 
 def shown(column: str) -> str:
-    """What a column is called on the screen."""
+    """Return what a column is called on the screen."""
     return "value" if column == VALUE else column
 
 
 def counted(number: int, what: str, *, is_all: bool) -> str:
-    """A number of things, in words."""
+    """Return a number of things, in words."""
     more = "" if is_all else " or more"
     return f"{number:,}{more} {what}{'' if number == 1 else 's'}"
 
@@ -324,7 +324,7 @@ def _is_within(one: Span, other: Span) -> bool:
 
 
 def _is_among(term: Term, step: Step) -> bool:
-    """Whether a term is just a variable that the step gives a value."""
+    """Return whether a term is just a variable that the step gives a value."""
     return term.kind == "literal" or (
         term.kind == "variable" and term.column in step.gives.values()
     )

@@ -10,6 +10,7 @@ from logical_robots_tui.mind.table import Table
 from logical_robots_tui.mind.why.calling import calls_of
 from logical_robots_tui.mind.why.derivations import Derivations
 from logical_robots_tui.mind.why.deriving import shown
+from logical_robots_tui.mind.why.nearest import Nearest
 from logical_robots_tui.mind.why.proving import Prover
 from logical_robots_tui.mind.why.sourcing import source_of
 from logical_robots_tui.mind.why.unfolding import unfold
@@ -21,7 +22,8 @@ if TYPE_CHECKING:
     from logical_robots_tui.mind.program import Program
     from logical_robots_tui.mind.sqlite.moment import Within
     from logical_robots_tui.mind.why.explanation import Explanation
-    from logical_robots_tui.mind.why.probing import Probing
+    from logical_robots_tui.mind.why.nearest import Suggestion
+    from logical_robots_tui.mind.why.probing import Probing, Span
     from logical_robots_tui.mind.why.relations import Relations
     from logical_robots_tui.mind.why.sourcing import Made, Path
     from logical_robots_tui.mind.why.unfolding import Proof
@@ -40,7 +42,7 @@ class Explainer:
         relations: The rows of predicates then.
         robot: Name of the robot.
         limits: Bounds on compiling and on results.
-        within: What each question may use up; taking predicates apart does not count.
+        within: The budget of each question; decomposing predicates does not count.
     """
 
     def __init__(
@@ -53,7 +55,7 @@ class Explainer:
     ) -> None:
         self._program, self._robot = program, robot
         self._limits, self._within = limits, within
-        self._derivations = Derivations(relations, robot, self._take_apart)
+        self._derivations = Derivations(relations, robot, self._decompose)
         self._prover = Prover(self._derivations)
 
     def why(
@@ -62,7 +64,7 @@ class Explainer:
         given: Mapping[str, Value] | None = None,
         within: str = "",
     ) -> Explanation:
-        """Why a predicate has the rows that it has, or none.
+        """Return why a predicate has the rows that it has, or none.
 
         Args:
             predicate: One of the program's own.
@@ -85,7 +87,7 @@ class Explainer:
         depth: int = 100,
         nodes: int = 10_000,
     ) -> Proof:
-        """The whole proof of a row, down to what was sensed and remembered.
+        """Return the whole proof of a row, down to what was sensed and remembered.
 
         Args:
             predicate: As for `why`.
@@ -100,8 +102,25 @@ class Explainer:
         given = self._about(predicate, given, within)
         return unfold(self._prover, predicate, given, within, depth=depth, nodes=nodes)
 
+    def nearest(self, predicate: str = "Robot") -> list[tuple[Span, Suggestion]]:
+        """Return the single changes that would have given a rule a row.
+
+        Args:
+            predicate: One of the program's own.
+
+        Returns:
+            Pairs of a rule without a row and a change; the smallest change of a rule first.
+
+        Raises:
+            QueryError: As `why` does.
+        """
+        given = self._about(predicate, None, "")
+        nearest = Nearest(self._program, self._derivations, given)
+        rules = self._decompose(predicate, "").rules
+        return [(rule.span, each) for rule in rules for each in nearest.of(predicate, rule)]
+
     def calls(self, function: str) -> Table:
-        """The calls of a function: arguments and results, each once.
+        """Return the calls of a function: arguments and results, each once.
 
         Args:
             function: A function of the program's own.
@@ -125,7 +144,7 @@ class Explainer:
         return Table(tuple(map(shown, columns)), tuple(found[:most]), truncated=len(found) > most)
 
     def source(self, path: Path) -> Made:
-        """Where a part of the memory comes from that the robot has afterwards.
+        """Return where a part of the memory comes from that the robot has afterwards.
 
         Args:
             path: The part: names of fields and places in lists; () for the whole memory.
@@ -137,16 +156,16 @@ class Explainer:
         row = {"robot_name": self._robot}
         return source_of(self._derivations, "Robot", row, "memory", path)
 
-    def _take_apart(self, predicate: str, within: str) -> Probing:
+    def _decompose(self, predicate: str, within: str) -> Probing:
         stop = self._within.stop
-        return self._program.take_apart(predicate, within, stop=stop, limits=self._limits)
+        return self._program.decompose(predicate, within, stop=stop, limits=self._limits)
 
     def _about(
         self, predicate: str, given: Mapping[str, Value] | None, within: str
     ) -> Mapping[str, Value]:
-        """The values that are asked for, with the robot's name where that goes without saying."""
+        """Return the given values, with the robot's name unless another one is given."""
         self._within.renew()
-        probing = self._take_apart(predicate, within)
+        probing = self._decompose(predicate, within)
         given = {} if given is None else given
         if "robot_name" in probing.columns and "robot_name" not in probing.given:
             return {"robot_name": self._robot, **given}

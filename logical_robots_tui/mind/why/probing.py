@@ -1,8 +1,8 @@
-"""A predicate's rules taken apart, as data that both the compile process and a mind know.
+"""A predicate's decomposed rules, as data for the compile process and a mind.
 
-A body is taken apart into clauses, one for each choice of alternatives. A clause has one query
-whose rows are its derivations: each row holds the values of all variables and of all expressions
-that are shown, so everything that is told about a derivation is from one row.
+A body is decomposed into clauses, one for each choice of alternatives. The rows of a clause's query
+are its derivations: each row holds the values of all variables and of all shown expressions, so
+everything that is said about a derivation comes from one row.
 """
 
 from __future__ import annotations
@@ -17,6 +17,7 @@ __all__ = [
     "DECIDED_BY_ONE",
     "GIVEN",
     "LOWER",
+    "ORDERING",
     "ROWS",
     "Body",
     "Call",
@@ -39,6 +40,9 @@ ROWS = "WhyRows_"
 
 LOWER = "WhyLower_"
 """The same for rows of a recursive predicate that were there before the row in question."""
+
+ORDERING = frozenset({"<", "<=", ">", ">="})
+"""Comparisons that can fail by a small margin."""
 
 DECIDED_BY_ONE = frozenset({"AnyValue", "ArgMax", "ArgMin", "Max", "Min"})
 """Aggregates whose result is that of one of their elements."""
@@ -115,7 +119,7 @@ class Collected:
 
 @dataclass(frozen=True, slots=True)
 class Body:
-    """What stands in the braces of an aggregate, or must not hold.
+    """The body of an aggregate or of a negation.
 
     Attributes:
         span: Where it stands.
@@ -213,7 +217,7 @@ class Clause:
 
 @dataclass(frozen=True, slots=True)
 class RuleParts:
-    """One rule, taken apart.
+    """One rule, decomposed.
 
     Attributes:
         span: The whole rule.
@@ -226,7 +230,7 @@ class RuleParts:
 
 @dataclass(frozen=True, slots=True)
 class Probing:
-    """All rules of a predicate, taken apart.
+    """All rules of a predicate, decomposed.
 
     Attributes:
         predicate: Its name.
@@ -264,7 +268,7 @@ class Probing:
 
 
 def with_given(sql: str, number: int) -> str:
-    """A query with the table of so many given values, which are its first parameters."""
+    """Return a query with the table of so many given values, which are its first parameters."""
     if not number:
         return sql
     names = ", ".join(f"g{i}" for i in range(number))

@@ -13,7 +13,7 @@ from logical_robots_tui.mind.diagnostics import QueryError
 from logical_robots_tui.mind.failures import FailureError
 from logical_robots_tui.mind.sqlite.stored import to_sql
 from logical_robots_tui.mind.why.derivations import MOST_ROWS, checked, is_aggregated
-from logical_robots_tui.mind.why.deriving import MOST_ELEMENTS, Telling, counted, shown
+from logical_robots_tui.mind.why.deriving import MOST_ELEMENTS, counted, shown
 from logical_robots_tui.mind.why.explanation import Explanation, Node, RuleFound
 from logical_robots_tui.mind.why.refuting import Refuting
 from logical_robots_tui.mind.why.relations import same
@@ -23,6 +23,7 @@ if TYPE_CHECKING:
 
     from logical_robots_tui.mind.sqlite.database import Scalar
     from logical_robots_tui.mind.why.derivations import Derivations, Row
+    from logical_robots_tui.mind.why.deriving import Telling
     from logical_robots_tui.mind.why.probing import (
         Clause,
         Collected,
@@ -56,7 +57,7 @@ class Prover:
             raise QueryError(f"The proof ends here: {failure}.") from None
 
     def explain(self, predicate: str, given: Row, within: str = "") -> Explanation:
-        """Why a predicate has the rows with given values, or none.
+        """Return why a predicate has the rows with given values, or none.
 
         Args:
             predicate: One of the program's own.
@@ -67,7 +68,7 @@ class Prover:
             QueryError: It has no such column, lacks an argument, or its rows can't be computed.
             Stopped: The work was stopped.
         """
-        probing = self._derivations.take_apart(predicate, within)
+        probing = self._derivations.decompose(predicate, within)
         given = checked(given, probing)
         try:
             rows = self._derivations.rows(probing, given)
@@ -104,13 +105,11 @@ class Prover:
     ) -> RuleFound:
         arguments = [to_sql(given[column]) for column in probing.given]
         refuting = Refuting(self._derivations.relations, probing.queries)
-        telling = Telling(self._derivations.relations, probing.queries, refuting.bodies)
-        refuting.telling = telling
         try:
             number = self._number(rule, probing, given, arguments, rows)
             if row is not None:
                 self._derivations.prepare(probing, row)
-                nodes = self._derived(rule, probing, row, arguments, telling)
+                nodes = self._derived(rule, probing, row, arguments, refuting.telling)
                 self._derivations.prepare(probing)
                 if nodes is not None:
                     said = _gives(number, len(rows))
@@ -135,7 +134,7 @@ class Prover:
             )
 
     def _unlike(self, rule: RuleParts, probing: Probing, given: Row) -> tuple[Node, ...]:
-        """What came out of the aggregates, where that is not what was asked for."""
+        """Return what came out of the aggregates, where that is not what was asked for."""
         keys = _keys(rule, given)
         rows = self._derivations.rows(probing, keys)
         return tuple(
@@ -153,7 +152,7 @@ class Prover:
         arguments: Sequence[Scalar],
         rows: Sequence[Row],
     ) -> int:
-        """How many of the rows come from a rule."""
+        """Return how many of the rows come from a rule."""
         if not rows:
             return 0
         if probing.recursive or is_aggregated(rule):
@@ -180,7 +179,7 @@ class Prover:
         arguments: Sequence[Scalar],
         telling: Telling,
     ) -> tuple[Node, ...] | None:
-        """The nodes of a derivation of a row by a rule, or None if there is none."""
+        """Return the nodes of a derivation of a row by a rule, or None if there is none."""
         if not is_aggregated(rule):
             for clause, way in self._derivations.ways(rule, probing, row, arguments):
                 return (*telling.row(clause, way, row), *telling.derivation(clause, way))
@@ -213,7 +212,7 @@ class Prover:
 
 
 def _keys(rule: RuleParts, row: Row) -> Row:
-    """The values of a row in the columns that are not aggregated."""
+    """Return the values of a row in the columns that are not aggregated."""
     return {c: v for c, v in row.items() if any(c in clause.head for clause in rule.clauses)}
 
 
@@ -234,13 +233,13 @@ def _gives(number: int, of: int) -> str:
 
 
 def _is_over_nothing(probing: Probing, row: Row) -> bool:
-    """Whether a row is what aggregates without a key give where there is nothing."""
+    """Return whether a row is what aggregates without a key give where there is nothing."""
     is_keyless = not any(clause.head for rule in probing.rules for clause in rule.clauses)
     return is_keyless and all(value in (None, 0) for value in row.values())
 
 
 def _over_nothing(found: RuleFound, row: Row) -> RuleFound:
-    """A rule whose aggregates go over nothing, and so does every other one of its predicate."""
+    """Return a rule whose aggregates are over no rows, like those of all rules."""
     columns = tuple(
         Node("column", shown(c), "goes over nothing", None, (v,)) for c, v in row.items()
     )

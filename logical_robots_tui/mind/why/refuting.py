@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import re
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from logical_robots_tui.mind.failures import FailureError
-from logical_robots_tui.mind.program import VALUE
+from logical_robots_tui.mind.program import INPUTS, VALUE
 from logical_robots_tui.mind.sqlite.stored import from_sql, to_sql
-from logical_robots_tui.mind.why.deriving import counted, denied, value_of
+from logical_robots_tui.mind.why.deriving import Telling, counted, denied, value_of
 from logical_robots_tui.mind.why.explanation import Node
 from logical_robots_tui.mind.why.relations import same
 
@@ -17,15 +17,29 @@ if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence
 
     from logical_robots_tui.mind.sqlite.database import Scalar
-    from logical_robots_tui.mind.why.deriving import Telling
     from logical_robots_tui.mind.why.probing import Clause, RuleParts, Step, Term
     from logical_robots_tui.mind.why.relations import Relations, Way
     from logical_robots_tui.values import Value
 
-__all__ = ["Refuting"]
+__all__ = ["Refuting", "Stop"]
 
 _MOST_WAYS = 1_000
 _EXAMPLES = 100
+
+
+@dataclass(frozen=True, slots=True)
+class Stop:
+    """A step that nothing gets past.
+
+    Attributes:
+        clause: The clause.
+        step: The step.
+        ways: The ways in which all steps before it hold, up to a limit.
+    """
+
+    clause: Clause
+    step: Step
+    ways: Sequence[Way]
 
 
 class Refuting:
@@ -36,18 +50,17 @@ class Refuting:
         queries: SQL by name of a query.
 
     Attributes:
-        telling: Tells derivations of what must not hold.
+        telling: Tells derivations with the same queries.
     """
-
-    telling: Telling
 
     def __init__(self, relations: Relations, queries: Mapping[str, str]) -> None:
         self._relations, self._queries = relations, queries
+        self.telling = Telling(relations, queries, self.bodies)
 
     def rule(
         self, rule: RuleParts, given: Sequence[Scalar], alike: Mapping[str, Value]
     ) -> tuple[dict[str, Value], Node | None, tuple[Node, ...]]:
-        """Why a rule has no row.
+        """Return why a rule has no row.
 
         Args:
             rule: The rule.
@@ -64,8 +77,28 @@ class Refuting:
         nodes = _joined(rule.clauses, [nodes for _, nodes in found])
         return {}, _stopped(found), nodes
 
+    def stop(
+        self, rule: RuleParts, given: Sequence[Scalar], alike: Mapping[str, Value]
+    ) -> Stop | None:
+        """Return what stops the clause that comes furthest, or None if nothing does.
+
+        Args:
+            rule: The rule.
+            given: The given values that it reads.
+            alike: Values that columns of its head are to have.
+        """
+        if self._others(rule, given, alike):
+            return None
+        reached = [(clause, *self._reached(clause, given, alike)) for clause in rule.clauses]
+        clause, number, query, now, _ = max(reached, key=lambda each: each[1])
+        sql = self._queries.get(query)
+        if number == len(clause.steps) or sql is None:
+            return None
+        ways = self._relations.ways(sql, given, now, most=_MOST_WAYS)
+        return Stop(clause, clause.steps[number], ways)
+
     def bodies(self, clauses: Sequence[Clause], given: Sequence[Scalar]) -> tuple[Node, ...]:
-        """Why none of some clauses has a derivation, or a derivation of one that has."""
+        """Return why none of some clauses has a derivation, or a derivation of one that has."""
         for clause in clauses:
             way = self._first(clause.query, given, ())
             if way is not None:
@@ -87,30 +120,39 @@ class Refuting:
             if not same(value_of(way, place), alike[column])
         }
 
-    def _clause(
+    def _reached(
         self, clause: Clause, given: Sequence[Scalar], alike: Mapping[str, Value]
-    ) -> tuple[int, tuple[Node, ...]]:
-        """How many steps hold, and the nodes up to the first that does not."""
-        before, ways, query = self._first(clause.before, given, ()), 1, clause.before
+    ) -> tuple[int, str, list[tuple[str, Value]], int]:
+        """Return how many steps hold.
+
+        Also the query for the ways in which they do, the conditions on it, and the number of ways.
+        """
+        reached: tuple[str, list[tuple[str, Value]], int] = (clause.before, [], 1)
         for number, step in enumerate(clause.steps):
             sql = self._queries.get(step.query)
             if sql is None:
                 continue  # the next step answers for this one, too
             now = self._alike(clause, step.query, alike)
             found = self._relations.count(sql, given, now, _MOST_WAYS)
-            if found:
-                before, ways, query = self._first(step.query, given, now), found, step.query
-                continue
-            held = self._held(clause, number, before, ways)
-            failed = self._failed(clause, step, query, before, ways, given, alike)
-            return number, (*held, failed)
-        return len(clause.steps), (
-            *self._held(clause, len(clause.steps), before, ways),
-            *self._unlike(clause, query, given, alike),
-        )
+            if not found:
+                return number, *reached
+            reached = step.query, now, found
+        return len(clause.steps), *reached
+
+    def _clause(
+        self, clause: Clause, given: Sequence[Scalar], alike: Mapping[str, Value]
+    ) -> tuple[int, tuple[Node, ...]]:
+        """Return how many steps hold, and the nodes up to the first that does not."""
+        number, query, now, ways = self._reached(clause, given, alike)
+        before = self._first(query, given, now)
+        held = self._held(clause, number, before, ways)
+        if number == len(clause.steps):
+            return number, (*held, *self._unlike(clause, query, given, alike))
+        failed = self._failed(clause, clause.steps[number], query, before, ways, given, alike)
+        return number, (*held, failed)
 
     def _held(self, clause: Clause, until: int, way: Way | None, ways: int) -> tuple[Node, ...]:
-        """The nodes of the steps that hold, as they are in one way."""
+        """Return the nodes of the steps that hold, as they are in one way."""
         nodes = self.telling.derivation(clause, way or {}, until)
         if ways > 1 and nodes:
             said = f"one of {counted(ways, 'way', is_all=ways < _MOST_WAYS)}"
@@ -127,7 +169,7 @@ class Refuting:
         given: Sequence[Scalar],
         alike: Mapping[str, Value],
     ) -> Node:
-        """The node of a step that nothing gets past."""
+        """Return the node of a step that nothing gets past."""
         span, text = step.span, step.span.text
         sql = self._queries[step.query]
         elsewhere = self._relations.count(sql, given, (), _MOST_WAYS) if alike else 0
@@ -142,7 +184,7 @@ class Refuting:
             children = self.bodies(step.denied.clauses, self.telling.given(step.denied, way))
             text, found = denied(text, holds=False)
             said = said if elsewhere else found
-        elif way is not None and step.call is not None and step.call.predicate not in _INPUTS:
+        elif way is not None and step.call is not None and step.call.predicate not in INPUTS:
             asked = self.telling.ask(step.call, way | self._known(clause, alike))
         terms = [term for term in step.terms if term.kind != "literal"]
         if way is not None and is_one:
@@ -170,7 +212,7 @@ class Refuting:
         given: Sequence[Scalar],
         alike: Sequence[tuple[str, Value]],
     ) -> Iterator[Node]:
-        """The different values that expressions have over all ways."""
+        """Yield the different values that expressions have over all ways."""
         for term in _flat(terms):
             sql = self._queries.get(query)
             if sql is None or not term.column or term.kind == "literal":
@@ -194,7 +236,7 @@ class Refuting:
     def _unlike(
         self, clause: Clause, query: str, given: Sequence[Scalar], alike: Mapping[str, Value]
     ) -> Iterator[Node]:
-        """What the rule gives where all its steps hold, but not with the values asked for."""
+        """Yield what the rule gives where all its steps hold, but not with the values asked for."""
         way = self._first(query, given, self._alike(clause, query, alike))
         for column, place in clause.head.items() if way is not None else ():
             if column in alike and not same(value_of(way or {}, place), alike[column]):
@@ -203,7 +245,7 @@ class Refuting:
 
     @staticmethod
     def _known(clause: Clause, alike: Mapping[str, Value]) -> Way:
-        """The values that follow from those that the head is to have."""
+        """Return the values that follow from those that the head is to have."""
         return {place: to_sql(alike[c]) for c, place in clause.head.items() if c in alike}
 
     def _first(
@@ -217,7 +259,7 @@ class Refuting:
     def _alike(
         self, clause: Clause, query: str, alike: Mapping[str, Value]
     ) -> list[tuple[str, Value]]:
-        """The conditions on a query for columns of the head that are known by then."""
+        """Return the conditions on a query for columns of the head that are known by then."""
         sql = self._queries[query]
         return [
             (place, alike[column])
@@ -226,11 +268,8 @@ class Refuting:
         ]
 
 
-_INPUTS = ("Sensor", "Memory")
-
-
 def _flat(terms: Sequence[Term]) -> Iterator[Term]:
-    """Terms, each followed by what it compares."""
+    """Yield terms, each followed by what it compares."""
     for term in terms:
         yield term
         if term.kind in ("truth", "if"):
@@ -238,7 +277,7 @@ def _flat(terms: Sequence[Term]) -> Iterator[Term]:
 
 
 def _joined(clauses: Sequence[Clause], found: Sequence[tuple[Node, ...]]) -> tuple[Node, ...]:
-    """The nodes of clauses: what they have in common, then each alternative."""
+    """Return the nodes of clauses: what they have in common, then each alternative."""
     if len(clauses) == 1:
         return found[0]
     common = 0
@@ -263,6 +302,6 @@ def _joined(clauses: Sequence[Clause], found: Sequence[tuple[Node, ...]]) -> tup
 
 
 def _stopped(found: Sequence[tuple[int, tuple[Node, ...]]]) -> Node | None:
-    """What stopped the clause that came furthest."""
+    """Return what stopped the clause that came furthest."""
     _, nodes = max(found, key=lambda each: each[0])
     return nodes[-1] if nodes and nodes[-1].holds is False else None

@@ -2,23 +2,28 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import TYPE_CHECKING, Any
 
+from logical_robots_tui.mind.diagnostics import Stopped
+from logical_robots_tui.mind.failures import failures_in_words
 from logical_robots_tui.mind.sqlite.budget import STEPS_OF_A_CALL
+from logical_robots_tui.mind.sqlite.database import TooSlowError
 from logical_robots_tui.mind.sqlite.stored import from_sql, to_sql
 from logical_robots_tui.mind.why.probing import with_given
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
-    from logical_robots_tui.mind.sqlite.database import Scalar
+    from logical_robots_tui.mind.asking import Asking
+    from logical_robots_tui.mind.program import Program
+    from logical_robots_tui.mind.sqlite.database import Answer, Scalar
+    from logical_robots_tui.mind.sqlite.moment import Moment, View, Within
     from logical_robots_tui.values import Value
 
 __all__ = [
     "ALIKE",
     "SAME",
     "Relations",
-    "Source",
     "Way",
     "alike",
     "alike_in_sql",
@@ -38,81 +43,85 @@ Way = dict[str, "Scalar"]
 _CLOSE = 1e-12
 
 
-class Source(Protocol):
-    """Where the rows come from."""
+class Relations:
+    """The rows that predicates have in one view of a moment, and queries over them.
 
-    def spend(self, steps: int) -> None:
-        """Count work outside of queries, in steps.
+    Args:
+        asking: The databases of the mind.
+        moment: The moment.
+        view: The view.
+        within: The budget of everything that is asked, and the most rows of a predicate.
+    """
 
-        Raises:
-            FailureError: Too many were taken.
-        """
+    def __init__(self, asking: Asking, moment: Moment, view: View, within: Within) -> None:
+        self._asking, self._plain = asking, asking.plain
+        self._moment, self._view, self._within = moment, view, within
+        self._plain.offer(SAME, same_in_sql, 2)
+        self._plain.offer(ALIKE, alike_in_sql, 2)
+        self._rows: dict[str, tuple[dict[str, Value], ...]] = {}
+        self._columns: dict[str, Sequence[str]] = {}
+        self._loaded: dict[str, Sequence[Mapping[str, Value]]] = {}
 
-    def rows(self, predicate: str, sql: str) -> tuple[Sequence[str], Sequence[Sequence[Value]]]:
-        """Columns and rows of a predicate.
+    def rows(self, predicate: str, sql: str = "") -> tuple[dict[str, Value], ...]:
+        """Return the rows of a predicate, by the names of the columns.
 
         Args:
             predicate: Its name.
             sql: A query for them, or "" for that of the program.
 
         Raises:
-            FailureError: It failed, or has too many.
-        """
-
-    def load(self, table: str, columns: Sequence[str], rows: Sequence[Sequence[Scalar]]) -> None:
-        """Fill a table that queries may read.
-
-        Raises:
-            FailureError: It takes too much memory.
-        """
-
-    def ask(
-        self, sql: str, parameters: Sequence[Scalar]
-    ) -> tuple[Sequence[str], Sequence[Sequence[Any]]]:
-        """Columns and rows of a query, as SQLite has them.
-
-        Raises:
-            FailureError: It failed.
-        """
-
-
-class Relations:
-    """The rows that predicates have for one robot at one moment.
-
-    Args:
-        source: Where they come from.
-    """
-
-    def __init__(self, source: Source) -> None:
-        self._source = source
-        self._rows: dict[str, tuple[dict[str, Value], ...]] = {}
-        self._columns: dict[str, Sequence[str]] = {}
-        self._loaded: dict[str, Sequence[Mapping[str, Value]]] = {}
-
-    def rows(self, predicate: str, sql: str = "") -> tuple[dict[str, Value], ...]:
-        """The rows of a predicate, by the names of the columns.
-
-        Raises:
-            FailureError: It failed, or has too many.
+            FailureError: It failed, or has too many rows.
         """
         if predicate not in self._rows:
-            columns, rows = self._source.rows(predicate, sql)
+            if sql:
+                columns, rows = self._asking.plainly(sql, *self._where)
+            else:
+                columns, rows = self._asking.rows(predicate, *self._where)
             self._columns[predicate] = columns
             self._rows[predicate] = tuple(dict(zip(columns, row, strict=True)) for row in rows)
         found = self._rows[predicate]
-        self.spend(STEPS_OF_A_CALL * len(found))  # for whoever looks through them
+        self.spend(STEPS_OF_A_CALL * len(found))  # the caller looks through them
         return found
 
-    def spend(self, steps: int) -> None:
-        """Count what is done with rows outside of queries, in steps.
+    def answer(self, program: Program, query: str) -> list[dict[str, Value]]:
+        """Return the rows of a question about a program, by the names of the columns.
+
+        It may be another program than that of the mind.
 
         Raises:
-            FailureError: Too many were taken.
+            ProgramError: The question has errors.
+            FailureError: It failed.
         """
-        self._source.spend(steps)
+        self.renew()
+        question = program.question(query, stop=self._within.stop)
+        columns, rows = self._asking.plainly(question.sql, *self._where)
+        return [dict(zip(columns, row, strict=True)) for row in rows]
+
+    def renew(self) -> None:
+        """Start again with an unused budget."""
+        self._within.renew()
+
+    @property
+    def _where(self) -> tuple[Moment, View, Within]:
+        return self._moment, self._view, self._within
+
+    def spend(self, steps: int) -> None:
+        """Count work outside of queries, in steps.
+
+        Raises:
+            FailureError: It was too much.
+            Stopped: It was stopped.
+        """
+        within = self._within
+        within.budget.steps -= steps
+        if within.stop is not None and within.stop.is_set():
+            raise Stopped("The explanation was stopped.")
+        with failures_in_words(within):
+            if within.budget.steps < 0:
+                raise TooSlowError
 
     def fill(self, table: str, predicate: str, rows: Sequence[Mapping[str, Value]]) -> None:
-        """Fill a table with some of the rows of a predicate, unless it holds just these.
+        """Fill a table with some of a predicate's rows, unless it holds just these.
 
         Raises:
             FailureError: It takes too much memory.
@@ -121,7 +130,9 @@ class Relations:
             self._loaded.pop(table, None)
             stored = [tuple(map(to_sql, row.values())) for row in rows]
             self.spend(_steps_of(stored))
-            self._source.load(table, self._columns[predicate], stored)
+            with failures_in_words(self._within):
+                columns = self._columns[predicate]
+                self._plain.define(table, columns, stored, self._moment, self._view)
             self._loaded[table] = rows
 
     def ways(
@@ -133,7 +144,7 @@ class Relations:
         most: int = 1,
         compared: str = SAME,
     ) -> list[Way]:
-        """Rows of a query.
+        """Return rows of a query.
 
         Args:
             sql: The query.
@@ -147,7 +158,7 @@ class Relations:
             FailureError: It failed.
         """
         query, parameters = _limited(sql, given, alike, what, most, compared)
-        columns, rows = self._source.ask(query, parameters)
+        columns, rows = self._ask(query, parameters)
         self.spend(_steps_of(rows))
         return [dict(zip(columns, row, strict=True)) for row in rows]
 
@@ -158,14 +169,19 @@ class Relations:
         alike: Sequence[tuple[str, Value]] = (),
         most: int = 1,
     ) -> int:
-        """How many rows a query has, at most so many.
+        """Return how many rows a query has, at most so many.
 
         Raises:
             FailureError: It failed.
         """
         query, parameters = _limited(sql, given, alike, "1", most, SAME)
-        _, rows = self._source.ask(f"SELECT COUNT(*) FROM ({query})", parameters)  # noqa: S608 - ours
+        _, rows = self._ask(f"SELECT COUNT(*) FROM ({query})", parameters)  # noqa: S608 - ours
         return int(rows[0][0])
+
+    def _ask(self, sql: str, parameters: Sequence[Scalar]) -> Answer:
+        """Return columns and rows of a query, as SQLite has them."""
+        with failures_in_words(self._within):
+            return self._plain.ask(sql, *self._where, parameters)
 
 
 def _limited(
@@ -176,7 +192,7 @@ def _limited(
     most: int,
     compared: str,
 ) -> tuple[str, list[Scalar]]:
-    """A query for at most so many rows, and its parameters."""
+    """Return a query for at most so many rows, and its parameters."""
     where = " AND ".join(f"{compared}({column}, ?)" for column, _ in alike)
     query = f"SELECT {what} FROM ({with_given(sql, len(given))})"  # noqa: S608 - the compiler's own SQL
     query += f"{' WHERE ' * bool(where)}{where} LIMIT {most}"
@@ -184,13 +200,13 @@ def _limited(
 
 
 def _steps_of(rows: Sequence[Sequence[Any]]) -> int:
-    """What the work on rows counts for: a call for each value, and its characters."""
+    """Return what the work on rows counts for: a call for each value, and its characters."""
     texts = sum(len(value) for row in rows for value in row if value.__class__ is str)
     return texts + STEPS_OF_A_CALL * sum(map(len, rows))
 
 
 def same(one: Value, other: Value) -> bool:
-    """Whether two values are the same, but for the last digits of a number.
+    """Return whether two values are the same, but for the last digits of a number.
 
     A number loses these where it passes through text.
     """
@@ -208,7 +224,7 @@ def same(one: Value, other: Value) -> bool:
 
 
 def alike(one: Value, other: Value) -> bool:
-    """Whether two values are the same, but for the order of lists.
+    """Return whether two values are the same, but for the order of lists.
 
     In which order an aggregate lists its elements is not said by a program, and a list may be in
     another order where the same is computed in another query.
@@ -225,12 +241,12 @@ def _sorted(value: Value) -> Value:
 
 
 def alike_in_sql(one: Scalar, other: Scalar) -> bool:
-    """The same of values as SQLite has them."""
+    """Return the same of values as SQLite has them."""
     return alike(from_sql(one), from_sql(other))
 
 
 def same_in_sql(one: Scalar, other: Scalar) -> bool:
-    """The same of values as SQLite has them."""
+    """Return the same of values as SQLite has them."""
     if one.__class__ is other.__class__ and one == other:
         return True
     return same(from_sql(one), from_sql(other))

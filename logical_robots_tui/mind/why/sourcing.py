@@ -1,8 +1,8 @@
 """Where a value comes from: the expression that made it, and what was read for that.
 
-A value is followed through one derivation: through variables, fields of records, branches that were
-taken, calls, and the element that decided an aggregate. What is only passed on leads on; it ends
-where a value is computed, or read from a sensor or a memory.
+A value is traced through one derivation: variables, fields of records, branches that were taken,
+calls, and the element that decided an aggregate. The trace ends where a value is computed, or read
+from a sensor or a memory.
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Literal, TypeAlias
 
 from logical_robots_tui.mind.diagnostics import QueryError
 from logical_robots_tui.mind.failures import FailureError
-from logical_robots_tui.mind.program import VALUE
+from logical_robots_tui.mind.program import INPUTS, VALUE
 from logical_robots_tui.mind.why.deriving import decided, value_of
 from logical_robots_tui.mind.why.probing import DECIDED_BY_ONE
 from logical_robots_tui.mind.why.relations import alike
@@ -100,7 +100,7 @@ class _Found:
 def source_of(
     derivations: Derivations, predicate: str, row: Mapping[str, Value], column: str, path: Path
 ) -> Made:
-    """Where a part of a value in a row comes from.
+    """Return where a part of a value in a row comes from.
 
     Args:
         derivations: Finds derivations.
@@ -123,7 +123,7 @@ def source_of(
 
 
 def part_of(value: Value, path: Path) -> Value:
-    """A part of a value.
+    """Return a part of a value.
 
     Raises:
         QueryError: It has no such part.
@@ -155,7 +155,7 @@ class _Sourcing:
         path: Path,
         caller: tuple[_Frame, Call] | None,
     ) -> tuple[Value, _Found]:
-        """A column of the first row with given values, and where a part of it comes from.
+        """Return a column of the first row with given values, and where a part of it comes from.
 
         Raises:
             QueryError: There is no such row, or how it came about can't be told.
@@ -189,7 +189,7 @@ class _Sourcing:
         return self._term(frame, term, path)
 
     def _term(self, frame: _Frame, term: Term, path: Path) -> _Found:
-        """Where a part of the value of an expression comes from."""
+        """Return where a part of the value of an expression comes from."""
         if term.kind == "variable":
             return self._variable(frame, term.column, path)
         if term.kind == "field":
@@ -213,7 +213,7 @@ class _Sourcing:
         return self._computed(frame, term)
 
     def _computed(self, frame: _Frame, term: Term) -> _Found:
-        """A value that is computed here, from what its parts are."""
+        """Return a value that is computed here, from what its parts are."""
         reads = [read for part in term.parts for read in self._term(frame, part, ()).reads]
         return _Found(term.span, frame.rule, tuple(reads))
 
@@ -225,7 +225,7 @@ class _Sourcing:
         return self._term(frame, otherwise, path)
 
     def _variable(self, frame: _Frame, place: str, path: Path) -> _Found:
-        """Where a part of the value of a variable comes from."""
+        """Return where a part of the value of a variable comes from."""
         for step in frame.clause.steps:
             if step.kind in ("call", "function") and step.call is not None:
                 columns = [c for c, p in step.call.arguments.items() if p == place]
@@ -246,15 +246,16 @@ class _Sourcing:
             items = value_of(frame.way, step.terms[0].column)
             number = _index(items, value)
             return self._term(frame, step.terms[0], (number, *path))
-        others = [term for term in step.terms if term.column != place]
+        terms = [term for term in step.terms if term.kind != "literal"]
+        others = [term for term in terms if term.column != place]
         if len(others) == 1 and len(step.gives) == 1:
             return self._term(frame, others[0], path)
         return _Found(step.span, frame.rule, ())
 
     def _called(self, frame: _Frame, call: Call, column: str, path: Path) -> _Found:
-        """Where a part of a column of a row comes from that was called."""
+        """Return where a part of a column of a row comes from that was called."""
         given = {c: value_of(frame.way, p) for c, p in call.arguments.items() if p in frame.way}
-        if call.predicate in ("Sensor", "Memory"):
+        if call.predicate in INPUTS:
             robot = str(given.get("robot_name", self._derivations.robot))
             if column == "robot_name":
                 return _Found(None, frame.rule, ())
@@ -282,7 +283,7 @@ class _Sourcing:
         path: Path,
         span: Span,
     ) -> _Found:
-        """Where a part of the result of an aggregate comes from."""
+        """Return where a part of the result of an aggregate comes from."""
         rule = frames[0].rule if frames else None
         if not found:
             return _Found(span, rule, ())
@@ -316,7 +317,7 @@ def _frame(
     way: Way,
     caller: tuple[_Frame, Call] | None,
 ) -> _Frame:
-    """A derivation of a predicate that was called."""
+    """Return a derivation of a predicate that was called."""
     frame = _Frame(probing, rule, clause, way)
     if caller is not None:
         outer, call = caller
@@ -329,7 +330,7 @@ def _frame(
 
 
 def _inner(outer: _Frame, body: Body, clause: Clause, way: Way) -> _Frame:
-    """A derivation in a body within another one."""
+    """Return a derivation in a body within another one."""
     frame = _Frame(outer.probing, outer.rule, clause, way)
     for place, name in clause.given.items():
         frame.given[place] = outer, body.given[name], None
@@ -337,6 +338,6 @@ def _inner(outer: _Frame, body: Body, clause: Clause, way: Way) -> _Frame:
 
 
 def _index(items: Value, value: Value) -> int:
-    """The place of a value in a list."""
+    """Return the place of a value in a list."""
     places = enumerate(items if isinstance(items, list) else ())
     return next((number for number, item in places if alike(item, value)), 0)

@@ -1,4 +1,4 @@
-"""Which rows of a recursion were there before which, so that no row is proved by itself."""
+"""The order in which rows of a recursion arise, so that no row is proved by itself."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ class Stages:
 
     Args:
         relations: The rows of predicates.
-        members: The predicates, taken apart, by their names; none if there is no recursion.
+        members: The decomposed predicates, by name; none if there is no recursion.
     """
 
     def __init__(self, relations: Relations, members: Mapping[str, Probing]) -> None:
@@ -36,7 +36,7 @@ class Stages:
         self._stages: dict[tuple[str, str], int] | None = None
 
     def first(self, probing: Probing, rows: Sequence[Mapping[str, Value]]) -> Mapping[str, Value]:
-        """The one of some rows that was there first."""
+        """Return the one of some rows that was there first."""
         if not self._members:
             return rows[0]
         return min(rows, key=lambda row: self._stage(probing.name, row))
@@ -48,7 +48,7 @@ class Stages:
         row: Mapping[str, Value],
         rows: Sequence[Mapping[str, Value]],
     ) -> Sequence[Mapping[str, Value]]:
-        """The rows of a predicate that were there before a row of another one."""
+        """Return the rows of a predicate that were there before a row of another one."""
         if not self._members:
             return rows
         stage = self._stage(probing.name, row)
@@ -92,7 +92,7 @@ class Stages:
     def _derivable(
         self, probing: Probing, rows: Mapping[str, Mapping[str, Value]]
     ) -> Iterator[str]:
-        """Keys of the rows that follow from what the tables hold now."""
+        """Yield keys of the rows that follow from what the tables hold now."""
         aggregated = {c.column for r in probing.rules for k in r.clauses for c in k.collected}
         if not aggregated:
             found = {
@@ -125,7 +125,7 @@ class Stages:
 
 
 def _key(row: Mapping[str, Value]) -> str:
-    """A text that is the same for rows that are the same, but for the last digits of numbers."""
+    """Return a key that is equal for rows that differ at most in last digits of numbers."""
     return json.dumps(_rounded(dict(row)), sort_keys=True)
 
 

@@ -43,7 +43,7 @@ def unfold(
     depth: int,
     nodes: int,
 ) -> Proof:
-    """The proof of the first row with given values, or why there is none.
+    """Return the proof of the first row with given values, or why there is none.
 
     Args:
         prover: Whom to ask.
@@ -71,7 +71,7 @@ class _Unfolding:
         self.complete = True
 
     def node(self, node: Node, depth: int, above: tuple[str, ...]) -> Node:
-        """A node with the calls in it unfolded."""
+        """Return a node with the calls in it unfolded."""
         self._left -= 1
         children = tuple(self.node(child, depth, above) for child in node.children)
         if node.asked is not None:
@@ -79,7 +79,7 @@ class _Unfolding:
         return replace(node, children=children)
 
     def _called(self, asked: Ask, depth: int, above: tuple[str, ...]) -> tuple[Node, ...]:
-        """The proof of a call."""
+        """Return the proof of a call."""
         key = json.dumps([asked.predicate, asked.within, asked.given], sort_keys=True)
         if depth <= 1 or self._left <= 0 or key in above:
             self.complete = False
@@ -103,7 +103,7 @@ class _Unfolding:
 
 
 def _proving(explanation: Explanation) -> tuple[Node, ...]:
-    """The rules that give the row; all of them, if there is none."""
+    """Return the rules that give the row; all of them, if there is none."""
     if explanation.row is None:
         return explanation.nodes
     giving = tuple(rule.node for rule in explanation.rules if rule.row is not None)

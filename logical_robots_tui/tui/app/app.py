@@ -8,22 +8,27 @@ import signal
 from time import monotonic
 from typing import TYPE_CHECKING, ClassVar
 
+from platformdirs import user_data_path
 from textual import events
 from textual.binding import Binding
 from textual.errors import NoWidget
 
+from logical_robots_tui.game.continuing import level_to_begin_with, program_to_begin_with
+from logical_robots_tui.game.source import hide_solutions
 from logical_robots_tui.progress import FILE_NAME
 from logical_robots_tui.tui.app.main_screen import MainScreen
-from logical_robots_tui.tui.app.settings import Settings
+from logical_robots_tui.tui.app.settings import Settings, read_settings, settings_path
+from logical_robots_tui.tui.app.ui import Permissions
 from logical_robots_tui.tui.commands.keymap import KEY_MAP, KeyMap, with_keys
 from logical_robots_tui.tui.commands.table import COMMANDS
-from logical_robots_tui.tui.library.progress_recorder import ProgressRecorder
-from logical_robots_tui.tui.terminal.capabilities import drawing_for
+from logical_robots_tui.tui.library.progress_recorder import THEME, TOUR, ProgressRecorder
+from logical_robots_tui.tui.terminal.capabilities import drawing_for, may_use_mouse
+from logical_robots_tui.tui.terminal.crash_report import end_on_hangup
 from logical_robots_tui.tui.terminal.diff_app import DiffApp
 from logical_robots_tui.tui.terminal.driver import LARGEST
 from logical_robots_tui.tui.terminal.key_queue import KeyQueue
-from logical_robots_tui.tui.theme.colours import colours_in
-from logical_robots_tui.tui.theme.themes import NIGHT
+from logical_robots_tui.tui.theme.themes import NIGHT, colours_in
+from logical_robots_tui.world import load_level
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -33,10 +38,9 @@ if TYPE_CHECKING:
     from textual.theme import Theme
 
     from logical_robots_tui.game import Source
-    from logical_robots_tui.tui.app.permissions import Permissions
     from logical_robots_tui.world import Level
 
-__all__ = ["LogicalRobotsApp"]
+__all__ = ["LogicalRobotsApp", "play"]
 
 _COMPLAINTS = 3  # of the configuration that are told; `logical-robots config` tells all
 
@@ -59,6 +63,8 @@ class LogicalRobotsApp(DiffApp, inherit_bindings=False):
         theme: The theme to begin with where the settings name none; "" is what suits the terminal.
         permissions: What the player may do with the machine; by default everything.
     """
+
+    _event_loop: asyncio.AbstractEventLoop | None = None
 
     TITLE = "Logical Robots"
     CSS_PATH = "main_screen.tcss"
@@ -96,18 +102,17 @@ class LogicalRobotsApp(DiffApp, inherit_bindings=False):
         self._key_queue = KeyQueue(self)
         self._interrupted_at = float("-inf")
         self._was_cut = False
-        self._event_loop: asyncio.AbstractEventLoop | None = None
 
     def get_theme_variable_defaults(self) -> dict[str, str]:
-        """Variables that our style sheets use in every theme."""
-        return colours_in(self.current_theme)
+        """Variables that our style sheets use in every theme, once the first theme is known."""
+        return {} if self._event_loop is None else colours_in(self.current_theme)
 
     def get_default_screen(self) -> MainScreen:
         """The main screen."""
         return self.main
 
     def on_load(self) -> None:
-        """Dress up before the first picture."""
+        """Choose the theme before the first picture."""
         self._event_loop = asyncio.get_running_loop()
         self.register_theme(NIGHT)
         wanted = self._first_theme
@@ -133,6 +138,7 @@ class LogicalRobotsApp(DiffApp, inherit_bindings=False):
         self.main.scheduler.rate.frames = settings.frames
         view = self.main.labyrinth.view
         view.rays, view.trails = settings.cones, settings.trails
+        self.main.program.editor.completes = settings.completion
         for complaint in settings.complaints[:_COMPLAINTS]:
             self.main.warn(complaint)
 
@@ -153,7 +159,7 @@ class LogicalRobotsApp(DiffApp, inherit_bindings=False):
         if isinstance(event, events.MouseDown | events.MouseMove) and self._is_gone(event):
             return
         if isinstance(event, events.Key | events.Paste) and not event.is_forwarded:
-            if self._key_queue.must_wait(event) or self.main.offers.overhears(event):
+            if self._key_queue.must_wait(event) or self.main.offers.ignores(event):
                 return
             typed = event
         if isinstance(event, events.Key | events.MouseDown | events.Paste):
@@ -240,3 +246,60 @@ class LogicalRobotsApp(DiffApp, inherit_bindings=False):
             self.main.quit()
         self._interrupted_at = now
         self.notify("Press ^C again to leave the game.", markup=False, timeout=_TWICE)
+
+
+def play(
+    level_name: str | None = None,
+    program: str | None = None,
+    data_dir: Path | None = None,
+    permissions: Permissions | None = None,
+) -> int:
+    """Open the game and return when the player leaves.
+
+    Args:
+        level_name: A level's name or path; by default the level played last, or the first one.
+        program: A program's name or path; by default the player's last program for that level, or
+            its starter.
+        data_dir: Folder with drafts, the player's programs and progress; by default the system's
+            data folder.
+        permissions: What the player may do and read; by default everything.
+
+    Returns:
+        The exit status.
+
+    Raises:
+        InputError: The level or the program can't be used.
+        Exception: A bug in the game; the terminal has been restored.
+    """
+    data_dir = data_dir or user_data_path("logical-robots", appauthor=False)
+    permissions = permissions or Permissions()
+    recorder = ProgressRecorder(data_dir / FILE_NAME)
+    progress = recorder.progress
+    if not permissions.solutions:
+        hide_solutions(progress)
+    level = load_level(level_name) if level_name else level_to_begin_with(progress)
+    source, text = program_to_begin_with(recorder.progress, level, program, data_dir / "programs")
+    app = LogicalRobotsApp(
+        level,
+        source,
+        data_dir=data_dir,
+        recorder=recorder,
+        text=text,
+        permissions=permissions,
+        settings=read_settings(settings_path()),
+        theme=recorder.progress.fact(THEME) or "",
+        welcome=level_name is None and recorder.progress.fact(TOUR) is None,
+    )
+    app.suit_terminal()
+    put_back = end_on_hangup(app.save_unsaved, app.leave_soon)
+    try:
+        app.run(mouse=may_use_mouse(os.environ))
+    except Exception:
+        if app.mistake is None:
+            app.save_unsaved()
+            raise
+    finally:
+        put_back()
+    if app.mistake is not None:
+        raise app.mistake
+    return app.return_code or 0

@@ -15,36 +15,31 @@ from logical_robots_tui.game.drafts import Drafts
 from logical_robots_tui.garbage import collect_seldom
 from logical_robots_tui.tui.app.background import ScreenUi
 from logical_robots_tui.tui.app.frame_scheduler import FrameScheduler
-from logical_robots_tui.tui.app.permissions import Permissions
-from logical_robots_tui.tui.app.quitting import leave
 from logical_robots_tui.tui.app.session import Session
-from logical_robots_tui.tui.app.session_listener import SessionListener
+from logical_robots_tui.tui.app.session_state import SessionListener
+from logical_robots_tui.tui.app.ui import Permissions
 from logical_robots_tui.tui.commands.keymap import KEY_MAP, command
-from logical_robots_tui.tui.inspector.highlights import Placed, Sighted
+from logical_robots_tui.tui.inspector.page import Placed, Sighted
 from logical_robots_tui.tui.inspector.pages.robots import RobotsView
 from logical_robots_tui.tui.inspector.pane import InspectorPane
 from logical_robots_tui.tui.inspector.predicate_list import DECISION, ROBOTS, WATCH, WHY
 from logical_robots_tui.tui.labyrinth.pane import LabyrinthPane
 from logical_robots_tui.tui.labyrinth.victory import VictoryAnnouncer
 from logical_robots_tui.tui.labyrinth.view import LabyrinthView
-from logical_robots_tui.tui.layout.arrangement import Arrangement
+from logical_robots_tui.tui.layout.arrangement import LEAST_HEIGHT, LEAST_WIDTH, Arrangement, Layout
 from logical_robots_tui.tui.layout.command_bar import CommandBar, CommandChosen, PaneTabs
-from logical_robots_tui.tui.layout.layout import LEAST_HEIGHT, LEAST_WIDTH, Layout
 from logical_robots_tui.tui.layout.pane import Pane
 from logical_robots_tui.tui.layout.status_line import StatusLine, status_of
 from logical_robots_tui.tui.learning.controller import LearningController
-from logical_robots_tui.tui.learning.tour_controller import TourController
+from logical_robots_tui.tui.learning.tour import TourController
 from logical_robots_tui.tui.level_editor.controller import LevelEditing
 from logical_robots_tui.tui.library.controller import LibraryController
-from logical_robots_tui.tui.program.controller import ProgramController
+from logical_robots_tui.tui.program.controller import FileWatch, ProgramController
 from logical_robots_tui.tui.program.editor import Editor
-from logical_robots_tui.tui.program.file_watch import FileWatch
 from logical_robots_tui.tui.program.pane import ProgramPane
-from logical_robots_tui.tui.recovery.autosave import Autosave, program_draft
-from logical_robots_tui.tui.recovery.bookmark import Bookmark
-from logical_robots_tui.tui.recovery.offers import Offers
-from logical_robots_tui.tui.timeline.controller import TimelineController
-from logical_robots_tui.tui.timeline.search import Search
+from logical_robots_tui.tui.recovery.autosave import Autosave, leave, program_draft
+from logical_robots_tui.tui.recovery.offers import Bookmark, Offers
+from logical_robots_tui.tui.timeline.controller import Search, TimelineController
 from logical_robots_tui.tui.timeline.widget import Timeline
 
 if TYPE_CHECKING:
@@ -146,7 +141,12 @@ class MainScreen(Screen[None], SessionListener):
             session, ui, data_dir / "levels", self.drafts, self.library.open_level, self._panel
         )
         self.bookmark = Bookmark(
-            session, self.drafts, ui, self.library, self.labyrinth.close_briefing
+            session,
+            self.drafts,
+            ui,
+            self.library.open_level,
+            self.library.open_program,
+            self.labyrinth.close_briefing,
         )
         self.offers = Offers(ui, lambda: self.is_active)
         self.learning = LearningController(
@@ -373,12 +373,6 @@ class MainScreen(Screen[None], SessionListener):
     def _place_pointed(self, event: Placed) -> None:
         if event.program == self.text and not self.program.has_focus_within:
             self.program.show_place(*event.place)
-
-    def on_value_table_opened(self) -> None:
-        """Open the value under the cursor; handled by name, which does not load the class."""
-        self.action_command("open_value")
-
-    on_decision_view_opened = on_why_view_opened = on_value_table_opened
 
     @on(RobotsView.Chosen)
     def _robot_chosen(self, event: RobotsView.Chosen) -> None:

@@ -16,8 +16,7 @@ from logical_robots_tui.game import (
 )
 from logical_robots_tui.game.victory import victory_of
 from logical_robots_tui.mind import ProgramError
-from logical_robots_tui.tui.app.session_state import Movement, OpenLevel, nothing
-from logical_robots_tui.tui.program.state import ProgramState
+from logical_robots_tui.tui.app.session_state import Movement, OpenLevel, ProgramState, nothing
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Coroutine, Mapping
@@ -25,7 +24,7 @@ if TYPE_CHECKING:
     from logical_robots_tui.game import Breakpoint, Game, Hit, Place, Source
     from logical_robots_tui.game.history.history import History
     from logical_robots_tui.mind import Predicate, Program, Table
-    from logical_robots_tui.tui.app.session_listener import SessionListener
+    from logical_robots_tui.tui.app.session_state import SessionListener
     from logical_robots_tui.tui.app.ui import Spawn, Work
     from logical_robots_tui.world import Level
     from logical_robots_tui.world.changing import Pose

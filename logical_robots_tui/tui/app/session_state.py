@@ -1,18 +1,21 @@
-"""The state of a session: the current level, and what the robots are doing."""
+"""The state of a session: level, program, what the robots are doing, and who listens."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass, field
 from time import perf_counter
-from typing import TYPE_CHECKING, Literal, TypeAlias
+from typing import TYPE_CHECKING, Literal, NamedTuple, Protocol, TypeAlias
 
 from logical_robots_tui.editing.edits import Edits
 from logical_robots_tui.world.level import alike
 
 if TYPE_CHECKING:
+    from logical_robots_tui.game import Frame, Hit
+    from logical_robots_tui.game.victory import Victory
+    from logical_robots_tui.mind import Diagnostic, Program
     from logical_robots_tui.world import Level
 
-__all__ = ["Movement", "OpenLevel", "nothing"]
+__all__ = ["Movement", "OpenLevel", "ProgramState", "ProgramText", "SessionListener", "nothing"]
 
 
 class OpenLevel:
@@ -107,3 +110,86 @@ class Movement:
 
 async def nothing() -> None:
     """Take the place of work that is to end."""
+
+
+class SessionListener:
+    """Is notified of a session's events; ignores those that it does not override."""
+
+    def level_opened(self, level: Level) -> None:
+        """The player has opened a level."""
+
+    def level_saved(self, level: Level) -> None:
+        """The current level has been saved as edited."""
+
+    def level_changed(self) -> None:
+        """The frame on the screen has a different version of the level than the previous one."""
+
+    def restarted(self) -> None:
+        """The level has been restarted."""
+
+    def program_used(self, program: Program) -> None:
+        """The robots start to use a program."""
+
+    def tick_shown(self, frame: Frame) -> None:
+        """A tick has been shown on the screen."""
+
+    def won(self, victory: Victory) -> None:
+        """The robots have won while moving forward; once for each program and tick."""
+
+    def stopped(self, hits: tuple[Hit, ...]) -> None:
+        """The robots have stopped at breakpoints."""
+
+
+Phase: TypeAlias = Literal["fresh", "compiling", "applied", "mistake"]
+
+
+class ProgramState(NamedTuple):
+    """The state of the program.
+
+    Attributes:
+        phase: ``fresh`` before the first compilation, then the result of the last one.
+        tried: The last compiled text.
+        applied: The text that the robots use, or None.
+        mistakes: Errors of `tried`, or warnings if it runs.
+        warnings: Warnings of `applied`.
+        compiled: The number of compiled predicates and of all, while compiling.
+    """
+
+    phase: Phase = "fresh"
+    tried: str = ""
+    applied: str | None = None
+    mistakes: tuple[Diagnostic, ...] = ()
+    warnings: tuple[Diagnostic, ...] = ()
+    compiled: tuple[int, int] = (0, 0)
+
+    @classmethod
+    def of_applied(cls, text: str, warnings: tuple[Diagnostic, ...]) -> ProgramState:
+        """Return the state when the robots start to use a text."""
+        return cls("applied", text, text, warnings, warnings)
+
+    def compiling(self, text: str) -> ProgramState:
+        """Return the state when the compilation of a text starts."""
+        return self._replace(phase="compiling", tried=text, mistakes=(), compiled=(0, 0))
+
+    def seen_from(self, text: str) -> ProgramState:
+        """Return the state to show while that text is in the editor.
+
+        Errors of another text are dropped once the robots' text is back.
+        """
+        if self.phase != "mistake" or text == self.tried or text != self.applied:
+            return self
+        return self._replace(phase="applied", tried=text, mistakes=self.warnings)
+
+
+class ProgramText(Protocol):
+    """The editable text of the current program."""
+
+    @property
+    def text(self) -> str:
+        """The text."""
+
+    def load(self, text: str) -> None:
+        """Load another program's text."""
+
+    def put(self, text: str) -> None:
+        """Replace the text of the same program; undo restores the old one."""

@@ -8,15 +8,16 @@ import tomllib
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, NamedTuple
 
+from platformdirs import user_config_path
+
 from logical_robots_tui.paths import read_ordinary
 from logical_robots_tui.shipped import did_you_mean
-from logical_robots_tui.tui.app.facts import NIGHT_NAME
 from logical_robots_tui.tui.commands.command import key_name
 from logical_robots_tui.tui.commands.keymap import key_from
 from logical_robots_tui.tui.commands.table import COMMANDS
 from logical_robots_tui.tui.labyrinth.drawing.glyphs import Drawing
-from logical_robots_tui.tui.theme.themes import THEMES
-from logical_robots_tui.world.limits import excess_of_toml
+from logical_robots_tui.tui.theme.themes import NIGHT, THEMES
+from logical_robots_tui.world.levels.limits import excess_of_toml
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping, Sequence
@@ -27,7 +28,7 @@ if TYPE_CHECKING:
 
     Complain: TypeAlias = Callable[[str, str], None]
 
-__all__ = ["Settings", "as_toml", "read_settings"]
+__all__ = ["Settings", "as_toml", "read_settings", "settings_path"]
 
 _MOST_FRAMES = 60
 _LONGEST = 100_000  # bytes of the file
@@ -47,6 +48,7 @@ class Settings(NamedTuple):
         frames: The most pictures per second.
         cones: Whether to show the light of the robots' radars.
         trails: Whether to show trails.
+        completion: Whether a dot or a capital letter opens the list of words.
         keys: Changed keys, in Textual's names, by id of the command.
         complaints: Errors in the file, each with its place.
     """
@@ -56,8 +58,14 @@ class Settings(NamedTuple):
     frames: int = 30
     cones: bool = True
     trails: bool = True
+    completion: bool = True
     keys: Mapping[str, tuple[str, ...]] = MappingProxyType({})
     complaints: tuple[str, ...] = ()
+
+
+def settings_path() -> Path:
+    """Return the place of the configuration file, whether there is one or not."""
+    return user_config_path("logical-robots", appauthor=False) / "config.toml"
 
 
 def read_settings(path: Path) -> Settings:
@@ -101,6 +109,7 @@ def _settings(found: dict[str, Any], complain: Complain) -> Settings:
         "frames": _frames,
         "cones": _truth,
         "trails": _truth,
+        "completion": _truth,
         "keys": lambda value: _keys(value, complain),
     }
     taken: dict[str, Any] = {}
@@ -194,11 +203,12 @@ def _line_of(name: str, text: str) -> str:
 def as_toml(settings: Settings) -> str:
     """Return a file with these settings, with every command and its keys."""
     lines = [
-        _set("theme", settings.theme, NIGHT_NAME),
+        _set("theme", settings.theme, NIGHT.name),
         _set("drawing", settings.drawing and settings.drawing.value, "quadrants"),
         _set("frames", settings.frames),
         _set("cones", settings.cones),
         _set("trails", settings.trails),
+        _set("completion", settings.completion),
         "",
         "[keys]",
     ]

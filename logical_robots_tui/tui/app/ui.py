@@ -1,15 +1,15 @@
-"""What controllers may do on the screen: show messages, ask, and start work."""
+"""What controllers may do on the screen, and what the player may do with the machine."""
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, Protocol, TypeAlias, TypeVar
+from typing import TYPE_CHECKING, Any, NamedTuple, Protocol, TypeAlias, TypeVar
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Coroutine
 
     from textual.screen import Screen
 
-__all__ = ["Spawn", "Ui", "Work"]
+__all__ = ["Permissions", "Spawn", "Ui", "Work"]
 
 Result = TypeVar("Result")
 
@@ -43,3 +43,18 @@ class Ui(Protocol):
 
     async def ask(self, dialog: Screen[Result]) -> Result | None:
         """Show a dialog and return its result; only for background work."""
+
+
+class Permissions(NamedTuple):
+    """Everything on one's own machine; less on a shared or public one, or in a class.
+
+    Attributes:
+        programs: Whether other programs may use the terminal: an editor, or the shell after
+            suspending.
+        clipboard: Whether the game may write to the terminal's clipboard.
+        solutions: Whether the solution of a level can be read before it is won.
+    """
+
+    programs: bool = True
+    clipboard: bool = True
+    solutions: bool = True

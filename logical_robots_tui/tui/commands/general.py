@@ -33,7 +33,7 @@ def help_(screen: MainScreen) -> None:
 @general.command("Commands", "ctrl+p", bar="Commands", place="anywhere", spare=4)
 def palette(screen: MainScreen) -> None:
     """Find any command by typing a part of its name."""
-    from logical_robots_tui.tui.commands.palette import CommandProvider, EditingProvider, Palette
+    from logical_robots_tui.tui.commands.help import CommandProvider, EditingProvider, Palette
 
     provider = EditingProvider if screen.editing.is_on else CommandProvider
     screen.app.push_screen(Palette([provider], placeholder="Find a command…"))
@@ -44,7 +44,7 @@ def theme(screen: MainScreen) -> None:
     """Choose the colours of the screen, dark or light; the choice is kept."""
     from textual.theme import ThemeProvider
 
-    from logical_robots_tui.tui.commands.palette import Palette
+    from logical_robots_tui.tui.commands.help import Palette
 
     screen.app.push_screen(Palette([ThemeProvider], placeholder="Find a theme…"))
 

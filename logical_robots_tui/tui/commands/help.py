@@ -1,27 +1,33 @@
-"""Help: all keys, and the signs in the labyrinth."""
+"""Finding commands: the palette, and the help with all keys and signs."""
 
 from __future__ import annotations
 
+from functools import partial
 from textwrap import wrap
 from typing import TYPE_CHECKING, ClassVar, Literal, TypeAlias
 
 from textual.binding import Binding
-from textual.containers import Vertical, VerticalScroll
+from textual.command import CommandPalette, DiscoveryHit, Hit, Provider
+from textual.containers import VerticalScroll
 from textual.content import Content
 from textual.widgets import Static
 
 from logical_robots_tui.tui.commands.keymap import commands
 from logical_robots_tui.tui.labyrinth.drawing.glyphs import Drawing, legend
-from logical_robots_tui.tui.layout.dialogs import Dialog
-from logical_robots_tui.tui.theme.themes import INK, hex_colour, palette_of
-from logical_robots_tui.tui.timeline.drawing import PARTING, SIGNS, TRACKS
+from logical_robots_tui.tui.labyrinth.drawing.palette import hex_colour
+from logical_robots_tui.tui.layout.dialogs import ClosedOnce, Dialog
+from logical_robots_tui.tui.theme.themes import INK, palette_of
+from logical_robots_tui.tui.timeline.widget import DIVERGENCE, SIGNS, TRACKS
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable
+    from collections.abc import Callable, Iterable
 
     from textual.app import ComposeResult
+    from textual.command import Hits
 
-__all__ = ["Help", "Subject"]
+    from logical_robots_tui.tui.commands.command import Command
+
+__all__ = ["CommandProvider", "EditingProvider", "Help", "Palette", "Subject"]
 
 _INSPECTOR_SIGNS = (
     ("◂", "an input: what the world gives the program"),
@@ -87,17 +93,16 @@ class Help(Dialog[None]):
         Binding("question_mark,f1,q", "leave", "Close", show=False),
     ]
 
+    keys = "↑↓ scroll   esc close"
+
     def __init__(self, drawing: Drawing, about: Subject = "labyrinth") -> None:
-        super().__init__()
+        super().__init__(f"Help · {about}")
         self._drawing, self._about = drawing, about
 
-    def compose(self) -> ComposeResult:
+    def content_widgets(self) -> ComposeResult:
         """One long text."""
-        with Vertical(id="box") as box:
-            box.border_title = f"Help · {self._about}"
-            with VerticalScroll():
-                yield Static(id="help")
-            yield Static("↑↓ scroll   esc close", id="keys", markup=False)
+        with VerticalScroll():
+            yield Static(id="help")
 
     def on_resize(self) -> None:
         """Wrap the lines again."""
@@ -118,7 +123,7 @@ class Help(Dialog[None]):
             (sign, hex_colour(rgb), said) for sign, rgb, said in legend(self._drawing, palette)
         ]
         sections["In the labyrinth"] = _signs(signs)
-        sections["In the timeline"] = _signs([*SIGNS.values(), PARTING, *TRACKS])
+        sections["In the timeline"] = _signs([*SIGNS.values(), DIVERGENCE, *TRACKS])
         sections["In the inspector"] = _signs([(s, INK.key, said) for s, said in _INSPECTOR_SIGNS])
         sentence, first = _ABOUT[self._about]
         content = [
@@ -150,3 +155,48 @@ def _entry(keys: str, title: str, text: str, width: int) -> list[Content]:
     if told and width > _BESIDE_FROM:
         first = first.append(" " * (indent - first.cell_length)).append(told.pop(0))
     return [first, *(Content(" " * indent).append(line) for line in told)]
+
+
+class Palette(CommandPalette, ClosedOnce[None]):
+    """A line to type in, and what can be had by that."""
+
+
+class CommandProvider(Provider):
+    """Offers every command but those of the level editor."""
+
+    def offered(self) -> list[Command]:
+        """The commands, in the order in which they are shown."""
+        return commands("screen", "text")
+
+    async def discover(self) -> Hits:
+        """All commands, before anything is typed."""
+        for entry in self.offered():
+            if entry.id != "palette":
+                yield DiscoveryHit(
+                    _title(entry), self._caller(entry), text=entry.title, help=entry.help
+                )
+
+    async def search(self, query: str) -> Hits:
+        """The commands whose title or help matches."""
+        matcher = self.matcher(query)
+        for entry in self.offered():
+            score = max(matcher.match(entry.title), matcher.match(entry.help) * 0.5)
+            if score > 0 and entry.id != "palette":
+                yield Hit(
+                    score, _title(entry), self._caller(entry), text=entry.title, help=entry.help
+                )
+
+    def _caller(self, entry: Command) -> Callable[[], object]:
+        return partial(self.screen.run_action, f"command('{entry.id}')")
+
+
+class EditingProvider(CommandProvider):
+    """Offers the commands of the level editor first, then all others."""
+
+    def offered(self) -> list[Command]:
+        """The commands, in the order in which they are shown."""
+        return commands("level") + super().offered()
+
+
+def _title(entry: Command) -> str:
+    return f"{entry.title}   {entry.key_names}" if entry.keys else entry.title

@@ -83,6 +83,12 @@ async def next_level(screen: MainScreen) -> None:
     await screen.library.next_level()
 
 
+@program.command("Labyrinth of the day")
+async def daily(screen: MainScreen) -> None:
+    """Open the labyrinth that everybody has today, in one of three sizes."""
+    await screen.library.open_daily()
+
+
 @program.command("Choose a program", "o", bar="Open")
 async def program_(screen: MainScreen) -> None:
     """Choose a program, or type the path of a program file."""
@@ -140,6 +146,21 @@ def results(screen: MainScreen) -> None:
     """Compare your best results with those of the reference program."""
     screen.labyrinth.banner.toggle(screen.recorder)
     screen.go_to(screen.labyrinth)
+
+
+@learning.command("Copy my result")
+def copy_result(screen: MainScreen) -> None:
+    """Copy the result of your last victory here as a line of text to share."""
+    from logical_robots_tui.game.victory import result_line
+
+    measures = screen.recorder.latest
+    if measures is None or screen.recorder.is_reference:
+        screen.tell("There is no result to copy: win this level first.")
+        return
+    line = result_line(screen.session.opened, measures)
+    screen.app.copy_to_clipboard(line)
+    screen.program_controller.keep_copy(line)
+    screen.tell(line)
 
 
 @learning.command("Reference program", "W")

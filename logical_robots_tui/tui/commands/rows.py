@@ -58,7 +58,7 @@ def open_value(screen: MainScreen) -> None:
     from logical_robots_tui.tui.inspector.widgets.value_tree import ValueTree
 
     inspector, frame = screen.inspector, screen.session.frame
-    view = inspector.pages.reasons.view
+    view = inspector.pages.why.view
 
     def follow_back(pin: Pin) -> bool:
         """Follow a value of the tree; whether it is part of a memory."""
@@ -125,16 +125,17 @@ async def sql(screen: MainScreen) -> None:
     """Show what each predicate costs, and SQL and query plan of the one inspected."""
     from logical_robots_tui.game import Superseded
     from logical_robots_tui.tui.inspector.page import NO_PROGRAM
-    from logical_robots_tui.tui.inspector.query_plan import machinery_text
+    from logical_robots_tui.tui.inspector.predicate_graph import query_plan_text
     from logical_robots_tui.tui.learning.reader import Reader
 
     inspector, frame = screen.inspector, screen.session.frame
     try:
-        found = await inspector.questions.machinery(frame)
+        inquiry, program = inspector.questions.about()
+        found = await inquiry.query_plans(program, frame)
     except Superseded:
         found = []
     if found:
-        text = machinery_text(found, inspector.inspected)
+        text = query_plan_text(found, inspector.inspected)
         screen.app.push_screen(Reader(f"How it is computed · tick {frame.tick}", text))
     else:
         screen.tell(NO_PROGRAM)
@@ -240,7 +241,7 @@ def _question_asked(screen: MainScreen) -> str:
     from logical_robots_tui.tui.inspector.predicate_list import ASK
 
     inspector = screen.inspector
-    return inspector.pages.asking.asked if inspector.inspected == ASK else ""
+    return inspector.pages.ask.asked if inspector.inspected == ASK else ""
 
 
 def _table(screen: MainScreen) -> ValueTable | None:

@@ -1,9 +1,13 @@
-"""What every page of the inspector has: a heading, a view that takes the focus, and `show`."""
+"""What pages of the inspector share: heading, view, message, and a query in the background."""
 
 from __future__ import annotations
 
+import asyncio
+from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, ClassVar
+from math import isclose
+from time import perf_counter
+from typing import TYPE_CHECKING, Any, ClassVar, TypeVar
 
 from textual.containers import Vertical
 from textual.content import Content
@@ -11,21 +15,32 @@ from textual.message import Message
 from textual.widgets import Static
 
 from logical_robots_tui.tui.inspector.widgets.line_views import LinesView
+from logical_robots_tui.tui.labyrinth.drawing.glyphs import Highlight
 from logical_robots_tui.tui.theme.safe_text import one_line
 from logical_robots_tui.tui.theme.themes import INK
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Callable, Coroutine, Sequence
 
     from textual.widget import Widget
 
     from logical_robots_tui.game import Frame
+    from logical_robots_tui.mind import Node, Program
     from logical_robots_tui.tui.app.session import Session
-    from logical_robots_tui.tui.inspector.background_query import BackgroundQuery
     from logical_robots_tui.tui.inspector.questions import Questions, Survey
     from logical_robots_tui.tui.inspector.widgets.table import ValueTable
 
-__all__ = ["NO_PROGRAM", "Page"]
+__all__ = [
+    "NO_PROGRAM",
+    "BackgroundQuery",
+    "Cancelled",
+    "Page",
+    "Placed",
+    "Sighted",
+    "definition",
+    "progress",
+    "sight",
+]
 
 NO_PROGRAM = "There is no program to query yet."
 
@@ -154,3 +169,138 @@ class Page(Vertical):
         content = words if isinstance(words, Content) else Content.styled(one_line(words), INK.warn)
         self._message.update(content)
         self._message.display = bool(content)
+
+
+T = TypeVar("T")
+
+_INTERVAL = 0.1  # seconds between two steps of the spinner; quicker queries show none
+_SPINNER = "▖▘▝▗"
+
+
+class Cancelled(Exception):  # noqa: N818 - the player's wish, and no error
+    """The player has cancelled the query."""
+
+
+class BackgroundQuery:
+    """Waits for one answer at a time.
+
+    Attributes:
+        seconds: How long the present query, or the last one, has been running.
+    """
+
+    def __init__(self) -> None:
+        self.seconds = 0.0
+        self._task: asyncio.Future[Any] | None = None
+
+    @property
+    def is_long(self) -> bool:
+        """Whether a query has been running long enough to show its progress."""
+        return self._task is not None and self.seconds > 0
+
+    async def run(self, work: Coroutine[Any, Any, T], report: Callable[[], None]) -> T:
+        """Run a query.
+
+        Args:
+            work: The query; it is cancelled if this call is.
+            report: Called ten times a second while it runs.
+
+        Raises:
+            Cancelled: `cancel` was called meanwhile.
+        """
+        task = asyncio.ensure_future(work)
+        self._task, self.seconds = task, 0.0
+        began = perf_counter()
+        try:
+            while not (await asyncio.wait({task}, timeout=_INTERVAL))[0]:
+                self.seconds = perf_counter() - began
+                report()
+            if task.cancelled():
+                raise Cancelled
+            return task.result()
+        finally:
+            task.cancel()
+            if self._task is task:
+                self._task = None
+
+    def cancel(self) -> None:
+        """Cancel the running query."""
+        if self._task is not None:
+            self._task.cancel()
+
+
+def progress(what: str, seconds: float) -> Content:
+    """A spinner, what is running, for how long, and how to cancel it."""
+    spin = _SPINNER[int(seconds / _INTERVAL) % len(_SPINNER)]
+    return Content.assemble(
+        (f"{spin} ", INK.key),
+        (one_line(what), INK.text),
+        (f"  {seconds:.1f} s", INK.number),
+        ("  esc here stops it", INK.dim),
+    )
+
+
+@dataclass
+class Placed(Message):
+    """Highlight a place in the program.
+
+    Attributes:
+        program: The program's text.
+        place: Offsets of its first character and behind its last one.
+    """
+
+    program: str
+    place: tuple[int, int]
+
+
+@dataclass
+class Sighted(Message):
+    """Highlight a robot or a ray in the labyrinth, or nothing.
+
+    Attributes:
+        highlight: The robot or the ray, or None.
+        frame: The tick that it belongs to.
+    """
+
+    highlight: Highlight | None
+    frame: Frame
+
+
+def sight(node: Node, robot: str, frame: Frame) -> Highlight | None:
+    """The robot or the ray that a node of a proof is about, or None.
+
+    Args:
+        node: The node.
+        robot: The robot whose reasoning it belongs to; equal rays are taken to be this robot's.
+        frame: The tick.
+    """
+    if node.robot:
+        return Highlight(node.robot)
+    if node.ray is not None and len(node.values) == 1:
+        rows = sorted(frame.sensors, key=lambda row: row["robot_name"] != robot)
+        for row in rows:
+            for ray in row["sensor"]["radar"]:
+                if _is_same(node, ray):
+                    return Highlight(row["robot_name"], ray["angle"])
+    return None
+
+
+def _is_same(node: Node, ray: Mapping[str, Any]) -> bool:
+    """Whether a node's value is a ray; SQLite may change the last digits of its angle."""
+    value = node.values[0]
+    return (
+        isinstance(value, Mapping)
+        and node.ray is not None
+        and value.keys() == ray.keys()
+        and isclose(node.ray, ray["angle"], abs_tol=1e-9)
+        and all(value[name] == ray[name] for name in ray if name != "angle")
+    )
+
+
+def definition(program: Program | None, name: str) -> Placed | None:
+    """Where a predicate is defined, or None if that is not in the program."""
+    predicate = None if program is None else program.predicate(name)
+    if program is None or predicate is None or predicate.line is None:
+        return None
+    lines = program.text.split("\n")
+    start = sum(len(line) + 1 for line in lines[: predicate.line - 1])
+    return Placed(program.text, (start, start + len(name)))

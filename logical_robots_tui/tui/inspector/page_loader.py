@@ -42,18 +42,18 @@ class Pages:
 
     def __init__(self, session: Session, questions: Questions) -> None:
         self.decision = DecisionPage(session, questions)
-        self.reasons = WhyPage(session, questions)
-        self.asking = AskPage(session, questions)
-        self.watching = WatchPage(session, questions)
+        self.why = WhyPage(session, questions)
+        self.ask = AskPage(session, questions)
+        self.watch = WatchPage(session, questions)
         self.diagnosis = DiagnosisPage(session, questions)
         self.origin = OriginPage(session, questions)
         self.predicate = PredicatePage(session, questions)
-        self.table, self.pins = self.predicate.view, self.watching.view
+        self.table, self.pins = self.predicate.view, self.watch.view
         self.by_name: dict[str, Page] = {
             DECISION: self.decision,
-            WHY: self.reasons,
-            ASK: self.asking,
-            WATCH: self.watching,
+            WHY: self.why,
+            ASK: self.ask,
+            WATCH: self.watch,
             DIAGNOSIS: self.diagnosis,
             ORIGIN: self.origin,
         }

@@ -13,8 +13,7 @@ from textual.widgets import ContentSwitcher, OptionList
 
 from logical_robots_tui.game import Superseded
 from logical_robots_tui.tui.app.background import in_background
-from logical_robots_tui.tui.inspector.highlights import Sighted, definition
-from logical_robots_tui.tui.inspector.page import Page
+from logical_robots_tui.tui.inspector.page import Page, Sighted, definition
 from logical_robots_tui.tui.inspector.pages.robots import RobotsPage
 from logical_robots_tui.tui.inspector.predicate_list import (
     ASK,
@@ -176,13 +175,13 @@ class InspectorPane(Pane):
     def why(self) -> None:
         """Explain the rows of the selected predicate, or what the robot does."""
         own = {p.name for p in self._session.predicates if p.kind == "program"}
-        self.pages.reasons.begin(self._inspected if self._inspected in own else "Robot")
+        self.pages.why.begin(self._inspected if self._inspected in own else "Robot")
         self._enter_page(WHY)
 
     def ask(self, query: str = "") -> None:
         """Go to the query line, and run a query if one is given."""
         self._enter_page(ASK)
-        self.pages.asking.put(query)
+        self.pages.ask.put(query)
 
     def go_to_pins(self) -> None:
         """Go to the pinned values."""
@@ -202,7 +201,7 @@ class InspectorPane(Pane):
         )
 
         if self.inspected == WHY:
-            return memory_in_proof(self.pages.reasons.view, tick)
+            return memory_in_proof(self.pages.why.view, tick)
         if self.inspected == WATCH:
             return memory_of(self.pages.pins.pointed, tick)
         if self.inspected in (ROBOTS, DECISION):

@@ -75,7 +75,8 @@ class PinHistory:
         about = None if game is None else (game, game.program, game.history.turns)
         if about != self._about:
             self._about, self._ticks = about, {}
-        readings = await self._questions.readings(frame, list(pins))
+        inquiry, program = self._questions.about()
+        readings = await inquiry.readings(program, frame, list(pins))
         if about == self._about:
             known = self._ticks.setdefault(frame.tick, {})
             known.update({pin: _sample(reading) for pin, reading in readings.items()})

@@ -1,33 +1,29 @@
-"""The call graph around a predicate: its users at the left, what it uses at the right."""
+"""What predicates use and cost: the call graph, and the SQL with its query plan."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, ClassVar
 
-from textual import on
 from textual.binding import Binding
-from textual.containers import Vertical
 from textual.content import Content
 from textual.geometry import Region
-from textual.message import Message
 from textual.widgets import Static
 
 from logical_robots_tui.tui.inspector.predicate_list import MARKS
 from logical_robots_tui.tui.inspector.widgets.line_views import LinesView
 from logical_robots_tui.tui.layout.dialogs import Dialog
-from logical_robots_tui.tui.theme.safe_text import clip, one_line
+from logical_robots_tui.tui.theme.safe_text import clip, one_line, visible
 from logical_robots_tui.tui.theme.themes import INK
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Callable, Iterator, Sequence
 
     from textual import events
     from textual.app import ComposeResult
 
-    from logical_robots_tui.mind import Program
+    from logical_robots_tui.mind import Program, QueryPlan
 
-__all__ = ["Graph", "GraphView", "joint"]
+__all__ = ["Graph", "GraphView", "joint", "query_plan_text"]
 
 _USERS, _MIDDLE, _USED = 0, 1, 2
 _JOINTS = {
@@ -38,7 +34,6 @@ _JOINTS = {
 _NOBODY, _NOTHING = "nobody", "nothing"
 _HERE = "reverse"
 _ARROWS = 10  # columns for the two joints with their arrows
-_KEYS = "↑↓ choose   ← → go along   enter open in the inspector   esc close"
 
 
 class GraphView(LinesView):
@@ -47,6 +42,7 @@ class GraphView(LinesView):
     Args:
         program: Whose predicates.
         name: The predicate in the middle at first.
+        opened: Called with the predicate that the player opens in the inspector.
     """
 
     BINDINGS: ClassVar[list[Binding | tuple[str, str] | tuple[str, str, str]]] = [
@@ -57,19 +53,9 @@ class GraphView(LinesView):
         Binding("enter", "open", show=False),
     ]
 
-    @dataclass
-    class Opened(Message):
-        """The player opens a predicate in the inspector.
-
-        Attributes:
-            predicate: Its name.
-        """
-
-        predicate: str
-
-    def __init__(self, program: Program, name: str) -> None:
+    def __init__(self, program: Program, name: str, opened: Callable[[str], object]) -> None:
         super().__init__(id="graph")
-        self._program = program
+        self._program, self._opened = program, opened
         self._columns: tuple[Sequence[str], ...] = ((), (name,), ())
         self._at = (_MIDDLE, 0)
         self._middle = name
@@ -106,7 +92,7 @@ class GraphView(LinesView):
         place = row - self._tops[column]
         if x >= 0 and 0 <= place < len(self._columns[column]):
             if column == _MIDDLE:
-                self.post_message(self.Opened(self._middle))
+                self._opened(self._middle)
             else:
                 self.centre(self._columns[column][place])
 
@@ -128,7 +114,7 @@ class GraphView(LinesView):
 
     def action_open(self) -> None:
         """Open the predicate under the cursor in the inspector."""
-        self.post_message(self.Opened(self.chosen))
+        self._opened(self.chosen)
 
     def draw(self) -> None:
         """Paint the graph, and bring the cursor into view."""
@@ -219,21 +205,61 @@ class Graph(Dialog[str]):
         Binding("q,R", "leave", show=False),
     ]
 
+    heading = "Users → predicate → what it uses"
+    keys = "↑↓ choose   ← → go along   enter open in the inspector   esc close"
+
     def __init__(self, program: Program, name: str) -> None:
         super().__init__()
-        self.view = GraphView(program, name)
+        self.view = GraphView(program, name, self.dismiss)
 
-    def compose(self) -> ComposeResult:
-        """The graph above its keys."""
-        with Vertical(id="box") as box:
-            box.border_title = "Users → predicate → what it uses"
-            yield self.view
-            yield Static(_KEYS, id="keys", markup=False)
+    def content_widgets(self) -> ComposeResult:
+        """The graph."""
+        yield self.view
 
     def on_mount(self) -> None:
         """Focus the graph."""
         self.view.focus()
 
-    @on(GraphView.Opened)
-    def _opened(self, event: GraphView.Opened) -> None:
-        self.dismiss(event.predicate)
+
+_BAR = 24  # columns of the longest bar
+
+
+def query_plan_text(found: Sequence[QueryPlan], predicate: str) -> Static:
+    """How long each predicate takes, and the SQL and plan of one of them.
+
+    Args:
+        found: All predicates, the slowest first.
+        predicate: The one to show in full; the slowest if it is not among them.
+    """
+    chosen = next((each for each in found if each.predicate == predicate), found[0])
+    return Static(Content("\n").join([*_times(found, chosen), *_in_full(chosen)]))
+
+
+def _times(found: Sequence[QueryPlan], chosen: QueryPlan) -> Iterator[Content]:
+    yield Content.styled("Milliseconds, including dependencies", f"bold {INK.title}")
+    longest = max(each.milliseconds for each in found) or 1.0
+    for each in found:
+        bar = "▇" * max(1, round(each.milliseconds / longest * _BAR))
+        yield Content.assemble(
+            (f"{each.milliseconds:8.2f}  ", INK.number),
+            (f"{bar:<{_BAR}}  ", INK.faint),
+            (one_line(each.predicate), f"bold {INK.key}" if each is chosen else INK.text),
+        )
+
+
+def _in_full(chosen: QueryPlan) -> Iterator[Content]:
+    name = one_line(chosen.predicate)
+    yield from _titled(f"SQLite's plan for {name}", chosen.plan, INK.record)
+    if chosen.tuned:
+        yield from _titled("Optimised SQL, which is run", chosen.tuned.splitlines(), INK.text)
+        yield from _titled("Generated SQL", chosen.generated.splitlines(), INK.dim)
+    else:
+        yield from _titled("Generated SQL, which is run", chosen.generated.splitlines(), INK.text)
+
+
+def _titled(title: str, lines: Sequence[str], colour: str) -> Iterator[Content]:
+    yield Content("")
+    yield Content.styled(title, f"bold {INK.title}")
+    for line in lines:
+        if line.strip():
+            yield Content.styled(f"  {visible(line)}", colour)

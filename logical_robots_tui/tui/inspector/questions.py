@@ -3,17 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from logical_robots_tui.game import NoSuchTickError, Superseded
 from logical_robots_tui.mind import QueryError, Table
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
-
-    from logical_robots_tui.game import Frame, Inquiry, Pin, Reading
-    from logical_robots_tui.mind import Ask, Explanation, Program, Proof, QueryPlan
-    from logical_robots_tui.mind.diagnosis.nearest import Suggestion
+    from logical_robots_tui.game import Frame, Inquiry
+    from logical_robots_tui.mind import Program
     from logical_robots_tui.tui.app.session import Session
     from logical_robots_tui.world import Level
 
@@ -64,7 +61,7 @@ class Questions:
     def __init__(self, session: Session) -> None:
         self._session = session
         self._level: Level | None = None
-        self._inquiry: Inquiry | None = None
+        self._asked: Inquiry | None = None
         self._surveyed: Survey | None = None
 
     @property
@@ -77,6 +74,10 @@ class Questions:
         if self._session.game is None:
             raise Superseded
         return self._session.game.program
+
+    def about(self) -> tuple[Inquiry, Program]:
+        """Return what answers questions, and the program that they are about."""
+        return self._inquiry(), self.program
 
     def is_by_another_program(self, tick: int) -> bool:
         """Whether another program than the current one decided a tick."""
@@ -95,58 +96,15 @@ class Questions:
             QueryError: It has none, or it failed.
         """
         if self.is_function(predicate):
-            return await self._inquire().calls(self.program, robot, frame, predicate)
+            return await self._inquiry().calls(self.program, robot, frame, predicate)
         return await self._session.query(predicate, frame)
-
-    async def ask(self, query: str, frame: Frame) -> Table:
-        """The answer to a query at a frame.
-
-        Raises:
-            ProgramError: The query is wrong.
-            QueryError: It failed.
-        """
-        return await self._inquire().ask(self.program, query, frame)
-
-    async def why(self, robot: str, frame: Frame, asked: Ask) -> Explanation:
-        """Why a predicate has its rows for a robot at a frame.
-
-        Raises:
-            QueryError: It can't be asked.
-        """
-        return await self._inquire().why(self.program, robot, frame, **_parts(asked))
-
-    async def proof(self, robot: str, frame: Frame, asked: Ask) -> Proof:
-        """The whole proof of a row for a robot at a frame.
-
-        Raises:
-            QueryError: It can't be asked.
-        """
-        return await self._inquire().proof(self.program, robot, frame, **_parts(asked))
-
-    async def nearest(
-        self, robot: str, frame: Frame, predicate: str
-    ) -> list[tuple[int, Suggestion]]:
-        """For each rule of a predicate without rows, one change that would give it a row.
-
-        Raises:
-            QueryError: It can't be told.
-        """
-        return await self._inquire().nearest(self.program, robot, frame, predicate)
-
-    async def readings(self, frame: Frame, pins: Sequence[Pin]) -> dict[Pin, Reading]:
-        """The values of pinned expressions at a frame."""
-        return await self._inquire().readings(self.program, frame, pins)
-
-    async def machinery(self, frame: Frame) -> list[QueryPlan]:
-        """How each predicate is computed at a frame, the slowest first."""
-        return await self._inquire().machinery(self.program, frame)
 
     async def survey(self, frame: Frame) -> Survey:
         """The rows of every predicate at a frame, and at the one before."""
         program, last = self.program, self._surveyed
         if known := self.surveyed(frame):
             return known
-        inquiry = self._inquire()
+        inquiry = self._inquiry()
         before: dict[str, Table | QueryError] = {}
         earlier = self._frame_before(frame)
         if last is not None and last.program is program and last.frame is earlier:
@@ -166,24 +124,24 @@ class Questions:
 
     async def close(self) -> None:
         """Cancel all queries."""
-        inquiry, self._inquiry = self._inquiry, None
+        inquiry, self._asked = self._asked, None
         if inquiry is not None:
             await inquiry.close()
 
     # -- inside --------------------------------------------------------------------------------
 
-    def _inquire(self) -> Inquiry:
+    def _inquiry(self) -> Inquiry:
         from logical_robots_tui.game import Inquiry
 
         level = self._session.level
         seen_alike = self._level is not None and self._level.visibility == level.visibility
-        if self._inquiry is None or not seen_alike:
-            old, self._level = self._inquiry, level
+        if self._asked is None or not seen_alike:
+            old, self._level = self._asked, level
             if old is not None:
                 self._session.release(old.close)
-            self._inquiry = Inquiry(self._level)
+            self._asked = Inquiry(self._level)
             self._surveyed = None
-        return self._inquiry
+        return self._asked
 
     def _frame_before(self, frame: Frame) -> Frame | None:
         game = self._session.game
@@ -195,7 +153,3 @@ class Questions:
             return game.frame_at(frame.tick - 1)
         except NoSuchTickError:
             return None
-
-
-def _parts(asked: Ask) -> dict[str, Any]:
-    return {"predicate": asked.predicate, "given": asked.given or None, "within": asked.within}

@@ -114,9 +114,8 @@ def memory_in_proof(view: WhyView, tick: int) -> MemoryPart | None:
     line = view.line
     if line is None or line.node.kind != "read":
         return None
-    before = view.lines[: view.lines.index(line)]
-    parent = next(each.node for each in reversed(before) if each.depth < line.depth)
-    if not parent.robot or not parent.text.startswith("Memory("):
+    parent = view.parent_pointed
+    if parent is None or not parent.robot or not parent.text.startswith("Memory("):
         return None
     name = line.node.text.split(".")[0].split("[")[0]
     try:
@@ -140,7 +139,7 @@ def _decision(frame: Frame, robot: str) -> Sequence[Branch]:
         Branch("sensor", sensor, Pin("Sensor", "sensor", whose)),
         Branch("memory before", frame.memories_before.get(robot), Pin("Memory", "memory", whose)),
     ]
-    decision = next((each for each in frame.decisions if each.robot_name == robot), None)
+    decision = frame.decision_of(robot)
     if decision is None:
         return branches
     if (given := decision.desire) is not None:

@@ -1,16 +1,18 @@
-"""The part of the labyrinth that is shown, and how it changes."""
+"""The part of the labyrinth that is shown, how it changes, and what is drawn over it."""
 
 from __future__ import annotations
 
 from enum import Enum
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple, Protocol
 
 from logical_robots_tui.tui.labyrinth.drawing.viewport import CELL_ASPECT, Viewport
 
 if TYPE_CHECKING:
+    from logical_robots_tui.tui.labyrinth.drawing.cells import Cells
+    from logical_robots_tui.tui.labyrinth.drawing.glyphs import Look
     from logical_robots_tui.world.level import Level
 
-__all__ = ["ZOOMS", "Camera", "Sight"]
+__all__ = ["ZOOMS", "Camera", "Overlay", "Sight"]
 
 ZOOMS = (1.0, 1.5, 2.0, 3.0, 4.0, 6.0, 8.0, 12.0, 16.0)
 """Zoom factors; at 1 the whole labyrinth fits."""
@@ -33,6 +35,29 @@ class Sight(Enum):
     """What robots sense, one picture per robot."""
     FREE = "free"
     """A part that the player chose."""
+
+
+class Overlay(Protocol):
+    """Draws over the picture, and receives the mouse; points are map units."""
+
+    @property
+    def cursor(self) -> tuple[float, float]:
+        """The player's cursor; zooming keeps it in place."""
+
+    def paint(self, cells: Cells, view: Viewport, look: Look) -> None:
+        """Draw over a picture."""
+
+    def press(self, x: float, y: float) -> None:
+        """The left button was pressed."""
+
+    def hover(self, x: float, y: float, *, is_held: bool) -> None:
+        """The mouse moved, perhaps with the button held."""
+
+    def release(self) -> None:
+        """The button was released."""
+
+    def open(self) -> None:
+        """There was a double click."""
 
 
 class Camera(NamedTuple):

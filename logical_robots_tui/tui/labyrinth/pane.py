@@ -7,21 +7,23 @@ from typing import TYPE_CHECKING, ClassVar
 from textual import on
 from textual.binding import Binding
 from textual.content import Content
+from textual.widgets import Static
 
 from logical_robots_tui.tui.commands.keymap import command
+from logical_robots_tui.tui.inspector.widgets.cells import written
 from logical_robots_tui.tui.labyrinth.banner import Overlay, VictoryBanner
 from logical_robots_tui.tui.labyrinth.camera import Sight
-from logical_robots_tui.tui.labyrinth.robot_card import RobotCard
 from logical_robots_tui.tui.labyrinth.view import LabyrinthView
 from logical_robots_tui.tui.layout.pane import Pane
 from logical_robots_tui.tui.theme.safe_text import clip, one_line, visible
-from logical_robots_tui.tui.theme.themes import INK
+from logical_robots_tui.tui.theme.themes import INK, palette_of, robot_ink
 
 if TYPE_CHECKING:
     from logical_robots_tui.game import Frame
-    from logical_robots_tui.world import Level
+    from logical_robots_tui.mind import Decision
+    from logical_robots_tui.world import Level, Robot, RobotState
 
-__all__ = ["LabyrinthPane"]
+__all__ = ["LabyrinthPane", "RobotCard"]
 
 
 class LabyrinthPane(Pane, can_focus=True):
@@ -42,7 +44,7 @@ class LabyrinthPane(Pane, can_focus=True):
     ]
 
     def __init__(self) -> None:
-        self.view = LabyrinthView(id="picture")
+        self.view = LabyrinthView()
         self.card = RobotCard()
         self.briefing = Briefing()
         self.banner = VictoryBanner()
@@ -65,8 +67,8 @@ class LabyrinthPane(Pane, can_focus=True):
         if self._shown is None:
             return
         level, frame = self._shown
-        robots = {robot.name: robot for robot in frame.after.robots}
-        robot, view = robots.get(robot_name or ""), self.view.view
+        robot = next((each for each in frame.after.robots if each.name == robot_name), None)
+        view = self.view.view
         middle = view.left + view.width / 2 if view else 0.0
         on_the_left = robot is not None and robot.x < middle
         shown = None if self.view.camera.sight is Sight.SENSES else robot_name
@@ -136,3 +138,97 @@ class Briefing(Overlay):
         """Show or hide it; return False if there is nothing to show."""
         self.display = self._has_text and not self.display
         return self._has_text
+
+
+_WIDTH = 28
+_MOST_REMEMBERED = 2 * _WIDTH - 8
+_GAUGE = 8
+
+
+class RobotCard(Static):
+    """Name, battery, engines and memory of a robot. It moves out of the robot's way."""
+
+    DEFAULT_CSS = f"""
+    RobotCard {{
+        layer: over; dock: left; display: none; width: {_WIDTH + 2}; height: auto;
+        max-height: 8; padding: 0 1; background: $panel; overflow: hidden hidden;
+    }}
+    RobotCard.-right {{ dock: right; }}
+    """
+
+    def __init__(self) -> None:
+        super().__init__(id="robot-card")
+        self._content = Content("")
+
+    def show(self, level: Level, frame: Frame, name: str | None, *, on_the_left: bool) -> None:
+        """Show a robot, or hide.
+
+        Args:
+            level: The level.
+            frame: The tick.
+            name: The robot's name, or None to hide.
+            on_the_left: Whether the robot is in the left half of the picture, so that the card
+                goes to the right.
+        """
+        robots = zip(level.robots, frame.after.robots, strict=True)
+        found = next((pair for pair in robots if pair[0].name == name), None)
+        self.display = found is not None
+        if found is None:
+            return
+        self.set_class(on_the_left, "-right")
+        ink = robot_ink(found[0].color, palette_of(self.app.current_theme))
+        content = _content(*found, frame.decision_of(found[0].name), frame, ink)
+        if not content.is_same(self._content):
+            self._content = content
+            self.update(content)
+
+    def on_click(self) -> None:
+        """Hide until another robot is selected."""
+        self.display = False
+
+
+def _content(
+    robot: Robot, state: RobotState, decision: Decision | None, frame: Frame, colour: str
+) -> Content:
+    lines = [
+        Content.assemble(
+            ("● ", colour), (clip(one_line(robot.name), _WIDTH - 14), f"bold {colour}"), "  "
+        ).append(_trouble(state, decision)),
+        _labelled("engines", _engines(state, decision)),
+        _labelled("battery", _battery(robot, state)),
+        _labelled(
+            "memory",
+            Content.styled(written(frame.memories.get(robot.name), _MOST_REMEMBERED), INK.text),
+        ),
+    ]
+    return Content("\n").join(lines)
+
+
+def _labelled(label: str, content: Content) -> Content:
+    return Content.styled(f"{label:<8}", INK.dim).append(content)
+
+
+def _trouble(state: RobotState, decision: Decision | None) -> Content:
+    if state.dead:
+        return Content.styled("battery empty", INK.bad)
+    if decision is not None and decision.desire is None:
+        return Content.styled("undecided", INK.warn)
+    return Content.styled("blocked", INK.warn) if state.blocked else Content("")
+
+
+def _engines(state: RobotState, decision: Decision | None) -> Content:
+    if decision is None or decision.desire is None:
+        return Content.styled("off", INK.dim)
+    powers = f"{state.left_engine:+.2f}  {state.right_engine:+.2f}"
+    return Content.styled(powers, INK.number)
+
+
+def _battery(robot: Robot, state: RobotState) -> Content:
+    if not robot.has_battery or robot.battery_capacity <= 0:
+        return Content.styled("needs none", INK.dim)
+    share = min(max(state.battery_level / robot.battery_capacity, 0.0), 1.0)
+    full = round(share * _GAUGE)
+    ink = INK.good if share > 0.25 else INK.bad
+    return Content.assemble(
+        ("█" * full, ink), ("░" * (_GAUGE - full), INK.faint), (f" {share:.0%}", ink)
+    )

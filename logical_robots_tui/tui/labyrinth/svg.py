@@ -12,6 +12,7 @@ import numpy as np
 from logical_robots_tui.tui.labyrinth.drawing.ground import beacon_colour
 from logical_robots_tui.tui.labyrinth.drawing.lettering import robot_colour
 from logical_robots_tui.tui.labyrinth.drawing.palette import DARK, RGB, Palette, mix, parse
+from logical_robots_tui.tui.labyrinth.drawing.palette import hex_colour as _hex
 from logical_robots_tui.world.sensing import BEACON_RADIUS, ROBOT_RADIUS
 
 if TYPE_CHECKING:
@@ -120,7 +121,3 @@ def _name(name: str, x: float, y: float, colour: RGB) -> str:
 
 def _number(value: float) -> str:
     return f"{value:.10g}"
-
-
-def _hex(colour: RGB) -> str:
-    return "#{:02x}{:02x}{:02x}".format(*colour)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from logical_robots_tui.tui.app.session_listener import SessionListener
+from logical_robots_tui.tui.app.session_state import SessionListener
 from logical_robots_tui.tui.theme.safe_text import one_line
 
 if TYPE_CHECKING:

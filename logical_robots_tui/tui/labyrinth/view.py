@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
 from time import monotonic
 from typing import TYPE_CHECKING, ClassVar
 
@@ -35,8 +36,8 @@ if TYPE_CHECKING:
     from textual.geometry import Offset
 
     from logical_robots_tui.game.frame import Frame
+    from logical_robots_tui.tui.labyrinth.camera import Overlay
     from logical_robots_tui.tui.labyrinth.drawing.glyphs import Highlight
-    from logical_robots_tui.tui.labyrinth.layer import DrawnOver
     from logical_robots_tui.world.level import Level
 
 __all__ = ["LabyrinthView"]
@@ -61,7 +62,6 @@ class LabyrinthView(Widget):
         marks: Whether to mark the ends of rays.
         lines: Whether to draw the rays of the selected robot.
         trails: Whether to show trails.
-        names: Whether to show names.
         drawing: The characters to draw with.
         selected: Name of the selected robot, or None.
         camera: What is shown. ``view`` is the resulting part of the map, and converts cells of this
@@ -81,7 +81,6 @@ class LabyrinthView(Widget):
     marks: reactive[bool] = reactive(True, repaint=False)
     lines: reactive[bool] = reactive(False, repaint=False)
     trails: reactive[bool] = reactive(True, repaint=False)
-    names: reactive[bool] = reactive(True, repaint=False)
     drawing: reactive[Drawing] = reactive(Drawing.QUADRANTS, repaint=False)
     selected: reactive[str | None] = reactive[str | None](None, repaint=False)
     camera: reactive[Camera] = reactive(Camera(), repaint=False)
@@ -90,32 +89,18 @@ class LabyrinthView(Widget):
     class Looked(Message):
         """The player has changed the view."""
 
+    @dataclass
     class RobotPicked(Message):
         """A robot was clicked.
 
         Attributes:
-            view: The view.
             name: The robot's name.
         """
 
-        def __init__(self, view: LabyrinthView, name: str) -> None:
-            super().__init__()
-            self.view = view
-            self.name = name
+        name: str
 
-        @property
-        def control(self) -> LabyrinthView:
-            """The view, for handlers that select by it."""
-            return self.view
-
-    def __init__(
-        self,
-        *,
-        name: str | None = None,
-        id: str | None = None,  # noqa: A002 - the name that Textual gives it
-        classes: str | None = None,
-    ) -> None:
-        super().__init__(name=name, id=id, classes=classes)
+    def __init__(self) -> None:
+        super().__init__(id="picture")
         self._level: Level | None = None
         self._frame: Frame | None = None
         self._hurried = False
@@ -123,7 +108,7 @@ class LabyrinthView(Widget):
         self._traces = Traces()
         self._cells = self._picture.cells
         self._strips: dict[int, Strip] = {}
-        self.overlay: DrawnOver | None = None
+        self.overlay: Overlay | None = None
         self._highlight: tuple[Highlight, Frame] | None = None
         self._held: Offset | None = None
         self._is_dragged = False
@@ -147,7 +132,7 @@ class LabyrinthView(Widget):
             self._traces.forget()
         self._traces.record(frame)
         self._level, self._frame, self._hurried = level, frame, hurried
-        self._follow()
+        self._look(self._followed())
         self.redraw()
 
     def highlight(self, highlight: Highlight | None, frame: Frame) -> None:
@@ -169,7 +154,7 @@ class LabyrinthView(Widget):
         if self.camera.sight is Sight.FOLLOW:
             if self.selected is None:
                 self.select_next()
-            self._follow(at_once=True)
+            self.camera = self._followed(at_once=True)
 
     def zoom(self, steps: int, at: tuple[float, float] | None = None) -> None:
         """Zoom in, or out with negative steps.
@@ -184,8 +169,8 @@ class LabyrinthView(Widget):
         if self.overlay is not None:
             at = at or self.overlay.cursor
         if at is None and steps > 0 and self.selected and self.camera.sight is Sight.WHOLE:
-            self.camera = Camera(Sight.FOLLOW, steps)
-            self._follow(at_once=True)
+            self._look(Camera(Sight.FOLLOW, steps))
+            self.camera = self._followed(at_once=True)
         else:
             self.camera = self.camera.zoomed(steps, self.view, at)
 
@@ -201,15 +186,21 @@ class LabyrinthView(Widget):
         names = [robot.name for robot in self._level.robots]
         at = names.index(self.selected) + 1 if self.selected in names else 0
         self.selected = names[at % len(names)]
-        self.post_message(self.RobotPicked(self, self.selected))
+        self.post_message(self.RobotPicked(self.selected))
 
-    def _follow(self, *, at_once: bool = False) -> None:
-        """Keep the selected robot in view, if it is followed."""
-        if self.view is None or self._frame is None:
-            return
-        for robot in self._frame.after.robots:
-            if robot.name == self.selected and math.isfinite(robot.x + robot.y):
-                self.camera = self.camera.following(robot.x, robot.y, self.view, at_once=at_once)
+    def _followed(self, *, at_once: bool = False) -> Camera:
+        """Return the camera with the selected robot in view, if it is followed."""
+        if self.view is not None and self._frame is not None:
+            for robot in self._frame.after.robots:
+                if robot.name == self.selected and math.isfinite(robot.x + robot.y):
+                    return self.camera.following(robot.x, robot.y, self.view, at_once=at_once)
+        return self.camera
+
+    def _look(self, camera: Camera) -> None:
+        """Use a camera without drawing yet."""
+        if camera != self.camera:
+            self.set_reactive(LabyrinthView.camera, camera)
+            self.post_message(self.Looked())
 
     def robot_at(self, column: int, row: int) -> str | None:
         """Return the name of the robot nearest to a cell of this widget, if it is close."""
@@ -268,7 +259,6 @@ class LabyrinthView(Widget):
             marks=self.marks and not is_calm,
             lines=self.lines,
             trails=self.trails and not is_calm,
-            names=self.names,
             selected=self.selected,
             highlight=self.highlighted,
             pulse=int(monotonic() / _BEAT) if self._hurried else 0,
@@ -316,20 +306,20 @@ class LabyrinthView(Widget):
         """Post which robot was clicked."""
         if self.overlay is not None:
             if event.chain == 2 and event.button == 1:
-                self.overlay.pointer.open()
+                self.overlay.open()
             return
         offset = event.get_content_offset(self)
         name = None if offset is None or self._is_dragged else self.robot_at(offset.x, offset.y)
         if name is not None:
             event.stop()
-            self.post_message(self.RobotPicked(self, name))
+            self.post_message(self.RobotPicked(name))
 
     def on_mouse_down(self, event: events.MouseDown) -> None:
         """Start to drag the map, or what is edited."""
         if self.overlay is not None and event.button == 1 and (at := self._point(event)):
             self._is_drawing = True
             self.capture_mouse()
-            self.overlay.pointer.press(*at)
+            self.overlay.press(*at)
             return
         self._held, self._is_dragged = event.screen_offset, False
         self.capture_mouse()
@@ -339,14 +329,14 @@ class LabyrinthView(Widget):
         self._held = None
         self.release_mouse()
         if self._is_drawing and self.overlay is not None:
-            self.overlay.pointer.release()
+            self.overlay.release()
         self._is_drawing = False
 
     def on_mouse_move(self, event: events.MouseMove) -> None:
         """Drag."""
         if self._held is None and self.overlay is not None:
             if at := self._point(event):
-                self.overlay.pointer.hover(*at, is_held=self._is_drawing)
+                self.overlay.hover(*at, is_held=self._is_drawing)
             return
         if self._held is None or event.screen_offset == self._held:
             return
@@ -382,16 +372,14 @@ class LabyrinthView(Widget):
 
     def watch_selected(self) -> None:
         """Redraw with the selected robot highlighted."""
-        self._follow(at_once=True)
+        self._look(self._followed(at_once=True))
         self.redraw()
 
     def watch_rays(self) -> None:
         """Redraw."""
         self.redraw()
 
-    watch_marks = watch_lines = watch_trails = watch_names = watch_drawing = watch_palette = (
-        watch_rays
-    )
+    watch_marks = watch_lines = watch_trails = watch_drawing = watch_palette = watch_rays
 
 
 def _place_of(level: Level) -> tuple[str, str, int, int]:

@@ -2,17 +2,116 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from enum import Enum
+from typing import TYPE_CHECKING, NamedTuple
 
 from textual.containers import Container
 from textual.geometry import Size
 
-from logical_robots_tui.tui.layout.layout import Grid, Layout, Shares, grid_for, layout_for
-
 if TYPE_CHECKING:
     from logical_robots_tui.tui.layout.pane import Pane
 
-__all__ = ["Arrangement"]
+__all__ = [
+    "LEAST_HEIGHT",
+    "LEAST_WIDTH",
+    "Arrangement",
+    "Grid",
+    "Layout",
+    "Shares",
+    "grid_for",
+    "layout_for",
+]
+
+LEAST_WIDTH, LEAST_HEIGHT = 40, 12
+_WIDE_FROM = (110, 24)
+_TALL_FROM = 46
+_NARROWEST, _LOWEST = 30, 6
+"""The smallest columns and rows of a pane, with its border."""
+
+_WIDEST_TEXT, _HIGHEST_TABLE = 96, 26
+"""Columns of the program and rows of the inspector above which the labyrinth gets the rest."""
+
+
+class Layout(Enum):
+    """Layouts, by the screen's CSS class."""
+
+    WIDE = "-wide"
+    """All panes at once: the program beside the labyrinth, the inspector below."""
+    TALL = "-tall"
+    """All panes at once, stacked."""
+    NARROW = "-narrow"
+    """One pane at a time, under tabs."""
+    TINY = "-tiny"
+    """No pane, only a request for a larger terminal."""
+
+    @property
+    def is_roomy(self) -> bool:
+        """Whether there is room for all panes."""
+        return self in (Layout.WIDE, Layout.TALL)
+
+
+class Shares(NamedTuple):
+    """The player's changes to the sizes of panes.
+
+    Attributes:
+        columns: Additional columns of the program.
+        rows: Additional rows of the inspector; also of the program where it is below the labyrinth.
+    """
+
+    columns: int = 0
+    rows: int = 0
+
+    def changed(self, columns: int, rows: int) -> Shares:
+        """Give the program more columns, or the inspector more rows."""
+        return self._replace(columns=self.columns + columns, rows=self.rows + rows)
+
+
+class Grid(NamedTuple):
+    """Sizes of panes in cells; the labyrinth gets the rest.
+
+    Attributes:
+        program: Columns of the program beside the labyrinth, otherwise its rows.
+        inspector: Rows of the inspector.
+        shares: The player's changes, as far as there was room.
+    """
+
+    program: int
+    inspector: int
+    shares: Shares
+
+
+def layout_for(width: int, height: int) -> Layout:
+    """Return the layout for a terminal of that many columns and rows."""
+    if width < LEAST_WIDTH or height < LEAST_HEIGHT:
+        return Layout.TINY
+    if width >= _WIDE_FROM[0] and height >= _WIDE_FROM[1]:
+        return Layout.WIDE
+    return Layout.TALL if height >= _TALL_FROM else Layout.NARROW
+
+
+def grid_for(layout: Layout, width: int, height: int, shares: Shares) -> Grid:
+    """Return the sizes of the panes.
+
+    Args:
+        layout: A roomy layout.
+        width: Columns of the terminal.
+        height: Its rows.
+        shares: The player's changes.
+    """
+    room = height - 2  # status and command bar
+    inspector = min(max(round(0.3 * height), 8), _HIGHEST_TABLE)
+    if layout is Layout.WIDE:
+        program = min(round(width * 4 / 9), _WIDEST_TEXT)
+        wider = _within(program + shares.columns, _NARROWEST, width - _NARROWEST)
+        higher = _within(inspector + shares.rows, _LOWEST, room - _LOWEST)
+        return Grid(wider, higher, Shares(wider - program, higher - inspector))
+    program = (room - inspector) // 2
+    higher = _within(inspector + shares.rows, _LOWEST, room - program - _LOWEST)
+    return Grid(program, higher, Shares(shares.columns, higher - inspector))
+
+
+def _within(number: int, least: int, most: int) -> int:
+    return min(max(number, least), max(most, least))
 
 
 class Arrangement:

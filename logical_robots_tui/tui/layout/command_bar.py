@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
     from logical_robots_tui.tui.commands.command import Command
 
-__all__ = ["CommandBar", "CommandChosen", "PaneTabs"]
+__all__ = ["CommandBar", "CommandChosen", "Labels", "PaneTabs"]
 
 
 _GAP = 2
@@ -35,35 +35,37 @@ class CommandChosen(Message):
         self.command_id = command_id
 
 
-class _Labels(Widget):
-    """A line of labels for commands."""
+class Labels(Widget):
+    """Lines of labels for commands; a click runs the command."""
 
     ALLOW_SELECT: ClassVar[bool] = False
 
-    def __init__(self, widget_id: str) -> None:
+    def __init__(self, widget_id: str | None = None) -> None:
         super().__init__(id=widget_id)
-        self._spans: list[tuple[int, int, str]] = []
+        self.places: list[tuple[int, int, int, str]] = []
+        """Row, first column, column after the last, and command of each label."""
 
     def line(self, labels: list[tuple[Content, str]], gap: int) -> Content:
         """Lay out labels with their commands from the left, and remember their places."""
-        content, self._spans = Content(" "), []
+        content, self.places = Content(" "), []
         for label, command_id in labels:
-            start = content.cell_length + (gap if self._spans else 0)
+            start = content.cell_length + (gap if self.places else 0)
             end = start + label.cell_length
             if end > self.size.width:
                 continue
             content = content.append(" " * (start - content.cell_length)).append(label)
-            self._spans.append((start, end, command_id))
+            self.places.append((0, start, end, command_id))
         return content
 
     def on_click(self, event: events.Click) -> None:
         """Run the command under the pointer."""
-        for start, end, command_id in self._spans:
-            if start <= event.x < end:
+        event.stop()
+        for row, start, end, command_id in self.places:
+            if event.y == row and start <= event.x < end:
                 self.post_message(CommandChosen(command_id))
 
 
-class CommandBar(_Labels):
+class CommandBar(Labels):
     """The bottom line: the commands that apply now, with their keys."""
 
     DEFAULT_CSS = """
@@ -121,7 +123,7 @@ class CommandBar(_Labels):
         )
 
 
-class PaneTabs(_Labels):
+class PaneTabs(Labels):
     """The names of the panes, when only one of them fits on the screen."""
 
     DEFAULT_CSS = """

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from functools import partial
 from time import monotonic
-from typing import TYPE_CHECKING, ClassVar, Generic, TypeVar
+from typing import TYPE_CHECKING, ClassVar, Generic, NamedTuple, TypeVar
 
 from textual import on
 from textual.await_complete import AwaitComplete
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from textual import events
     from textual.app import ComposeResult
 
-__all__ = ["ClosedOnce", "Dialog", "LinePrompt", "Listing", "Question"]
+__all__ = ["ClosedOnce", "Dialog", "Find", "LinePrompt", "Listing", "Prompt", "Question", "Search"]
 
 Result = TypeVar("Result")
 
@@ -43,7 +43,18 @@ class ClosedOnce(Screen[Result]):
 
 
 class Dialog(ModalScreen["Result | None"], ClosedOnce["Result | None"], Generic[Result]):
-    """A box over the game; closing it without an answer returns None."""
+    """A box over the game with a title; closing it without an answer returns None.
+
+    Args:
+        title: The title; by default `heading`.
+
+    Attributes:
+        heading: The title of all dialogs of a class.
+        keys: What the last line says about keys; "" for no such line.
+    """
+
+    heading: ClassVar[str] = ""
+    keys: ClassVar[str] = "esc close"
 
     DEFAULT_CSS = """
     Dialog { align: center middle; background: $background 60%; }
@@ -65,44 +76,78 @@ class Dialog(ModalScreen["Result | None"], ClosedOnce["Result | None"], Generic[
         Binding("escape", "leave", "Close", show=False),
     ]
 
+    def __init__(self, title: str = "") -> None:
+        super().__init__()
+        self._heading = title or self.heading
+        # Kept because a closing dialog loses its widgets before itself.
+        self._complaint = Static(id="complaint")
+
+    def compose(self) -> ComposeResult:
+        """Yield the content in a box, above complaints and keys."""
+        with Vertical(id="box") as box:
+            box.border_title = Content(one_line(self._heading))
+            yield from self.content_widgets()
+            yield self._complaint
+            if self.keys:
+                yield Static(self.keys, id="keys", markup=False)
+
+    def content_widgets(self) -> ComposeResult:
+        """Yield what is in the box."""
+        raise NotImplementedError
+
     def action_leave(self) -> None:
         """Close without an answer."""
         self.dismiss(None)
 
     def complain(self, message: str) -> None:
         """Show what is wrong in the line for that; "" hides the line."""
-        complaint = self.query_one("#complaint", Static)
-        complaint.update(Content(one_line(message)))
-        complaint.display = bool(message)
+        self._complaint.update(Content(one_line(message)))
+        self._complaint.display = bool(message)
 
 
-class LinePrompt(Dialog[str]):
-    """Asks for a line of text, and returns it.
+class Prompt(Dialog[Result]):
+    """Asks for a line of text.
 
     Args:
         title: The title.
         text: The initial text.
+        placeholder: Shown while there is no text.
     """
 
     DEFAULT_CSS = """
-    LinePrompt > #box { max-width: 60; padding: 1 2 0 2; }
+    Prompt > #box { max-width: 60; padding: 1 2 0 2; }
     """
 
-    def __init__(self, title: str, text: str) -> None:
-        super().__init__()
-        self._title_text = title
-        self._text = text
+    def __init__(self, title: str, text: str = "", placeholder: str = "") -> None:
+        super().__init__(title)
+        self._line = Input(text, placeholder=placeholder)
 
-    def compose(self) -> ComposeResult:
+    def content_widgets(self) -> ComposeResult:
         """Yield the line."""
-        with Vertical(id="box") as box:
-            box.border_title = Content(self._title_text)
-            yield Input(self._text, id="line")
-            yield Static("enter accept   esc close", id="keys", markup=False)
+        yield self._line
+
+    def take(self, text: str) -> None:
+        """Return what the text stands for, or complain."""
+        raise NotImplementedError
+
+    @on(Input.Changed)
+    def forget(self) -> None:
+        """Forget complaints about another text."""
+        self.complain("")
 
     @on(Input.Submitted)
     def _submitted(self, event: Input.Submitted) -> None:
-        self.dismiss(event.value)
+        self.take(event.value)
+
+
+class LinePrompt(Prompt[str]):
+    """Asks for a line of text, and returns it."""
+
+    keys = "enter accept   esc close"
+
+    def take(self, text: str) -> None:
+        """Return the text."""
+        self.dismiss(text)
 
 
 class Question(Dialog[str]):
@@ -131,6 +176,8 @@ class Question(Dialog[str]):
     Question Button:focus { background: $here; text-style: bold; border: none; }
     """
 
+    keys = ""
+
     def __init__(
         self,
         title: str,
@@ -140,24 +187,21 @@ class Question(Dialog[str]):
         text: str = "",
         noticing: float = 0.0,
     ) -> None:
-        super().__init__()
+        super().__init__(title)
         self._noticing = noticing
         self.answered_from = float("inf")
-        self._title_text = title
         self._question = question
         self._answers = answers
         self._text = text
 
-    def compose(self) -> ComposeResult:
+    def content_widgets(self) -> ComposeResult:
         """Yield the question above its answers."""
-        with Vertical(id="box") as box:
-            box.border_title = Content(self._title_text)
-            yield Static(Content(self._question), id="question")
-            with VerticalScroll(id="text"):
-                yield Static(Content(visible_lines(self._text)))
-            with Horizontal(id="answers"):
-                for name, label in self._answers:
-                    yield Button(Content(label), id=f"answer-{name}", compact=True)
+        yield Static(Content(self._question), id="question")
+        with VerticalScroll(id="text"):
+            yield Static(Content(visible_lines(self._text)))
+        with Horizontal(id="answers"):
+            for name, label in self._answers:
+                yield Button(Content(label), id=f"answer-{name}", compact=True)
 
     def on_mount(self) -> None:
         """Show the answers, at once or after a delay."""
@@ -213,3 +257,45 @@ class Listing(OptionList):
         """Go down a page, if the list is visible."""
         if self.scrollable_content_region:
             super().action_page_down()  # type: ignore[no-untyped-call] # this, too
+
+
+class Search(NamedTuple):
+    """A search.
+
+    Attributes:
+        wanted: The text to find.
+        instead: The replacement for all matches; None only searches.
+    """
+
+    wanted: str
+    instead: str | None
+
+
+class Find(Dialog[Search]):
+    """Asks for a text to find; enter in the second line replaces it everywhere.
+
+    Args:
+        wanted: The initial text.
+    """
+
+    DEFAULT_CSS = """
+    Find > #box { max-width: 60; padding: 1 2 0 2; }
+    """
+
+    heading = "Find in the program"
+    keys = "enter find, below: replace all   esc close"
+
+    def __init__(self, wanted: str) -> None:
+        super().__init__()
+        self._wanted = wanted
+
+    def content_widgets(self) -> ComposeResult:
+        """Yield two lines."""
+        yield Input(self._wanted, placeholder="find", id="wanted")
+        yield Input(placeholder="replace by", id="instead")
+
+    @on(Input.Submitted)
+    def _submitted(self, event: Input.Submitted) -> None:
+        wanted = self.query_one("#wanted", Input).value
+        replaces = event.input.id == "instead"
+        self.dismiss(Search(wanted, event.value if replaces else None) if wanted else None)

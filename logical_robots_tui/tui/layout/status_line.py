@@ -124,18 +124,18 @@ def fit(status: Status, width: int) -> Content:
     if status.thinking_for:
         sign, sign_style = _thinking(status.thinking_for), f"bold {INK.warn}"
     thought = Content.styled(_thought(status), INK.dim)
-    candidates: list[tuple[int, int, Content]] = [
-        (2, 0, Content.styled(sign, sign_style)),
-        (3, 1, Content.styled(tick, INK.text)),
-        (5, 2, _goals(status.goals, long=True)),
-        (6, 3, thought),
-        (4, 4, Content.styled(_speed(status), INK.number)),
-        (1, 5, Content.styled(clip(one_line(status.title), 40), INK.text)),
-        (0, 6, Content.styled("LOGICAL ROBOTS", f"bold {INK.title}")),
+    by_importance: list[tuple[int, Content]] = [
+        (2, Content.styled(sign, sign_style)),
+        (3, Content.styled(tick, INK.text)),
+        (5, _goals(status.goals, long=True)),
+        (6, thought),
+        (4, Content.styled(_speed(status), INK.number)),
+        (1, Content.styled(clip(one_line(status.title), 40), INK.text)),
+        (0, Content.styled("LOGICAL ROBOTS", f"bold {INK.title}")),
     ]
     gap, left = 3, width - 2
     chosen: list[tuple[int, Content]] = []
-    for place, _, part in sorted(candidates, key=lambda candidate: candidate[1]):
+    for place, part in by_importance:
         if place == 5 and part.cell_length + thought.cell_length > left - 2 * gap:
             part = _goals(status.goals, long=False)
         need = part.cell_length + (gap if chosen else 0)
@@ -143,10 +143,7 @@ def fit(status: Status, width: int) -> Content:
             chosen.append((place, part))
             left -= need
     chosen.sort(key=lambda pair: pair[0])
-    line = Content(" ")
-    for number, (_, part) in enumerate(chosen):
-        line = line.append(" " * gap if number else "").append(part)
-    return line
+    return Content(" ").append(Content(" " * gap).join(part for _, part in chosen))
 
 
 def _thinking(seconds: float) -> str:

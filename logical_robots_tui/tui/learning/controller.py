@@ -19,9 +19,9 @@ if TYPE_CHECKING:
 
     from logical_robots_tui.game import Source
     from logical_robots_tui.tui.app.session import Session
+    from logical_robots_tui.tui.app.session_state import ProgramText
     from logical_robots_tui.tui.app.ui import Ui
     from logical_robots_tui.tui.library.progress_recorder import ProgressRecorder
-    from logical_robots_tui.tui.program.state import ProgramText
 
 __all__ = ["LearningController"]
 
@@ -50,7 +50,7 @@ class LearningController:
 
     def hints(self) -> None:
         """Show the hints revealed so far, and reveal more on request."""
-        from logical_robots_tui.tui.learning.hints import Hints
+        from logical_robots_tui.tui.learning.reader import Hints
 
         level, recorder = self._session.level, self._recorder
         if level.hints:

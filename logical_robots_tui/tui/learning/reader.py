@@ -1,24 +1,28 @@
-"""Reading a lesson or a program."""
+"""Reading: hints, a lesson, a program."""
 
 from __future__ import annotations
 
+from textwrap import wrap
 from typing import TYPE_CHECKING, ClassVar
 
 from textual.binding import Binding
-from textual.containers import Vertical, VerticalScroll
+from textual.containers import VerticalScroll
 from textual.content import Content
 from textual.widgets import Markdown, Static
 
 from logical_robots_tui.tui.layout.dialogs import Dialog
 from logical_robots_tui.tui.program.lexer import LineStates, pieces
 from logical_robots_tui.tui.theme.safe_text import one_line, visible
-from logical_robots_tui.tui.theme.themes import SYNTAX
+from logical_robots_tui.tui.theme.themes import INK, SYNTAX
 
 if TYPE_CHECKING:
+    from collections.abc import Callable, Sequence
+
+    from textual import events
     from textual.app import ComposeResult
     from textual.widget import Widget
 
-__all__ = ["Reader", "coloured", "markdown"]
+__all__ = ["Hints", "Reader", "coloured", "markdown"]
 
 
 class Reader(Dialog[None]):
@@ -46,18 +50,16 @@ class Reader(Dialog[None]):
         Binding("space", "page", "On", show=False),
     ]
 
+    keys = "↑↓ scroll   space on   esc close"
+
     def __init__(self, title: str, text: Widget) -> None:
-        super().__init__()
-        self._title_text = title
+        super().__init__(title)
         self._text = text
 
-    def compose(self) -> ComposeResult:
-        """Yield the text in a box."""
-        with Vertical(id="box") as box:
-            box.border_title = Content(one_line(self._title_text))
-            with VerticalScroll():
-                yield self._text
-            yield Static("↑↓ scroll   space on   esc close", id="keys", markup=False)
+    def content_widgets(self) -> ComposeResult:
+        """Yield the text."""
+        with VerticalScroll():
+            yield self._text
 
     def on_mount(self) -> None:
         """Start at the top."""
@@ -89,3 +91,77 @@ def coloured(text: str) -> Static:
                 shown = shown.stylize(SYNTAX[kind], start, end)
         told.append(shown)
     return Static(Content("\n").join(told))
+
+
+class Hints(Dialog[None]):
+    """Shows the hints revealed so far, and reveals the next one when asked.
+
+    Args:
+        title: The level's title.
+        hints: All its hints.
+        revealed: The number of revealed hints; if 0, the first one is revealed now.
+        reveal: Called with the number of revealed hints when that grows.
+    """
+
+    DEFAULT_CSS = """
+    Hints > #box { max-width: 76; padding: 1 2 0 2; }
+    Hints VerticalScroll { height: auto; max-height: 16; }
+    Hints #more { margin-top: 1; color: $ink-dim; }
+    """
+
+    BINDINGS: ClassVar[list[Binding | tuple[str, str] | tuple[str, str, str]]] = [
+        Binding("h,enter,space", "more", "Next hint", show=False),
+        Binding("q", "leave", "Close", show=False),
+    ]
+
+    def __init__(
+        self, title: str, hints: Sequence[str], revealed: int, reveal: Callable[[int], None]
+    ) -> None:
+        super().__init__(f"Hints · {title}")
+        self._hints = hints
+        self._revealed = min(revealed, len(hints))
+        self._reveal = reveal
+
+    def content_widgets(self) -> ComposeResult:
+        """Yield the hints, and how many are left."""
+        with VerticalScroll():
+            yield Static(id="hints")
+        yield Static(id="more")
+
+    def on_mount(self) -> None:
+        """Reveal the first hint if none is revealed yet."""
+        if not self._revealed:
+            self.action_more()
+
+    def on_resize(self) -> None:
+        """Wrap the lines again."""
+        self.call_after_refresh(self._write)
+
+    def on_click(self, event: events.Click) -> None:
+        """Reveal the next hint on a click on the last line."""
+        if event.widget is not None and event.widget.id == "more":
+            self.action_more()
+
+    def action_more(self) -> None:
+        """Reveal one more."""
+        if self._revealed < len(self._hints):
+            self._revealed += 1
+            self._reveal(self._revealed)
+            self._write()
+            self.query_one(VerticalScroll).scroll_end(animate=False)
+
+    def _write(self) -> None:
+        width = max(self.query_one(VerticalScroll).scrollable_content_region.width, 20)
+        lines: list[Content] = []
+        for number, hint in enumerate(self._hints[: self._revealed], start=1):
+            first, *rest = wrap(one_line(hint), max(width - 4, 1)) or [""]
+            if lines:
+                lines.append(Content(""))
+            lines.append(Content.assemble((f"{number:>2}. ", INK.key), (first, INK.text)))
+            lines += [Content.styled(f"    {line}", INK.text) for line in rest]
+        self.query_one("#hints", Static).update(Content("\n").join(lines))
+        left = len(self._hints) - self._revealed
+        self.query_one("#keys", Static).update(f"{'h next hint   ' if left else ''}esc close")
+        self.query_one("#more", Static).update(
+            Content(f"{left} more: press h for the next one." if left else "There are no more.")
+        )

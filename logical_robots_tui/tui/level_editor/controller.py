@@ -9,7 +9,7 @@ import asyncio
 from functools import partial
 from typing import TYPE_CHECKING
 
-from logical_robots_tui.tui.app.session_listener import SessionListener
+from logical_robots_tui.tui.app.session_state import SessionListener
 
 if TYPE_CHECKING:
     from collections.abc import Awaitable, Callable
@@ -76,7 +76,7 @@ class LevelEditing(SessionListener):
 
     async def make_level(self) -> None:
         """Ask for a new level, open it and edit it."""
-        from logical_robots_tui.tui.level_editor.new_level import ask_for_level
+        from logical_robots_tui.tui.level_editor.forms import ask_for_level
 
         made = await ask_for_level(self._ui, self._session.level.name, self._own)
         if made is not None:

@@ -6,10 +6,9 @@ import math
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
-from logical_robots_tui.editing.things import KINDS, Ref, add, change, duplicate, ref_at, remove
-from logical_robots_tui.editing.things import thing as thing_of
+from logical_robots_tui.editing import things
+from logical_robots_tui.editing.things import KINDS, Poses, Ref, as_it_stands
 from logical_robots_tui.editing.walls import fill, paint, paint_rectangle
-from logical_robots_tui.tui.level_editor.positions import Poses, as_it_stands
 from logical_robots_tui.tui.level_editor.tools import PLACING, Settings, Tool
 from logical_robots_tui.world import Area, Beacon, LevelError, Robot
 from logical_robots_tui.world.sensing import BEACON_RADIUS, ROBOT_RADIUS
@@ -93,7 +92,7 @@ class LevelEditor:
     @property
     def thing(self) -> Thing | None:
         """The selected thing, at its current place."""
-        return None if self.selected is None else thing_of(self.standing, self.selected)
+        return None if self.selected is None else things.thing(self.standing, self.selected)
 
     def configure(self, **values: Any) -> None:
         """Change the tools' settings; ends a stroke."""
@@ -185,14 +184,13 @@ class LevelEditor:
 
     def undo(self) -> str:
         """Undo a step and return its name, or ""."""
-        what = self.edits.undo()
-        if what:
-            self._changed()
-        return what
+        return self._noted(self.edits.undo())
 
     def redo(self) -> str:
         """Redo a step and return its name, or ""."""
-        what = self.edits.redo()
+        return self._noted(self.edits.redo())
+
+    def _noted(self, what: str) -> str:
         if what:
             self._changed()
         return what
@@ -204,7 +202,7 @@ class LevelEditor:
             LevelError: They are invalid.
         """
         self._note_pose(ref)
-        if self.edits.do(what, change(self.level, ref, **values)):
+        if self.edits.do(what, things.change(self.level, ref, **values)):
             self._changed()
 
     def change_level(self, what: str, level: Level) -> None:
@@ -233,7 +231,9 @@ class LevelEditor:
         self._note_pose(ref)
         angle = (round(robot.angle / TURN) + steps) % round(math.tau / TURN) * TURN
         values = {"x": robot.x, "y": robot.y, "angle": angle}
-        self.do(f"turn {robot.name}", lambda level: change(level, ref, **values), goes_on=True)
+        self.do(
+            f"turn {robot.name}", lambda level: things.change(level, ref, **values), goes_on=True
+        )
 
     def duplicate(self) -> None:
         """Place a copy of the selected thing beside it, and select it."""
@@ -246,7 +246,7 @@ class LevelEditor:
         across = beside if thing.x + beside < room else -beside
 
         def work(level: Level) -> Level:
-            changed, self.selected = duplicate(level, ref, across, 0.0)
+            changed, self.selected = things.duplicate(level, ref, across, 0.0)
             return changed
 
         self.do("duplicate", work)
@@ -256,7 +256,7 @@ class LevelEditor:
         ref = self.selected
         if ref is None or self.thing is None:
             self._complain("Select something to delete first.")
-        elif self.do("delete", lambda level: remove(level, ref)):
+        elif self.do("delete", lambda level: things.remove(level, ref)):
             self.selected = None
 
     def select_next(self, steps: int) -> None:
@@ -287,7 +287,7 @@ class LevelEditor:
         if handle and math.hypot(x - handle[0], y - handle[1]) <= max(reach, 3.0):
             stroke.is_handle = True
             return
-        self.selected = ref_at(self.standing, x, y, reach)
+        self.selected = things.ref_at(self.standing, x, y, reach)
         thing = self.thing
         if thing is None:
             self.stroke = None
@@ -305,7 +305,7 @@ class LevelEditor:
             new = Area(name, round(x), round(y), _NEW_RADIUS)
 
         def work(level: Level) -> Level:
-            changed, self.selected = add(level, new)
+            changed, self.selected = things.add(level, new)
             return changed
 
         what = f"place {tool.value}"
@@ -339,7 +339,7 @@ class LevelEditor:
             self._note_pose(ref)
         is_new = not stroke.has_done
         stroke.what = what
-        done = self.do(what, lambda level: change(level, ref, **values), goes_on=not is_new)
+        done = self.do(what, lambda level: things.change(level, ref, **values), goes_on=not is_new)
         stroke.has_done = stroke.has_done or done
 
     def _paint(self, start: Point, end: Point) -> None:

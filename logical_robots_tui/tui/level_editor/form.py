@@ -1,13 +1,13 @@
-"""The base of the editor's forms: labelled fields that scroll."""
+"""Forms: labelled fields that scroll, each of which reads its own value."""
 
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar, TypeAlias
 
 from textual import on
 from textual.binding import Binding
-from textual.containers import Horizontal, Vertical, VerticalScroll
+from textual.containers import Horizontal, VerticalScroll
 from textual.content import Content
 from textual.widgets import Button, Checkbox, Input, OptionList, Select, Static, TextArea
 
@@ -17,17 +17,96 @@ from logical_robots_tui.tui.theme.themes import INK
 from logical_robots_tui.world import LevelError
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Sequence
-    from collections.abc import Set as AbstractSet
+    from collections.abc import Iterable, Mapping, Sequence
 
     from textual.app import ComposeResult
-    from textual.widget import Widget
 
-__all__ = ["Form", "Ticks", "choice", "flag", "number", "several", "text"]
+__all__ = ["Choice", "Field", "Flag", "Form", "Lines", "Number", "Text", "Ticks"]
 
 
-class Tick(Checkbox):
+class Text(Input):
+    """A text."""
+
+    def __init__(self, name: str, value: str) -> None:
+        super().__init__(value, id=name, select_on_focus=False)
+
+    def read(self) -> str:
+        """Return the text without white space around it."""
+        return self.value.strip()
+
+
+class Number(Input):
+    """A number.
+
+    Args:
+        name: Its id.
+        value: The initial number.
+        said: The subject of a message about it.
+        whole: Whether it must be an integer.
+    """
+
+    def __init__(self, name: str, value: float, said: str, *, whole: bool = False) -> None:
+        super().__init__(f"{value:.10g}", id=name, select_on_focus=False)
+        self._said, self._whole = said, whole
+
+    def read(self) -> float:
+        """Return the number."""
+        typed = self.value.strip()
+        try:
+            found = float(typed)
+        except ValueError:
+            found = math.nan
+        if not math.isfinite(found):
+            raise LevelError(f"{self._said} must be a number, not “{typed}”.")
+        if self._whole and not found.is_integer():
+            raise LevelError(f"{self._said} must be an integer, not {found:g}.")
+        return int(found) if self._whole else found
+
+
+class Lines(TextArea):
+    """A text of several lines."""
+
+    def __init__(self, name: str, value: str) -> None:
+        super().__init__(value, id=name, tab_behavior="focus")
+
+    def read(self) -> str:
+        """Return the text without white space around it."""
+        return self.text.strip()
+
+
+class Choice(Select[str]):
+    """One of several names.
+
+    Args:
+        name: Its id.
+        labels: The labels of the names.
+        value: The chosen name; it can be chosen even if it is missing.
+        nothing: The label for no name, or "" if one must be chosen.
+    """
+
+    def __init__(self, name: str, labels: Mapping[str, str], value: str, nothing: str = "") -> None:
+        options = [(Content(one_line(label)), each) for each, label in labels.items()]
+        if value and value not in labels:
+            options.append((Content(f"{one_line(value)} (missing)"), value))
+        super().__init__(
+            options,
+            prompt=nothing,
+            allow_blank=bool(nothing),
+            value=value or Select.NULL,
+            id=name,
+            compact=True,
+        )
+
+    def read(self) -> str:
+        """Return the name, or ""."""
+        return "" if self.value is Select.NULL else str(self.value)
+
+
+class Flag(Checkbox):
     """A checkbox that is readable without colours."""
+
+    def __init__(self, name: str, label: str, *, value: bool) -> None:
+        super().__init__(Content(label), value, id=name, compact=True)
 
     def on_mount(self) -> None:
         """Show the initial state."""
@@ -38,28 +117,28 @@ class Tick(Checkbox):
         self.BUTTON_INNER = "X" if self.value else " "
         super().watch_value()
 
+    def read(self) -> bool:
+        """Return whether it is ticked."""
+        return self.value
+
 
 class Ticks(Listing):
-    """A list of names with checkboxes.
+    """Any number of names, with checkboxes.
 
     Args:
         name: Its id.
-        names: All names.
         known: The names that exist.
-        ticked: The ticked names.
+        ticked: The ticked names; they are listed even if they are missing.
     """
 
-    def __init__(
-        self, name: str, names: Sequence[str], known: AbstractSet[str], ticked: Sequence[str]
-    ) -> None:
-        self._names = names
-        self._known = known
+    def __init__(self, name: str, known: Sequence[str], ticked: Sequence[str]) -> None:
+        self._names = list(dict.fromkeys([*known, *ticked]))
+        self._known = set(known)
         self._ticked = set(ticked)
-        super().__init__(*map(self._line, names), id=name, markup=False, compact=True)
+        super().__init__(*map(self._line, self._names), id=name, markup=False, compact=True)
 
-    @property
-    def ticked(self) -> tuple[str, ...]:
-        """The ticked names, in list order."""
+    def read(self) -> tuple[str, ...]:
+        """Return the ticked names, in list order."""
         return tuple(name for name in self._names if name in self._ticked)
 
     def toggle(self, name: str) -> None:
@@ -76,6 +155,10 @@ class Ticks(Listing):
         sign = "[X] " if name in self._ticked else "[ ] "
         gone = "" if name in self._known else " (missing)"
         return Content.assemble((sign, INK.key), one_line(name), (gone, INK.dim))
+
+
+Field: TypeAlias = Text | Number | Lines | Choice | Flag | Ticks
+"""A widget whose id names a value, which `read` returns; an invalid one raises `LevelError`."""
 
 
 class Form(Dialog[bool]):
@@ -110,12 +193,14 @@ class Form(Dialog[bool]):
         Binding("f2", "take", show=False, priority=True),
     ]
 
-    def __init__(self, title: str) -> None:
-        super().__init__()
-        self._title_text = title
+    keys = "tab next   F2 or enter apply   esc close"
 
-    def fields(self) -> Iterable[tuple[str, Widget]]:
-        """Yield labels and widgets, in order; every widget has an id."""
+    def __init__(self, title: str) -> None:
+        super().__init__(title)
+        self._fields: dict[str, Field] = {}
+
+    def fields(self) -> Iterable[tuple[str, Field]]:
+        """Yield labels and fields, in order."""
         raise NotImplementedError
 
     def take(self) -> None:
@@ -126,20 +211,17 @@ class Form(Dialog[bool]):
         """
         raise NotImplementedError
 
-    def compose(self) -> ComposeResult:
-        """Yield the fields and the keys."""
-        with Vertical(id="box") as box:
-            box.border_title = Content(self._title_text)
-            with VerticalScroll(can_focus=False):
-                for label, widget in self.fields():
-                    with Horizontal(classes="row"):
-                        yield Static(label, classes="label", markup=False)
-                        yield widget
-            yield Static(id="complaint")
-            with Horizontal(id="buttons"):
-                yield Button("Take", id="take", compact=True)
-                yield Button("Close", id="close", compact=True)
-            yield Static("tab next   F2 or enter apply   esc close", id="keys", markup=False)
+    def content_widgets(self) -> ComposeResult:
+        """Yield the fields and the buttons."""
+        with VerticalScroll(can_focus=False):
+            for label, field in self.fields():
+                self._fields[field.id or ""] = field
+                with Horizontal(classes="row"):
+                    yield Static(label, classes="label", markup=False)
+                    yield field
+        with Horizontal(id="buttons"):
+            yield Button("Take", id="take", compact=True)
+            yield Button("Close", id="close", compact=True)
 
     def on_mount(self) -> None:
         """Stop the cursors from blinking."""
@@ -161,80 +243,16 @@ class Form(Dialog[bool]):
     def _close(self) -> None:
         self.dismiss(None)
 
-    # -- values of the fields -----------------------------------------------------------------
-
-    def text_of(self, name: str) -> str:
-        """Return the text of a field."""
-        return self.query_one(f"#{name}", Input).value.strip()
-
-    def number_of(self, name: str, label: str) -> float:
-        """Return the number in a field.
+    def values(self, *names: str) -> dict[str, Any]:
+        """Return the values of some fields, or of all, by their names.
 
         Raises:
-            LevelError: It is not a number.
+            LevelError: One is invalid.
         """
-        typed = self.text_of(name)
-        try:
-            found = float(typed)
-        except ValueError:
-            found = math.nan
-        if not math.isfinite(found):
-            raise LevelError(f"{label} must be a number, not “{typed}”.")
-        return found
+        return {name: self._fields[name].read() for name in names or self._fields}
 
-    def whole_of(self, name: str, label: str) -> int:
-        """Return the integer in a field.
-
-        Raises:
-            LevelError: It is not an integer.
-        """
-        found = self.number_of(name, label)
-        if not found.is_integer():
-            raise LevelError(f"{label} must be an integer, not {found:g}.")
-        return int(found)
-
-    def flag_of(self, name: str) -> bool:
-        """Return whether a box is ticked."""
-        return self.query_one(f"#{name}", Checkbox).value
-
-    def choice_of(self, name: str) -> str:
-        """Return the chosen name, or ""."""
-        chosen = self.query_one(f"#{name}", Select).value
-        return "" if chosen is Select.NULL else str(chosen)
-
-    def several_of(self, name: str) -> tuple[str, ...]:
-        """Return all ticked names, in list order."""
-        return self.query_one(f"#{name}", Ticks).ticked
-
-    def lines_of(self, name: str) -> str:
-        """Return a text of several lines."""
-        return self.query_one(f"#{name}", TextArea).text.strip()
-
-
-def text(name: str, value: str) -> Input:
-    """Return a text field."""
-    return Input(value, id=name, select_on_focus=False)
-
-
-def number(name: str, value: float) -> Input:
-    """Return a number field."""
-    return Input(f"{value:.10g}", id=name, select_on_focus=False)
-
-
-def flag(name: str, label: str, *, value: bool) -> Checkbox:
-    """Return a checkbox."""
-    return Tick(Content(label), value, id=name, compact=True)
-
-
-def choice(name: str, names: Sequence[str], value: str, nothing: str) -> Select[str]:
-    """Return a choice of one name, or nothing; includes the current value even if it is missing."""
-    known = list(dict.fromkeys(names))
-    options = [(Content(one_line(each)), each) for each in known]
-    if value and value not in known:
-        options.append((Content(f"{one_line(value)} (missing)"), value))
-    return Select(options, prompt=nothing, value=value or Select.NULL, id=name, compact=True)
-
-
-def several(name: str, names: Sequence[str], ticked: Sequence[str]) -> Ticks:
-    """Return a choice of several names; includes current values even if they are missing."""
-    return Ticks(name, list(dict.fromkeys([*names, *ticked])), set(names), ticked)
+    def row(self, name: str) -> Horizontal:
+        """Return the row of a field, with its label."""
+        row = self.query_one(f"#{name}").parent
+        assert isinstance(row, Horizontal)
+        return row

@@ -1,15 +1,18 @@
-"""The forms of the level editor: an object, the whole level, and the list of findings."""
+"""The forms of the level editor: an object, the level, a new level, and the list of findings."""
 
 from __future__ import annotations
 
+import asyncio
 import math
-from typing import TYPE_CHECKING, Any, Literal
+from dataclasses import replace
+from functools import partial
+from random import randrange
+from typing import TYPE_CHECKING
 
 from textual import on
-from textual.containers import Vertical
 from textual.content import Content
 from textual.suggester import SuggestFromList
-from textual.widgets import OptionList, Select, Static, TextArea
+from textual.widgets import OptionList, Select
 from textual.widgets.option_list import Option
 
 from logical_robots_tui.editing.checks import Finding
@@ -17,21 +20,24 @@ from logical_robots_tui.editing.properties import resize, set_words
 from logical_robots_tui.editing.things import Ref
 from logical_robots_tui.editing.things import thing as thing_of
 from logical_robots_tui.tui.layout.dialogs import Dialog, Listing
-from logical_robots_tui.tui.level_editor.form import Form, choice, flag, number, several, text
+from logical_robots_tui.tui.level_editor.form import Choice, Flag, Form, Lines, Number, Text, Ticks
+from logical_robots_tui.tui.library.level_screen import own_levels
 from logical_robots_tui.tui.theme.safe_text import one_line
 from logical_robots_tui.tui.theme.themes import INK
-from logical_robots_tui.world import Area, Beacon, Robot, Visibility
+from logical_robots_tui.world import Beacon, Level, Robot, Visibility, list_levels, load_level
+from logical_robots_tui.world.levels.labyrinths import empty_room, labyrinth
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Mapping, Sequence
+    from collections.abc import Callable, Iterator, Sequence
+    from pathlib import Path
 
     from textual.app import ComposeResult
-    from textual.widget import Widget
-    from textual.widgets import Input
 
+    from logical_robots_tui.tui.app.ui import Ui
     from logical_robots_tui.tui.level_editor.editor import LevelEditor
+    from logical_robots_tui.tui.level_editor.form import Field
 
-__all__ = ["FindingList", "LevelForm", "ThingForm"]
+__all__ = ["FindingList", "LevelForm", "NewLevelForm", "ThingForm", "ask_for_level"]
 
 _COLOURS = (
     *("red", "orange", "gold", "yellow", "lime", "green", "teal", "cyan", "skyblue", "royalblue"),
@@ -41,7 +47,7 @@ _TITLES = {"robots": "Robot", "beacons": "Beacon", "areas": "Area"}
 
 
 class ThingForm(Form):
-    """Edits the properties of one thing.
+    """Edits the properties of one thing; the fields have the names of its attributes.
 
     Args:
         editor: The level editor.
@@ -54,90 +60,58 @@ class ThingForm(Form):
         self._ref = ref
         self._thing = thing_of(editor.level, ref)
 
-    def fields(self) -> Iterable[tuple[str, Widget]]:
+    def fields(self) -> Iterator[tuple[str, Field]]:
         """Yield the fields for this kind of thing."""
         thing = self._thing
-        yield "Name", text("name", thing.name)
-        yield "x", number("x", thing.x)
-        yield "y", number("y", thing.y)
+        yield "Name", Text("name", thing.name)
+        yield "x", Number("x", thing.x, "x")
+        yield "y", Number("y", thing.y, "y")
         if isinstance(thing, Robot):
-            yield from self._of_robot(thing)
+            yield "Heading", Number("angle", math.degrees(thing.angle), "The heading")
+            yield "Colour", _colour(thing.color)
+            yield "Battery", Flag("has_battery", "its engines need charge", value=thing.has_battery)
+            capacity = Number("battery_capacity", thing.battery_capacity, "The capacity")
+            yield "Capacity", capacity
+            rate = thing.battery_consumption_rate
+            yield "Consumption", Number("battery_consumption_rate", rate, "The consumption")
+            yield "Charging", Flag("can_charge", "charges other robots", value=thing.can_charge)
         elif isinstance(thing, Beacon):
             station = thing.charging_station
-            yield "Charging", flag("charging", "charges robots nearby", value=station)
+            yield "Charging", Flag("charging_station", "charges robots nearby", value=station)
         else:
-            yield from self._of_area(thing)
+            yield "Radius", Number("radius", thing.radius, "The radius")
+            yield "Colour", _colour(thing.color)
+            solid = thing.impenetrable
+            yield "Solid", Flag("impenetrable", "robots can't drive into it", value=solid)
+            names = {beacon.name: beacon.name for beacon in self._editor.level.beacons}
+            always = "no beacon: on from start"
+            yield "Switched on by", Choice("on_beacon", names, thing.on_beacon, always)
+            yield "Switched off by", Choice("off_beacon", names, thing.off_beacon, "no beacon")
+            sticky = thing.sticky_switch
+            yield "Sticky", Flag("sticky_switch", "stays as it was switched", value=sticky)
+            robots = [robot.name for robot in self._editor.level.robots]
+            yield "Goal for", Ticks("victory_robots", robots, thing.victory_robots)
 
     def take(self) -> None:
         """Apply the properties."""
-        thing = self._thing
-        values: dict[str, Any] = {
-            "name": self.text_of("name"),
-            "x": self.number_of("x", "x"),
-            "y": self.number_of("y", "y"),
-        }
-        if isinstance(thing, Robot):
-            heading = self.number_of("heading", "The heading")
-            if f"{heading:.10g}" != f"{math.degrees(thing.angle):.10g}":
+        values = self.values()
+        if isinstance(self._thing, Robot):
+            heading = values.pop("angle")
+            # What was not edited stays exactly as it was.
+            if f"{heading:.10g}" != f"{math.degrees(self._thing.angle):.10g}":
                 values["angle"] = math.radians(heading)
-            values |= {
-                "color": self.text_of("color"),
-                "has_battery": self.flag_of("battery"),
-                "battery_capacity": self.number_of("capacity", "The capacity"),
-                "battery_consumption_rate": self.number_of("consumption", "The consumption"),
-                "can_charge": self.flag_of("charges"),
-            }
-        elif isinstance(thing, Beacon):
-            values["charging_station"] = self.flag_of("charging")
-        else:
-            values |= {
-                "radius": self.number_of("radius", "The radius"),
-                "color": self.text_of("color"),
-                "impenetrable": self.flag_of("solid"),
-                "on_beacon": self.choice_of("on"),
-                "off_beacon": self.choice_of("off"),
-                "sticky_switch": self.flag_of("sticky"),
-                "victory_robots": self.several_of("goal"),
-            }
         self._editor.set_values(self._ref, values)
 
-    def _of_robot(self, robot: Robot) -> Iterable[tuple[str, Widget]]:
-        yield "Heading", number("heading", math.degrees(robot.angle))
-        yield "Colour", _colour(robot.color)
-        yield "Battery", flag("battery", "its engines need charge", value=robot.has_battery)
-        yield "Capacity", number("capacity", robot.battery_capacity)
-        yield "Consumption", number("consumption", robot.battery_consumption_rate)
-        yield "Charging", flag("charges", "charges other robots", value=robot.can_charge)
 
-    def _of_area(self, area: Area) -> Iterable[tuple[str, Widget]]:
-        level = self._editor.level
-        beacons = [beacon.name for beacon in level.beacons]
-        yield "Radius", number("radius", area.radius)
-        yield "Colour", _colour(area.color)
-        yield "Solid", flag("solid", "robots can't drive into it", value=area.impenetrable)
-        yield "Switched on by", choice("on", beacons, area.on_beacon, "no beacon: on from start")
-        yield "Switched off by", choice("off", beacons, area.off_beacon, "no beacon")
-        yield "Sticky", flag("sticky", "stays as it was switched", value=area.sticky_switch)
-        robots = [robot.name for robot in level.robots]
-        yield "Goal for", several("goal", robots, area.victory_robots)
-
-
-def _colour(value: str) -> Input:
-    line = text("color", value)
+def _colour(value: str) -> Text:
+    line = Text("color", value)
     line.suggester = SuggestFromList(_COLOURS, case_sensitive=False)
     return line
 
 
 _PLACES = {"0": "right and below", "1": "on all sides", "2": "left and above"}
-_MEMORIES: dict[Literal["own", "seen", "all"], str] = {
-    "own": "its own",
-    "seen": "also of robots on its radar",
-    "all": "of all robots",
-}
-_SENSORS: dict[Literal["own", "all"], str] = {"own": "its own", "all": "of all robots"}
-_VISIBILITIES: dict[tuple[str, str], Visibility] = {
-    (memory, sensor): Visibility(memory, sensor) for memory in _MEMORIES for sensor in _SENSORS
-}
+_MEMORIES = {"own": "its own", "seen": "also of robots on its radar", "all": "of all robots"}
+_SENSORS = {"own": "its own", "all": "of all robots"}
 
 
 class LevelForm(Form):
@@ -152,64 +126,122 @@ class LevelForm(Form):
         self._editor = editor
         self._level = editor.level
 
-    def fields(self) -> Iterable[tuple[str, Widget]]:
+    def fields(self) -> Iterator[tuple[str, Field]]:
         """Yield the fields of a level."""
         level = self._level
-        yield "Title", text("title", level.title)
-        yield "Idea", text("idea", level.idea)
-        yield "Width", number("width", level.width)
-        yield "Height", number("height", level.height)
-        yield "Add or cut at", _select("place", _PLACES, "0")
-        yield "New room", flag("wall", "is wall", value=False)
-        yield "Robot sees", _select("sensor", _SENSORS, level.visibility.sensor)
-        yield "Robot knows", _select("memory", _MEMORIES, level.visibility.memory)
-        yield "Shared names", text("shared_names", ", ".join(level.shared_names))
-        yield "Briefing", TextArea(level.briefing, id="briefing", tab_behavior="focus")
-        hints = "\n\n".join(level.hints)
-        yield "Hints", TextArea(hints, id="hints", tab_behavior="focus")
+        yield "Title", Text("title", level.title)
+        yield "Idea", Text("idea", level.idea)
+        yield "Width", Number("width", level.width, "The width", whole=True)
+        yield "Height", Number("height", level.height, "The height", whole=True)
+        yield "Add or cut at", Choice("place", _PLACES, "0")
+        yield "New room", Flag("wall", "is wall", value=False)
+        yield "Robot sees", Choice("sensor", _SENSORS, level.visibility.sensor)
+        yield "Robot knows", Choice("memory", _MEMORIES, level.visibility.memory)
+        yield "Shared names", Text("shared_names", ", ".join(level.shared_names))
+        yield "Briefing", Lines("briefing", level.briefing)
+        yield "Hints", Lines("hints", "\n\n".join(level.hints))
 
     def take(self) -> None:
         """Apply the properties as one step."""
-        level = self._level
-        width = self.whole_of("width", "The width")
-        height = self.whole_of("height", "The height")
-        share = int(self.choice_of("place")) / 2
+        level, values = self._level, self.values()
+        width, height, share = values["width"], values["height"], int(values["place"]) / 2
         left = int((width - level.width) * share)
         top = int((height - level.height) * share)
-        wall = self.flag_of("wall")
-        changed = resize(level, width, height, left=left, top=top, wall=wall)
-        visibility = _VISIBILITIES[self.choice_of("memory"), self.choice_of("sensor")]
-        words = {
-            "title": self.text_of("title"),
-            "idea": self.text_of("idea"),
-            "briefing": self._kept("briefing", level.briefing),
-            "hints": self._hints(),
-            "visibility": visibility,
-            "shared_names": self._shared_names(),
-        }
-        changed = set_words(changed, **words)
+        changed = resize(level, width, height, left=left, top=top, wall=values["wall"])
+        briefing, hints, shared = values["briefing"], values["hints"], values["shared_names"]
+        names = tuple(name.strip() for name in shared.split(",") if name.strip())
+        hint_list = tuple(hint.strip() for hint in hints.split("\n\n") if hint.strip())
+        changed = set_words(
+            changed,
+            title=values["title"],
+            idea=values["idea"],
+            briefing=level.briefing if briefing == level.briefing.strip() else briefing,
+            hints=level.hints if hints == "\n\n".join(level.hints).strip() else hint_list,
+            visibility=Visibility(values["memory"], values["sensor"]),
+            shared_names=(level.shared_names if shared == ", ".join(level.shared_names) else names),
+        )
         self._editor.change_level("level", changed)
 
-    def _kept(self, name: str, before: str) -> str:
-        typed = self.lines_of(name)
-        return before if typed == before.strip() else typed
 
-    def _shared_names(self) -> tuple[str, ...]:
-        typed = self.text_of("shared_names")
-        if typed == ", ".join(self._level.shared_names):
-            return self._level.shared_names
-        return tuple(name.strip() for name in typed.split(",") if name.strip())
-
-    def _hints(self) -> tuple[str, ...]:
-        typed = self.lines_of("hints")
-        if typed == "\n\n".join(self._level.hints).strip():
-            return self._level.hints
-        return tuple(hint.strip() for hint in typed.split("\n\n") if hint.strip())
+_KINDS = {"room": "an empty room", "labyrinth": "a random labyrinth", "copy": "a copy"}
+_OF = {
+    "room": ("width", "height", "wall"),
+    "labyrinth": ("columns", "rows", "corridor", "wall", "loops", "seed"),
+    "copy": ("original",),
+}
 
 
-def _select(name: str, options: Mapping[Any, str], value: str) -> Select[str]:
-    pairs = [(label, each) for each, label in options.items()]
-    return Select(pairs, value=value, allow_blank=False, id=name, compact=True)
+class NewLevelForm(Form):
+    """Asks for a new level, which is in `made` afterwards.
+
+    Args:
+        names: Names of all levels that can be copied.
+        here: Name of the current level.
+        own: Folder of the player's levels.
+    """
+
+    def __init__(self, names: list[str], here: str, own: Path) -> None:
+        super().__init__("New level")
+        self._names = names
+        self._here = here if here in names else names[0]
+        self._own = own
+        self.made: Level | None = None
+
+    def fields(self) -> Iterator[tuple[str, Field]]:
+        """Yield the fields; each kind of level has its own."""
+        yield "Make", Choice("kind", _KINDS, "room")
+        yield "Title", Text("title", "")
+        yield "Width", Number("width", 600, "The width", whole=True)
+        yield "Height", Number("height", 400, "The height", whole=True)
+        yield "Columns", Number("columns", 8, "The number of columns", whole=True)
+        yield "Rows", Number("rows", 6, "The number of rows", whole=True)
+        yield "Corridor width", Number("corridor", 60, "The corridor", whole=True)
+        yield "Wall thickness", Number("wall", 10, "The wall", whole=True)
+        yield "Loops, 0 to 1", Number("loops", 0.1, "The share of loops")
+        seed = randrange(1000)  # noqa: S311 - no secret is made of it
+        yield "Seed", Number("seed", seed, "The seed", whole=True)
+        yield "Of", Choice("original", dict(zip(self._names, self._names, strict=True)), self._here)
+
+    def on_mount(self) -> None:
+        """Start with a room."""
+        super().on_mount()
+        self._arrange()
+
+    @on(Select.Changed, "#kind")
+    def _arrange(self) -> None:
+        """Show only the fields of the chosen kind."""
+        wanted = _OF[self.values("kind")["kind"]]
+        for name in {each for names in _OF.values() for each in names}:
+            self.row(name).display = name in wanted
+
+    def take(self) -> None:
+        """Create the level."""
+        kind, title = self.values("kind", "title").values()
+        makers: dict[str, Callable[..., Level]] = {
+            "room": empty_room,
+            "labyrinth": labyrinth,
+            "copy": self._copy,
+        }
+        made = makers[kind](**self.values(*_OF[kind]))
+        self.made = set_words(made, title=title) if title else made
+
+    def _copy(self, original: str) -> Level:
+        level = load_level(own_levels(self._own).get(original, original))
+        return replace(level, name=f"{original}-copy", title=f"{level.title} (copy)", source="")
+
+
+async def ask_for_level(ui: Ui, here: str, own: Path) -> Level | None:
+    """Ask for a new level and return it, or None.
+
+    Args:
+        ui: The user interface.
+        here: Name of the current level.
+        own: Folder of the player's levels.
+    """
+    own_names = await asyncio.to_thread(partial(own_levels, own))
+    names = list(dict.fromkeys([*await asyncio.to_thread(list_levels), *own_names]))
+    form = NewLevelForm(names, here, own)
+    return form.made if await ui.ask(form) else None
 
 
 class FindingList(Dialog[Finding]):
@@ -224,18 +256,18 @@ class FindingList(Dialog[Finding]):
     FindingList OptionList { height: auto; max-height: 16; }
     """
 
+    heading = "Findings"
+    keys = "enter go there   ↑↓ choose   esc close"
+
     def __init__(self, findings: Sequence[Finding]) -> None:
         super().__init__()
         self._findings = findings
 
-    def compose(self) -> ComposeResult:
+    def content_widgets(self) -> ComposeResult:
         """Yield one line for each."""
-        with Vertical(id="box") as box:
-            box.border_title = "Findings"
-            yield Listing(
-                *(Option(_told(finding)) for finding in self._findings), markup=False, compact=True
-            )
-            yield Static("enter go there   ↑↓ choose   esc close", id="keys", markup=False)
+        yield Listing(
+            *(Option(_told(finding)) for finding in self._findings), markup=False, compact=True
+        )
 
     @on(OptionList.OptionSelected)
     def _chosen(self, event: OptionList.OptionSelected) -> None:

@@ -16,9 +16,9 @@ from logical_robots_tui.tui.level_editor.editor import LevelEditor
 from logical_robots_tui.tui.recovery.autosave import Autosave
 from logical_robots_tui.tui.theme.safe_text import one_line
 from logical_robots_tui.world import LevelError, load_level
-from logical_robots_tui.world.drawing import coarsest_cell
 from logical_robots_tui.world.level import alike
-from logical_robots_tui.world.native import read_native
+from logical_robots_tui.world.levels.drawing import coarsest_cell
+from logical_robots_tui.world.levels.native import read_native
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -30,7 +30,7 @@ if TYPE_CHECKING:
     from logical_robots_tui.tui.app.ui import Spawn, Ui
     from logical_robots_tui.world import Level
 
-__all__ = ["EditMode", "EditView", "Live"]
+__all__ = ["EditMode", "EditView", "GameSync"]
 
 _DRAFT_DELAY = 1.0  # seconds from a change to its draft on disk
 _CHECK_DELAY = 0.3  # seconds without a change before a level is checked
@@ -104,7 +104,7 @@ class EditMode:
         self.is_on = self.is_testing = False
         self.saving = asyncio.Lock()
         self.editor = LevelEditor(levels.edits, lambda: session.frame.after, self._edited, ui.warn)
-        self.live = Live(session, self.editor, ui.spawn)
+        self.sync = GameSync(session, self.editor, ui.spawn)
         self.autosave = Autosave(
             drafts,
             delay=_DRAFT_DELAY,
@@ -142,7 +142,7 @@ class EditMode:
     def leave(self) -> None:
         """Let keys and mouse play; the changes stay in the game."""
         self.editor.finish()
-        self.live.flush()
+        self.sync.flush()
         self.is_on = False
         self.view.leave(is_testing=self.is_testing)
 
@@ -161,7 +161,7 @@ class EditMode:
     def end(self) -> None:
         """End editing, because another level was opened; unsaved changes stay in the draft."""
         self._is_over = True
-        self.live.stop()
+        self.sync.stop()
         if self.is_on or self.is_testing:
             self.is_testing = False
             self.leave()
@@ -239,7 +239,7 @@ class EditMode:
 
     def _edited(self) -> None:
         self._is_unwanted = False
-        self.live.edited()
+        self.sync.edited()
         self._noted()
 
     def _noted(self) -> None:
@@ -269,7 +269,7 @@ _AGAIN_AFTER = 0.04  # seconds between two changes of the game, at least
 _SHARE = 3  # pause after a change, as a multiple of its duration
 
 
-class Live:
+class GameSync:
     """Keeps the game in step with the edited level.
 
     While walls are painted the picture is ahead of the game, which catches up as fast as it can: a

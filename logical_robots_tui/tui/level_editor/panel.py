@@ -1,39 +1,32 @@
-"""The labyrinth pane while a level is edited: tools above, a line below, cursor and mouse."""
+"""The labyrinth pane while a level is edited: keys, mouse, cursor and overlay."""
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, ClassVar
-
-from textual.content import Content
-from textual.widget import Widget
+import math
+from typing import TYPE_CHECKING
 
 from logical_robots_tui.tui.commands.keymap import command, commands
-from logical_robots_tui.tui.layout.command_bar import CommandChosen
+from logical_robots_tui.tui.labyrinth.drawing.viewport import CELL_ASPECT
 from logical_robots_tui.tui.level_editor.mode import EditView
 from logical_robots_tui.tui.level_editor.overlay import mark
-from logical_robots_tui.tui.level_editor.pointer import Pointer
-from logical_robots_tui.tui.level_editor.tools import PAINTING, Tool
-from logical_robots_tui.tui.theme.safe_text import clip, one_line
-from logical_robots_tui.tui.theme.themes import INK
-from logical_robots_tui.world import Area, Beacon, Robot
+from logical_robots_tui.tui.level_editor.tool_lines import InfoLine, ToolLine
+from logical_robots_tui.tui.level_editor.tools import Tool
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from textual import events
-
-    from logical_robots_tui.editing.records import Thing
     from logical_robots_tui.editing.strokes import Point
     from logical_robots_tui.tui.labyrinth.drawing.cells import Cells
     from logical_robots_tui.tui.labyrinth.drawing.glyphs import Look
     from logical_robots_tui.tui.labyrinth.drawing.viewport import Viewport
     from logical_robots_tui.tui.labyrinth.pane import LabyrinthPane
-    from logical_robots_tui.tui.level_editor.editor import LevelEditor
     from logical_robots_tui.tui.level_editor.mode import EditMode
 
-__all__ = ["EditPanel", "InfoLine", "ToolLine"]
+__all__ = ["EditPanel"]
 
 _BACK_FROM_TEST = ("test", "stop_editing")
+_FAR = 8  # cursor steps with shift
+_WAYS = {"left": (-1, 0), "right": (1, 0), "up": (0, -1), "down": (0, 1)}
 
 
 class EditPanel(EditView):
@@ -58,13 +51,6 @@ class EditPanel(EditView):
     ) -> None:
         self._mode, self._pane = mode, pane
         self._enter, self._switched, self._changed = enter, switched, changed
-        self.pointer = Pointer(
-            mode.editor,
-            pane.view,
-            moved=mode.redraw,
-            released=mode.live.flush,
-            opened=lambda: self.do("properties"),
-        )
         self._tools = ToolLine(mode.editor)
         self._info = InfoLine(mode.editor)
         self._ids = dict.fromkeys(command("edit_level").keys, "stop_editing")
@@ -110,8 +96,8 @@ class EditPanel(EditView):
             return True
         if not self._mode.is_on or not self._pane.has_focus:
             return False
-        if key.removeprefix("shift+") in ("left", "right", "up", "down"):
-            self.pointer.move(key)
+        if key.removeprefix("shift+") in _WAYS:
+            self._move(key)
         elif key in self._ids:
             self.do(self._ids[key])
         else:
@@ -125,12 +111,78 @@ class EditPanel(EditView):
             self._mode.redraw()
 
     def use(self) -> None:
-        """Use the tool at the cursor."""
-        self.pointer.use()
+        """Press or release the button at the cursor."""
+        editor = self._mode.editor
+        if editor.stroke is None:
+            editor.press(*editor.cursor, self._units)
+        else:
+            editor.release()
+            self._mode.sync.flush()
 
     def go_to(self, point: Point) -> None:
         """Move the cursor to a point."""
-        self.pointer.go_to(point)
+        self._mode.editor.cursor = point
+        self._keep_in_sight(point)
+
+    def _move(self, key: str) -> None:
+        """Move the cursor by an arrow key, and the view with it."""
+        editor, view = self._mode.editor, self._pane.view.view
+        if view is None:
+            return
+        across, down = _WAYS[key.removeprefix("shift+")]
+        times = _FAR if key.startswith("shift+") else 1
+        grid = editor.settings.grid
+        wide = math.ceil(view.units / grid) * grid
+        high = math.ceil(view.units * CELL_ASPECT / grid) * grid
+        level = editor.level
+        x = min(max(editor.cursor[0] + across * times * wide, 0.0), level.width - 1.0)
+        y = min(max(editor.cursor[1] + down * times * high, 0.0), level.height - 1.0)
+        editor.drag(x, y)
+        self.go_to((x, y))
+        self._mode.redraw()
+
+    @property
+    def _units(self) -> float:
+        view = self._pane.view.view
+        return view.units if view else 1.0
+
+    def _keep_in_sight(self, point: Point) -> None:
+        view = self._pane.view.view
+        if view is None:
+            return
+        columns = _beyond((point[0] - view.left) / view.units, view.columns)
+        rows = _beyond((point[1] - view.top) / (view.units * CELL_ASPECT), view.rows)
+        if columns or rows:
+            self._pane.view.pan(columns, rows)
+
+    # -- the mouse -----------------------------------------------------------------------------
+
+    def press(self, x: float, y: float) -> None:
+        """Press the button at a point of the map."""
+        editor = self._mode.editor
+        editor.finish()
+        editor.cursor = (x, y)
+        editor.press(x, y, self._units)
+        self._mode.redraw()
+
+    def hover(self, x: float, y: float, *, is_held: bool) -> None:
+        """Move the mouse to a point of the map."""
+        self._mode.editor.cursor = (x, y)
+        if is_held:
+            self._mode.editor.drag(x, y)
+        self._mode.redraw()
+
+    def release(self) -> None:
+        """Release the button."""
+        self._mode.editor.release()
+        self._mode.sync.flush()
+        self._mode.redraw()
+
+    def open(self) -> None:
+        """Double-click a thing."""
+        editor = self._mode.editor
+        if editor.settings.tool is Tool.HAND and editor.thing is not None:
+            self.do("properties")
 
     # -- drawing -------------------------------------------------------------------------------
 
@@ -158,139 +210,8 @@ class EditPanel(EditView):
         self._changed()
 
 
-_CHOSEN = "$here-ink on $here"
-
-
-class ToolLine(Widget):
-    """The tools with their keys, and the settings of the current one; clickable."""
-
-    DEFAULT_CSS = """
-    ToolLine { dock: top; height: auto; background: $panel; text-wrap: nowrap; layer: picture; }
-    """
-    ALLOW_SELECT: ClassVar[bool] = False
-
-    def __init__(self, editor: LevelEditor) -> None:
-        super().__init__()
-        self._editor = editor
-        self._places: list[tuple[int, int, int, str]] = []
-        self._shown: object = None
-
-    def follow(self) -> None:
-        """Show what has changed."""
-        now = self._editor.settings, self._editor.edits.can_undo, self._editor.edits.can_redo
-        if now != self._shown:
-            self._shown = now
-            self.refresh(layout=True)
-
-    def get_content_height(self, container: object, viewport: object, width: int) -> int:
-        """Return as many lines as the labels take."""
-        return len(self._lines(width))
-
-    def render(self) -> Content:
-        """Return the labels."""
-        return Content("\n").join(self._lines(self.size.width))
-
-    def on_click(self, event: events.Click) -> None:
-        """Run what was clicked."""
-        event.stop()
-        for row, first, stop, name in self._places:
-            if event.y == row and first <= event.x < stop:
-                self.post_message(CommandChosen(name))
-
-    def _lines(self, width: int) -> list[Content]:
-        self._places = []
-        lines = [Content("")]
-        for name, label in self._labels():
-            used = lines[-1].cell_length
-            if used and used + 2 + label.cell_length > width:
-                lines.append(Content(""))
-                used = 0
-            first = used + 1
-            lines[-1] = lines[-1].append(" ").append(label)
-            self._places.append((len(lines) - 1, first, first + label.cell_length, name))
-        return lines
-
-    def _labels(self) -> list[tuple[str, Content]]:
-        settings = self._editor.settings
-        found = [(tool.value, self._tool(tool)) for tool in Tool]
-        if settings.tool in PAINTING:
-            width = settings.width * settings.grid
-            found.append(("wider_brush", _setting("[ ]", f"{width} unit{'s' * (width != 1)} wide")))
-        if settings.tool in (Tool.LINE, Tool.RECTANGLE, Tool.FILL):
-            found.append(("ink", _setting(_key("ink"), "wall" if settings.is_wall else "floor")))
-        if settings.tool is Tool.RECTANGLE:
-            filled = "filled" if settings.is_filled else "border"
-            found.append(("outline", _setting(_key("outline"), filled)))
-        found.append(("grid_size", _setting(_key("grid_size"), f"grid {settings.grid}")))
-        return found
-
-    def _tool(self, tool: Tool) -> Content:
-        entry = command(tool.value)
-        if tool is self._editor.settings.tool:
-            return Content.styled(f"{_key(tool.value)} {entry.title}", f"bold {_CHOSEN}")
-        return Content.assemble((_key(tool.value), INK.key), " ", (entry.title, INK.text))
-
-
-class InfoLine(Widget):
-    """Where the cursor is, what is selected, and what looks wrong."""
-
-    DEFAULT_CSS = """
-    InfoLine { dock: bottom; height: 1; background: $panel; text-wrap: nowrap; layer: picture; }
-    """
-    ALLOW_SELECT: ClassVar[bool] = False
-
-    def __init__(self, editor: LevelEditor) -> None:
-        super().__init__()
-        self._editor = editor
-        self._line = Content("")
-
-    def show(self, *, findings: int | None, forbidden: bool, saved: bool) -> None:
-        """Show the state.
-
-        Args:
-            findings: The number of likely mistakes, or None while they are being looked for.
-            forbidden: Whether one of them keeps the level from being loaded.
-            saved: Whether the level is saved.
-        """
-        editor = self._editor
-        x, y = editor.cursor
-        thing = editor.thing
-        told = [Content.styled(f"{x:.0f}, {y:.0f}", f"bold {INK.number}")]
-        if not saved:
-            told.append(Content.styled("● not saved", INK.title))
-        if findings:
-            style = f"bold {INK.bad}" if forbidden else INK.warn
-            told.append(Content.styled(f"! {findings} finding{'s' * (findings != 1)}", style))
-        elif findings == 0:
-            told.append(Content.styled("✓ sound", INK.good))
-        told.append(Content.styled(described(thing), INK.text if thing else INK.dim))
-        line = Content(" ").append(Content("   ").join(told))
-        if line.markup != self._line.markup:
-            self._line = line
-            self.refresh()
-
-    def render(self) -> Content:
-        """Return the line."""
-        return self._line
-
-
-def described(thing: Thing | None) -> str:
-    """Describe a thing in a few words."""
-    if thing is None:
-        return "nothing selected"
-    name = clip(one_line(thing.name), 24)
-    place = f"at {thing.x:g}, {thing.y:g}"
-    if isinstance(thing, Robot):
-        return f"Robot {name} {place}"
-    if isinstance(thing, Beacon):
-        return f"Beacon {name} {place}"
-    assert isinstance(thing, Area)
-    return f"Area {name} {place}, radius {thing.radius:g}"
-
-
-def _key(name: str) -> str:
-    return command(name).key_name
-
-
-def _setting(keys: str, text: str) -> Content:
-    return Content.assemble((keys, INK.key), " ", (text, INK.number))
+def _beyond(place: float, length: int) -> float:
+    """Return by how many cells a view must move so that a place is well inside; 0 if it is."""
+    if 0 <= place < length:
+        return 0.0
+    return place - length * (0.25 if place < 0 else 0.75)

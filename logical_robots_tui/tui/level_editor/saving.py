@@ -16,7 +16,7 @@ from logical_robots_tui.tui.layout.dialogs import Question
 from logical_robots_tui.tui.library.save_dialog import SaveDialog
 from logical_robots_tui.tui.theme.safe_text import one_line
 from logical_robots_tui.world import Level
-from logical_robots_tui.world.load import NATIVE, SUFFIXES
+from logical_robots_tui.world.levels.load import NATIVE, SUFFIXES
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -141,10 +141,10 @@ class SaveLevel(SaveDialog[Level]):
         self._own = own
         self._file = file
 
-    def fields(self) -> ComposeResult:
+    def content_widgets(self) -> ComposeResult:
         """Yield the name of the file, and the title."""
         yield Static("File name", classes="label", markup=False)
-        yield from super().fields()
+        yield from super().content_widgets()
         yield Static("Title", classes="label", markup=False)
         yield Input(self._level.title, id="title", select_on_focus=False)
 

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, ClassVar, Generic, Protocol, TypeVar
 
 from textual import on
 from textual.binding import Binding
-from textual.containers import Horizontal, Vertical, VerticalScroll
+from textual.containers import Horizontal, VerticalScroll
 from textual.content import Content
 from textual.widgets import Input, OptionList, Static
 from textual.widgets.option_list import Option
@@ -98,8 +98,10 @@ class Chooser(Dialog[T], Generic[T]):
         Binding("pagedown", "go('page_down')", show=False, priority=True),
     ]
 
+    keys = "enter open   ↑↓ choose   esc close"
+
     def __init__(self, shelf: Shelf[T], current: str) -> None:
-        super().__init__()
+        super().__init__(shelf.title)
         self._shelf = shelf
         self._current = current
         self._cards: dict[str, Card] = {}
@@ -109,19 +111,14 @@ class Chooser(Dialog[T], Generic[T]):
         self._filter = Input(placeholder=shelf.placeholder, id="filter", select_on_focus=False)
         self._entries = Listing(id="entries", markup=False, compact=True)
         self._preview_text = Static(id="preview-text")
-        self._complaint = Static(id="complaint")
 
-    def compose(self) -> ComposeResult:
+    def content_widgets(self) -> ComposeResult:
         """Yield the filter above, list and preview side by side."""
-        with Vertical(id="box") as box:
-            box.border_title = self._shelf.title
-            yield self._filter
-            with Horizontal():
-                yield self._entries
-                with VerticalScroll(id="preview", can_focus=False):
-                    yield self._preview_text
-            yield self._complaint
-            yield Static("enter open   ↑↓ choose   esc close", id="keys", markup=False)
+        yield self._filter
+        with Horizontal():
+            yield self._entries
+            with VerticalScroll(id="preview", can_focus=False):
+                yield self._preview_text
 
     def on_resize(self, event: events.Resize) -> None:
         """Hide the preview if there is no room for it."""
@@ -193,7 +190,7 @@ class Chooser(Dialog[T], Generic[T]):
 
     @on(Input.Changed, "#filter")
     def _filter_changed(self) -> None:
-        self._complaint.display = False
+        self.complain("")
         self._list(self._highlighted)
 
     @on(OptionList.OptionHighlighted, "#entries")
@@ -217,8 +214,7 @@ class Chooser(Dialog[T], Generic[T]):
         try:
             result = await asyncio.to_thread(self._shelf.take, name)
         except LogicalRobotsError as error:
-            self._complaint.update(Content(one_line(str(error))))
-            self._complaint.display = True
+            self.complain(str(error))
         else:
             self.dismiss(result)
 

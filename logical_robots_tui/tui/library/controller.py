@@ -6,12 +6,14 @@ Dialogs are loaded when first used, so that the first picture comes sooner.
 from __future__ import annotations
 
 import asyncio
+from datetime import date
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from logical_robots_tui.errors import InputError
 from logical_robots_tui.game import Source, load_program
-from logical_robots_tui.tui.theme.safe_text import clip, one_line
+from logical_robots_tui.tui.recovery.offers import short_name, when_saved
+from logical_robots_tui.tui.theme.safe_text import one_line
 from logical_robots_tui.world import list_levels, load_level
 
 if TYPE_CHECKING:
@@ -19,10 +21,10 @@ if TYPE_CHECKING:
 
     from logical_robots_tui.game.drafts import Draft, Drafts, Key
     from logical_robots_tui.tui.app.session import Session
+    from logical_robots_tui.tui.app.session_state import ProgramText
     from logical_robots_tui.tui.app.ui import Ui
     from logical_robots_tui.tui.labyrinth.drawing.glyphs import Drawing
     from logical_robots_tui.tui.library.progress_recorder import ProgressRecorder
-    from logical_robots_tui.tui.program.state import ProgramText
     from logical_robots_tui.tui.recovery.autosave import Autosave
     from logical_robots_tui.tui.recovery.offers import Offers
     from logical_robots_tui.world import Level
@@ -88,6 +90,26 @@ class LibraryController:
             return
         try:
             level = await asyncio.to_thread(load_level, following[0])
+        except InputError as error:
+            self._ui.warn(str(error))
+            return
+        await self.open_level(level)
+
+    async def open_daily(self) -> None:
+        """Ask for a size, and open today's labyrinth."""
+        from logical_robots_tui.game.continuing import daily_level
+        from logical_robots_tui.tui.layout.dialogs import Question
+        from logical_robots_tui.world.levels.daily import DAILY_SIZES
+
+        today = date.today()
+        answers = [(size, size.capitalize()) for size in DAILY_SIZES]
+        asked = Question("Labyrinth of the day", f"{today.isoformat()}: which size?", answers)
+        if (answer := await self._ui.ask(asked)) is None:
+            return
+        size = next(size for size in DAILY_SIZES if size == answer)
+        try:
+            progress = self._recorder.progress
+            level = await asyncio.to_thread(daily_level, progress, today, size)
         except InputError as error:
             self._ui.warn(str(error))
             return
@@ -196,9 +218,9 @@ class LibraryController:
         here = str(self._session.source.path)
         draft = next((draft for draft in drafts if draft.path == here), drafts[0])
         answers = [("yes", "Yes, continue"), ("no", "No, set it aside"), ("show", "Show it")]
-        when = draft.saved.astimezone()
-        name = clip(one_line(draft.name), 40)
-        question = f"Continue with your unsaved text of “{name}” from {when:%H:%M, %d %B}?"
+        question = (
+            f"Continue with your unsaved text of {short_name(draft)} from {when_saved(draft)}?"
+        )
         answer = await offers.ask("Unsaved text", question, answers, text=draft.text)
         if answer == "yes":
             self._continue_with(draft)

@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING, ClassVar
 
 from textual import on
 from textual.binding import Binding
-from textual.containers import Vertical
 from textual.content import Content
 from textual.widgets import Input, Static
 
@@ -23,7 +22,7 @@ from logical_robots_tui.tui.library.chooser import is_path
 from logical_robots_tui.tui.theme.safe_text import one_line
 from logical_robots_tui.tui.theme.themes import INK, palette_of
 from logical_robots_tui.world import Level, list_levels, load_level
-from logical_robots_tui.world.load import SUFFIXES
+from logical_robots_tui.world.levels.load import SUFFIXES
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -36,8 +35,6 @@ if TYPE_CHECKING:
     from logical_robots_tui.tui.library.progress_recorder import ProgressRecorder
 
 __all__ = ["LevelScreen", "NewLevel", "own_levels"]
-
-_KEYS = "enter play   ←↑↓→ choose   ^N new level   esc close"
 
 
 class NewLevel:
@@ -74,6 +71,8 @@ class LevelScreen(Dialog["Level | NewLevel"]):
         Binding("ctrl+n", "new", show=False, priority=True),
     ]
 
+    keys = "enter play   ←↑↓→ choose   ^N new level   esc close"
+
     def __init__(
         self, here: Level, recorder: ProgressRecorder, drawing: Drawing, own: Path
     ) -> None:
@@ -87,19 +86,16 @@ class LevelScreen(Dialog["Level | NewLevel"]):
         self._cards = LevelCards()
         self._is_read = False
 
-    def compose(self) -> ComposeResult:
+    def content_widgets(self) -> ComposeResult:
         """Yield the progress, the filter, the cards, and details of the chosen one."""
-        with Vertical(id="box"):
-            yield Static(id="head")
-            yield Input(
-                placeholder="type to filter, or the path of a .toml or .json file",
-                id="filter",
-                select_on_focus=False,
-            )
-            yield self._cards
-            yield Static(id="detail")
-            yield Static(id="complaint")
-            yield Static(_KEYS, id="keys", markup=False)
+        yield Static(id="head")
+        yield Input(
+            placeholder="type to filter, or the path of a .toml or .json file",
+            id="filter",
+            select_on_focus=False,
+        )
+        yield self._cards
+        yield Static(id="detail")
 
     def on_mount(self) -> None:
         """Show the names at once; the rest follows as it is read and drawn."""

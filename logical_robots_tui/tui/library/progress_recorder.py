@@ -12,9 +12,7 @@ from logical_robots_tui.game import level_key, reference_for
 from logical_robots_tui.game.continuing import keep_if_own, note_level
 from logical_robots_tui.game.victory import keep_victory
 from logical_robots_tui.progress import NEW, Progress
-from logical_robots_tui.tui.app.facts import THEME, TOUR
-from logical_robots_tui.tui.app.session_listener import SessionListener
-from logical_robots_tui.tui.app.session_state import nothing
+from logical_robots_tui.tui.app.session_state import SessionListener, nothing
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -28,7 +26,10 @@ if TYPE_CHECKING:
     from logical_robots_tui.tui.app.ui import Ui
     from logical_robots_tui.world import Level
 
-__all__ = ["ProgressRecorder"]
+__all__ = ["THEME", "TOUR", "ProgressRecorder"]
+
+THEME, TOUR = "theme", "tour"
+"""Facts in the player's record: which theme was chosen, and that the tour is over."""
 
 T = TypeVar("T")
 

@@ -4,11 +4,10 @@ from __future__ import annotations
 
 import asyncio
 from abc import abstractmethod
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING
 
 from textual import on
-from textual.containers import Vertical
-from textual.widgets import Input, Static
+from textual.widgets import Input
 
 from logical_robots_tui.errors import InputError
 from logical_robots_tui.game import Source, load_program, save_program
@@ -36,8 +35,7 @@ class SaveDialog(Dialog[Result]):
     SaveDialog > #box { max-width: 72; padding: 1 2 0 2; }
     """
 
-    heading: ClassVar[str]
-    keys: ClassVar[str] = "enter save   esc close"
+    keys = "enter save   esc close"
 
     def __init__(self, name: str) -> None:
         super().__init__()
@@ -45,16 +43,8 @@ class SaveDialog(Dialog[Result]):
         self._confirmed: Path | None = None
         self._is_saving = False
 
-    def compose(self) -> ComposeResult:
-        """Yield the fields and the error."""
-        with Vertical(id="box") as box:
-            box.border_title = self.heading
-            yield from self.fields()
-            yield Static(id="complaint")
-            yield Static(self.keys, id="keys", markup=False)
-
-    def fields(self) -> ComposeResult:
-        """Yield the fields."""
+    def content_widgets(self) -> ComposeResult:
+        """Yield the field for the name."""
         yield Input(self._proposed, id="name", select_on_focus=False)
 
     @abstractmethod

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections import Counter
 from typing import TYPE_CHECKING, NamedTuple
 
 from textual.content import Content
@@ -10,12 +11,15 @@ from textual.geometry import Offset
 from textual.widgets.option_list import Option
 
 from logical_robots_tui.mind.reference import REFERENCE
+from logical_robots_tui.mind.source_text import prepare
 from logical_robots_tui.tui.layout.dialogs import Listing
 from logical_robots_tui.tui.theme.safe_text import clip
 from logical_robots_tui.tui.theme.themes import INK
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
+
+    from logical_robots_tui.mind.source_text import Prepared
 
 __all__ = [
     "NAMES",
@@ -82,7 +86,13 @@ NAMES = tuple(word.name for word in (*_BUILT_IN, *_GIVEN, *_FIELDS))
 """Words without a definition in the program: functions, inputs, fields."""
 
 _HEAD = re.compile(r"^(?P<name>[A-Z]\w*)\s*(?:(?P<arguments>\([^)]*\)?)|:=)", re.MULTILINE)
-_BEFORE = re.compile(r"(?P<dot>(?P<owner>\w*)\.)?(?P<begun>\w*)$")
+_BEFORE = re.compile(r"(?:(?P<owner>[A-Za-z_]\w*)\.)?(?P<begun>\w*)$")
+_VARIABLE = re.compile(r"(?<![\w.])[a-z_]\w*\b(?!\s*:(?!-)\s*[^\s,)}])(?!\s*\()")
+_FIELD = re.compile(r"\.([a-z_]\w*)|\b([a-z_]\w*)\s*:(?!-)")
+_KEYWORDS = {
+    *("and", "combine", "distinct", "else", "false", "if", "import"),
+    *("in", "is", "not", "null", "or", "then", "true"),
+}
 
 
 def definitions(text: str) -> Mapping[str, tuple[Place, str]]:
@@ -99,41 +109,85 @@ def definitions(text: str) -> Mapping[str, tuple[Place, str]]:
     return found
 
 
-def words_for(text: str, before: str) -> tuple[int, list[Word]]:
-    """Return the words that could be inserted at a place.
+def words_for(text: str, place: Place) -> tuple[int, list[Word]]:
+    """Return the words that could be inserted at a place of a program.
 
     Args:
         text: The program.
-        before: The line up to that place.
+        place: The place.
 
     Returns:
-        The number of characters already typed, and the words, sorted.
+        The number of characters already typed, and the words: variables of the rule and fields of
+        what they hold come before predicates, and functions last. None in comments and quotes.
     """
-    match = _BEFORE.search(before)
-    begun, after_dot = (match["begun"], bool(match["dot"])) if match else ("", False)
-    if match and after_dot:
-        of_owner = [word for word in _FIELDS if word.shape.split(".")[-2] == match["owner"]]
-        words = {word.name: word for word in of_owner or _FIELDS}
-        text = "" if of_owner else text
-        for name in re.findall(r"\.([a-z_]\w*)", text) + re.findall(
-            r"\b([a-z_]\w*)\s*:(?!-)", text
-        ):
-            words.setdefault(name, Word(name, f".{name}", "a field of this program"))
-        words.pop(begun, None)
-    else:
-        words = {word.name: word for word in (*_BUILT_IN, *_GIVEN)}
-        for name, (place, shape) in definitions(text).items():
-            words[name] = Word(name, shape, f"defined in line {place.line + 1}")
-    fitting = [word for word in words.values() if word.name.lower().startswith(begun.lower())]
-    return len(begun), sorted(fitting, key=lambda word: word.name.lower())
+    lines = text.splitlines(keepends=True)[: place.line]
+    at = min(sum(map(len, lines)) + place.column, len(text))
+    source = prepare(text)
+    match = _BEFORE.search(text[:at].rpartition("\n")[2])
+    assert match is not None
+    owner, begun = match["owner"], match["begun"]
+    first = at - len(begun)
+    if text[first:at] != source.skeleton[first:at] or _is_blanked(text, source.skeleton, first - 1):
+        return len(begun), []
+    groups = _fields(source.skeleton, owner, begun) if owner else _names(source, first, at)
+    words: dict[str, Word] = {}
+    for group in groups:
+        for word in sorted(group, key=lambda word: word.name.lower()):
+            if word.name.rpartition(".")[2].lower().startswith(begun.lower()):
+                words.setdefault(word.name, word)
+    return len(begun), list(words.values())
+
+
+def _is_blanked(text: str, skeleton: str, at: int) -> bool:
+    """Return whether a character is in a comment or quotes; a blank is as the one before."""
+    while at >= 0 and text[at] == " ":
+        at -= 1
+    return at >= 0 and text[at] != "\n" and text[at] != skeleton[at]
+
+
+def _names(source: Prepared, first: int, at: int) -> list[list[Word]]:
+    """Return variables, fields of what they hold, predicates, and functions."""
+    start = max((end + 1 for end in source.ends if end < first), default=0)
+    stop = min((end for end in source.ends if end >= at), default=len(source.skeleton))
+    rule = f"{source.skeleton[start:first]} {source.skeleton[at:stop]}"
+    variables = {*_VARIABLE.findall(rule)} - _KEYWORDS
+    held = [word for word in _FIELDS if word.shape.rpartition(".")[0] in variables]
+    own = definitions(source.text)
+    return [
+        [Word(name, name, "a variable of this rule") for name in variables],
+        [Word(word.shape, word.shape, word.told) for word in held] if first < at else [],
+        [
+            *(_own(name, found) for name, found in own.items()),
+            *(word for word in _GIVEN if word.name not in own),
+        ],
+        [word for word in _BUILT_IN if word.name not in own],
+    ]
+
+
+def _fields(skeleton: str, owner: str, begun: str) -> list[list[Word]]:
+    """Return the fields of what a name holds: those used with it first, then all others."""
+    if known := [word for word in _FIELDS if word.shape.split(".")[-2] == owner]:
+        return [known]
+    told = {word.name: word.told for word in _FIELDS}
+    counts = Counter(name or key for name, key in _FIELD.findall(skeleton))
+    counts[begun] -= 1  # the word being typed
+    used = re.findall(rf"\b{owner}\.([a-z_]\w*)", skeleton)
+    groups = ([name for name in used if counts[name] > 0], [*counts, *told])
+    return [
+        [Word(name, f".{name}", told.get(name, "a field of this program")) for name in group]
+        for group in (groups[0], [name for name in groups[1] if name in told or counts[name] > 0])
+    ]
 
 
 def help_on(text: str, name: str) -> Word | None:
     """Return the help on a predicate or function, or None."""
-    own = definitions(text).get(name)
-    if own is not None:
-        return Word(name, own[1], f"defined in line {own[0].line + 1}")
+    if (own := definitions(text).get(name)) is not None:
+        return _own(name, own)
     return next((word for word in (*_BUILT_IN, *_GIVEN) if word.name == name), None)
+
+
+def _own(name: str, found: tuple[Place, str]) -> Word:
+    return Word(name, found[1], f"defined in line {found[0].line + 1}")
 
 
 def call_before(before: str) -> str:
@@ -170,8 +224,8 @@ class Completion(Listing, can_focus=False):
 
     DEFAULT_CSS = f"""
     Completion {{
-        overlay: screen; display: none; width: {_WIDTH}; height: auto; max-height: 10;
-        constrain: inside inside; border: none; padding: 0; background: $panel;
+        overlay: screen; display: none; width: {_WIDTH}; height: auto; max-height: 12;
+        constrain: inside inside; border: round $frame-here; padding: 0; background: $panel;
     }}
     Completion > .option-list--option-highlighted {{ background: $here; color: $here-ink; }}
     """

@@ -1,7 +1,8 @@
-"""Commands that change or search the text of the program."""
+"""Commands that change or search the text of the program, and its file as others change it."""
 
 from __future__ import annotations
 
+import asyncio
 import os
 import subprocess
 import tempfile
@@ -11,6 +12,8 @@ from typing import TYPE_CHECKING
 from textual.app import SuspendNotSupported
 from textual.widgets.text_area import Selection
 
+from logical_robots_tui.errors import InputError
+from logical_robots_tui.game import load_program
 from logical_robots_tui.game.source import SUFFIX
 from logical_robots_tui.tui.program.completion import definitions
 from logical_robots_tui.tui.program.text_operations import find_after, is_predicate_name, rename
@@ -21,12 +24,12 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
     from contextlib import AbstractContextManager
 
-    from logical_robots_tui.tui.app.permissions import Permissions
+    from logical_robots_tui.game import Source
     from logical_robots_tui.tui.app.session import Session
-    from logical_robots_tui.tui.app.ui import Ui
+    from logical_robots_tui.tui.app.ui import Permissions, Ui
     from logical_robots_tui.tui.program.pane import ProgramPane
 
-__all__ = ["ProgramController", "edited"]
+__all__ = ["FileWatch", "ProgramController", "edited"]
 
 _LONGEST = 30
 
@@ -76,7 +79,7 @@ class ProgramController:
 
     async def find(self) -> None:
         """Ask for a text, and go to it or replace it."""
-        from logical_robots_tui.tui.program.find_dialog import Find
+        from logical_robots_tui.tui.layout.dialogs import Find
 
         editor = self._pane.editor
         chosen = editor.selected_text
@@ -184,3 +187,58 @@ def edited(text: str, environ: Mapping[str, str]) -> str:
         if left == text:
             ended.check_returncode()
         return left
+
+
+_PAUSE = 0.25  # seconds between two checks
+
+
+class FileWatch:
+    """Checks one file repeatedly, in a thread, because a disk may be slow.
+
+    Args:
+        source: Returns what the game knows of the file.
+        changed: Called with the program on disk after a change.
+    """
+
+    def __init__(self, source: Callable[[], Source], changed: Callable[[Source], None]) -> None:
+        self._current, self._changed = source, changed
+        self._source: Source | None = None
+        self._stamp: tuple[int, int] | None = None
+
+    async def follow(self) -> None:
+        """Check until cancelled."""
+        while True:
+            await asyncio.sleep(_PAUSE)
+            source = self._current()
+            if source.shipped:
+                continue
+            found = await asyncio.to_thread(self.newer, source)
+            if found is not None and self._current() is source:
+                self._changed(found)
+
+    def newer(self, source: Source) -> Source | None:
+        """Return the program on disk if it has changed since the last check.
+
+        Args:
+            source: What the game knows of it. The first check compares its text, because the file
+                may have changed since it was read.
+        """
+        stamp = _stamp(source)
+        if source is not self._source:
+            self._source, self._stamp = source, None
+        if source.shipped or stamp is None or stamp == self._stamp:
+            return None
+        self._stamp = stamp
+        try:
+            found = load_program(source.path)
+        except InputError:
+            return None  # half written, or not text; a later check may succeed
+        return found if found.text != source.text else None
+
+
+def _stamp(source: Source) -> tuple[int, int] | None:
+    try:
+        status = source.path.stat()
+    except OSError:
+        return None
+    return status.st_mtime_ns, status.st_size

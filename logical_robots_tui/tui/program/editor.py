@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from typing import TYPE_CHECKING, ClassVar
 
 from rich.text import Text
@@ -11,7 +12,7 @@ from textual.message import Message
 from textual.widgets import TextArea
 from textual.widgets.text_area import Selection, TextAreaTheme
 
-from logical_robots_tui.tui.program.completion import Completion, word_around, words_for
+from logical_robots_tui.tui.program.completion import Completion, Place, word_around, words_for
 from logical_robots_tui.tui.program.lexer import LONGEST_LINE, LineStates, pieces
 from logical_robots_tui.tui.program.mistakes import marked
 from logical_robots_tui.tui.program.text_operations import WIDTH, indentation_after, shifted
@@ -33,10 +34,16 @@ __all__ = ["Editor"]
 
 _A_PASTE = 0.005
 """Keys that follow each other faster, in seconds, were not typed."""
+_OPENING = re.compile(r"[A-Za-z_]\w*\.$|(?<![\w.])[A-Z]$")
+"""What opens the list of words when it is typed."""
 
 
 class Editor(TextArea):
-    """Edits the text of a program; escape leaves it."""
+    """Edits the text of a program; escape leaves it.
+
+    Attributes:
+        completes: Whether a dot or a capital letter opens the list of words.
+    """
 
     DEFAULT_CSS = """
     Editor { border: none; padding: 0; background: $surface; }
@@ -84,6 +91,8 @@ class Editor(TextArea):
         self._marks: Mapping[int, Mark] = {}
         self._pointed_out: Selection | None = None
         self.completion = Completion()
+        self.completes = True
+        self._opens_list = False
 
     def on_mount(self) -> None:
         """Apply the theme's colours, and again when it changes."""
@@ -92,7 +101,7 @@ class Editor(TextArea):
 
     def _apply_theme(self, theme: Theme) -> None:
         self._syntax = {kind: rich_style(text) for kind, text in SYNTAX.items()}
-        dress = TextAreaTheme(
+        colours = TextAreaTheme(
             name=f"logica-{theme.name}",
             cursor_line_style=rich_style("on $row"),
             cursor_line_gutter_style=rich_style(f"{INK.title} on $row"),
@@ -100,8 +109,8 @@ class Editor(TextArea):
             selection_style=rich_style("on $selection"),
             bracket_matching_style=rich_style("bold on $bracket"),
         )
-        self.register_theme(dress)
-        self.theme = dress.name
+        self.register_theme(colours)
+        self.theme = colours.name
 
     # -- content -------------------------------------------------------------------------------
 
@@ -149,6 +158,10 @@ class Editor(TextArea):
         """
         hurried = event.time - self._last_key_at < _A_PASTE
         self._last_key_at = event.time
+        typed = event.character or ""
+        self._opens_list = self.completes and not hurried and (typed == "." or typed.isupper())
+        if hurried and event.key in ("enter", "tab"):  # of a paste: they choose no word
+            self.completion.close()
         if self.completion.display and self._takes(event.key):
             event.stop()
             event.prevent_default()
@@ -194,14 +207,15 @@ class Editor(TextArea):
 
     def action_complete(self) -> None:
         """Offer words for the cursor's place."""
-        _, words = words_for(self.text, self.before_cursor)
+        _, words = words_for(self.text, Place(*self.cursor_location))
         self.completion.offer(words, self.cursor_screen_offset)
 
     def on_text_area_changed(self) -> None:
         """Offer words that match the typed text; a complete word needs no list."""
-        if self.completion.display:
+        opens, self._opens_list = self._opens_list, False
+        if self.completion.display or (opens and _OPENING.search(self.before_cursor)):
             self.action_complete()
-            if self.completion.names == [self.word]:
+            if self.completion.names[:1] == [self.word]:
                 self.completion.close()
 
     def point_out(self, start: tuple[int, int], stop: tuple[int, int]) -> None:
@@ -243,8 +257,8 @@ class Editor(TextArea):
         chosen = self.completion.chosen
         self.completion.close()
         if chosen is not None:
-            begun, _ = words_for("", self.before_cursor)
             row, column = self.cursor_location
+            begun, _ = words_for(self.text, Place(row, column))
             self.replace(
                 chosen.name, (row, column - begun), (row, column), maintain_selection_offset=False
             )

@@ -18,7 +18,7 @@ from logical_robots_tui.tui.theme.safe_text import clip, one_line
 
 if TYPE_CHECKING:
     from logical_robots_tui.mind import Diagnostic
-    from logical_robots_tui.tui.program.state import ProgramState
+    from logical_robots_tui.tui.app.session_state import ProgramState
 
 __all__ = ["ProgramPane"]
 

@@ -3,27 +3,32 @@
 from __future__ import annotations
 
 import asyncio
+import contextlib
 from pathlib import Path
 from typing import TYPE_CHECKING, Protocol, TypeVar
 
-from logical_robots_tui.errors import InputError
+from logical_robots_tui.errors import InputError, LogicalRobotsError
+from logical_robots_tui.game import Place, level_key, load_program, place_of
+from logical_robots_tui.game.drafts import Draft
 from logical_robots_tui.paths import is_file
 from logical_robots_tui.tui.theme.safe_text import clip, one_line
 from logical_robots_tui.world import load_level
 from logical_robots_tui.world.level import alike
-from logical_robots_tui.world.native import read_native
+from logical_robots_tui.world.levels.native import read_native
 
 if TYPE_CHECKING:
     from collections.abc import Awaitable, Callable, Sequence
 
     from textual import events
 
-    from logical_robots_tui.game.drafts import Draft, Drafts
+    from logical_robots_tui.game import Source
+    from logical_robots_tui.game.drafts import Drafts
+    from logical_robots_tui.tui.app.session import Session
     from logical_robots_tui.tui.app.ui import Ui
     from logical_robots_tui.tui.layout.dialogs import Question
     from logical_robots_tui.world import Level
 
-__all__ = ["Offering", "Offers", "offer"]
+__all__ = ["Bookmark", "Offering", "Offers", "offer", "short_name", "when_saved"]
 
 Found = TypeVar("Found")
 
@@ -88,7 +93,7 @@ class Offers:
         self._asked = Question(title, question, answers, text=text, noticing=_NOTICING)
         return await self._ui.ask(self._asked)
 
-    def overhears(self, event: events.Key | events.Paste) -> bool:
+    def ignores(self, event: events.Key | events.Paste) -> bool:
         """Return whether a key arrived before the player could see the question."""
         asked = self._asked
         return asked is not None and asked.is_active and event.time < asked.answered_from
@@ -97,6 +102,16 @@ class Offers:
         while not self._is_free():
             self._resumed.clear()
             await self._resumed.wait()
+
+
+def short_name(draft: Draft) -> str:
+    """Return the name of a draft in quotation marks, cut if it is long."""
+    return f"“{clip(one_line(draft.name), 40)}”"
+
+
+def when_saved(draft: Draft) -> str:
+    """Return the local time at which a draft was saved."""
+    return f"{draft.saved.astimezone():%H:%M, %d %B}"
 
 
 async def offer(
@@ -118,9 +133,7 @@ async def offer(
         if found is None:
             await asyncio.to_thread(store.put_away, draft.key)
             continue
-        when = draft.saved.astimezone()
-        name = clip(one_line(draft.name), 40)
-        question = f"Continue editing the level “{name}” from {when:%H:%M, %d %B}?"
+        question = f"Continue editing the level {short_name(draft)} from {when_saved(draft)}?"
         answers = [("yes", "Yes, continue"), ("no", "No, set it aside")]
         answer = await offers.ask("Unsaved level", question, answers)
         if answer == "yes":
@@ -142,3 +155,75 @@ def _read(draft: Draft) -> Level | None:
         return read_native(draft.text, name or path.stem, "")
     except InputError:
         return None
+
+
+class Bookmark:
+    """Saves the place of a session that is cut off, and offers it to the next one.
+
+    Args:
+        session: The session.
+        drafts: Where it is saved.
+        ui: The user interface.
+        open_level: Opens a level.
+        open_program: Opens a program, with a text or its draft.
+        moved: Called before the robots go there.
+    """
+
+    def __init__(
+        self,
+        session: Session,
+        drafts: Drafts,
+        ui: Ui,
+        open_level: Callable[[Level], Awaitable[None]],
+        open_program: Callable[[Source, str | None], None],
+        moved: Callable[[], None],
+    ) -> None:
+        self._session, self._drafts, self._ui = session, drafts, ui
+        self._open_level, self._open_program, self._moved = open_level, open_program, moved
+
+    def flush(self) -> None:
+        """Write the current place. Safe in a signal handler; never raises."""
+        session = self._session
+        if session.game is None:
+            return
+        place = place_of(session.game, session.opened, session.source)
+        if place is not None:
+            with contextlib.suppress(OSError):  # nobody is there to be told
+                self._drafts.keep(Draft("place", place.title, place.level, place.as_text()))
+
+    async def offer(self, offers: Offers) -> None:
+        """Offer to go where an earlier session was cut off, if one was."""
+        with contextlib.suppress(OSError):  # no folder, no bookmark
+            for draft in (await asyncio.to_thread(self._drafts.adopt, "place"))[:1]:
+                with contextlib.suppress(ValueError):
+                    await self._ask(offers, Place.from_text(draft.text), draft)
+                self._drafts.put_away(draft.key)
+
+    async def _ask(self, offers: Offers, place: Place, draft: Draft) -> None:
+        question = (
+            f"{short_name(draft)} was cut off at tick {place.tick}, {when_saved(draft)}. "
+            "Continue exactly there?"
+        )
+        answers = [("yes", "Yes, continue"), ("no", "No, from the start")]
+        if await offers.ask("Cut off", question, answers) == "yes":
+            try:
+                await self._go_to(place)
+            except LogicalRobotsError as error:
+                self._ui.warn(f"Can't continue at tick {place.tick}: {error}")
+
+    async def _go_to(self, place: Place) -> None:
+        """Go to a place; restored unsaved text stays in the editor."""
+        if place.level != level_key(self._session.level):
+            await self._open_level(await asyncio.to_thread(load_level, place.level))
+        source = await asyncio.to_thread(self._source_of, place)
+        is_unsaved = self._drafts.get(("program", str(source.path))) is not None
+        self._open_program(source, None if is_unsaved else place.programs[-1][1])
+        self._moved()
+        await self._session.replay(place)
+
+    def _source_of(self, place: Place) -> Source:
+        """Return the program's source of a place; the current one if its file is gone."""
+        try:
+            return load_program(place.program)
+        except InputError:
+            return self._session.source

@@ -62,11 +62,6 @@ class Difference:
         self._behind: dict[int, tuple[int, int]] = {}
         self._turn = 0
 
-    @property
-    def is_behind(self) -> bool:
-        """Whether there may be something left to send."""
-        return bool(self._behind)
-
     def take(self, pieces: Iterable[tuple[int, int, Sequence[Segment]]]) -> None:
         """Set what to show; replaces what was to be shown there before.
 

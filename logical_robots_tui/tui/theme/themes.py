@@ -1,16 +1,22 @@
-"""The theme Night, and the names of the colours that widgets paint with in every theme."""
+"""Themes: our own, and the names of the colours that widgets paint with, legible in every theme."""
 
 from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from textual.color import Color
 from textual.style import Style
 from textual.theme import BUILTIN_THEMES, Theme
 
-from logical_robots_tui.tui.app.facts import NIGHT_NAME
-from logical_robots_tui.tui.labyrinth.drawing.palette import DARK, LIGHT, Palette, mix, parse
+from logical_robots_tui.tui.labyrinth.drawing.palette import (
+    DARK,
+    LIGHT,
+    Palette,
+    hex_colour,
+    mix,
+    parse,
+)
 from logical_robots_tui.tui.terminal.textual_internals import has_active_app
-from logical_robots_tui.tui.theme.colours import colours_in
 
 if TYPE_CHECKING:
     from rich.style import Style as RichStyle
@@ -21,11 +27,175 @@ __all__ = [
     "SYNTAX",
     "THEMES",
     "Ink",
-    "hex_colour",
+    "colours_in",
+    "contrast",
     "palette_of",
     "rich_style",
     "robot_ink",
 ]
+
+_READABLE, _QUIET, _FAINT, _SHADE = 4.5, 3.6, 2.4, 1.2
+"""Contrasts (WCAG 2) of text, secondary text, lines, and shades."""
+
+_HIGHLIGHTED = 3.0
+"""The contrast that is enough on a highlighted row."""
+
+_HUES = {
+    "number": "#86cfe0",
+    "string": "#b5d99c",
+    "record": "#c9b8f0",
+    "wall": "#e8767c",
+    "beacon": "#7ee787",
+    "robot": "#79b8ff",
+    "comment": "#7781a4",
+    "keyword": "#c792ea",
+    "predicate": "#82aaff",
+    "annotation": "#ffb454",
+    "field": "#8fd3c8",
+    "operator": "#93a0c8",
+}
+"""Colours with a fixed meaning, as in the theme Night."""
+
+_NIGHT = {
+    "ink-dim": "#7781a4",
+    "ink-faint": "#47527a",
+    "ink-title": "#9db0ff",
+    "ink-nothing": "#2b3350",
+    "frame": "#2a3149",
+    "frame-here": "#6f83d6",
+    "bar": "#262d42",
+    "bar-held": "#4b578a",
+    "row": "#151b2a",
+    "here": "#2c3760",
+    "here-ink": "#eef1ff",
+    "tab-here": "#232b45",
+    "selection": "#33437a",
+    "bracket": "#3b4464",
+    "mistake": "#4a1f2b",
+    "mistake-strip": "#2a1820",
+    "odd-strip": "#26221a",
+}
+"""Hand-picked colours of our own theme."""
+
+_ANSI = {
+    "ink-text": "ansi_default",
+    "ink-dim": "ansi_default",
+    "ink-faint": "ansi_bright_black",
+    "ink-title": "ansi_bright_blue",
+    "ink-key": "ansi_yellow",
+    "ink-good": "ansi_green",
+    "ink-warn": "ansi_yellow",
+    "ink-bad": "ansi_red",
+    "ink-nothing": "ansi_bright_black",
+    "ink-number": "ansi_cyan",
+    "ink-string": "ansi_green",
+    "ink-record": "ansi_bright_magenta",
+    "ink-wall": "ansi_red",
+    "ink-beacon": "ansi_green",
+    "ink-robot": "ansi_bright_blue",
+    "ink-comment": "ansi_bright_black",
+    "ink-keyword": "ansi_bright_magenta",
+    "ink-predicate": "ansi_bright_blue",
+    "ink-annotation": "ansi_yellow",
+    "ink-field": "ansi_cyan",
+    "ink-operator": "ansi_default",
+    "frame": "ansi_bright_black",
+    "frame-here": "ansi_blue",
+    "bar": "ansi_bright_black",
+    "bar-held": "ansi_default",
+    "row": "ansi_default",
+    "here": "ansi_blue",
+    "here-ink": "ansi_bright_white",
+    "tab-here": "ansi_default",
+    "selection": "ansi_blue",
+    "bracket": "ansi_bright_black",
+    "mistake": "ansi_default",
+    "mistake-ink": "ansi_bright_white",
+    "mistake-strip": "ansi_default",
+    "odd-strip": "ansi_default",
+}
+"""The terminal's own colours, for themes that use no others."""
+
+
+def colours_in(theme: Theme) -> dict[str, str]:
+    """Return our variables for a theme, such as ``ink-title``, as Textual writes colours.
+
+    Args:
+        theme: The player's theme. It gives the backgrounds and its semantic colours; the hues of
+            values, objects and Logica are the same in all themes, with adjusted lightness.
+    """
+    if theme.ansi:
+        return dict(_ANSI)
+    given = theme.to_color_system().generate()
+    papers = [Color.parse(given[name]) for name in ("background", "surface", "panel")]
+    text, surface = Color.parse(given["foreground"]), papers[1]
+
+    def tinted(colour: str, share: float) -> str:
+        return surface.blend(Color.parse(colour), share, alpha=1).hex6
+
+    here = tinted(given["primary"], 0.3)
+
+    def legible(colour: str, wanted: float = _READABLE) -> str:
+        found = _legible(Color.parse(colour), papers, wanted, dark=theme.dark)
+        on_here = min(wanted, _HIGHLIGHTED)
+        return _legible(found, [Color.parse(here)], on_here, dark=theme.dark).hex6
+
+    found = {f"ink-{name}": legible(hue) for name, hue in _HUES.items()}
+    grey = surface.blend(text, 0.5, alpha=1).hex6
+    found |= {
+        "ink-text": legible(text.hex6),
+        "ink-dim": legible(grey, _QUIET),
+        "ink-comment": legible(grey, _QUIET),
+        "ink-faint": legible(tinted(text.hex6, 0.2), _FAINT),
+        "ink-nothing": legible(tinted(text.hex6, 0.15), _SHADE),
+        "ink-title": legible(given["primary"]),
+        "ink-key": legible(given["accent"]),
+        "ink-good": legible(given["success"]),
+        "ink-warn": legible(given["warning"]),
+        "ink-bad": legible(given["error"]),
+        "frame": tinted(text.hex6, 0.25),
+        "frame-here": legible(theme.variables.get("border", given["border"]), _HIGHLIGHTED),
+        "bar": tinted(text.hex6, 0.2),
+        "bar-held": tinted(text.hex6, 0.45),
+        "row": tinted(text.hex6, 0.06),
+        "here": here,
+        "here-ink": _legible(text, [Color.parse(here)], _READABLE, dark=theme.dark).hex6,
+        "tab-here": tinted(given["primary"], 0.2),
+        "selection": tinted(given["primary"], 0.3),
+        "bracket": tinted(text.hex6, 0.25),
+        "mistake": tinted(given["error"], 0.25),
+        "mistake-ink": given["surface"],
+        "mistake-strip": tinted(given["error"], 0.1),
+        "odd-strip": tinted(given["warning"], 0.1),
+    }
+    if theme.name == NIGHT.name:
+        found |= _NIGHT | {f"ink-{name}": hue for name, hue in _HUES.items()}
+    return found
+
+
+def contrast(one: Color, other: Color) -> float:
+    """Return the contrast of two colours, by WCAG 2, from 1 to 21."""
+    brighter, darker = sorted((_luminance(one), _luminance(other)), reverse=True)
+    return (brighter + 0.05) / (darker + 0.05)
+
+
+def _legible(colour: Color, papers: list[Color], wanted: float, *, dark: bool) -> Color:
+    """Return a colour of the same hue with enough contrast to all backgrounds, if possible."""
+    hue, lightness, saturation = colour.hsl.h, colour.hsl.l, colour.hsl.s
+    while min(contrast(colour, paper) for paper in papers) < wanted and 0 < lightness < 1:
+        lightness = min(lightness + 0.02, 1.0) if dark else max(lightness - 0.02, 0.0)
+        colour = Color.from_hsl(hue, saturation, lightness)
+    return colour
+
+
+def _luminance(colour: Color) -> float:
+    channels = [
+        value / 12.92 if value <= 0.03928 else ((value + 0.055) / 1.055) ** 2.4
+        for value in colour.normalized
+    ]
+    return sum(
+        weight * value for weight, value in zip((0.2126, 0.7152, 0.0722), channels, strict=True)
+    )
 
 
 class Ink:
@@ -51,7 +221,7 @@ class Ink:
 INK = Ink()
 
 NIGHT = Theme(
-    name=NIGHT_NAME,
+    name="night",
     dark=True,
     primary="#8fa3f5",
     secondary="#5b6ea8",
@@ -118,6 +288,16 @@ def palette_of(theme: Theme) -> Palette:
     palette = DARK if theme.dark else LIGHT
     if theme.name == NIGHT.name or theme.ansi:
         return palette
+    if theme.name not in _PALETTES:
+        _PALETTES[theme.name] = _tinted(palette, theme)
+    return _PALETTES[theme.name]
+
+
+_PALETTES: dict[str, Palette] = {}
+"""What `palette_of` has returned, because it takes 0.7 ms and is asked in every picture."""
+
+
+def _tinted(palette: Palette, theme: Theme) -> Palette:
     tone = parse(theme.to_color_system().generate()["background"])
     return palette._replace(
         void=mix(palette.void, tone, _TONE),
@@ -136,8 +316,3 @@ def robot_ink(colour: str, palette: Palette) -> str:
         palette: The labyrinth's colours in the current theme.
     """
     return hex_colour(palette.strong(parse(colour)))
-
-
-def hex_colour(colour: tuple[int, int, int]) -> str:
-    """Return red, green and blue, each 0 to 255, as ``#rrggbb``."""
-    return "#{:02x}{:02x}{:02x}".format(*colour)

@@ -1,4 +1,4 @@
-"""The list of breakpoints."""
+"""The list of breakpoints, and the form for a new one."""
 
 from __future__ import annotations
 
@@ -6,23 +6,25 @@ from typing import TYPE_CHECKING, ClassVar
 
 from textual import on
 from textual.binding import Binding
-from textual.containers import Vertical
 from textual.content import Content
-from textual.widgets import OptionList, Static
+from textual.suggester import SuggestFromList
+from textual.widgets import Input, OptionList, Static
 from textual.widgets.option_list import Option
 
+from logical_robots_tui.game import EVENTS, Breakpoint, Event, mistake_in, subjects
 from logical_robots_tui.tui.layout.dialogs import Dialog, Listing
 from logical_robots_tui.tui.theme.safe_text import one_line
 from logical_robots_tui.tui.theme.themes import INK
-from logical_robots_tui.tui.timeline.form import BreakpointForm
+from logical_robots_tui.tui.timeline.prompts import QuestionCheck
 
 if TYPE_CHECKING:
     from textual.app import ComposeResult
 
-    from logical_robots_tui.game import Breakpoint
+    from logical_robots_tui.mind import Program
     from logical_robots_tui.tui.app.session import Session
+    from logical_robots_tui.world import Level
 
-__all__ = ["BreakpointList"]
+__all__ = ["BreakpointForm", "BreakpointList"]
 
 _NONE = "No breakpoints yet. A run stops at a breakpoint; press a to add one."
 
@@ -47,19 +49,18 @@ class BreakpointList(Dialog[None]):
         Binding("q,B", "leave", show=False),
     ]
 
+    heading = "Breakpoints"
+    keys = "a add   space switch off or on   d delete   esc close"
+
     def __init__(self, session: Session) -> None:
         super().__init__()
         self._session = session
         self._shown: tuple[Breakpoint, ...] = ()
 
-    def compose(self) -> ComposeResult:
-        """Yield the list above its keys."""
-        with Vertical(id="box") as box:
-            box.border_title = "Breakpoints"
-            yield Listing(id="breakpoints", markup=False, compact=True)
-            yield Static(_NONE, id="none", markup=False)
-            keys = "a add   space switch off or on   d delete   esc close"
-            yield Static(keys, id="keys", markup=False)
+    def content_widgets(self) -> ComposeResult:
+        """Yield the list."""
+        yield Listing(id="breakpoints", markup=False, compact=True)
+        yield Static(_NONE, id="none", markup=False)
 
     def on_mount(self) -> None:
         """Start at the first one."""
@@ -116,3 +117,137 @@ class BreakpointList(Dialog[None]):
     @on(OptionList.OptionSelected)
     def _selected(self) -> None:
         self.action_switch()
+
+
+_SUBJECTS: dict[Event, str] = {
+    "rows": "predicate or question",
+    "no rows": "predicate or question",
+    "change": "predicate or question",
+    "enters": "area, or nothing for any",
+    "leaves": "area, or nothing for any",
+    "loses sight": "of what, or nothing for anything",
+    "notice": "kind of notice, or nothing for any",
+}
+
+
+_KEYS = {
+    True: "↑↓ choose   enter go on   esc close",
+    False: "tab next   → complete   enter set   esc close",
+}
+"""The keys, by whether an event is being chosen."""
+
+
+class BreakpointForm(Dialog[Breakpoint]):
+    """Asks for a breakpoint, with completion of names.
+
+    Args:
+        level: The level.
+        program: The program with its predicates, or None before the first.
+    """
+
+    DEFAULT_CSS = """
+    BreakpointForm > #box { max-width: 72; padding: 1 2 0 2; }
+    BreakpointForm OptionList { height: 8; margin-bottom: 1; }
+    BreakpointForm Input { margin-bottom: 0; }
+    BreakpointForm .names {
+        color: $ink-dim; height: 1; text-wrap: nowrap; text-overflow: ellipsis;
+    }
+    """
+
+    BINDINGS: ClassVar[list[Binding | tuple[str, str] | tuple[str, str, str]]] = [
+        Binding("down", "app.focus_next", show=False),
+        Binding("up", "app.focus_previous", show=False),
+    ]
+
+    heading = "Stop when…"
+    keys = _KEYS[True]
+
+    def __init__(self, level: Level, program: Program | None) -> None:
+        super().__init__()
+        self._level = level
+        self._program = program
+        self._robots = tuple(robot.name for robot in level.robots)
+        self._check = QuestionCheck(self, program)
+
+    def content_widgets(self) -> ComposeResult:
+        """Yield the event, and up to three names."""
+        yield Listing(
+            *(Option(words, id=event) for event, words in EVENTS.items()),
+            id="events",
+            markup=False,
+            compact=True,
+        )
+        yield Input(id="subject", select_on_focus=False)
+        yield Static(id="subjects", classes="names", markup=False)
+        yield Input(
+            placeholder="robot, or nothing for any",
+            id="robot",
+            suggester=SuggestFromList(self._robots, case_sensitive=False),
+            select_on_focus=False,
+        )
+        yield Static(id="robots", classes="names", markup=False)
+        yield Input(
+            placeholder="column, or nothing for the whole row",
+            id="column",
+            select_on_focus=False,
+        )
+
+    def on_mount(self) -> None:
+        """Start with the event."""
+        self.query_one("#events", OptionList).focus()
+        self._arrange()
+        self._list_names()
+
+    def on_descendant_focus(self) -> None:
+        """Show the keys."""
+        self.query_one("#keys", Static).update(_KEYS[isinstance(self.focused, OptionList)])
+
+    @property
+    def _event(self) -> Event:
+        at = self.query_one("#events", OptionList).highlighted or 0
+        return list(EVENTS)[at]
+
+    def _value(self, name: str) -> str:
+        field = self.query_one(f"#{name}", Input)
+        return field.value.strip() if field.display else ""
+
+    @on(OptionList.OptionHighlighted)
+    def _arrange(self) -> None:
+        """Show only the fields of the event."""
+        event = self._event
+        subject = self.query_one("#subject", Input)
+        subject.display = event in _SUBJECTS
+        subject.placeholder = _SUBJECTS.get(event, "")
+        names = subjects(event, self._level, self._program)
+        subject.suggester = SuggestFromList(names, case_sensitive=False)
+        self.query_one("#column").display = event == "change"
+        self._list_names()
+
+    @on(OptionList.OptionSelected)
+    def _chosen(self) -> None:
+        self.query_one("#subject" if self._event in _SUBJECTS else "#robot").focus()
+
+    @on(Input.Changed)
+    def _list_names(self) -> None:
+        """List the names that start with the typed text."""
+        self._check.forget()
+        names = subjects(self._event, self._level, self._program)
+        for field, among in (("subject", names), ("robot", self._robots)):
+            typed = self._value(field).casefold()
+            fitting = [name for name in among if name.casefold().startswith(typed)]
+            shown = self.query_one(f"#{field}s", Static)
+            shown.update(Content(one_line(" ".join(fitting))))
+            shown.display = self.query_one(f"#{field}").display
+
+    @on(Input.Submitted)
+    def _submitted(self) -> None:
+        made = Breakpoint(
+            self._event, self._value("subject"), self._value("robot"), self._value("column")
+        )
+        mistake = mistake_in(made, self._level, self._program)
+        if mistake:
+            self._check.say(mistake)
+        elif made.is_named:
+            self.dismiss(made)
+        else:
+            self._check.begin(made.subject, lambda: self.dismiss(made))

@@ -12,7 +12,7 @@ from logical_robots_tui.game import NoSuchTickError, Superseded
 from logical_robots_tui.game.debugging.comparing import compare_proofs
 from logical_robots_tui.mind import QueryError
 from logical_robots_tui.tui.app.background import in_background
-from logical_robots_tui.tui.inspector.background_query import BackgroundQuery, progress
+from logical_robots_tui.tui.inspector.page import BackgroundQuery, progress
 from logical_robots_tui.tui.inspector.widgets.cells import written
 from logical_robots_tui.tui.learning.reader import Reader
 from logical_robots_tui.tui.theme.safe_text import clip, one_line, visible

@@ -6,20 +6,17 @@ import re
 from typing import TYPE_CHECKING, Any
 
 from textual import on
-from textual.containers import Vertical
-from textual.content import Content
-from textual.widgets import Input, Static
+from textual.widgets import Input
 
 from logical_robots_tui.game import mistake_in_question
 from logical_robots_tui.tui.app.background import in_background
-from logical_robots_tui.tui.layout.dialogs import Dialog
+from logical_robots_tui.tui.layout.dialogs import Prompt
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from textual.app import ComposeResult
-
     from logical_robots_tui.mind import Program
+    from logical_robots_tui.tui.layout.dialogs import Dialog
 
 __all__ = ["QuestionCheck", "QuestionPrompt", "TickPrompt", "tick_of"]
 
@@ -65,7 +62,7 @@ class QuestionCheck:
         self._dialog.complain(words)
 
 
-class QuestionPrompt(Dialog[str]):
+class QuestionPrompt(Prompt[str]):
     """Asks for a question, and returns it if it is valid.
 
     Args:
@@ -75,73 +72,51 @@ class QuestionPrompt(Dialog[str]):
     """
 
     DEFAULT_CSS = """
-    QuestionPrompt > #box { max-width: 76; padding: 1 2 0 2; }
+    QuestionPrompt > #box { max-width: 76; }
     """
 
+    keys = "enter search   esc close"
+
     def __init__(self, title: str, text: str, program: Program) -> None:
-        super().__init__()
-        self._title_text = title
-        self._text = text
+        super().__init__(title, text, "such as Near(robot_name:, d:), d < 20")
         self._check = QuestionCheck(self, program)
 
-    def compose(self) -> ComposeResult:
-        """Yield the line, and its errors."""
-        with Vertical(id="box") as box:
-            box.border_title = Content(self._title_text)
-            placeholder = "such as Near(robot_name:, d:), d < 20"
-            yield Input(self._text, placeholder=placeholder, id="question")
-            yield Static(id="complaint")
-            yield Static("enter search   esc close", id="keys", markup=False)
-
-    @on(Input.Changed)
-    def _changed(self) -> None:
-        self._check.forget()
-
-    @on(Input.Submitted)
-    def _submitted(self, event: Input.Submitted) -> None:
-        query = event.value.strip()
+    def take(self, text: str) -> None:
+        """Return the question once it is compiled."""
+        query = text.strip()
         self._check.begin(query, lambda: self.dismiss(query))
 
+    @on(Input.Changed)
+    def forget(self) -> None:
+        """Cancel the check, because another text is being typed."""
+        self._check.forget()
 
-class TickPrompt(Dialog[int]):
+
+class TickPrompt(Prompt[int]):
     """Asks for the number of a tick.
 
     Args:
         title: The title.
         here: The current tick, to which ``+50`` and ``-50`` are relative.
-        complaint: Returns why a tick is invalid, or "".
+        problem: Returns why a tick is invalid, or "".
     """
 
-    DEFAULT_CSS = """
-    TickPrompt > #box { max-width: 60; padding: 1 2 0 2; }
-    """
+    keys = "enter go   esc close"
 
-    def __init__(self, title: str, here: int, complaint: Callable[[int], str]) -> None:
-        super().__init__()
-        self._title_text = title
+    def __init__(self, title: str, here: int, problem: Callable[[int], str]) -> None:
+        super().__init__(title, "", "such as 120, +50 or -50")
         self._here = here
-        self._complaint = complaint
+        self._problem = problem
 
-    def compose(self) -> ComposeResult:
-        """Yield the line, and its errors."""
-        with Vertical(id="box") as box:
-            box.border_title = Content(self._title_text)
-            yield Input(placeholder="such as 120, +50 or -50", id="tick")
-            yield Static(id="complaint")
-            yield Static("enter go   esc close", id="keys", markup=False)
-
-    @on(Input.Changed)
-    def _changed(self) -> None:
-        self.complain("")
-
-    @on(Input.Submitted)
-    def _submitted(self, event: Input.Submitted) -> None:
-        tick = tick_of(event.value, self._here)
-        complaint = "A tick is a number, such as 120." if tick is None else self._complaint(tick)
-        if tick is not None and not complaint:
+    def take(self, text: str) -> None:
+        """Return the tick if it is valid."""
+        tick = tick_of(text, self._here)
+        if tick is None:
+            self.complain("A tick is a number, such as 120.")
+        elif problem := self._problem(tick):
+            self.complain(problem)
+        else:
             self.dismiss(tick)
-            return
-        self.complain(complaint)
 
 
 def tick_of(text: str, here: int) -> int | None:

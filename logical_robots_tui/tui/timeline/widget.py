@@ -1,27 +1,134 @@
-"""The timeline widget: clicked, dragged, or driven with keys."""
+"""The timeline: the known ticks on a line, clicked, dragged, or driven with keys."""
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, ClassVar
+from itertools import groupby, islice
+from typing import TYPE_CHECKING, ClassVar, NamedTuple
 
 from textual.binding import Binding
 from textual.content import Content
 from textual.message import Message
 from textual.widget import Widget
 
+from logical_robots_tui.game import MARK_KINDS, MarkKind
 from logical_robots_tui.tui.terminal.direct_paint import repaint
 from logical_robots_tui.tui.theme.safe_text import clip, one_line
 from logical_robots_tui.tui.theme.themes import INK
-from logical_robots_tui.tui.timeline.drawing import SIGNS, Scale, Span, track
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from textual import events
 
     from logical_robots_tui.game import Mark
     from logical_robots_tui.game.history.history import History
     from logical_robots_tui.tui.app.session import Session
 
-__all__ = ["Timeline"]
+__all__ = ["SIGNS", "Scale", "Span", "Timeline", "track"]
+
+SIGNS: dict[MarkKind, tuple[str, str, str]] = {
+    "victory": ("★", f"bold {INK.key}", "victory"),
+    "breakpoint": ("◉", f"bold {INK.bad}", "a breakpoint was hit"),
+    "program": ("¶", f"bold {INK.title}", "another program is used from here on"),
+    "edit": ("✎", f"bold {INK.title}", "the labyrinth was changed by hand"),
+    "area": ("◇", INK.good, "an area was switched"),
+    "notice": ("!", f"bold {INK.warn}", "a notice"),
+    "memory": ("┷", INK.record, "a memory changed; only the selected robot's, if one is selected"),
+}
+"""The sign, colour and meaning of each kind of mark."""
+
+DIVERGENCE = ("≠", f"bold {INK.number}", "the two futures differ from here on")
+_PAST, _KNOWN, _OTHER, _UNKNOWN = "━", "─", "┄", " "
+TRACKS = (
+    (_PAST, INK.text, "the ticks up to the one on the screen"),
+    (_KNOWN, INK.dim, "later ticks that are known"),
+    (_OTHER, INK.faint, "ticks of the other future"),
+)
+"""The signs of the track, with colours and meanings."""
+
+
+class Span(NamedTuple):
+    """The content of the timeline.
+
+    Attributes:
+        first: The earliest tick in the history.
+        last: The latest tick.
+        tick: The current tick.
+        other_last: The latest tick of the other future, or None.
+        diverged: The tick where the two futures part, or None.
+    """
+
+    first: int
+    last: int
+    tick: int
+    other_last: int | None = None
+    diverged: int | None = None
+
+
+class Scale(NamedTuple):
+    """Which ticks a column stands for; it changes rarely while the game runs.
+
+    Attributes:
+        first: The first tick of the first column.
+        each: Ticks per column: 1, 2, 5, 10, 20, 50 and so on.
+    """
+
+    first: int
+    each: int
+
+    @classmethod
+    def to_hold(cls, span: Span, width: int) -> Scale:
+        """Return the finest scale at which a span fits."""
+        ticks = max(span.last, span.other_last or 0) - span.first + 1
+        each, factors = 1, [2, 2.5, 2]
+        while each * width < ticks:
+            each = round(each * factors[0])
+            factors.append(factors.pop(0))
+        return cls(span.first, each)
+
+    def column(self, tick: int) -> int:
+        """Return the column of a tick."""
+        return (tick - self.first) // self.each
+
+    def ticks(self, column: int) -> tuple[int, int]:
+        """Return the first and the last tick of a column."""
+        begin = self.first + column * self.each
+        return begin, begin + self.each - 1
+
+
+def track(span: Span, width: int, has: Callable[[MarkKind, int, int], bool]) -> Content:
+    """Return the line: the known ticks, and the most important mark in each column.
+
+    Args:
+        span: The content.
+        width: Columns to fill.
+        has: Returns whether a kind of mark is in a range of ticks.
+    """
+    scale = Scale.to_hold(span, width)
+    here = scale.column(span.tick)
+    signs, styles = [], []
+    for column in range(width):
+        sign, style = _at(span, *scale.ticks(column), has)
+        signs.append(sign)
+        styles.append(f"{style} reverse" if column == here else style)
+    text = iter(signs)
+    runs = ((style, len(list(run))) for style, run in groupby(styles))
+    return Content.assemble(*[("".join(islice(text, length)), style) for style, length in runs])
+
+
+def _at(
+    span: Span, begin: int, end: int, has: Callable[[MarkKind, int, int], bool]
+) -> tuple[str, str]:
+    """Return the sign and the style of one column."""
+    if span.diverged is not None and begin <= span.diverged <= end:
+        return DIVERGENCE[:2]
+    if begin <= span.last:
+        for kind in MARK_KINDS:
+            if has(kind, begin, end):
+                return SIGNS[kind][:2]
+        return TRACKS[0][:2] if begin <= span.tick else TRACKS[1][:2]
+    return TRACKS[2][:2] if begin <= (span.other_last or 0) else (_UNKNOWN, INK.dim)
+
 
 _NOTE_SHARE = 3  # the note's share of the width is one in so many
 _NOTE_WIDTHS = (18, 48)

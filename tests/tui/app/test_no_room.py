@@ -17,7 +17,7 @@ import pytest
 
 from benchmarks.halls import halls
 from logical_robots_tui.editing.files import save_level
-from logical_robots_tui.world.limits import MOST_OF_A_KIND, MOST_SIDE
+from logical_robots_tui.world.levels.limits import MOST_OF_A_KIND, MOST_SIDE
 from tests.game.test_memory import HUNGRY
 from tests.mind.rows import ROBOT
 from tests.terminal import Terminal
@@ -54,6 +54,7 @@ def compile_it(terminal: Terminal) -> None:
     terminal.send("\x12")
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize(
     ("work", "room"),
     [(draw, 4), (draw, 30), (think, 1), (think, 12), (compile_it, 1), (compile_it, 12)],

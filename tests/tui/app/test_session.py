@@ -12,7 +12,7 @@ from logical_robots_tui.game import load_program
 from logical_robots_tui.game.drafts import Drafts
 from logical_robots_tui.progress import FILE_NAME, Progress
 from logical_robots_tui.tui.app.session import Session
-from logical_robots_tui.tui.app.session_listener import SessionListener
+from logical_robots_tui.tui.app.session_state import SessionListener
 from logical_robots_tui.tui.app.ui import Ui
 from logical_robots_tui.tui.level_editor.controller import LevelEditing
 from logical_robots_tui.tui.level_editor.mode import EditView
@@ -20,7 +20,7 @@ from logical_robots_tui.tui.level_editor.tools import Tool
 from logical_robots_tui.tui.library.progress_recorder import ProgressRecorder
 from logical_robots_tui.world import load_level
 from logical_robots_tui.world.level import alike
-from logical_robots_tui.world.native import read_native
+from logical_robots_tui.world.levels.native import read_native
 from tests.short import AHEAD, LEVEL
 from tests.waiting import PATIENCE, a_moment
 

@@ -29,6 +29,8 @@ if TYPE_CHECKING:
 
 ONLY_IN_THE_PALETTE = {
     *(
+        "copy_result",
+        "daily",
         "diagnose",
         "find_next",
         "rename",

@@ -152,7 +152,7 @@ async def test_another_question_does_not_wait_for_the_answer_of_the_one_before(
         await ask(game, SLOW)
         await game.until(lambda: game.shows("esc here stops it"))
         await ask(game, query)
-        await game.until(lambda: game.shows("700"))
+        await game.until(lambda: game.shows("Ask · tick 0 · 1 row"))
         await game.press("escape", "n")
         await game.until(lambda: game.shows("701"))
         assert game.shows("Ask · tick 1 · 1 row")

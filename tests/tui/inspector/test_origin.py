@@ -12,9 +12,9 @@ from logical_robots_tui.game import Pin
 from logical_robots_tui.game.debugging.origin import Link, Origin
 from logical_robots_tui.mind.why.probing import Span
 from logical_robots_tui.mind.why.sourcing import Read
+from logical_robots_tui.tui.inspector.pages.origin import LinksView, link_lines
 from logical_robots_tui.tui.inspector.predicate_list import DECISION, ORIGIN, ROBOTS, WHY
 from logical_robots_tui.tui.inspector.under_cursor import MemoryPart, memory_of
-from logical_robots_tui.tui.inspector.widgets.origin_chain import LinksView, link_lines
 from logical_robots_tui.tui.inspector.widgets.value_tree import ValueTree
 from tests.tui.conftest import opened
 
@@ -131,7 +131,7 @@ async def test_what_is_pinned_and_what_a_proof_read_can_be_followed(data_dir: Pa
         assert game.shows("set in tick 4")
         assert pointed(game).value == "fetch"
         await game.press("w")
-        view = game.inspector.pages.reasons.view
+        view = game.inspector.pages.why.view
         await game.until(lambda: any(line.node.text == "memory.plan" for line in view.lines))
         place = next(
             n

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import asyncio
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
+from logical_robots_tui.game import Inquiry
 from logical_robots_tui.mind import Ask, Node
-from logical_robots_tui.tui.inspector.questions import Questions
 from tests.tui.conftest import SLOW, opened
 from tests.tui.inspector.test_why import CALL, TALL, TWO_RULES, asked_why, go_to, told, view
 
@@ -15,7 +15,6 @@ if TYPE_CHECKING:
 
     import pytest
 
-    from logical_robots_tui.game import Frame
     from logical_robots_tui.mind import Explanation, Proof
 
 
@@ -33,13 +32,13 @@ async def test_a_proof_that_takes_long_says_so_and_can_be_stopped(data_dir: Path
 async def test_the_first_level_is_there_before_the_whole_proof(
     data_dir: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    is_let, prove = asyncio.Event(), Questions.proof
+    is_let, prove = asyncio.Event(), Inquiry.proof
 
-    async def late(questions: Questions, robot: str, frame: Frame, asked: Ask) -> Proof:
+    async def late(*asked: Any, **about: Any) -> Proof:
         await is_let.wait()
-        return await prove(questions, robot, frame, asked)
+        return await prove(*asked, **about)
 
-    monkeypatch.setattr(Questions, "proof", late)
+    monkeypatch.setattr(Inquiry, "proof", late)
     async with opened(data_dir, text=TWO_RULES, size=TALL) as game:
         await asked_why(game)
         await game.until(lambda: game.shows("Solo: Robot  ") and game.shows("unfolding"))
@@ -71,15 +70,15 @@ async def test_while_robots_run_the_first_level_is_enough(data_dir: Path) -> Non
 async def test_unfolding_can_be_stopped_and_goes_on_call_by_call(
     data_dir: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    prove, asked_for = Questions.proof, list[str]()
+    prove, asked_for = Inquiry.proof, list[str]()
 
-    async def never_of_robot(questions: Questions, robot: str, frame: Frame, asked: Ask) -> Proof:
-        asked_for.append(asked.predicate)
-        if asked.predicate == "Robot":
+    async def never_of_robot(*asked: Any, predicate: str, **about: Any) -> Proof:
+        asked_for.append(predicate)
+        if predicate == "Robot":
             await asyncio.Event().wait()
-        return await prove(questions, robot, frame, asked)
+        return await prove(*asked, predicate=predicate, **about)
 
-    monkeypatch.setattr(Questions, "proof", never_of_robot)
+    monkeypatch.setattr(Inquiry, "proof", never_of_robot)
     async with opened(data_dir, text=TWO_RULES, size=TALL) as game:
         await asked_why(game)
         await game.until(lambda: game.shows("unfolding"))
@@ -110,14 +109,14 @@ async def test_two_calls_that_are_opened_at_once_are_both_proved(data_dir: Path)
 async def test_the_cursor_stays_while_a_slow_answer_for_another_tick_is_awaited(
     data_dir: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    is_let, ask = asyncio.Event(), Questions.why
+    is_let, ask = asyncio.Event(), Inquiry.why
     is_let.set()
 
-    async def late(questions: Questions, robot: str, frame: Frame, asked: Ask) -> Explanation:
+    async def late(*asked: Any, **about: Any) -> Explanation:
         await is_let.wait()
-        return await ask(questions, robot, frame, asked)
+        return await ask(*asked, **about)
 
-    monkeypatch.setattr(Questions, "why", late)
+    monkeypatch.setattr(Inquiry, "why", late)
     async with opened(data_dir, text=TWO_RULES, size=TALL) as game:
         await asked_why(game)
         await game.until(lambda: "Speed(d) = 0.5 :- d > 20" in told(game))

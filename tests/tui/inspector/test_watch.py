@@ -224,9 +224,9 @@ async def test_long_lists_are_folded_and_of_an_answer_the_question_is_pinned(
         await game.until(lambda: game.shows("Only a value of a predicate can be pinned."))
         await game.press("escape")
         game.inspector.ask()
-        game.inspector.pages.asking.line.value = "Long(l:)"
+        game.inspector.pages.ask.line.value = "Long(l:)"
         await game.press("enter")
-        answer = game.inspector.pages.asking.table
+        answer = game.inspector.pages.ask.table
         await game.until(lambda: answer.shown.rows)
         answer.focus()
         await game.press("at")

@@ -10,9 +10,9 @@ from textual import events
 from textual.widgets import Input, OptionList
 
 from logical_robots_tui.game import load_program
-from logical_robots_tui.tui.commands.palette import Palette
+from logical_robots_tui.tui.commands.help import Palette
 from logical_robots_tui.tui.layout.dialogs import Listing, Question
-from logical_robots_tui.tui.learning.hints import Hints
+from logical_robots_tui.tui.learning.reader import Hints
 from logical_robots_tui.tui.library.chooser import Chooser, ProgramShelf
 from logical_robots_tui.tui.library.save_dialog import SaveAs
 from tests.tui.conftest import PAPER, opened

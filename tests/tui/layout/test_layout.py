@@ -11,8 +11,8 @@ from hypothesis import strategies as st
 from textual.widgets.text_area import Selection
 
 from logical_robots_tui.tui.labyrinth.view import LabyrinthView
+from logical_robots_tui.tui.layout.arrangement import Layout, Shares, grid_for, layout_for
 from logical_robots_tui.tui.layout.command_bar import PaneTabs
-from logical_robots_tui.tui.layout.layout import Layout, Shares, grid_for, layout_for
 from logical_robots_tui.tui.layout.pane import Pane
 from tests.tui.conftest import PAPER, opened
 
@@ -70,6 +70,7 @@ async def test_a_tiny_terminal_is_told_what_is_needed_and_the_game_goes_on(data_
         assert not game.shows("needed")
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize("size", [(1, 1), (40, 12), (41, 13), (79, 23), (110, 24), (500, 150)])
 async def test_no_size_breaks_the_screen(data_dir: Path, size: tuple[int, int]) -> None:
     async with opened(data_dir, size=size) as game:

@@ -24,6 +24,8 @@ FEW = [(1, 1), (4, 3), (20, 10), (7, 1), (3, 10), (12, 5), (80, 24)]
 
 UNANSWERED = ("quit", "external_editor")
 NAMES = [entry.id for entry in COMMANDS if entry.scope == "screen" and entry.id not in UNANSWERED]
+EDITS = [entry.id for entry in COMMANDS if entry.scope == "level"]
+PARTS = 10  # one of them in a quick run
 
 
 async def through_all(game: Opened, sizes: list[tuple[int, int]]) -> None:
@@ -32,6 +34,7 @@ async def through_all(game: Opened, sizes: list[tuple[int, int]]) -> None:
         assert game.app._exception is None, size
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize("size", FEW)
 async def test_the_game_opens_in(size: tuple[int, int], data_dir: Path, short: Path) -> None:
     async with opened(data_dir, level=short, size=size, welcome=True) as game:
@@ -50,13 +53,14 @@ async def give(game: Opened, command: str, sizes: list[tuple[int, int]]) -> None
     assert game.app._exception is None, command
 
 
-@pytest.mark.parametrize("part", range(4))
+@pytest.mark.sampled
+@pytest.mark.parametrize("part", range(PARTS))
 async def test_each_command_may_be_given_and_answered_at_any_size(
     part: int, data_dir: Path, short: Path
 ) -> None:
     async with opened(data_dir, level=short) as game:
         await game.ready()
-        for command in NAMES[part::4]:
+        for command in NAMES[part::PARTS]:
             await give(game, command, FEW)
 
 
@@ -71,16 +75,18 @@ async def test_a_command_is_answered_at_every_small_size(
         await give(game, command, SIZES[::-1])
 
 
-async def test_editing_a_level_goes_on_at_any_size(data_dir: Path, short: Path) -> None:
+@pytest.mark.sampled
+@pytest.mark.parametrize("part", range(PARTS))
+async def test_editing_a_level_goes_on_at_any_size(part: int, data_dir: Path, short: Path) -> None:
     async with opened(data_dir, level=short) as game:
         await game.ready()
         await game.app.run_action("screen.command('edit_level')")
         await game.until(lambda: game.main.editing.is_on)
-        for entry in (entry for entry in COMMANDS if entry.scope == "level"):
-            await game.app.run_action(f"screen.command('{entry.id}')")
+        for command in EDITS[part::PARTS]:
+            await game.app.run_action(f"screen.command('{command}')")
             await through_all(game, FEW)
             await game.press("down", "escape")
-            assert game.app._exception is None, entry.id
+            assert game.app._exception is None, command
             if not game.main.editing.is_on:
                 await game.app.run_action("screen.command('edit_level')")
                 await game.until(lambda: game.main.editing.is_on)

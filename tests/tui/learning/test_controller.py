@@ -10,8 +10,7 @@ from textual.widgets import OptionList, Static
 from logical_robots_tui.game import load_program
 from logical_robots_tui.progress import FILE_NAME, Measures, Progress
 from logical_robots_tui.tui.layout.dialogs import Question
-from logical_robots_tui.tui.learning.hints import Hints
-from logical_robots_tui.tui.learning.reader import Reader
+from logical_robots_tui.tui.learning.reader import Hints, Reader
 from logical_robots_tui.tui.library.chooser import Chooser
 from logical_robots_tui.world import list_levels
 from tests.short import AHEAD

@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING
 import pytest
 
 from logical_robots_tui.progress import FILE_NAME, Progress
-from logical_robots_tui.tui.app.facts import TOUR
 from logical_robots_tui.tui.learning.tour import STOPS, Tour
+from logical_robots_tui.tui.library.progress_recorder import TOUR
 from tests.tui.conftest import opened
 
 if TYPE_CHECKING:
@@ -25,6 +25,7 @@ def is_seen(data_dir: Path) -> bool:
     return Progress(data_dir / FILE_NAME).fact(TOUR) is not None
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize("size", [(120, 40), (80, 24), (46, 12)])
 async def test_it_passes_every_part_of_the_screen(data_dir: Path, size: tuple[int, int]) -> None:
     async with opened(data_dir, welcome=True, size=size) as game:

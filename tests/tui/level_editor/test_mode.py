@@ -150,9 +150,9 @@ async def test_properties_are_set_in_forms_with_the_choices_there_are(
         await s.press("f2")
         await game.until(lambda: game.shows("The radius must be a number"))
         form.query_one("#radius", Input).value = "22"
-        form.query_one("#solid", Checkbox).value = True
-        form.query_one("#off", Select).value = "Lamp"
-        form.query_one("#goal", Ticks).toggle("Pip")
+        form.query_one("#impenetrable", Checkbox).value = True
+        form.query_one("#off_beacon", Select).value = "Lamp"
+        form.query_one("#victory_robots", Ticks).toggle("Pip")
         await s.press("f2")
         await game.until(lambda: game.app.screen is game.main)
         area = s.level.areas[0]
@@ -161,9 +161,9 @@ async def test_properties_are_set_in_forms_with_the_choices_there_are(
         await s.press("tab", "i")
         await game.until(lambda: isinstance(game.app.screen, ThingForm))
         form = game.app.screen
-        form.query_one("#battery", Checkbox).value = True
-        form.query_one("#capacity", Input).value = "300"
-        form.query_one("#heading", Input).value = "90"
+        form.query_one("#has_battery", Checkbox).value = True
+        form.query_one("#battery_capacity", Input).value = "300"
+        form.query_one("#angle", Input).value = "90"
         await s.press("enter")
         await game.until(lambda: game.app.screen is game.main)
         robot = s.level.robots[0]

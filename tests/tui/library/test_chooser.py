@@ -66,6 +66,7 @@ async def test_a_level_file_is_opened_by_its_path_and_keeps_the_program(data_dir
         await game.until(lambda: game.tick == 1)
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize("content", [None, b"", b"\xff\x00rubbish", b"{}", b"cell = 'x'"])
 async def test_a_level_that_cannot_be_used_says_why_and_the_game_goes_on(
     data_dir: Path, tmp_path: Path, content: bytes | None
@@ -193,6 +194,7 @@ async def test_saving_over_another_program_asks_first(data_dir: Path) -> None:
         assert (data_dir / "programs" / "other.l").read_text() == PAPER
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize(
     ("name", "why"),
     [
@@ -235,6 +237,7 @@ async def test_unsaved_text_comes_back_with_its_program(data_dir: Path) -> None:
         await game.until(lambda: game.shows("unsaved text of mine has been restored"))
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize(("key", "kind"), [("o", Chooser), ("l", LevelScreen)])
 @pytest.mark.parametrize(
     ("path", "why"),

@@ -46,6 +46,7 @@ def has_picture(cards: LevelCards, name: str) -> bool:
     return name in cards._pictures
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize("size", [(120, 40), (80, 24), (40, 12)])
 async def test_every_level_has_a_card_with_its_picture_and_idea(
     data_dir: Path, size: tuple[int, int]

@@ -10,7 +10,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from logical_robots_tui.tui.app.settings import Settings
 from logical_robots_tui.tui.program.completion import (
+    Place,
     call_before,
     definitions,
     help_on,
@@ -28,14 +30,16 @@ if TYPE_CHECKING:
 
 
 def names(text: str, before: str) -> list[str]:
-    return [word.name for word in words_for(text, before)[1]]
+    """The words offered after a line that is added to a text."""
+    text = f"{text}\n{before}"
+    return [word.name for word in words_for(text, Place(text.count("\n"), len(before)))[1]]
 
 
 def test_predicates_and_functions_that_fit_are_offered() -> None:
     assert "FreedomMotion" in names(PAPER, "  x = Fr")
     assert "Sqrt" in names(PAPER, "  x = Sq")
     assert "Sensor" in names("", "Se")
-    assert words_for(PAPER, "  x = Fr")[0] == 2
+    assert words_for("  x = Fr", Place(0, 8))[0] == 2
 
 
 def test_after_a_dot_fields_are_offered() -> None:
@@ -44,6 +48,26 @@ def test_after_a_dot_fields_are_offered() -> None:
     assert "angle" not in names("", "sensor.")
     assert "angle" in names("", "ray.")
     assert "goal_seen" in names("Robot(memory: {goal_seen: 1});", "memory.go")
+
+
+def test_variables_of_the_rule_come_first_then_fields_predicates_and_functions() -> None:
+    before = "Rays(x) = 1;\nF(radar, rag) = Min{ray.distance :- ray in ra"
+    assert names("Other(rat) = 1;", before)[:4] == ["radar", "rag", "ray", "Rays"]
+    assert "rat" not in names("Other(rat) = 1;", before)
+    assert names("", "P() :- Sensor(robot_name:, sensor:), sensor.radar == ra")[0] == "sensor.radar"
+
+
+def test_comments_and_quotes_offer_nothing_and_are_not_offered() -> None:
+    text = '# memory.secret, both sides alike: x\nRobot(memory: {here: "memory.quoted"});'
+    assert names(text, "memory.") == names("Robot(memory: {here: 1});", "memory.")
+    assert names(text, "# Sq") == []
+    assert names(text, "# see ") == []
+    assert names(text, 'x = "Sq') == []
+    assert "Sqrt" in names(text, 'x = "Sq", Sq')
+
+
+def test_fields_used_with_a_name_come_first() -> None:
+    assert names("A(x) :- x.zeal > 1, y.able > 1;", "B(x) :- x.")[0] == "zeal"
 
 
 def test_definitions_are_the_first_lines_that_begin_with_a_predicate() -> None:
@@ -70,7 +94,7 @@ def test_the_call_is_the_innermost_that_is_open(before: str, name: str) -> None:
 @given(st.text(), st.integers(0, 20))
 def test_any_text_is_looked_at_without_harm(text: str, column: int) -> None:
     definitions(text)
-    words_for(text, text[:column])
+    words_for(text, Place(0, column))
     call_before(text)
     assert word_around(text, column) in text
 
@@ -91,6 +115,30 @@ async def test_a_word_is_completed_by_key(data_dir: Path) -> None:
         await game.until(lambda: game.shows("WeightedAverage{"))
         await game.press("enter")
         await game.until(lambda: game.editor.text == "WeightedAverage")
+        assert not game.editor.completion.display
+
+
+@pytest.mark.parametrize(("typed", "first"), [("sensor.", "clock"), ("S", "Sensor")])
+async def test_a_dot_or_a_capital_letter_opens_the_list(
+    typed: str, first: str, data_dir: Path
+) -> None:
+    async with opened(data_dir, text="") as game:
+        await game.press("2")
+        for key in typed:
+            await game.until(lambda: not game.editor.completion.display)
+            await game.press(key)
+        await game.until(lambda: game.editor.completion.display)
+        assert game.editor.completion.names[0] == first
+
+
+async def test_a_number_opens_no_list_and_a_setting_turns_it_off(data_dir: Path) -> None:
+    async with opened(data_dir, text="") as game:
+        await game.press("2", "0", ".", "5")
+        await game.until(lambda: game.editor.text == "0.5")
+        assert not game.editor.completion.display
+    async with opened(data_dir, text="", settings=Settings(completion=False)) as game:
+        await game.press("2", "S")
+        await game.until(lambda: game.editor.text.endswith("S"))
         assert not game.editor.completion.display
 
 

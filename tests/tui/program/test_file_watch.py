@@ -6,7 +6,7 @@ import threading
 from typing import TYPE_CHECKING
 
 from logical_robots_tui.game import Source, load_program
-from logical_robots_tui.tui.program.file_watch import FileWatch
+from logical_robots_tui.tui.program.controller import FileWatch
 from tests.tui.conftest import PAPER, STILL, opened, source_of
 from tests.waiting import PATIENCE
 
@@ -38,7 +38,7 @@ async def test_the_disk_is_not_waited_for(data_dir: Path, monkeypatch: pytest.Mo
             go_on.wait(PATIENCE)
         return load_program(path)
 
-    monkeypatch.setattr("logical_robots_tui.tui.program.file_watch.load_program", slowly)
+    monkeypatch.setattr("logical_robots_tui.tui.program.controller.load_program", slowly)
     async with opened(data_dir) as game:
         await game.ready()
         game.session.source.path.write_text(STILL)
@@ -67,7 +67,7 @@ async def test_a_program_that_was_left_meanwhile_does_not_come_back(
             go_on.wait(PATIENCE)
         return found
 
-    monkeypatch.setattr("logical_robots_tui.tui.program.file_watch.load_program", slowly)
+    monkeypatch.setattr("logical_robots_tui.tui.program.controller.load_program", slowly)
     async with opened(data_dir) as game:
         await game.ready()
         game.session.source.path.write_text(f"{PAPER}\n")

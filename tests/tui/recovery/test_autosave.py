@@ -37,7 +37,7 @@ if TYPE_CHECKING:
 PLAY = """
 import sys
 from pathlib import Path
-from logical_robots_tui.tui.app.play import play
+from logical_robots_tui.tui.app.app import play
 sys.exit(play(sys.argv[1], sys.argv[2], Path(sys.argv[3])))
 """
 
@@ -74,6 +74,7 @@ async def test_unsaved_text_is_offered_at_the_next_start(data_dir: Path) -> None
     assert texts(data_dir) == ["hello" + PAPER]
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize("key", ["n", "y", "s", "enter", "right", "tab", "escape"])
 async def test_a_key_that_was_meant_for_the_game_is_no_answer(data_dir: Path, key: str) -> None:
     await type_and_leave(data_dir, "hello")

@@ -101,6 +101,7 @@ def test_all_keys_work_in_gnu_screen(tmp_path: Path) -> None:
         )
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize(
     "env",
     [

@@ -9,8 +9,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from logical_robots_tui.tui.terminal.diff_app import PATIENCE, Line
 from logical_robots_tui.tui.terminal.driver import UnbracketedPasteDetector
-from logical_robots_tui.tui.terminal.flow_control import PATIENCE, Line
 from logical_robots_tui.tui.terminal.input_filter import InputFilter, Pasted
 
 

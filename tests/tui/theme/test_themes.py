@@ -10,11 +10,9 @@ from textual.color import Color
 from textual.theme import BUILTIN_THEMES
 
 from logical_robots_tui.progress import FILE_NAME
-from logical_robots_tui.tui.app.facts import THEME
 from logical_robots_tui.tui.inspector.predicate_list import PredicateList
-from logical_robots_tui.tui.library.progress_recorder import ProgressRecorder
-from logical_robots_tui.tui.theme.colours import colours_in, contrast
-from logical_robots_tui.tui.theme.themes import NIGHT, palette_of
+from logical_robots_tui.tui.library.progress_recorder import THEME, ProgressRecorder
+from logical_robots_tui.tui.theme.themes import NIGHT, colours_in, contrast, palette_of
 from tests.tui.conftest import opened
 
 if TYPE_CHECKING:

@@ -7,8 +7,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from logical_robots_tui.game import MARK_KINDS, MarkKind
-from logical_robots_tui.tui.timeline.drawing import PARTING, SIGNS, TRACKS, Scale, Span, track
 from logical_robots_tui.tui.timeline.prompts import tick_of
+from logical_robots_tui.tui.timeline.widget import DIVERGENCE, SIGNS, TRACKS, Scale, Span, track
 
 
 def nothing(_kind: MarkKind, _first: int, _last: int) -> bool:
@@ -16,14 +16,14 @@ def nothing(_kind: MarkKind, _first: int, _last: int) -> bool:
 
 
 def test_the_signs_can_be_told_apart_without_colours_and_are_one_column_wide() -> None:
-    signs = [sign for sign, _, _ in (*SIGNS.values(), PARTING, *TRACKS)]
+    signs = [sign for sign, _, _ in (*SIGNS.values(), DIVERGENCE, *TRACKS)]
     assert len(set(signs)) == len(signs)
     assert set(SIGNS) == set(MARK_KINDS)
     assert all(len(sign) == 1 for sign in signs)
 
 
 def test_the_past_the_known_and_the_other_future_look_different() -> None:
-    line = track(Span(0, 5, 2, other_last=8, parted=None), 12, nothing)
+    line = track(Span(0, 5, 2, other_last=8, diverged=None), 12, nothing)
     assert line.plain == "━━━───┄┄┄   "
 
 
@@ -40,7 +40,7 @@ def test_of_several_marks_in_a_column_the_most_telling_is_shown() -> None:
         return any(first <= tick <= last for tick in marks.get(kind, ()))
 
     assert track(Span(0, 5, 5), 8, has).plain == "┷!◉┷★━  "
-    assert track(Span(0, 5, 5, parted=1), 8, has).plain == "┷≠◉┷★━  "
+    assert track(Span(0, 5, 5, diverged=1), 8, has).plain == "┷≠◉┷★━  "
     assert track(Span(0, 5, 5), 3, has).plain == "!◉★"
 
 

@@ -12,8 +12,13 @@ from textual.widgets import Input, Static
 
 from logical_robots_tui.game import Superseded
 from logical_robots_tui.mind import ProgramError, QueryError
-from logical_robots_tui.tui.inspector.background_query import BackgroundQuery, Cancelled, progress
-from logical_robots_tui.tui.inspector.page import NO_PROGRAM, Page
+from logical_robots_tui.tui.inspector.page import (
+    NO_PROGRAM,
+    BackgroundQuery,
+    Cancelled,
+    Page,
+    progress,
+)
 from logical_robots_tui.tui.inspector.widgets.table import ValueTable, counted
 from logical_robots_tui.tui.program.completion import NAMES
 from logical_robots_tui.tui.theme.safe_text import one_line
@@ -135,7 +140,8 @@ class AskPage(Page):
             self._say_instead(progress("asking", self._background.seconds))
 
         try:
-            table = await self._background.run(self._questions.ask(query, frame), report)
+            inquiry, program = self._questions.about()
+            table = await self._background.run(inquiry.ask(program, query, frame), report)
         except Superseded:
             if self._session.game is not None:
                 return

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from functools import partial
 from itertools import zip_longest
 from typing import TYPE_CHECKING, ClassVar
 
 from textual.binding import Binding
 from textual.content import Content
-from textual.message import Message
 
 from logical_robots_tui.mind import Table
 from logical_robots_tui.tui.inspector.page import Page
@@ -27,62 +27,38 @@ if TYPE_CHECKING:
     from logical_robots_tui.tui.inspector.questions import Questions, Survey
     from logical_robots_tui.values import Value
 
-__all__ = ["DecisionPage", "DecisionView", "decision_lines"]
+__all__ = ["DecisionPage", "decision_lines"]
 
 _RADAR_ROWS = 8
 _ROOM_FOR_RADAR = 90  # columns from which on the radar is drawn
 _LONGEST = 400
 
 
-class DecisionView(LinesView):
-    """A robot's decision and what it came from; enter opens the values."""
-
-    BINDINGS: ClassVar[list[Binding | tuple[str, str] | tuple[str, str, str]]] = [
-        Binding("enter", "open", show=False),
-    ]
-
-    class Opened(Message):
-        """The player opens the values."""
-
-    def __init__(self) -> None:
-        super().__init__(id="decision")
-        self._shown: tuple[Program | None, Frame, str, Survey | None] | None = None
-
-    def show(
-        self, program: Program | None, frame: Frame, robot: str, survey: Survey | None
-    ) -> None:
-        """Show a tick, as `decision_lines` does."""
-        self._shown = (program, frame, robot, survey)
-        self.redraw()
-
-    def action_open(self) -> None:
-        """Open the values as a tree."""
-        self.post_message(self.Opened())
-
-    def draw(self) -> None:
-        """Paint the decision."""
-        if self._shown is not None:
-            self.paint(decision_lines(*self._shown, self.columns))
-
-
 class DecisionPage(Page):
     """The decision of the selected robot."""
 
-    view: DecisionView
+    BINDINGS: ClassVar[list[Binding | tuple[str, str] | tuple[str, str, str]]] = [
+        Binding("enter", "screen.command('open_value')", show=False),
+    ]
+
+    view: LinesView
     depends_on_robot = True
 
     def __init__(self, session: Session, questions: Questions) -> None:
-        super().__init__(session, questions, DecisionView())
+        super().__init__(session, questions, LinesView(id="decision"))
 
     async def show(self, frame: Frame) -> None:
         """Show a tick."""
         self.head(frame.tick, title=f"Decision of {self.robot}")
-        survey = self._questions.surveyed(frame)
-        self.view.show(self._session.program, frame, self.robot, survey)
+        self._show(frame, self._questions.surveyed(frame))
 
     def show_survey(self, survey: Survey) -> None:
         """Show the rows of the predicates that led to the decision."""
-        self.view.show(self._session.program, survey.frame, self.robot, survey)
+        self._show(survey.frame, survey)
+
+    def _show(self, frame: Frame, survey: Survey | None) -> None:
+        program, robot = self._session.program, self.robot
+        self.view.show_lines(partial(decision_lines, program, frame, robot, survey))
 
 
 def decision_lines(
@@ -128,7 +104,7 @@ def _told(
     before, after = frame.memories_before.get(robot), frame.memories.get(robot)
     yield _valued("memory", before)
     yield from _on_the_way(program, robot, survey)
-    decision = next((d for d in frame.decisions if d.robot_name == robot), None)
+    decision = frame.decision_of(robot)
     if decision is None:
         yield Content.styled("Nobody has thought yet.", INK.dim)
         return

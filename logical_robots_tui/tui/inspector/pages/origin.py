@@ -2,36 +2,109 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, ClassVar
 
-from textual import on
+from textual.binding import Binding
 from textual.content import Content
 from textual.widgets import Static
 
 from logical_robots_tui.game import Superseded, origin_in_game
-from logical_robots_tui.game.debugging.origin import written_path
+from logical_robots_tui.game.debugging.pins import written_path
 from logical_robots_tui.mind import QueryError
 from logical_robots_tui.tui.app.background import in_background
 from logical_robots_tui.tui.commands.keymap import with_keys
-from logical_robots_tui.tui.inspector.background_query import BackgroundQuery, Cancelled, progress
-from logical_robots_tui.tui.inspector.highlights import Placed
-from logical_robots_tui.tui.inspector.page import Page
+from logical_robots_tui.tui.inspector.page import BackgroundQuery, Cancelled, Page, Placed, progress
 from logical_robots_tui.tui.inspector.pages.robots import RobotsView
 from logical_robots_tui.tui.inspector.predicate_list import ORIGIN, ROBOTS, WHY
-from logical_robots_tui.tui.inspector.widgets.origin_chain import LinksView
+from logical_robots_tui.tui.inspector.widgets.cells import cell
+from logical_robots_tui.tui.inspector.widgets.line_views import CursorView
 from logical_robots_tui.tui.theme.safe_text import one_line
 from logical_robots_tui.tui.theme.themes import INK
 from logical_robots_tui.tui.timeline.widget import Timeline
 
 if TYPE_CHECKING:
-    from logical_robots_tui.game import Frame, Game
+    from collections.abc import Callable, Iterator
+
+    from logical_robots_tui.game import Frame, Game, Link, Origin
+    from logical_robots_tui.mind.why.sourcing import Read
     from logical_robots_tui.tui.app.session import Session
     from logical_robots_tui.tui.inspector.questions import Questions
     from logical_robots_tui.tui.inspector.under_cursor import MemoryPart
 
-__all__ = ["OriginPage"]
+__all__ = ["LinksView", "OriginPage", "link_lines"]
 
 _STALE = "The robots went into another future since then. {origin} on a value asks again."
+_INDENT = "    "
+_SHOWN_READS = 5
+_LONGEST = 60  # characters of a value that was read
+_KEYS = "enter goes to that tick and says why   esc back"
+_INCOMPLETE = "This is not all of it: more values were read than are traced here."
+
+
+class LinksView(CursorView):
+    """The links of the chain, the value itself first; enter goes to one, escape leaves.
+
+    Args:
+        pointed: Called with the link under the cursor when that is another one.
+        opened: Called with the link that the player goes to.
+        left: Called when the player goes back.
+    """
+
+    BINDINGS: ClassVar[list[Binding | tuple[str, str] | tuple[str, str, str]]] = [
+        Binding("enter", "open", show=False),
+        Binding("escape,backspace", "leave", show=False),
+    ]
+
+    def __init__(
+        self,
+        pointed: Callable[[Link], None],
+        opened: Callable[[Link], None],
+        left: Callable[[], None],
+    ) -> None:
+        super().__init__(id="links")
+        self._tell_pointed, self._tell_opened, self.action_leave = pointed, opened, left
+        self._origin: Origin | None = None
+
+    @property
+    def pointed(self) -> Link | None:
+        """The link under the cursor."""
+        return self._origin.links[self._at] if self._origin is not None else None
+
+    def show(self, origin: Origin | None) -> None:
+        """Show an origin, with the cursor on the value itself, or nothing."""
+        self._origin, self._at = origin, 0
+        self.redraw()
+        self.refresh()
+        self.scroll_to(y=0, animate=False)
+        if self.has_focus:
+            self.cursor_moved()
+
+    def draw(self) -> None:
+        """Paint the chain."""
+        links = self._origin.links if self._origin is not None else ()
+        after: list[Content] = []
+        if self._origin is not None:
+            if not self._origin.complete:
+                after += Content.styled(_INCOMPLETE, INK.warn).wrap(max(1, self.columns))
+            after += [Content(""), Content.styled(_KEYS, INK.dim).truncate(self.columns)]
+        items = [list(link_lines(n, link, self.columns)) for n, link in enumerate(links)]
+        self.paint_items(items, after)
+
+    def cursor_moved(self) -> None:
+        """Point out the link under the cursor."""
+        if self.pointed is not None:
+            self._tell_pointed(self.pointed)
+
+    def clicked(self, x: int, line: int, *, again: bool) -> None:
+        """Go to the link at a second click."""
+        del x, line
+        if again:
+            self.action_open()
+
+    def action_open(self) -> None:
+        """Go to the link under the cursor."""
+        if self.pointed is not None:
+            self._tell_opened(self.pointed)
 
 
 class OriginPage(Page):
@@ -50,7 +123,8 @@ class OriginPage(Page):
 
     def __init__(self, session: Session, questions: Questions) -> None:
         self._of = Static(id="origin-of")
-        super().__init__(session, questions, LinksView(), above=(self._of,))
+        view = LinksView(self._pointed, self._open, self._leave)
+        super().__init__(session, questions, view, above=(self._of,))
         self.pending = self._query = BackgroundQuery()
         self.asked: MemoryPart | None = None
         self._course: tuple[Game, int] | None = None
@@ -125,26 +199,20 @@ class OriginPage(Page):
         self.say(words)
         self.view.show(None)
 
-    @on(LinksView.Pointed)
-    def _pointed(self, event: LinksView.Pointed) -> None:
+    def _pointed(self, link: Link) -> None:
         """Show the rule in the program that decided that tick."""
-        event.stop()
-        span, course = event.link.span or event.link.rule, self._course
-        program = course[0].history.program_at(event.link.tick) if course is not None else None
+        span, course = link.span or link.rule, self._course
+        program = course[0].history.program_at(link.tick) if course is not None else None
         if span is not None and program is not None:
             self.post_message(Placed(program.text, (span.start, span.stop)))
 
-    @on(LinksView.Opened)
-    def _open(self, event: LinksView.Opened) -> None:
-        event.stop()
-        self.post_message(RobotsView.Chosen(event.link.robot))
-        self.post_message(Timeline.Pointed(event.link.tick))
+    def _open(self, link: Link) -> None:
+        self.post_message(RobotsView.Chosen(link.robot))
+        self.post_message(Timeline.Pointed(link.tick))
         self.post_message(self.Opened(WHY))
 
-    @on(LinksView.Left)
-    def _leave(self, event: LinksView.Left) -> None:
+    def _leave(self) -> None:
         """Cancel the trace that is running, or else go back."""
-        event.stop()
         if self._query.is_long:
             self._query.cancel()
             return
@@ -152,3 +220,53 @@ class OriginPage(Page):
         if tick != self._session.frame.tick:
             self.post_message(Timeline.Pointed(tick))
         self.post_message(self.Left(page))
+
+
+def link_lines(number: int, link: Link, width: int) -> Iterator[Content]:
+    """The lines of a link.
+
+    Args:
+        number: Its place in the chain, from 0.
+        link: The link.
+        width: Columns to fill.
+    """
+    name = one_line(f"{number + 1}. {link.robot}'s {written_path(link.path)}")
+    text, colour = cell(link.value, width)
+    yield _cut(Content.assemble((name, INK.title), (" = ", INK.dim), (text, colour)), width)
+    yield _cut(_when(link), width)
+    if link.span is not None and link.tick:
+        place = f"{_INDENT}line {link.span.line}: "
+        yield _cut(Content.assemble((place, INK.key), (one_line(link.span.text), INK.text)), width)
+    for read in link.reads[:_SHOWN_READS]:
+        yield _cut(_read(read), width)
+    if (more := len(link.reads) - _SHOWN_READS) > 0:
+        yield Content.styled(f"{_INDENT}and from {more} more", INK.warn)
+    if link.before:
+        numbers = ", ".join(f"{each + 1}." for each in link.before)
+        yield _cut(Content.styled(f"{_INDENT}goes on with {numbers}", INK.dim), width)
+
+
+def _when(link: Link) -> Content:
+    """The tick and rule that assigned the value, and how long it was kept."""
+    kept = f", kept until tick {link.until}" if link.until > link.tick else ""
+    if link.tick == 0:
+        return Content.styled(f"{_INDENT}there since the start{kept}", INK.text)
+    rule = f" by the rule in line {link.rule.line}" if link.rule is not None else ""
+    return Content.assemble(
+        f"{_INDENT}set in ", (f"tick {link.tick}", INK.number), (f"{rule}{kept}", INK.text)
+    )
+
+
+def _read(read: Read) -> Content:
+    """A value read from a sensor or a memory; rays go by their number."""
+    path = read.path
+    name = written_path(path, read.what)
+    if read.what == "sensor" and path[:1] == ("radar",) and len(path) > 1:
+        name = f"ray {path[1]}{written_path(path[2:], '')}"
+    text, colour = cell(read.value, _LONGEST)
+    words = one_line(f"from {read.robot}'s {name}")
+    return Content.assemble(_INDENT, (words, INK.dim), (" = ", INK.dim), (text, colour))
+
+
+def _cut(line: Content, width: int) -> Content:
+    return line.truncate(width, ellipsis=True)

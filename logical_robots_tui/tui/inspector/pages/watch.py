@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import asyncio
 from contextlib import suppress
-from dataclasses import dataclass
 from time import perf_counter
 from typing import TYPE_CHECKING, ClassVar
 
@@ -67,16 +66,6 @@ class WatchView(CursorView):
         Binding("delete,backspace", "remove", show=False),
     ]
 
-    @dataclass
-    class Opened(Message):
-        """The player opens the predicate of a pin.
-
-        Attributes:
-            predicate: Its name.
-        """
-
-        predicate: str
-
     class Changed(Message):
         """There are other pins, or there is room for other ticks."""
 
@@ -124,8 +113,7 @@ class WatchView(CursorView):
             plain: Whether to draw with ASCII only.
         """
         self.ticks, self._tick, self._readings, self._plain = ticks, tick, readings, plain
-        if self.columns > 0:
-            self.draw()
+        super().redraw()
 
     def redraw(self) -> None:
         """Draw at the present width, and ask for as many ticks as there is room for."""
@@ -156,7 +144,7 @@ class WatchView(CursorView):
     def action_open(self) -> None:
         """Open the predicate of the pin under the cursor."""
         if self._pins:
-            self.post_message(self.Opened(self._pins[self._at].predicate))
+            self.post_message(Page.Opened(self._pins[self._at].predicate))
 
     def action_remove(self) -> None:
         """Remove the pin under the cursor."""
@@ -255,8 +243,3 @@ class WatchPage(Page):
         event.stop()
         if self.display:
             self.post_message(self.Changed())
-
-    @on(WatchView.Opened)
-    def _view_opened(self, event: WatchView.Opened) -> None:
-        event.stop()
-        self.post_message(self.Opened(event.predicate))

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from textual import on
 from textual.content import Content
@@ -12,9 +12,16 @@ from textual.widgets import Static
 from logical_robots_tui.game import Superseded
 from logical_robots_tui.mind import Ask, Node, QueryError
 from logical_robots_tui.tui.app.background import in_background
-from logical_robots_tui.tui.inspector.background_query import BackgroundQuery, Cancelled, progress
-from logical_robots_tui.tui.inspector.highlights import Placed, Sighted, sight
-from logical_robots_tui.tui.inspector.page import NO_PROGRAM, Page
+from logical_robots_tui.tui.inspector.page import (
+    NO_PROGRAM,
+    BackgroundQuery,
+    Cancelled,
+    Page,
+    Placed,
+    Sighted,
+    progress,
+    sight,
+)
 from logical_robots_tui.tui.inspector.widgets.cells import written
 from logical_robots_tui.tui.inspector.widgets.proof_view import WhyView
 from logical_robots_tui.tui.theme.safe_text import clip, one_line
@@ -24,8 +31,8 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from logical_robots_tui.game import Frame
-    from logical_robots_tui.mind import Explanation
-    from logical_robots_tui.mind.diagnosis.nearest import Suggestion
+    from logical_robots_tui.mind import Explanation, Proof
+    from logical_robots_tui.mind.why.nearest import Suggestion
     from logical_robots_tui.tui.app.session import Session
     from logical_robots_tui.tui.inspector.questions import Questions
 
@@ -99,7 +106,8 @@ class WhyPage(Page):
             self._say_instead(question, NO_PROGRAM)
             return
         try:
-            why = self._questions.why(question.robot, frame, question.asked)
+            inquiry, program = self._questions.about()
+            why = inquiry.why(program, question.robot, frame, **_parts(question.asked))
             found = await self._query.run(why, report)
             if self._session.running:
                 self._show(question, found, _proving(found))
@@ -126,7 +134,7 @@ class WhyPage(Page):
         trouble = ""
         self._is_proving = True
         try:
-            proof = await self._query.run(self._questions.proof(robot, frame, asked), report)
+            proof = await self._query.run(self._proof(robot, frame, asked), report)
             self._show(question, proof.explanation, proof.nodes)
         except Cancelled:
             trouble = f"stopped after {self._query.seconds:.1f} s"
@@ -146,7 +154,9 @@ class WhyPage(Page):
         if found.row is not None or asked.given or asked.within or self._answered is not question:
             return
         try:
-            misses = await self._questions.nearest(question.robot, question.frame, asked.predicate)
+            inquiry, program = self._questions.about()
+            robot, frame = question.robot, question.frame
+            misses = await inquiry.nearest(program, robot, frame, asked.predicate)
         except (QueryError, Superseded):
             return
         if misses and self._answered is question:
@@ -225,9 +235,13 @@ class WhyPage(Page):
             finally:
                 del self._lacking[:1]
 
+    async def _proof(self, robot: str, frame: Frame, asked: Ask) -> Proof:
+        inquiry, program = self._questions.about()
+        return await inquiry.proof(program, robot, frame, **_parts(asked))
+
     async def _proved(self, question: _Question, asked: Ask) -> Sequence[Node]:
         try:
-            proof = await self._questions.proof(question.robot, question.frame, asked)
+            proof = await self._proof(question.robot, question.frame, asked)
         except QueryError as error:
             return (Node("note", str(error)),)
         return proof.nodes
@@ -244,6 +258,10 @@ class WhyPage(Page):
         if event.moved and node.span is not None:
             place = node.span.start, node.span.stop
             self.post_message(Placed(self._questions.program.text, place))
+
+
+def _parts(asked: Ask) -> dict[str, Any]:
+    return {"predicate": asked.predicate, "given": asked.given or None, "within": asked.within}
 
 
 def _suggestion(rule: int, each: Suggestion) -> Node:

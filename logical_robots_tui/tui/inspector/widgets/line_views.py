@@ -12,7 +12,7 @@ from textual.strip import Strip
 from logical_robots_tui.tui.theme.themes import rich_style
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Callable, Sequence
 
     from textual import events
     from textual.content import Content
@@ -33,6 +33,7 @@ class LinesView(ScrollView, can_focus=True):
     def __init__(self, *, id: str) -> None:  # noqa: A002 - the name that widgets have
         super().__init__(id=id)
         self._painted: list[Content] = []
+        self._lines_for: Callable[[int], Sequence[Content]] | None = None
 
     @property
     def columns(self) -> int:
@@ -58,9 +59,15 @@ class LinesView(ScrollView, can_focus=True):
         del number
         return False
 
+    def show_lines(self, lines_for: Callable[[int], Sequence[Content]]) -> None:
+        """Show lines, which a function returns for a width."""
+        self._lines_for = lines_for
+        self.redraw()
+
     def draw(self) -> None:
         """Paint what is to be shown, at the present width."""
-        raise NotImplementedError
+        if self._lines_for is not None:
+            self.paint(self._lines_for(self.columns))
 
     def redraw(self) -> None:
         """Draw at the present width, if there is any."""

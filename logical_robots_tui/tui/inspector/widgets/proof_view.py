@@ -17,6 +17,7 @@ from logical_robots_tui.tui.inspector.widgets.proof_tree import (
     guides,
     line_content,
 )
+from logical_robots_tui.tui.layout.command_bar import CommandChosen
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -75,9 +76,6 @@ class WhyView(CursorView):
         key: int
         asked: Ask
 
-    class Opened(Message):
-        """The player opens the values of the node under the cursor."""
-
     class Back(Message):
         """The player returns to the question before."""
 
@@ -101,6 +99,12 @@ class WhyView(CursorView):
     def pointed(self) -> Node | None:
         """The node under the cursor."""
         return self.line.node if self.line is not None else None
+
+    @property
+    def parent_pointed(self) -> Node | None:
+        """The node above the one under the cursor."""
+        parent = self._tree.parent(self._at) if self.lines else None
+        return None if parent is None else self.lines[parent].node
 
     @property
     def height(self) -> int:
@@ -225,7 +229,7 @@ class WhyView(CursorView):
         if node.asked is not None:
             self.post_message(self.Deeper(node.asked))
         elif node.values:
-            self.post_message(self.Opened())
+            self.post_message(CommandChosen("open_value"))
         else:
             self.toggle_fold(self._at)
 

@@ -23,6 +23,7 @@ from logical_robots_tui.tui.inspector.widgets.row_order import (
     arranged,
     changed_cells,
 )
+from logical_robots_tui.tui.layout.command_bar import CommandChosen
 from logical_robots_tui.tui.theme.safe_text import clip, visible
 from logical_robots_tui.tui.theme.themes import INK, rich_style
 
@@ -71,9 +72,6 @@ class ValueTable(ScrollView, can_focus=True):
 
     class Pointed(Message):
         """The cursor is on another value, or the value under it has been replaced."""
-
-    class Opened(Message):
-        """The player opens the value under the cursor."""
 
     def __init__(self, id: str = "rows") -> None:  # noqa: A002 - the name that widgets have
         super().__init__(id=id)
@@ -185,7 +183,7 @@ class ValueTable(ScrollView, can_focus=True):
     def action_open(self) -> None:
         """Open the value under the cursor."""
         if self.pointed is not None:
-            self.post_message(self.Opened())
+            self.post_message(CommandChosen("open_value"))
 
     def render_line(self, y: int) -> Strip:
         """One line: the header at the top of the view, rows below."""

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 from rich.text import Text
 from textual import on
 from textual.binding import Binding
-from textual.containers import Horizontal, Vertical
+from textual.containers import Horizontal
 from textual.content import Content
 from textual.widgets import Static, Tree
 
@@ -34,7 +34,6 @@ _GROUP = 100  # most parts under one node
 _PREVIEW = 60  # characters of a collapsed record or list
 _OPEN = 12  # branches with at most so many parts are expanded at first
 _PICTURE_ROWS = 8
-_KEYS = "↑↓ move   enter or space fold   @ pin   < where from   esc close"
 
 
 @dataclass(frozen=True, slots=True)
@@ -95,6 +94,8 @@ class ValueTree(Dialog[None]):
         Binding("q,X", "leave", show=False),
     ]
 
+    keys = "↑↓ move   enter or space fold   @ pin   < where from   esc close"
+
     def __init__(
         self,
         title: str,
@@ -102,8 +103,7 @@ class ValueTree(Dialog[None]):
         pin: Callable[[Pin], bool],
         follow: Callable[[Pin], bool],
     ) -> None:
-        super().__init__()
-        self._title_text = title
+        super().__init__(title)
         self._branches = branches
         self._pin, self._follow = pin, follow
         self._tree: Tree[_Part] = Tree("", id="tree")
@@ -111,14 +111,11 @@ class ValueTree(Dialog[None]):
         self._tree.guide_depth = 2
         self._picture = Static(id="radar")
 
-    def compose(self) -> ComposeResult:
+    def content_widgets(self) -> ComposeResult:
         """The tree, and beside it the plot of a radar."""
-        with Vertical(id="box") as box:
-            box.border_title = Content(one_line(self._title_text))
-            with Horizontal():
-                yield self._tree
-                yield self._picture
-            yield Static(_KEYS, id="keys", markup=False)
+        with Horizontal():
+            yield self._tree
+            yield self._picture
 
     def on_mount(self) -> None:
         """Expand what is short."""

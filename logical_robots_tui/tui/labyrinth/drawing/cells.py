@@ -1,4 +1,4 @@
-"""A block of cells with text and colours, and the strips that show it."""
+"""Cells with text and colours, and the strips that show them."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Paints areas and robots: discs with a rim, stripes, or a nose."""
+"""Paints areas and robots as antialiased discs."""
 
 from __future__ import annotations
 
@@ -65,7 +65,7 @@ def area_weights(
         return window, disc * 0.07, rim * 0.42
 
     if area.impenetrable:
-        # Stripes lie still on the map, so that they don't crawl when the view moves.
+        # Stripes are fixed to the map, so that they don't crawl when the view moves.
         period = max(6.0, 6 * dot)
         x, y = raster.x[window[1]][None, :], raster.y[window[0]][:, None]
         striped = (x + y) / period % 1 < 0.5

@@ -1,4 +1,4 @@
-"""Fits the dots of each cell with one block character and two colours."""
+"""Approximates the dots of each cell by one block character in two colours."""
 
 from __future__ import annotations
 
@@ -60,7 +60,7 @@ def pack(colour: Floats) -> NDArray[np.int64]:
 def fit(
     dots: NDArray[np.uint8],
 ) -> tuple[NDArray[np.int64], Floats, Floats]:
-    """Divide the dots of each cell in two so that two colours come nearest to them.
+    """Divide the dots of each cell into two groups whose mean colours approximate them best.
 
     Args:
         dots: Shape (cells, dots of a cell, 3).
@@ -115,7 +115,7 @@ _BLOCK_IDS = {
 
 
 def fitted(dots: NDArray[np.uint8], rows: int, columns: int) -> Cells:
-    """Return the cells that come nearest to dots.
+    """Return the cells that approximate dots best.
 
     Args:
         dots: Shape (rows * columns, dots of a cell, 3), as ``split`` gives them.

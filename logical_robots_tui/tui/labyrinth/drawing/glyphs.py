@@ -164,7 +164,7 @@ def legend(
 
 
 class Highlight(NamedTuple):
-    """A robot, or one ray of its radar, to bring out of the picture.
+    """A robot, or one ray of its radar, to highlight.
 
     Attributes:
         robot: Its name.
@@ -187,9 +187,9 @@ class Look:
         lines: Whether the rays of the selected robot are drawn one by one.
         trails: Whether the ways that robots came are shown.
         names: Whether names are shown.
-        selected: Name of the robot to bring out, or None.
-        highlight: A ray or a robot to bring out besides, or None.
-        pulse: How far the beacons are in their pulse, 0 to 3; 0 is brightest.
+        selected: Name of the selected robot, or None.
+        highlight: A ray or a robot to highlight as well, or None.
+        pulse: The phase of the beacons' pulse, 0 to 3; 0 is brightest.
     """
 
     drawing: Drawing = Drawing.QUADRANTS

@@ -1,4 +1,4 @@
-"""What stands still in a view: floor, walls, areas and the glow of beacons; exact at any zoom."""
+"""The static layer of a view: floor, walls, areas and the glow of beacons; exact at any zoom."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from logical_robots_tui.tui.labyrinth.drawing.viewport import Floats, Raster
     from logical_robots_tui.world.level import Beacon, Level
 
-__all__ = ["ASCII_KINDS", "Ground", "WallTable", "lay_ground", "touch_up"]
+__all__ = ["ASCII_KINDS", "Ground", "WallTable", "draw_ground", "redraw_ground"]
 
 ASCII_KINDS = " #:%,"
 """The characters for ``Ground.kinds``: floor, wall, area, solid area, area switched off."""
@@ -29,20 +29,20 @@ _FLOOR, _WALL, _AREA, _SOLID, _OFF = range(5)
 
 @dataclass(frozen=True, eq=False)
 class Ground:
-    """The still layer of a view.
+    """The static layer of a view.
 
     Attributes:
         image: Colours from 0 to 255, shape (down, across, 3).
-        gleam: How strongly each dot shows light that falls on it, about 0 to 1.
+        reflectance: How strongly each dot shows light that falls on it, about 0 to 1.
         kinds: What each dot mostly is, as an index into ``ASCII_KINDS``.
     """
 
     image: Floats
-    gleam: Floats
+    reflectance: Floats
     kinds: NDArray[np.uint8]
 
 
-def lay_ground(
+def draw_ground(
     level: Level,
     walls: WallTable,
     active: Sequence[bool],
@@ -50,7 +50,7 @@ def lay_ground(
     palette: Palette,
     switched: Container[int] = (),
 ) -> Ground:
-    """Paint what stands still.
+    """Paint the static layer.
 
     Args:
         level: The level.
@@ -60,23 +60,23 @@ def lay_ground(
         palette: Their colours.
         switched: Numbers of the areas for which that has just changed.
     """
-    # A thin wall must not vanish between the dots, so little counts for more.
-    stone = walls.coverage(raster).astype(np.float32) ** np.float32(0.6)
-    rim = _rim(walls, raster, stone)
+    # Emphasise low coverage, so that thin walls stay visible.
+    rock = walls.coverage(raster).astype(np.float32) ** np.float32(0.6)
+    rim = _rim(walls, raster, rock)
     image = np.empty((*raster.shape, 3), np.float32)
     image[:] = palette.floor
     everywhere = slice(None), slice(None)
     blend(image, everywhere, palette.grid, _grid(raster))
-    blend(image, everywhere, palette.rock, stone)
+    blend(image, everywhere, palette.rock, rock)
     blend(image, everywhere, palette.rim, rim)
 
-    kinds = np.where(stone >= 0.55, _WALL, _FLOOR).astype(np.uint8)
+    kinds = np.where(rock >= 0.55, _WALL, _FLOOR).astype(np.uint8)
     for number, (area, is_active) in enumerate(zip(level.areas, active, strict=False)):
         found = area_weights(raster, area, is_active, flash=number in switched)
         if found is None:
             continue
         window, disc, edge = found
-        over = 1 - 0.6 * stone[window]
+        over = 1 - 0.6 * rock[window]
         colour = palette.legible(parse(area.color))
         blend(image, window, colour, disc * over)
         blend(image, window, colour, edge * over)
@@ -88,10 +88,10 @@ def lay_ground(
     blend(image, everywhere, palette.void, 1 - inside)
     for beacon in level.beacons:
         _glow(image, raster, beacon, beacon_colour(beacon, palette))
-    return Ground(image, (1 - stone + 1.1 * rim) * inside, kinds)
+    return Ground(image, (1 - rock + 1.1 * rim) * inside, kinds)
 
 
-def touch_up(
+def redraw_ground(
     ground: Ground,
     level: Level,
     walls: WallTable,
@@ -101,7 +101,7 @@ def touch_up(
     palette: Palette,
     switched: Container[int] = (),
 ) -> tuple[slice, slice] | None:
-    """Paint that part of a still layer anew where walls changed.
+    """Repaint the part of a static layer where walls changed.
 
     Args:
         ground: What was painted with the walls before, changed in place.
@@ -120,9 +120,9 @@ def touch_up(
     reach = _far_reach(raster)
     window = raster.window(left - reach, right + reach, top - reach, bottom + reach)
     if window is not None:
-        part = lay_ground(level, walls, active, raster.only(window), palette, switched)
+        part = draw_ground(level, walls, active, raster.only(window), palette, switched)
         ground.image[window] = part.image
-        ground.gleam[window] = part.gleam
+        ground.reflectance[window] = part.reflectance
         ground.kinds[window] = part.kinds
     return window
 
@@ -132,16 +132,16 @@ def beacon_colour(beacon: Beacon, palette: Palette) -> RGB:
     return palette.charger if beacon.charging_station else palette.beacon
 
 
-def _rim(walls: WallTable, raster: Raster, stone: Floats) -> Floats:
-    """Return how lit the walls are: bright next to the floor, then fading into the rock."""
+def _rim(walls: WallTable, raster: Raster, rock: Floats) -> Floats:
+    """Return the brightness of walls: bright next to the floor, fading into the rock."""
     near = walls.openness(raster, max(1.5 * raster.dot, 3.0))
     far = walls.openness(raster, _far_reach(raster))
     lit: Floats = (2.2 * near).clip(0, 0.8) + 0.45 * (2 * far).clip(0, 1)
-    return stone * lit.clip(0, 1).astype(np.float32)
+    return rock * lit.clip(0, 1).astype(np.float32)
 
 
 def _far_reach(raster: Raster) -> float:
-    """Return how many map units away from it a wall can change how a dot is lit."""
+    """Return the distance in map units within which a wall affects the brightness of a dot."""
     return max(3.5 * raster.dot, 10.0)
 
 
@@ -194,7 +194,7 @@ class WallTable:
         return len(self._walls)
 
     def change(self, walls: NDArray[np.bool_]) -> tuple[int, int, int, int] | None:
-        """Take other walls of the same size in place of these.
+        """Replace the walls by others of the same size.
 
         Returns:
             The map units (left, right, top, bottom) that hold all differences, or None.

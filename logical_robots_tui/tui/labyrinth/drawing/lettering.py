@@ -11,7 +11,7 @@ from logical_robots_tui.tui.labyrinth.drawing.cells import BOLD, Cells, text_id
 from logical_robots_tui.tui.labyrinth.drawing.discs import body_rows, shows_body, text_on
 from logical_robots_tui.tui.labyrinth.drawing.glyphs import Drawing
 from logical_robots_tui.tui.labyrinth.drawing.ground import beacon_colour
-from logical_robots_tui.tui.labyrinth.drawing.name_labels import Plate, Room, fit_name
+from logical_robots_tui.tui.labyrinth.drawing.name_labels import FreeCells, Label, fit_name
 from logical_robots_tui.tui.labyrinth.drawing.palette import RGB, Palette, mix, packed, parse
 from logical_robots_tui.tui.labyrinth.drawing.rays import mark_ends
 
@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from logical_robots_tui.world.level import Level
     from logical_robots_tui.world.state import RobotState
 
-__all__ = ["StillLettering", "letter", "robot_colour", "write"]
+__all__ = ["StaticLabels", "draw_labels", "robot_colour", "write"]
 
 _MIN_COLUMNS, _MIN_ROWS = 24, 8
 """Below this a view is too small for names."""
@@ -43,15 +43,15 @@ def robot_colour(color: str, palette: Palette) -> RGB:
     return palette.legible(parse(color))
 
 
-class StillLettering:
-    """The glyphs of beacons and the names of beacons and areas, placed once for a view.
+class StaticLabels:
+    """The symbols of beacons and the names of beacons and areas, placed once for a view.
 
     Args:
         level: The level.
         active: For each area whether it is switched on.
         viewport: The view.
         look: How to draw.
-        ground: Colours of the still layer's dots, shape (down, across, 3).
+        ground: Colours of the static layer, shape (down, across, 3).
     """
 
     def __init__(
@@ -63,8 +63,8 @@ class StillLettering:
         ground: Floats,
     ) -> None:
         palette, glyphs = look.palette, look.drawing.glyphs
-        self.room = Room(viewport.rows, viewport.columns)
-        """What the glyphs of beacons leave free."""
+        self.room = FreeCells(viewport.rows, viewport.columns)
+        """The cells that the symbols of beacons leave free."""
         shining: list[tuple[int, int, str, RGB]] = []
         named: list[tuple[int, str, RGB, tuple[int, int], bool]] = []
         for beacon in level.beacons:
@@ -96,27 +96,27 @@ class StillLettering:
             for far in _PULSE
         ]
 
-        self.plates: list[tuple[Plate, int, tuple[int, int]]] = []
+        self.plates: list[tuple[Label, int, tuple[int, int]]] = []
         """The names that found a place, their style and the place (row, first column)."""
         room = self.room.copy()
         for _, name, colour, (row, column), inside in sorted(named, key=lambda item: item[0]):
-            plate = Plate(_name_cells(name, viewport, look), row, column, inside=inside)
+            plate = Label(_name_cells(name, viewport, look), row, column, inside=inside)
             place = room.place(plate) if plate.cells else None
             if place:
                 paper = self._paper(plate, place, ground, look)
                 self.plates.append((plate, packed(colour) << 24 | packed(paper), place))
 
     def light(self, cells: Cells, pulse: int) -> None:
-        """Write the glyphs of beacons, as bright as they are in a beat of their pulse."""
+        """Write the symbols of beacons with the brightness of a phase of their pulse."""
         inks = self._inks[pulse % len(_PULSE)]
         cells.put_all(self._rows, self._columns, self._texts, inks, BOLD)
 
-    def lay_on(self, look: Look, ground: Floats, window: tuple[slice, slice]) -> None:
-        """Let another ground shine through behind the names.
+    def follow_ground(self, look: Look, ground: Floats, window: tuple[slice, slice]) -> None:
+        """Update the backgrounds of the names, which show the ground.
 
         Args:
             look: How to draw.
-            ground: Colours of the still layer's dots.
+            ground: Colours of the static layer.
             window: The dots (down, across) that are others.
         """
         down, across = look.drawing.dots[1], look.drawing.dots[0]
@@ -128,7 +128,7 @@ class StillLettering:
                 self.plates[i] = plate, style >> 24 << 24 | packed(paper), (row, column)
 
     @staticmethod
-    def _paper(plate: Plate, place: tuple[int, int], ground: Floats, look: Look) -> RGB:
+    def _paper(plate: Label, place: tuple[int, int], ground: Floats, look: Look) -> RGB:
         """Return what shows through behind a name."""
         across, down = look.drawing.dots
         row, column = place
@@ -140,20 +140,20 @@ class StillLettering:
         return mix((round(red), round(green), round(blue)), look.palette.plate, share)
 
 
-def letter(
+def draw_labels(
     cells: Cells,
-    still: StillLettering,
+    still: StaticLabels,
     robots: Sequence[tuple[RobotState, RGB]],
     undecided: Container[str],
     fans: Sequence[Fan],
     viewport: Viewport,
     look: Look,
 ) -> None:
-    """Write all characters over a picture.
+    """Draw all symbols and names over a picture.
 
     Args:
         cells: The picture, changed in place.
-        still: What stands still.
+        still: The static labels.
         robots: All robots with their colours, the most important last.
         undecided: Names of the robots for which the program decided nothing.
         fans: The rays whose ends to mark.
@@ -196,7 +196,7 @@ def letter(
 
 
 def _trouble(robot: RobotState, undecided: Container[str], look: Look) -> str:
-    """Return the sign of what is wrong with a robot, or ""."""
+    """Return the warning sign of a robot, or ""."""
     glyphs = look.drawing.glyphs
     if robot.dead:
         return glyphs.dead
@@ -214,7 +214,7 @@ def _put_robot(
     viewport: Viewport,
     look: Look,
 ) -> None:
-    """Write the character of a robot; a large body needs one only when something is wrong."""
+    """Write the symbol of a robot; a large body needs only a warning sign, if any."""
     glyphs, palette = look.drawing.glyphs, look.palette
     plain = look.drawing is Drawing.ASCII
     glyph = glyphs.dead if robot.dead else glyphs.heading(robot.angle)
@@ -232,7 +232,7 @@ def _put_robot(
 
 def _put_robot_name(
     cells: Cells,
-    room: Room,
+    room: FreeCells,
     robot: RobotState,
     sign: str,
     colour: RGB,
@@ -246,7 +246,7 @@ def _put_robot_name(
     told = sign and not robot.dead
     if told:
         name = (*name, sign)
-    plate = Plate(name, *cell, clear=body_rows(viewport))
+    plate = Label(name, *cell, clear=body_rows(viewport))
     place = room.place(plate)
     if place is None:
         return

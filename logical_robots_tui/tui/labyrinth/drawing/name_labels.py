@@ -1,4 +1,4 @@
-"""Names in the labyrinth: what of a name can be shown, and where it stands in nobody's way."""
+"""Names in the labyrinth: cutting them to fit, and placing them without overlap."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from rich.cells import cell_len
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-__all__ = ["Plate", "Room", "fit_name"]
+__all__ = ["FreeCells", "Label", "fit_name"]
 
 
 def fit_name(name: str, width: int, cut: str, unknown: str, ascii_only: bool = False) -> list[str]:
@@ -51,8 +51,8 @@ def fit_name(name: str, width: int, cut: str, unknown: str, ascii_only: bool = F
     return [*cells, cut][:width]
 
 
-class Plate(NamedTuple):
-    """A name to show at something.
+class Label(NamedTuple):
+    """A name and the cell of what it names.
 
     Attributes:
         cells: Texts of its cells, as ``fit_name`` gives them.
@@ -86,16 +86,16 @@ class Plate(NamedTuple):
                 yield row, column
 
 
-class Room:
-    """The cells that are still free for names; of each row a number has one bit for each cell."""
+class FreeCells:
+    """The cells that are free for names: one integer per row, with one bit per cell."""
 
     def __init__(self, rows: int, columns: int) -> None:
         self._taken = [0] * rows
         self._columns = columns
 
-    def copy(self) -> Room:
-        """Return as much room, to be taken independently."""
-        other = Room(0, self._columns)
+    def copy(self) -> FreeCells:
+        """Return an independent copy."""
+        other = FreeCells(0, self._columns)
         other._taken = self._taken.copy()
         return other
 
@@ -109,8 +109,8 @@ class Room:
         """Return whether cells of a row, and one to each side, are free."""
         return not (self._taken[row] << 1 >> first) & ((1 << stop - first + 2) - 1)
 
-    def place(self, plate: Plate) -> tuple[int, int] | None:
-        """Find a place for a plate and take it; None if there is none."""
+    def place(self, plate: Label) -> tuple[int, int] | None:
+        """Take a free place for a label and return it, or None."""
         width = len(plate.cells)
         taken, whole = self._taken, (1 << width + 2) - 1
         for row, column in plate.places(len(taken), self._columns):

@@ -7,7 +7,7 @@ from typing import NamedTuple, TypeAlias
 
 from textual.color import Color, ColorParseError
 
-__all__ = ["DARK", "LIGHT", "RGB", "Palette", "luminance", "mix", "packed", "parse"]
+__all__ = ["DARK", "LIGHT", "RGB", "Palette", "hex_colour", "luminance", "mix", "packed", "parse"]
 
 RGB: TypeAlias = tuple[int, int, int]
 """Red, green and blue, each 0 to 255."""
@@ -133,3 +133,8 @@ def packed(colour: RGB) -> int:
     """Return a colour as 0xRRGGBB."""
     red, green, blue = colour
     return red << 16 | green << 8 | blue
+
+
+def hex_colour(colour: RGB) -> str:
+    """Return a colour as ``#rrggbb``."""
+    return "#{:02x}{:02x}{:02x}".format(*colour)

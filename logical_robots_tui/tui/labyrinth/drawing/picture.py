@@ -1,4 +1,4 @@
-"""Draws a level and a frame into cells, and tells what changed since the last time."""
+"""Draws a level and a frame into cells, reusing what has not changed."""
 
 from __future__ import annotations
 
@@ -15,12 +15,16 @@ from logical_robots_tui.tui.labyrinth.drawing.ground import (
     ASCII_KINDS,
     Ground,
     WallTable,
-    lay_ground,
-    touch_up,
+    draw_ground,
+    redraw_ground,
 )
-from logical_robots_tui.tui.labyrinth.drawing.lettering import StillLettering, letter, robot_colour
+from logical_robots_tui.tui.labyrinth.drawing.lettering import (
+    StaticLabels,
+    draw_labels,
+    robot_colour,
+)
 from logical_robots_tui.tui.labyrinth.drawing.palette import RGB, Palette, packed
-from logical_robots_tui.tui.labyrinth.drawing.rays import Fan, fans, shine
+from logical_robots_tui.tui.labyrinth.drawing.rays import Fan, brightness_of, fans
 from logical_robots_tui.tui.labyrinth.drawing.thin_lines import (
     Traces,
     draw_ray,
@@ -31,8 +35,6 @@ from logical_robots_tui.tui.labyrinth.drawing.thin_lines import (
 from logical_robots_tui.tui.labyrinth.drawing.viewport import Floats, Raster
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
-
     from numpy.typing import NDArray
 
     from logical_robots_tui.game.frame import Frame
@@ -47,26 +49,25 @@ _STRENGTH, _SELECTED, _OTHERS = 0.34, 0.5, 0.2
 """Light of a fan: without a selection, of the selected robot, of the others then."""
 
 _CROWD = 12
-"""Robots for whose light another hurried picture does with that of the one before."""
+"""Robots per hurried picture that reuses the light of the one before."""
 
 _UNSEEN = 12
-"""By how much a channel of a dot may be wrong for a moment, of 255."""
+"""The error of a colour channel, of 255, that is tolerated in hurried pictures."""
 
 _KIND_IDS = np.array([text_id(char) for char in ASCII_KINDS], np.int64)
 _LIT_ID = text_id(".")
-_NOTHING: tuple[object, ...] = (None, None, None, None)
 
 
 @dataclass(frozen=True, eq=False)
 class _Light:
-    """The ground under the light of robots.
+    """The static layer under the light of robots.
 
     Attributes:
         look: How it was painted.
         image: Colours of the dots.
         lit: Which dots the light reaches.
         fans: Where it comes from.
-        left: For how many more hurried pictures it will do.
+        left: For how many more hurried pictures it is reused.
     """
 
     look: Look
@@ -79,22 +80,20 @@ class _Light:
 class Picture:
     """A labyrinth in cells, kept up to date frame by frame.
 
-    What stands still is painted again only when the view, the look or the state of an area
-    changes. Of the rest only the cells whose dots changed are fitted again.
+    The static layer is repainted only when the view, the look or the state of an area changes. Of
+    the rest only cells whose dots have changed are fitted again.
 
     Attributes:
-        cells: What was drawn last.
+        cells: The last picture.
     """
 
     def __init__(self) -> None:
         self.cells = Cells.blank(0, 0)
         self._level: Level | None = None
-        self._still_key: object = None
+        self._ground_key: object = None
         self._dots: NDArray[np.uint8] | None = None
         self._light: _Light | None = None
         self._base = self.cells
-        self._painted: Floats = np.zeros((0, 0, 3), np.float32)
-        self._painted_of = _NOTHING
 
     def draw(
         self,
@@ -120,118 +119,77 @@ class Picture:
         """
         if viewport.rows < 1 or viewport.columns < 1:
             self.cells = Cells.blank(max(viewport.rows, 0), max(viewport.columns, 0))
-            self._still_key = None
+            self._ground_key = None
             return self.cells
         traces = traces or Traces()
         raster = Raster(viewport, *look.drawing.dots)
-        touched = self._keep_still(level, frame, traces, raster, look)
+        self._update_ground(level, frame, traces, raster, look)
         colours = {robot.name: robot_colour(robot.color, look.palette) for robot in level.robots}
         robots = [
             (robot, _state_colour(robot, colours, look.palette)) for robot in frame.after.robots
         ]
         robots.sort(key=lambda pair: pair[0].name == look.selected)
-        if look.drawing is not Drawing.ASCII and not look.rays:
-            self._light = None
-            seen = fans(frame) if look.marks or look.lines else []
-            of_what = frame, level.robots, self._still_key, look.selected
-            image = self._bodies(of_what, touched, robots, raster, look)
-            cells = self._fitted(image, raster, _UNSEEN if hurried else 0)
+        light = self._lighting(frame, raster, look, colours, hurried=hurried)
+        image = light.image.copy()
+        if look.drawing is Drawing.ASCII:
+            cells = _ascii_cells(self._ground, image, light.lit, look.palette)
         else:
-            self._painted_of = _NOTHING
-            light = self._shed_light(frame, raster, look, colours, hurried=hurried)
-            seen = light.fans
-            image = light.image.copy()
-            if look.drawing is Drawing.ASCII:
-                cells = _plain_cells(self._ground, image, light.lit, look.palette)
-            else:
-                _paint_all(image, raster, robots, look)
-                cells = self._fitted(image, raster, _UNSEEN if hurried else 0)
+            for robot, colour in robots:
+                paint_robot(image, raster, robot, colour, look.palette)
+            cells = self._fitted(image, raster, _UNSEEN if hurried else 0)
         if look.trails:
             inks = [colours[robot.name] for robot in level.robots]
             draw_trails(cells, *traces.trails(frame.tick), inks, viewport, look)
         if look.lines:
-            for fan in seen:
+            for fan in light.fans:
                 if fan.name == look.selected:
                     draw_rays(cells, fan, colours[fan.name], viewport, look)
         undecided = frozenset(d.robot_name for d in frame.decisions if d.desire is None)
-        letter(cells, self._lettering, robots, undecided, seen, viewport, look)
+        draw_labels(cells, self._lettering, robots, undecided, light.fans, viewport, look)
         if look.highlight is not None:
             _draw_highlight(cells, look.highlight, frame, viewport, look)
 
         self.cells = cells
         return cells
 
-    def _keep_still(
+    def _update_ground(
         self, level: Level, frame: Frame, traces: Traces, raster: Raster, look: Look
-    ) -> tuple[slice, slice] | None:
-        """Paint what stands still, unless that is what was painted last.
-
-        Returns:
-            The dots that were painted if they are only some.
-        """
+    ) -> None:
+        """Repaint the static layer, or a part of it, if it has changed."""
         active = tuple(area.active for area in frame.after.areas)
         switched = traces.switched(frame.tick)
         changed = self._take(level)
         key = active, switched, raster, look.drawing, look.palette, look.names
-        if key != self._still_key:
-            self._still_key, self._light = key, None
-            self._ground = lay_ground(level, self._walls, active, raster, look.palette, switched)
+        if key != self._ground_key:
+            self._ground_key, self._light = key, None
+            self._ground = draw_ground(level, self._walls, active, raster, look.palette, switched)
             ground = self._ground.image
-            self._lettering = StillLettering(level, active, raster.viewport, look, ground)
-            return None
+            self._lettering = StaticLabels(level, active, raster.viewport, look, ground)
+            return
         if changed is None:
-            return None
+            return
         self._light = None
-        touched = touch_up(
+        touched = redraw_ground(
             self._ground, level, self._walls, changed, active, raster, look.palette, switched
         )
         if touched is not None:
-            self._lettering.lay_on(look, self._ground.image, touched)
-        return touched
-
-    def _bodies(
-        self,
-        of_what: tuple[object, ...],
-        touched: tuple[slice, slice] | None,
-        robots: Sequence[tuple[RobotState, RGB]],
-        raster: Raster,
-        look: Look,
-    ) -> Floats:
-        """Return the still layer with the robots on it, as far as it can be as painted last.
-
-        Args:
-            of_what: All that it depends on but walls.
-            touched: The dots whose walls changed.
-            robots: With their colours, the most important last.
-            raster: The dots.
-            look: How to draw.
-        """
-        if all(one is other for one, other in zip(of_what, self._painted_of, strict=True)):
-            if touched is not None:
-                part = self._painted[touched]
-                part[:] = self._ground.image[touched]
-                _paint_all(part, raster.only(touched), robots, look)
-            return self._painted
-        self._painted_of = of_what
-        self._painted = self._ground.image.copy()
-        _paint_all(self._painted, raster, robots, look)
-        return self._painted
+            self._lettering.follow_ground(look, self._ground.image, touched)
 
     def _take(self, level: Level) -> tuple[int, int, int, int] | None:
-        """Take a level; return where its walls differ if they are all that does."""
+        """Set the level; return where its walls differ from the last one's if nothing else does."""
         before = self._level
         if level is before:
             return None
         self._level = level
         if before is None or before.walls.shape != level.walls.shape:
-            self._walls, self._still_key = WallTable(level.walls), None
+            self._walls, self._ground_key = WallTable(level.walls), None
             return None
         changed = self._walls.change(level.walls)
         if (before.areas, before.beacons) != (level.areas, level.beacons):
-            self._still_key = None
+            self._ground_key = None
         return changed
 
-    def _shed_light(
+    def _lighting(
         self,
         frame: Frame,
         raster: Raster,
@@ -240,7 +198,7 @@ class Picture:
         *,
         hurried: bool,
     ) -> _Light:
-        """Return the ground under the robots' light, in a hurry that of the frame before."""
+        """Return the ground in the robots' light; if hurried, perhaps of an earlier frame."""
         if hurried and self._light and self._light.left and self._light.look == look:
             self._light = replace(self._light, left=self._light.left - 1)
             return self._light
@@ -249,7 +207,7 @@ class Picture:
         seen = fans(frame) if look.rays or look.marks or look.lines else []
         for fan in seen if look.rays else []:
             colour = colours.get(fan.name, look.palette.dead)
-            _light_up(image, lit, fan, colour, self._ground, raster, look)
+            _add_light(image, lit, fan, colour, self._ground, raster, look)
         self._light = _Light(look, image, lit, seen, 1 + len(seen) // _CROWD)
         return self._light
 
@@ -289,14 +247,7 @@ def _draw_highlight(
                 draw_ring(cells, robot.x, robot.y, viewport, look)
 
 
-def _paint_all(
-    image: Floats, raster: Raster, robots: Sequence[tuple[RobotState, RGB]], look: Look
-) -> None:
-    for robot, colour in robots:
-        paint_robot(image, raster, robot, colour, look.palette)
-
-
-def _light_up(
+def _add_light(
     image: Floats,
     lit: NDArray[np.bool_],
     fan: Fan,
@@ -305,8 +256,8 @@ def _light_up(
     raster: Raster,
     look: Look,
 ) -> None:
-    """Add the light of a fan to an image, or take away what its ink does, and note where."""
-    found = shine(fan, raster)
+    """Add the light of a fan to an image, or darken it in light themes, and note where."""
+    found = brightness_of(fan, raster)
     if found is None:
         return
     window, brightness = found
@@ -314,7 +265,7 @@ def _light_up(
     strength = _STRENGTH
     if look.selected is not None:
         strength = _SELECTED if fan.name == look.selected else _OTHERS
-    light = (brightness * ground.gleam[window])[..., None]
+    light = (brightness * ground.reflectance[window])[..., None]
     tint = np.array(colour, np.float32) * np.float32(strength)
     if look.palette.light:
         image[window] *= 1 - light * (np.float32(strength) - tint / 255)
@@ -322,8 +273,8 @@ def _light_up(
         image[window] += light * tint
 
 
-def _plain_cells(ground: Ground, image: Floats, lit: NDArray[np.bool_], palette: Palette) -> Cells:
-    """Return cells of plain characters, in colours that stand out from the floor."""
+def _ascii_cells(ground: Ground, image: Floats, lit: NDArray[np.bool_], palette: Palette) -> Cells:
+    """Return ASCII cells, in colours that stand out from the floor."""
     text = _KIND_IDS[ground.kinds]
     text[lit & (ground.kinds == 0)] = _LIT_ID
     floor = np.array(palette.floor, np.float32)

@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from logical_robots_tui.tui.labyrinth.drawing.viewport import Floats, Raster, Viewport
     from logical_robots_tui.world.state import RobotState
 
-__all__ = ["KINDS", "Fan", "fans", "mark_ends", "shine"]
+__all__ = ["KINDS", "Fan", "brightness_of", "fans", "mark_ends"]
 
 _FINE = 16
 """Steps between two rays in which the shape of a fan is tabulated."""
@@ -114,7 +114,7 @@ def fans(frame: Frame) -> list[Fan]:
     return found
 
 
-def shine(fan: Fan, raster: Raster) -> tuple[tuple[slice, slice], Floats] | None:
+def brightness_of(fan: Fan, raster: Raster) -> tuple[tuple[slice, slice], Floats] | None:
     """Return how brightly a fan lights the dots around it.
 
     Args:

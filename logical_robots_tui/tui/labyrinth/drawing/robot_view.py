@@ -1,4 +1,4 @@
-"""What robots sense, and nothing else: each in the middle of its own picture, looking up."""
+"""What robots sense, one picture per robot, seen from the robot, with ahead at the top."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from logical_robots_tui.tui.labyrinth.drawing.glyphs import Drawing
 from logical_robots_tui.tui.labyrinth.drawing.lettering import robot_colour, write
 from logical_robots_tui.tui.labyrinth.drawing.name_labels import fit_name
 from logical_robots_tui.tui.labyrinth.drawing.palette import RGB, mix, packed
-from logical_robots_tui.tui.labyrinth.drawing.rays import Fan, fans, shine
+from logical_robots_tui.tui.labyrinth.drawing.rays import Fan, brightness_of, fans
 from logical_robots_tui.tui.labyrinth.drawing.thin_lines import draw_ray, draw_ring
 from logical_robots_tui.tui.labyrinth.drawing.viewport import Raster, Viewport
 from logical_robots_tui.world.sensing import SENSOR_RANGE
@@ -112,12 +112,11 @@ def _tile(fan: Fan, colour: RGB, columns: int, rows: int, look: Look) -> Cells:
     ring = np.clip(1 - np.abs(away - SENSOR_RANGE) / raster.dot, 0, 1)
     blend(image, (slice(None), slice(None)), palette.rock, ring)
     lit = np.zeros(raster.shape, np.bool_)
-    found = shine(own, raster)
+    found = brightness_of(own, raster)
     if found is not None:
         window, brightness = found
         lit[window] = brightness > 0
-        strength = np.float32(0.6) * brightness[..., None]
-        image[window] += (np.array(colour, np.float32) - image[window]) * strength
+        blend(image, window, colour, np.float32(0.6) * brightness)
     walls = _walls(own, raster)
     image[walls] = palette.rim
     if look.drawing is Drawing.ASCII:
@@ -153,8 +152,7 @@ def _view(columns: int, rows: int) -> Viewport:
 def _walls(fan: Fan, raster: Raster) -> NDArray[np.bool_]:
     """Return which dots a wall was sensed in; between rays that end near each other it goes on."""
     found = np.zeros(raster.shape, np.bool_)
-    x = fan.distances * np.cos(fan.headings)
-    y = fan.distances * np.sin(fan.headings)
+    x, y = fan.points()
     is_wall = np.array([kind == "wall" for kind in fan.objects])
     gap = np.hypot(np.diff(x), np.diff(y))
     # Seen at a slant, rays that are neighbours end far apart on the same wall.

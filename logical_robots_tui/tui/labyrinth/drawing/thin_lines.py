@@ -33,7 +33,7 @@ _BITS = np.array([[0x01, 0x08], [0x02, 0x10], [0x04, 0x20], [0x40, 0x80]], np.in
 _BRAILLE = np.array([text_id(chr(0x2800 + bits)) for bits in range(256)], np.int64)
 
 _RING = 2.2
-"""Radius of the ring around a robot that is brought out, in radii of a robot."""
+"""Radius of the ring around a highlighted robot, in radii of a robot."""
 
 _LEAST_RING = 2.5
 """The same at least, in columns."""
@@ -109,7 +109,7 @@ def draw_rays(cells: Cells, fan: Fan, colour: RGB, viewport: Viewport, look: Loo
 
 
 def draw_ring(cells: Cells, x: float, y: float, viewport: Viewport, look: Look) -> None:
-    """Draw a ring around a robot that is brought out.
+    """Draw a ring around a highlighted robot.
 
     Args:
         cells: The picture, changed in place.
@@ -125,7 +125,7 @@ def draw_ring(cells: Cells, x: float, y: float, viewport: Viewport, look: Look) 
 
 
 def draw_ray(cells: Cells, fan: Fan, ray: float, viewport: Viewport, look: Look) -> None:
-    """Draw a ray that is brought out, with a mark at its end.
+    """Draw a highlighted ray, with a mark at its end.
 
     Args:
         cells: The picture, changed in place.
@@ -188,10 +188,10 @@ _FLASH = 12
 
 
 class Traces:
-    """What the frames that were shown tell about the past of one of them.
+    """Recent positions of robots and states of areas, from the frames that were shown.
 
-    Going back in time finds the past of that time; a past that turns out otherwise, under another
-    program, replaces the former.
+    After going back in time, earlier ticks are still known; ticks that differ under another program
+    replace those known before.
     """
 
     def __init__(self) -> None:
@@ -200,7 +200,7 @@ class Traces:
         self._number = 0, 0  # of robots and areas
 
     def forget(self) -> None:
-        """Begin anew, in another level."""
+        """Forget everything, for another level."""
         self._places.clear()
         self._active.clear()
 
@@ -236,7 +236,7 @@ class Traces:
         return np.stack([self._places[then] for then in ticks]), ages
 
     def switched(self, tick: int) -> frozenset[int]:
-        """Return the numbers of the areas that were switched a moment ago."""
+        """Return the numbers of the areas that were switched in the last few ticks."""
         ticks = sorted(then for then in self._active if tick - _FLASH <= then <= tick)
         states = [self._active[then] for then in ticks]
         areas = enumerate(zip(*states, strict=True))

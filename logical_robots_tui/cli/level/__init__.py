@@ -1,1 +1,0 @@
-"""``logical-robots level``: create, check, convert and show levels."""

@@ -1,0 +1,241 @@
+"""``logical-robots progress``: list what a player has achieved, export it, check an export."""
+
+from __future__ import annotations
+
+import asyncio
+import csv
+import json
+import math
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+from logical_robots_tui.cli.command import (
+    add_data_dir,
+    columns,
+    finite,
+    folder_of,
+    harmless,
+    new_command,
+)
+
+if TYPE_CHECKING:
+    import argparse
+    from collections.abc import Iterator
+
+    from logical_robots_tui.cli.command import Commands
+    from logical_robots_tui.progress import Bests, LevelRecord, Measures, Progress
+
+__all__ = ["declare"]
+
+FORMAT = 1
+"""The version of the exported document."""
+
+MOST_BYTES = 20_000_000
+CONFIRMED, NOT_CONFIRMED = 0, 1
+CELLS = ("state", "hints", "ticks", "rules", "distance", "wins", "starts")
+
+EPILOG = """\
+examples:
+  logical-robots progress                     list your results
+  logical-robots progress --json > ada.json   export them with your programs
+  logical-robots progress --check ada.json    play those programs again
+
+exit status: 0 done or all confirmed, 1 a result is not confirmed, 2 bad file
+"""
+
+
+def declare(commands: Commands) -> None:
+    """Add the command to the list."""
+    command = new_command(
+        commands,
+        "progress",
+        start=start,
+        summary="list and export your results, or check an export",
+        description="List your results in each level, export them, or check an exported file.",
+        epilog=EPILOG,
+        wants_json=lambda options: bool(options.json),
+    )
+    layout = command.add_mutually_exclusive_group()
+    layout.add_argument("--json", action="store_true", help="print JSON, with your programs")
+    layout.add_argument("--csv", action="store_true", help="print CSV")
+    command.add_argument(
+        "--check",
+        type=Path,
+        metavar="FILE",
+        help="play the programs of an exported JSON file again, and compare the results",
+    )
+    add_data_dir(command)
+
+
+def start(options: argparse.Namespace) -> int:
+    """Print the results, or check those of a file."""
+    if options.check is not None:
+        return _check(options.check, as_json=options.json)
+    from logical_robots_tui.progress import FILE_NAME, Progress
+
+    file = folder_of(options.data_dir) / FILE_NAME
+    progress = Progress(file, lambda message: print(harmless(message), file=sys.stderr))
+    try:
+        _list(progress, options)
+    finally:
+        progress.close()
+    return CONFIRMED
+
+
+# -- listing -----------------------------------------------------------------------------------
+
+
+def _list(progress: Progress, options: argparse.Namespace) -> None:
+    records = {level: progress.record(level) for level in _levels(progress)}
+    if options.json:
+        levels = [_as_data(progress, level, record) for level, record in records.items()]
+        print(json.dumps(finite({"format": FORMAT, "levels": levels}), indent=2))
+    elif options.csv:
+        table = csv.writer(sys.stdout, lineterminator="\n")
+        table.writerow(["level", *CELLS])
+        for level, record in records.items():
+            cells = (record.state, record.hints, *record.bests)
+            table.writerow([level, *("" if cell is None else cell for cell in cells)])
+    else:
+        head = ("LEVEL", "STATE", "HINTS", "TICKS", "RULES", "DISTANCE", "ROBUST")
+        rows = [(level, *_row(record)) for level, record in records.items()]
+        print(*columns([head, *rows]), sep="\n")
+
+
+def _levels(progress: Progress) -> list[str]:
+    """Return the shipped levels, and those of the player's own that were started."""
+    from logical_robots_tui.world import list_levels
+
+    shipped = list_levels()
+    return [*shipped, *(level for level in progress.levels() if level not in shipped)]
+
+
+def _row(record: LevelRecord) -> tuple[str, ...]:
+    bests = record.bests
+    robust = "" if bests.wins is None else f"{bests.wins} of {bests.starts}"
+    distance = "" if bests.distance is None else f"{bests.distance:,.0f}"
+    numbers = (bests.ticks, bests.rules)
+    shown = ("" if number is None else str(number) for number in numbers)
+    return record.state, str(record.hints or ""), *shown, distance, robust
+
+
+def _as_data(progress: Progress, level: str, record: LevelRecord) -> dict[str, Any]:
+    """Return a level's results, with each program that achieves one of the best."""
+    best = [
+        version
+        for version in progress.versions(level)
+        if version.measures is not None and _is_best(version.measures, record.bests)
+    ]
+    return {
+        "level": level,
+        "state": record.state,
+        "hints": record.hints,
+        "best": record.bests._asdict(),
+        "victories": [
+            {"program": version.text, **version.measures._asdict()}
+            for version in best
+            if version.measures is not None
+        ],
+    }
+
+
+def _is_best(found: Measures, bests: Bests) -> bool:
+    return any(
+        mine is not None and mine == best for mine, best in zip(found[:4], bests[:4], strict=True)
+    )
+
+
+# -- checking ----------------------------------------------------------------------------------
+
+
+class Verdict(NamedTuple):
+    """What playing a program again has shown.
+
+    Attributes:
+        level: The name of the level.
+        claimed: The measures in the file.
+        found: The measures when played again; None if it does not win, or can't be played.
+        problem: Why the claim is not confirmed, or "".
+    """
+
+    level: str
+    claimed: Measures
+    found: Measures | None
+    problem: str
+
+
+def _check(file: Path, *, as_json: bool) -> int:
+    from logical_robots_tui.cli.claims import read_claims
+
+    claims = read_claims(file, MOST_BYTES, FORMAT)
+    verdicts = []
+    played: dict[tuple[str, str], Measures | str] = {}
+    if not as_json:
+        print(f"{'LEVEL':24}  {'TICKS':>6}  {'RULES':>5}  {'DISTANCE':>8}  {'ROBUST':>8}  RESULT")
+    for level, text, claimed in claims:
+        found = played.get((level, text))
+        if found is None:
+            found = played[level, text] = asyncio.run(_played_again(level, text))
+        if isinstance(found, str):
+            verdict = Verdict(level, claimed, None, found)
+        else:
+            verdict = Verdict(level, claimed, found, "; ".join(_differences(claimed, found)))
+        verdicts.append(verdict)
+        if not as_json:
+            print(_line(verdict), flush=True)
+    confirmed = all(not verdict.problem for verdict in verdicts)
+    if as_json:
+        results = [_verdict_as_data(verdict) for verdict in verdicts]
+        print(json.dumps(finite({"confirmed": confirmed, "results": results}), indent=2))
+    elif not verdicts:
+        print("The file holds no victories.")
+    return CONFIRMED if confirmed else NOT_CONFIRMED
+
+
+async def _played_again(level: str, text: str) -> Measures | str:
+    """Return the measures of a program, or why it has none."""
+    from logical_robots_tui.game import load_program
+    from logical_robots_tui.game.measuring import MeasuringError, measure
+    from logical_robots_tui.mind import Program, ProgramError
+    from logical_robots_tui.world import list_levels, load_level
+
+    if level not in list_levels():
+        return "not a shipped level"
+    where = load_level(level)
+    if where.solution and text == load_program(where.solution).text:
+        return "this is the reference program"
+    try:
+        found = await measure(where, Program.compile(text), None)
+    except ProgramError as error:
+        return f"line {error.diagnostics[0].line}: {error.diagnostics[0].message}"
+    except MeasuringError:
+        return "it could not be played to the end; try again"
+    return found or "the program does not win"
+
+
+def _differences(claimed: Measures, found: Measures) -> Iterator[str]:
+    for name in ("ticks", "rules", "distance"):
+        mine, theirs = getattr(claimed, name), getattr(found, name)
+        if not math.isclose(mine, theirs, rel_tol=1e-6):
+            yield f"{name}: {mine:,.10g} claimed, {theirs:,.10g} found"
+    if claimed.wins is not None and claimed[3:] != found[3:]:
+        yield f"robust: {claimed.wins} of {claimed.starts} claimed, {found.wins} found"
+
+
+def _line(verdict: Verdict) -> str:
+    shown = verdict.found or verdict.claimed
+    robust = "" if shown.wins is None else f"{shown.wins} of {shown.starts}"
+    name = harmless(verdict.level)
+    numbers = f"{shown.ticks:6}  {shown.rules:5}  {shown.distance:8,.0f}  {robust:>8}"
+    return f"{name:24}  {numbers}  {harmless(verdict.problem) or 'confirmed'}"
+
+
+def _verdict_as_data(verdict: Verdict) -> dict[str, Any]:
+    return {
+        "level": verdict.level,
+        "confirmed": not verdict.problem,
+        "problem": verdict.problem,
+        "claimed": verdict.claimed._asdict(),
+        "found": None if verdict.found is None else verdict.found._asdict(),
+    }

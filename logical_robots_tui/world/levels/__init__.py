@@ -1,0 +1,1 @@
+"""Levels: reading them from files of either format, and making new ones."""

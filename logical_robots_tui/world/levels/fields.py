@@ -1,0 +1,238 @@
+"""Reading and checking the values in the records of a level file of either format."""
+
+from __future__ import annotations
+
+import math
+import re
+from typing import TYPE_CHECKING, NamedTuple, TypeVar
+
+from logical_robots_tui.shipped import did_you_mean
+from logical_robots_tui.world.level import LevelError
+from logical_robots_tui.world.levels.limits import (
+    LONGEST_NAME,
+    LONGEST_TEXT,
+    MOST_OF_A_KIND,
+    MOST_OF_A_NUMBER,
+    MOST_SIDE,
+)
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Collection, Mapping
+
+__all__ = ["Fields", "check_robot_names"]
+
+_T = TypeVar("_T")
+
+_COLOR = re.compile(r"#[0-9a-fA-F]{3}(?:[0-9a-fA-F]{3})?|[A-Za-z]{3,30}")
+
+
+class Fields(NamedTuple):
+    """One record of a level file. Every method raises ``LevelError`` with the key's place.
+
+    A key whose value is null counts as missing.
+
+    Attributes:
+        record: The keys and values as parsed.
+        file: The file's name for messages.
+        path: Keys that lead to the record, such as ``areas[2]``; "" for the whole file.
+    """
+
+    record: Mapping[str, object]
+    file: str
+    path: str = ""
+
+    def error(self, key: str, message: str, hint: str = "") -> LevelError:
+        """Return an error that names one key of this record, for the caller to raise."""
+        where = f"{self.path}.{key}" if self.path and key else self.path or key
+        return LevelError(message, place=f"{self.file}: {where}" if where else self.file, hint=hint)
+
+    def refuse_unknown(self, known: Collection[str]) -> None:
+        """Refuse unknown keys in this record."""
+        for key in self.record:
+            if key not in known:
+                hint = did_you_mean(key, known) or f"Known keys: {', '.join(known)}."
+                raise self.error(_shown(key), f'"{_shown(key)}" is not a known key.', hint)
+
+    def has(self, key: str) -> bool:
+        """Return whether a key is present and not null."""
+        return self.record.get(key) is not None
+
+    def number(self, key: str, default: float | None = None, *, least: float = -math.inf) -> float:
+        """Return a finite number; required if there is no default."""
+        if not self.has(key) and default is not None:
+            return default
+        value = self._required(key)
+        if isinstance(value, bool) or not isinstance(value, (int, float)):
+            raise self._wrong(key, "a number")
+        if isinstance(value, float) and not math.isfinite(value):
+            raise self.error(key, f'"{key}" must be a finite number, not {value}.')
+        if value < least:
+            raise self.error(key, f'"{key}" must be {least:g} or more, not {value:.12g}.')
+        if abs(value) > MOST_OF_A_NUMBER:
+            raise self.error(key, f'"{key}" is too large; at most {MOST_OF_A_NUMBER} is allowed.')
+        return float(value)
+
+    def whole(self, key: str, *, least: int) -> int:
+        """Return a required whole number."""
+        value = self.number(key, least=least)
+        if not value.is_integer():
+            raise self.error(key, f'"{key}" must be a whole number, not {value:g}.')
+        return int(value)
+
+    def flag(self, key: str, default: bool = False) -> bool:
+        """Return true or false; the default if missing."""
+        value = self.record.get(key)
+        if value is not None and not isinstance(value, bool):
+            raise self._wrong(key, "true or false")
+        return default if value is None else value
+
+    def text(self, key: str, default: str | None = None) -> str:
+        """Return text of any number of lines; required if there is no default."""
+        if not self.has(key) and default is not None:
+            return default
+        value = self._required(key)
+        if not isinstance(value, str):
+            raise self._wrong(key, "text")
+        if len(value) > LONGEST_TEXT:
+            raise self.error(key, f'"{key}" is longer than {LONGEST_TEXT} characters.')
+        if not all(line.isprintable() for line in re.split(r"[\n\t]", value)):
+            raise self.error(key, f'"{key}" has a character that can\'t be shown.')
+        return value
+
+    def name(self, key: str, default: str | None = None) -> str:
+        """Return a name: one short line that can be shown; required if there is no default."""
+        if not self.has(key) and default is not None:
+            return default
+        value = self._required(key)
+        if not isinstance(value, str):
+            raise self._wrong(key, "text")
+        return self._checked_name(key, value)
+
+    def names(self, key: str) -> tuple[str, ...]:
+        """Return a list of names; () if missing."""
+        return tuple(self._checked_name(item, text) for item, text in self._texts(key))
+
+    def texts(self, key: str) -> tuple[str, ...]:
+        """Return a list of texts of any number of lines; () if missing."""
+        return tuple(
+            Fields({item: text}, self.file, self.path).text(item) for item, text in self._texts(key)
+        )
+
+    def choice(self, key: str, options: tuple[_T, ...], default: _T) -> _T:
+        """Return one of a few words; the default if missing."""
+        if not self.has(key):
+            return default
+        for option in options:
+            if self.record[key] == option:
+                return option
+        listed = " or ".join(f'"{option}"' for option in options)
+        raise self.error(key, f'"{key}" must be {listed}.')
+
+    def color(self, key: str, default: str) -> str:
+        """Return a colour, ``#rgb``, ``#rrggbb`` or a word; the default if missing."""
+        if not self.has(key):
+            return default
+        value = self.record[key]
+        if not isinstance(value, str):
+            raise self._wrong(key, "text")
+        if not _COLOR.fullmatch(value):
+            hint = 'Write it like "#3fb950", "#3b5" or "green".'
+            raise self.error(key, f'"{key}" is not a colour.', hint)
+        return value
+
+    def table(self, key: str) -> Fields:
+        """Return a record inside this one; an empty one if missing."""
+        value = self.record.get(key)
+        if value is not None and not isinstance(value, dict):
+            raise self._wrong(key, "a record")
+        return Fields(value or {}, self.file, f"{self.path}.{key}" if self.path else key)
+
+    def each(self, key: str, read: Callable[[Fields], _T]) -> tuple[_T, ...]:
+        """Return the result of ``read`` for every record of a list; () if missing."""
+        items = self._list(key)
+        if len(items) > MOST_OF_A_KIND:
+            raise self.error(
+                key, f"There are {len(items)} {key}; at most {MOST_OF_A_KIND} are allowed."
+            )
+        for i, item in enumerate(items):
+            if not isinstance(item, dict):
+                raise self.error(f"{key}[{i}]", f"This must be a record, not {_kind(item)}.")
+        return tuple(
+            read(Fields(item, self.file, f"{key}[{i}]"))
+            for i, item in enumerate(items)
+            if isinstance(item, dict)
+        )
+
+    def check_size(self, key: str, width: int, height: int) -> None:
+        """Refuse a labyrinth that is too large."""
+        if max(width, height) > MOST_SIDE:
+            limit = f"{MOST_SIDE} x {MOST_SIDE}"
+            raise self.error(
+                key, f"The map is {width} x {height} units; at most {limit} is allowed."
+            )
+
+    def _required(self, key: str) -> object:
+        if not self.has(key):
+            raise self.error(key, f'"{key}" is missing.')
+        return self.record[key]
+
+    def _wrong(self, key: str, wanted: str) -> LevelError:
+        return self.error(key, f'"{key}" must be {wanted}, not {_kind(self.record[key])}.')
+
+    def _list(self, key: str) -> list[object]:
+        value = self.record.get(key)
+        if value is None:
+            return []
+        if not isinstance(value, list):
+            raise self._wrong(key, "a list")
+        return value
+
+    def _texts(self, key: str) -> list[tuple[str, str]]:
+        texts = []
+        for i, item in enumerate(self._list(key)):
+            if not isinstance(item, str):
+                raise self.error(f"{key}[{i}]", f"This must be text, not {_kind(item)}.")
+            texts.append((f"{key}[{i}]", item))
+        return texts
+
+    def _checked_name(self, key: str, value: str) -> str:
+        if not value.strip():
+            raise self.error(key, f'"{key}" is empty.')
+        if len(value) > LONGEST_NAME:
+            raise self.error(key, f'"{key}" is longer than {LONGEST_NAME} characters.')
+        if not value.isprintable():
+            raise self.error(key, f'"{key}" has a character that can\'t be shown.')
+        return value
+
+
+def check_robot_names(top: Fields, names: tuple[str, ...]) -> None:
+    """Refuse a level without robots, or with two robots of the same name.
+
+    Args:
+        top: The whole file.
+        names: Names of its robots in file order.
+    """
+    if not names:
+        raise top.error("robots", "The level has no robots.", "It needs at least one.")
+    for i, name in enumerate(names):
+        if name in names[:i]:
+            raise top.error(
+                f"robots[{i}].name",
+                f'Two robots are called "{name}".',
+                "A program tells robots apart by their names, so each needs its own.",
+            )
+
+
+def _shown(key: str) -> str:
+    """Return a key in a form that can be shown in a message."""
+    return "".join(c if c.isprintable() else "?" for c in key)[:LONGEST_NAME]
+
+
+def _kind(value: object) -> str:
+    """Return the type of a parsed value, in words."""
+    if value is None:
+        return "nothing"
+    if isinstance(value, bool):
+        return "true or false"
+    kinds = {int: "a number", float: "a number", str: "text", list: "a list", dict: "a record"}
+    return kinds.get(type(value), "a date or time")

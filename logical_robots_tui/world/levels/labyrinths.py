@@ -1,0 +1,190 @@
+"""New levels: empty rooms and random labyrinths."""
+
+from __future__ import annotations
+
+import math
+from collections import deque
+from random import Random
+from typing import TYPE_CHECKING, TypeVar
+
+import numpy as np
+
+from logical_robots_tui.world.level import Area, Level, LevelError, Robot
+from logical_robots_tui.world.levels.limits import MOST_SIDE
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from numpy.typing import NDArray
+
+__all__ = ["empty_room", "labyrinth"]
+
+_LEAST_CORRIDOR = 20  # map units; a robot is 18 wide
+_LARGEST_GOAL = 40.0
+
+_T = TypeVar("_T")
+_Cell = tuple[int, int]
+"""Column and row."""
+
+
+def empty_room(width: int, height: int, *, wall: int = 10) -> Level:
+    """Return a walled room with a robot on the left and a goal on the right.
+
+    Args:
+        width: Map units, including the outer wall.
+        height: Map units, including the outer wall.
+        wall: Thickness of the outer wall in map units.
+
+    Raises:
+        LevelError: It is too large for a level, or too small for a robot.
+    """
+    _check_wall(wall)
+    _check_size(width, height)
+    room = min(width, height) - 2 * wall
+    if room < _LEAST_CORRIDOR:
+        message = f"A room of {width} x {height} units has no room for a robot inside its walls."
+        raise LevelError(message)
+    walls = np.ones((height, width), np.bool_)
+    walls[wall:-wall, wall:-wall] = False
+    inside = width - 2 * wall
+    left, right = wall + inside * 0.2, wall + inside * 0.8
+    robot, goal = (round(left), round(height / 2)), (round(right), round(height / 2))
+    return _level("Room", walls, robot, 0.0, goal, room)
+
+
+def labyrinth(
+    columns: int,
+    rows: int,
+    *,
+    seed: int = 0,
+    loops: float = 0.1,
+    corridor: int = 60,
+    wall: int = 10,
+) -> Level:
+    """Return a random labyrinth in which every cell is reachable; reproducible by its arguments.
+
+    The robot starts in the upper left corner, and the goal is in the cell with the longest path.
+
+    Args:
+        columns: Cells across.
+        rows: Cells down.
+        seed: Seed of the random numbers.
+        loops: The fraction, 0 to 1, of the remaining walls between cells to open.
+        corridor: Width of a cell in map units.
+        wall: Thickness of walls in map units.
+
+    Raises:
+        LevelError: A number is out of range, or the labyrinth would be too large.
+    """
+    if columns < 1 or rows < 1 or columns * rows < 2:
+        raise LevelError(f"A labyrinth needs at least 2 cells, not {columns} x {rows}.")
+    if not 0 <= loops <= 1:
+        raise LevelError(f"The share of loops must be between 0 and 1, not {loops:g}.")
+    if not _LEAST_CORRIDOR <= corridor <= MOST_SIDE:
+        message = f"A corridor must be {_LEAST_CORRIDOR} to {MOST_SIDE} units wide, not {corridor}."
+        raise LevelError(message, hint="A robot is 18 wide; use at least 50.")
+    _check_wall(wall)
+    step = corridor + wall
+    _check_size(columns * step + wall, rows * step + wall)
+    doors = _doors(columns, rows, loops, Random(seed))  # noqa: S311 - not for security
+
+    walls = np.ones((rows * step + wall, columns * step + wall), np.bool_)
+    for column, row in _cells(columns, rows):
+        top, left = row * step + wall, column * step + wall
+        walls[top : top + corridor, left : left + corridor] = False
+    for (column, row), (other, below) in doors:
+        top, left = row * step + wall, column * step + wall
+        bottom, right = below * step + step, other * step + step
+        walls[top:bottom, left:right] = False
+    middle = wall + corridor // 2
+    end = _farthest(doors)
+    goal = middle + end[0] * step, middle + end[1] * step
+    angle = 0.0 if ((0, 0), (1, 0)) in doors else math.pi / 2
+    return _level(f"Labyrinth {seed}", walls, (middle, middle), angle, goal, corridor)
+
+
+def _doors(columns: int, rows: int, loops: float, random: Random) -> list[tuple[_Cell, _Cell]]:
+    """Return the pairs of connected cells, the upper or left one first."""
+    start = (0, 0)
+    seen, way, doors = {start}, [start], []
+    while way:
+        column, row = way[-1]
+        around = [(column + 1, row), (column, row + 1), (column - 1, row), (column, row - 1)]
+        free = [c for c in around if c not in seen and 0 <= c[0] < columns and 0 <= c[1] < rows]
+        if not free:
+            way.pop()
+            continue
+        chosen = _drawn(free, random)
+        doors.append((min(way[-1], chosen), max(way[-1], chosen)))
+        seen.add(chosen)
+        way.append(chosen)
+    known = set(doors)
+    closed = [
+        (cell, other)
+        for cell in _cells(columns, rows)
+        for other in ((cell[0] + 1, cell[1]), (cell[0], cell[1] + 1))
+        if other[0] < columns and other[1] < rows and (cell, other) not in known
+    ]
+    for _ in range(round(loops * len(closed))):
+        door = _drawn(closed, random)
+        closed.remove(door)
+        doors.append(door)
+    return doors
+
+
+def _drawn(lots: Sequence[_T], random: Random) -> _T:
+    """Choose at random; only ``random()`` gives the same numbers in every version of Python."""
+    return lots[int(random.random() * len(lots))]
+
+
+def _farthest(doors: list[tuple[_Cell, _Cell]]) -> _Cell:
+    """Return the cell with the longest path from the first one."""
+    ways: dict[_Cell, list[_Cell]] = {}
+    for one, other in doors:
+        ways.setdefault(one, []).append(other)
+        ways.setdefault(other, []).append(one)
+    cell = (0, 0)
+    seen, border = {cell}, deque([cell])
+    while border:
+        cell = border.popleft()
+        new = [other for other in ways[cell] if other not in seen]
+        seen.update(new)
+        border.extend(new)
+    return cell
+
+
+def _cells(columns: int, rows: int) -> list[_Cell]:
+    return [(column, row) for row in range(rows) for column in range(columns)]
+
+
+def _check_wall(wall: int) -> None:
+    if not 1 <= wall <= MOST_SIDE:
+        raise LevelError(f"A wall must be 1 to {MOST_SIDE} units thick, not {wall}.")
+
+
+def _check_size(width: int, height: int) -> None:
+    if max(width, height) > MOST_SIDE:
+        limit = f"{MOST_SIDE} x {MOST_SIDE}"
+        raise LevelError(f"The map would be {width} x {height} units; at most {limit} is allowed.")
+
+
+def _level(
+    title: str,
+    walls: NDArray[np.bool_],
+    start: tuple[int, int],
+    angle: float,
+    goal: tuple[int, int],
+    room: int,
+) -> Level:
+    walls.flags.writeable = False
+    radius = math.floor(min(room * 0.4, _LARGEST_GOAL))
+    return Level(
+        name=title.lower().replace(" ", "-"),
+        title=title,
+        width=walls.shape[1],
+        height=walls.shape[0],
+        walls=walls,
+        robots=(Robot("Ada", start[0], start[1], angle, "orange"),),
+        areas=(Area("Goal", goal[0], goal[1], radius, "green", ("Ada",)),),
+        briefing="Bring Ada to the goal.",
+    )

@@ -1,0 +1,110 @@
+"""Loading levels of either format, by path or name."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from logical_robots_tui.confinement import check_mine
+from logical_robots_tui.paths import read_ordinary
+from logical_robots_tui.shipped import did_you_mean, shipped_folder, shipped_names
+from logical_robots_tui.world.level import Level, LevelError
+from logical_robots_tui.world.levels.limits import MOST_BYTES
+from logical_robots_tui.world.levels.native import read_native
+from logical_robots_tui.world.levels.web import read_web
+
+__all__ = ["NATIVE", "SUFFIXES", "WEB", "list_levels", "load_level", "read_text"]
+
+NATIVE, WEB = SUFFIXES = (".toml", ".json")
+"""The file name endings of this game and of the web platform."""
+
+_FORMATS = "A level is a .toml file of this game or a .json file of the web platform."
+
+
+def list_levels() -> list[str]:
+    """Return the names of the shipped levels, sorted by file name."""
+    return sorted({name for suffix in SUFFIXES for name in shipped_names("levels", suffix)})
+
+
+def load_level(path_or_name: str | Path) -> Level:
+    """Read a level.
+
+    Args:
+        path_or_name: Path of a ``.toml`` level of this game or a ``.json`` level of the web
+            platform; the format of any other file is guessed from its first character. Text without
+            a folder and an ending is the name of a shipped level or of a labyrinth of the day.
+
+    Raises:
+        LevelError: The level doesn't exist, can't be read, or is invalid. Its ``place`` names the
+            file and the line or key.
+    """
+    if isinstance(path_or_name, str) and _is_name(path_or_name):
+        if (daily := _daily(path_or_name)) is not None:
+            return daily
+        path = _shipped(path_or_name)
+    else:
+        path = Path(path_or_name)
+    source = str(path)
+    text = read_text(path).removeprefix("\ufeff")
+    is_web = path.suffix.lower() == WEB or (
+        path.suffix.lower() != NATIVE and text.lstrip().startswith("{")
+    )
+    return (read_web if is_web else read_native)(text, path.stem, source)
+
+
+def _is_name(text: str) -> bool:
+    return not set(text) & {"/", "\\"} and Path(text).suffix == "" and text not in {".", ".."}
+
+
+def _daily(name: str) -> Level | None:
+    """Return the labyrinth of a day with that name, or None if it is not such a name."""
+    if not name.startswith("daily-"):
+        return None
+    from logical_robots_tui.world.levels.daily import Daily
+
+    daily = Daily.named(name)
+    return daily and daily.level(str(shipped_folder("levels") / f"{name}{NATIVE}"))
+
+
+def _shipped(name: str) -> Path:
+    for suffix in SUFFIXES:
+        path = shipped_folder("levels") / f"{name}{suffix}"
+        if name in list_levels() and path.is_file():
+            return path
+    hint = did_you_mean(name, list_levels()) or "A path needs its ending, such as maze.toml."
+    raise LevelError(f'There is no level called "{name}".', hint=hint)
+
+
+def read_text(path: Path) -> str:
+    """Return the exact text of a level's file, including line ends and byte order mark.
+
+    Raises:
+        LevelError: The file doesn't exist, can't be read, or isn't text.
+    """
+    try:
+        check_mine(path)
+        if path.is_dir():
+            raise LevelError("This is a folder, not a level.", place=str(path), hint=_FORMATS)
+        if not path.is_file():
+            raise _not_there(path)
+        content = read_ordinary(path, MOST_BYTES + 1)
+    except (OSError, ValueError) as error:
+        reason = getattr(error, "strerror", None) or str(error)
+        raise LevelError(f"The file can't be read: {reason}.", place=str(path)) from None
+    if len(content) > MOST_BYTES:
+        message = f"The file is larger than {MOST_BYTES // 2**20} MB."
+        raise LevelError(message, place=str(path), hint=_FORMATS)
+    try:
+        text = content.decode("utf-8")
+    except UnicodeDecodeError as error:
+        line = content.count(b"\n", 0, error.start) + 1
+        place = f"{path}, line {line}"
+        raise LevelError("This file is not UTF-8 text.", place=place, hint=_FORMATS) from None
+    return text
+
+
+def _not_there(path: Path) -> LevelError:
+    if path.exists():
+        return LevelError("This is not a regular file.", place=str(path), hint=_FORMATS)
+    siblings = path.parent.iterdir() if path.parent.is_dir() else ()
+    hint = did_you_mean(path.name, [p.name for p in siblings if p.suffix in SUFFIXES])
+    return LevelError("There is no such file.", place=str(path), hint=hint)

@@ -1,0 +1,262 @@
+"""The level format of this game: TOML with the labyrinth drawn in characters."""
+
+from __future__ import annotations
+
+import math
+import tomllib
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, TypedDict
+
+from logical_robots_tui.shipped import did_you_mean
+from logical_robots_tui.world.level import (
+    AREA_COLOR,
+    ROBOT_COLOR,
+    Area,
+    Beacon,
+    Level,
+    LevelError,
+    Robot,
+    Visibility,
+)
+from logical_robots_tui.world.levels.drawing import read_drawing
+from logical_robots_tui.world.levels.fields import Fields, check_robot_names
+from logical_robots_tui.world.levels.limits import excess_of_toml
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+__all__ = [
+    "Words",
+    "oddities",
+    "read_area",
+    "read_beacon",
+    "read_native",
+    "read_robot",
+    "read_words",
+]
+
+_TOP_KEYS = (
+    "title",
+    "lenient",
+    "cell",
+    "walls",
+    "idea",
+    "briefing",
+    "hints",
+    "lesson",
+    "further",
+    "starter",
+    "solution",
+    "visibility",
+    "shared_names",
+    "robots",
+    "beacons",
+    "areas",
+)
+_ROBOT_KEYS = ("name", "x", "y", "heading", "angle", "color", "battery")
+_BATTERY_KEYS = ("capacity", "consumption", "charges_others", "used")
+_BEACON_KEYS = ("name", "x", "y", "charging_station")
+_AREA_KEYS = (
+    "name",
+    "x",
+    "y",
+    "radius",
+    "color",
+    "goal_for",
+    "on_beacon",
+    "off_beacon",
+    "sticky",
+    "solid",
+)
+
+
+def read_native(text: str, name: str, source: str) -> Level:
+    """Read a level of this game; refuse anything that looks like a mistake.
+
+    Args:
+        text: The file's text.
+        name: The level's name.
+        source: The file's name, for messages.
+
+    Raises:
+        LevelError: The text is not a valid level.
+    """
+    text = text.replace("\r\n", "\n")
+    top = Fields(_parsed(text, source), source)
+    top.refuse_unknown(_TOP_KEYS)
+    words = read_words(top)
+    walls = read_drawing(top, text)
+    height, width = walls.shape
+    robots = top.each("robots", read_robot)
+    check_robot_names(top, tuple(robot.name for robot in robots))
+    beacons = top.each("beacons", read_beacon)
+    areas = top.each("areas", read_area)
+    level = Level(
+        name=name,
+        width=width,
+        height=height,
+        walls=walls,
+        robots=robots,
+        beacons=beacons,
+        areas=areas,
+        source=source,
+        **words,
+    )
+    if not top.flag("lenient"):
+        for found in oddities(level):
+            raise top.error(found.path, found.message, found.hint)
+    return level
+
+
+class Words(TypedDict):
+    """A level's texts, what its programs may see, and names that are meant to be shared."""
+
+    title: str
+    idea: str
+    briefing: str
+    hints: tuple[str, ...]
+    lesson: str
+    further: str
+    starter: str
+    solution: str
+    visibility: Visibility
+    shared_names: tuple[str, ...]
+
+
+def read_words(top: Fields) -> Words:
+    """Read the texts, the visibility and the shared names of a level."""
+    return Words(
+        title=top.name("title"),
+        idea=top.name("idea", ""),
+        briefing=top.text("briefing", "").strip("\n"),
+        hints=top.texts("hints"),
+        lesson=top.text("lesson", "").strip("\n"),
+        further=top.text("further", "").strip("\n"),
+        starter=top.name("starter", ""),
+        solution=top.name("solution", ""),
+        visibility=_visibility(top.table("visibility")),
+        shared_names=top.names("shared_names"),
+    )
+
+
+@dataclass(frozen=True, slots=True)
+class Oddity:
+    """Something that only a lenient level may contain.
+
+    Attributes:
+        kind: ``robots`` or ``areas``.
+        index: Index in that list.
+        key: The key at fault, or "" for the whole record.
+        message: What is wrong.
+        hint: What to do about it, or "".
+    """
+
+    kind: str
+    index: int
+    key: str
+    message: str
+    hint: str
+
+    @property
+    def path(self) -> str:
+        """The key's place in the file, such as ``areas[2].goal_for``."""
+        return f"{self.kind}[{self.index}]{'.' if self.key else ''}{self.key}"
+
+
+def oddities(level: Level) -> Iterator[Oddity]:
+    """Yield robots outside the map, and unknown robots and beacons that areas refer to."""
+    size = f"The map is {level.width} x {level.height} units."
+    for i, robot in enumerate(level.robots):
+        if not (0 <= robot.x < level.width and 0 <= robot.y < level.height):
+            yield Oddity("robots", i, "", f'Robot "{robot.name}" is outside the map.', size)
+    robots = dict.fromkeys(robot.name for robot in level.robots)
+    beacons = dict.fromkeys(beacon.name for beacon in level.beacons)
+    for i, area in enumerate(level.areas):
+        for name in area.victory_robots:
+            if name not in robots:
+                message = f'Area "{area.name}" is a goal for "{name}", but there is no such robot.'
+                yield Oddity("areas", i, "goal_for", message, did_you_mean(name, robots))
+        for key, name in (("on_beacon", area.on_beacon), ("off_beacon", area.off_beacon)):
+            if name and name not in beacons:
+                message = (
+                    f'Area "{area.name}" is switched by "{name}", but there is no such beacon.'
+                )
+                yield Oddity("areas", i, key, message, did_you_mean(name, beacons))
+
+
+def _parsed(text: str, source: str) -> dict[str, object]:
+    hint = "A level of this game is a TOML file."
+    if found := excess_of_toml(text):
+        raise LevelError(f"The file has {found}.", place=source, hint=hint)
+    try:
+        return tomllib.loads(text)
+    except tomllib.TOMLDecodeError as error:
+        message, at, where = str(error).rpartition(" (at ")
+        place = f"{source}, {where.removesuffix(')')}" if at else source
+        message = message if at else where
+        message = f"This is not valid TOML: {message}."
+        raise LevelError(message, place=place, hint=hint) from None
+    except RecursionError:
+        message = "This is not valid TOML: it is nested too deeply."
+        raise LevelError(message, place=source, hint=hint) from None
+    except ValueError:  # a number with thousands of digits, or a date that doesn't exist
+        message = "This is not valid TOML: a number or date in it is out of range."
+        raise LevelError(message, place=source, hint=hint) from None
+
+
+def read_robot(fields: Fields) -> Robot:
+    """Read a record of ``robots``."""
+    fields.refuse_unknown(_ROBOT_KEYS)
+    battery = fields.table("battery")
+    battery.refuse_unknown(_BATTERY_KEYS)
+    has_battery = fields.has("battery")
+    used = battery.flag("used", True)
+    if fields.has("angle") and fields.has("heading"):
+        raise fields.error("angle", '"heading" and "angle" say the same in degrees and radians.')
+    return Robot(
+        name=fields.name("name"),
+        x=fields.number("x"),
+        y=fields.number("y"),
+        angle=fields.number("angle", math.radians(fields.number("heading", 0.0))),
+        color=fields.color("color", ROBOT_COLOR),
+        has_battery=has_battery and used,
+        can_charge=used and battery.flag("charges_others"),
+        battery_capacity=battery.number("capacity", least=0) if has_battery else 0.0,
+        battery_consumption_rate=battery.number("consumption", 0.0, least=0),
+    )
+
+
+def read_beacon(fields: Fields) -> Beacon:
+    """Read a record of ``beacons``."""
+    fields.refuse_unknown(_BEACON_KEYS)
+    return Beacon(
+        name=fields.name("name"),
+        x=fields.number("x"),
+        y=fields.number("y"),
+        charging_station=fields.flag("charging_station"),
+    )
+
+
+def read_area(fields: Fields) -> Area:
+    """Read a record of ``areas``."""
+    fields.refuse_unknown(_AREA_KEYS)
+    return Area(
+        name=fields.name("name"),
+        x=fields.number("x"),
+        y=fields.number("y"),
+        radius=fields.number("radius", least=0),
+        color=fields.color("color", AREA_COLOR),
+        victory_robots=fields.names("goal_for"),
+        on_beacon=fields.name("on_beacon", ""),
+        off_beacon=fields.name("off_beacon", ""),
+        sticky_switch=fields.flag("sticky"),
+        impenetrable=fields.flag("solid"),
+    )
+
+
+def _visibility(fields: Fields) -> Visibility:
+    fields.refuse_unknown(("memory", "sensor"))
+    return Visibility(
+        memory=fields.choice("memory", ("own", "seen", "all"), "own"),
+        sensor=fields.choice("sensor", ("own", "all"), "own"),
+    )

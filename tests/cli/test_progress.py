@@ -1,0 +1,154 @@
+"""Listing and exporting progress, and playing an export again."""
+
+from __future__ import annotations
+
+import csv
+import io
+import json
+from typing import TYPE_CHECKING, Any
+
+import pytest
+
+from logical_robots_tui.game import load_program
+from logical_robots_tui.game.robustness import play_through
+from logical_robots_tui.game.victory import count_rules
+from logical_robots_tui.mind import Program
+from logical_robots_tui.progress import FILE_NAME, Measures, Progress
+from logical_robots_tui.world import load_level
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from tests.cli.running import Command
+
+LEVEL = "01-first-steps"
+
+
+@pytest.fixture(scope="module")
+def won() -> tuple[str, Measures]:
+    """A program that is not the reference program, and what it achieves in the first level."""
+    text = load_program("first-steps").text.replace("distance < 90", "distance < 80")
+    played = play_through(load_level(LEVEL), Program.compile(text), 5000)
+    assert played.won_at is not None
+    return text, Measures(played.won_at, count_rules(text), played.distance)
+
+
+@pytest.fixture
+def folder(tmp_path: Path, won: tuple[str, Measures]) -> Path:
+    """The files of a player who has won the first level, and begun a level of her own."""
+    progress = Progress(tmp_path / FILE_NAME)
+    progress.begin(LEVEL)
+    progress.win(LEVEL, *won)
+    progress.win(LEVEL, "Worse() = 1;", Measures(9000, 99, 9e9, 1, 20))
+    progress.reveal("02-open-space", 2)
+    progress.begin("/maps/cellar.toml")
+    progress.close()
+    return tmp_path
+
+
+def exported(command: Command, folder: Path) -> dict[str, Any]:
+    told = command("progress", "--data-dir", folder, "--json")
+    assert told.status == 0
+    found: dict[str, Any] = told.data
+    return found
+
+
+def test_each_level_has_a_line(command: Command, folder: Path, won: tuple[str, Measures]) -> None:
+    lines = [line.split() for line in command("progress", "--data-dir", folder).out.splitlines()]
+    ticks, rules, *_ = won[1]
+    assert [LEVEL, "won", str(ticks), str(rules)] == lines[1][:4]
+    assert lines[1][-3:] == ["1", "of", "20"]
+    assert lines[2] == ["02-open-space", "new", "2"]
+    assert lines[-1] == ["/maps/cellar.toml", "in", "work"]
+
+
+def test_nothing_is_written_for_who_has_no_progress(command: Command, tmp_path: Path) -> None:
+    folder = tmp_path / "nothing"
+    assert command("progress", "--data-dir", folder).status == 0
+    assert not folder.exists()
+
+
+def test_csv_has_the_best_of_each_measure(
+    command: Command, folder: Path, won: tuple[str, Measures]
+) -> None:
+    told = command("progress", "--data-dir", folder, "--csv")
+    rows = list(csv.DictReader(io.StringIO(told.out)))
+    assert rows[0]["level"] == LEVEL
+    assert int(rows[0]["ticks"]) == won[1].ticks
+    assert rows[1]["ticks"] == ""
+
+
+def test_an_export_holds_the_programs_of_the_best_results(
+    command: Command, folder: Path, won: tuple[str, Measures]
+) -> None:
+    first = exported(command, folder)["levels"][0]
+    assert first["best"] == {**won[1]._asdict(), "wins": 1, "starts": 20}
+    assert {victory["program"] for victory in first["victories"]} == {won[0], "Worse() = 1;"}
+
+
+def test_programs_are_played_again(
+    command: Command, tmp_path: Path, won: tuple[str, Measures]
+) -> None:
+    text, measures = won
+    true: dict[str, object] = {
+        "program": text,
+        **measures._asdict(),
+        "wins": 20,
+        "starts": 20,
+    }
+    false: list[dict[str, object]] = [{"ticks": 3}, {"rules": 1}, {"distance": 5.0}, {"wins": 3}]
+    victories = [true, *(true | change for change in false)]
+    file = tmp_path / "export.json"
+    levels = [{"level": LEVEL, "victories": victories}]
+    file.write_text(json.dumps({"format": 1, "levels": levels}), encoding="utf-8")
+    told = command("progress", "--check", file)
+    assert told.status == 1
+    _, confirmed, ticks, rules, distance, wins = told.out.splitlines()
+    assert confirmed.endswith("20 of 20  confirmed")
+    assert f"ticks: 3 claimed, {measures.ticks:,} found" in ticks
+    assert f"rules: 1 claimed, {measures.rules} found" in rules
+    assert "distance: 5 claimed, " in distance
+    assert "robust: 3 of 20 claimed, 20 found" in wins
+
+
+@pytest.mark.parametrize(
+    ("level", "program", "problem"),
+    [
+        (LEVEL, "Robot(", "line 1: "),
+        (LEVEL, load_program("first-steps").text, "this is the reference program"),
+        ("no-such-level", "Robot();", "not a shipped level"),
+    ],
+)
+def test_what_can_not_be_confirmed_is_told(
+    level: str, program: str, problem: str, command: Command, tmp_path: Path
+) -> None:
+    victory = {"program": program, "ticks": 3, "rules": 1, "distance": 5.0}
+    file = tmp_path / "export.json"
+    levels = [{"level": level, "victories": [victory]}]
+    file.write_text(json.dumps({"format": 1, "levels": levels}), encoding="utf-8")
+    told = command("progress", "--check", file, "--json")
+    assert told.status == 1
+    assert not told.data["confirmed"]
+    (result,) = told.data["results"]
+    assert result["problem"].startswith(problem)
+
+
+@pytest.mark.parametrize(
+    ("content", "message"),
+    [
+        ("", "This is not an exported progress file"),
+        ("[" * 100_000, "This is not an exported progress file"),
+        ('{"format": 2, "levels": []}', "this version of the game reads 1"),
+        ('{"format": 1}', "`levels`"),
+        ('{"format": 1, "levels": [{"level": "x", "victories": [{}]}]}', "levels[0].victories[0]"),
+    ],
+)
+def test_a_file_that_is_no_export_is_refused(
+    content: str, message: str, command: Command, tmp_path: Path
+) -> None:
+    file = tmp_path / "export.json"
+    file.write_text(content, encoding="utf-8")
+    told = command("progress", "--check", file)
+    assert told.status == 2
+    assert message in told.err
+    assert not told.out

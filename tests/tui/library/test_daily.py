@@ -1,0 +1,70 @@
+"""The labyrinth of the day on the screen, and a result to share."""
+
+from __future__ import annotations
+
+from datetime import date
+from typing import TYPE_CHECKING
+
+import pytest
+
+from logical_robots_tui.game.victory import result_line
+from logical_robots_tui.progress import Measures
+from logical_robots_tui.tui.commands import program as commands
+from logical_robots_tui.tui.layout.dialogs import Question
+from logical_robots_tui.world import load_level
+from tests.short import AHEAD
+from tests.tui.conftest import opened
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+
+async def test_today_s_labyrinth_is_opened_in_the_chosen_size(data_dir: Path) -> None:
+    async with opened(data_dir) as game:
+        await game.ready()
+        today = f"daily-{date.today().isoformat()}-small"
+        game.main.recorder.progress.set_fact(f"won {today}", "900")
+        game.main.run_worker(commands.daily(game.main))
+        await game.until(lambda: isinstance(game.app.screen, Question))
+        await game.press("s")
+        await game.until(lambda: game.session.level.name == today)
+        assert game.shows("Everybody has this labyrinth today.")
+
+
+async def test_closing_the_question_changes_nothing(data_dir: Path) -> None:
+    async with opened(data_dir) as game:
+        await game.ready()
+        before = game.session.level
+        game.main.run_worker(commands.daily(game.main))
+        await game.until(lambda: isinstance(game.app.screen, Question))
+        await game.press("escape")
+        await game.until(lambda: game.app.screen is game.main)
+        assert game.session.level is before
+
+
+async def test_a_result_can_be_copied_once_there_is_one(data_dir: Path, short: Path) -> None:
+    async with opened(data_dir, level=short, text=AHEAD) as game:
+        await game.ready()
+        commands.copy_result(game.main)
+        await game.until(lambda: game.shows("win this level first"))
+        await game.press(*["plus"] * 6, "space")
+        await game.until(lambda: game.main.recorder.latest is not None)
+        commands.copy_result(game.main)
+        assert game.app.clipboard.startswith("Logical Robots · A short way · 49 ticks · 1 rule · ")
+
+
+@pytest.mark.parametrize(
+    ("measures", "line"),
+    [
+        (
+            Measures(1258, 2, 971.4),
+            "Logical Robots · First steps · 1,258 ticks · 2 rules · 971 units driven",
+        ),
+        (
+            Measures(31, 1, 15.5, 19, 20),
+            "Logical Robots · First steps · 31 ticks · 1 rule · 16 units driven · 19 of 20 starts",
+        ),
+    ],
+)
+def test_a_result_is_one_line(measures: Measures, line: str) -> None:
+    assert result_line(load_level("01-first-steps"), measures) == line

@@ -1,0 +1,87 @@
+"""Rooms and labyrinths."""
+
+from __future__ import annotations
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from logical_robots_tui.editing.checks import check
+from logical_robots_tui.editing.walls import Regions
+from logical_robots_tui.world import LevelError
+from logical_robots_tui.world.levels.drawing import coarsest_cell
+from logical_robots_tui.world.levels.labyrinths import empty_room, labyrinth
+from tests.editing.making import sketch
+
+PLACES = st.tuples(st.integers(1, 9), st.integers(1, 9)).filter(lambda size: size != (1, 1))
+
+
+@settings(deadline=None)
+@given(
+    PLACES, st.integers(0, 99), st.floats(0, 1), st.sampled_from([20, 45, 60]), st.integers(1, 20)
+)
+def test_in_a_labyrinth_every_place_can_be_reached(
+    places: tuple[int, int], seed: int, loops: float, corridor: int, wall: int
+) -> None:
+    columns, rows = places
+    level = labyrinth(columns, rows, seed=seed, loops=loops, corridor=corridor, wall=wall)
+    assert level.width == columns * (corridor + wall) + wall
+    assert level.height == rows * (corridor + wall) + wall
+    regions = Regions(~level.walls, corners=False)
+    step, middle = corridor + wall, wall + corridor // 2
+    found = {
+        regions.at(middle + row * step, middle + column * step)
+        for row in range(rows)
+        for column in range(columns)
+    }
+    assert len(found) == 1
+    assert -1 not in found
+    assert check(level) == []
+
+
+def test_without_loops_there_is_one_way_between_any_two_places() -> None:
+    for seed in range(5):
+        level = labyrinth(6, 5, seed=seed, loops=0, corridor=20, wall=1)
+        # Each place is 400 units, each opening 20; a tree has one opening less than places.
+        assert (~level.walls).sum() == 30 * 400 + 29 * 20
+
+
+def test_with_all_loops_no_wall_between_places_is_left() -> None:
+    level = labyrinth(3, 2, loops=1, corridor=20, wall=1)
+    assert (~level.walls).sum() == 6 * 400 + 7 * 20
+
+
+def test_a_seed_gives_the_same_labyrinth_for_ever() -> None:
+    level = labyrinth(4, 3, seed=1, loops=0, corridor=20, wall=20)
+    assert coarsest_cell(level.walls) == 20
+    assert [row[10::20] for row in sketch(level)[10::20]] == EXPECTED
+
+
+EXPECTED = [
+    "#########",
+    "#...#...#",
+    "###.#.#.#",
+    "#...#.#.#",
+    "#.###.#.#",
+    "#.....#.#",
+    "#########",
+]
+
+
+def test_the_goal_is_where_the_way_is_longest() -> None:
+    level = labyrinth(7, 1, corridor=40)
+    assert (level.areas[0].x, level.robots[0].x) == (6 * 50 + 30, 30)
+
+
+def test_a_room_is_empty_inside_its_rim() -> None:
+    level = empty_room(300, 200, wall=7)
+    assert not level.walls[7:-7, 7:-7].any()
+    assert (~level.walls).sum() == 286 * 186
+    assert check(level) == []
+
+
+def test_the_largest_room_and_the_smallest() -> None:
+    assert empty_room(4000, 4000).width == 4000
+    assert check(empty_room(40, 40)) == []
+    with pytest.raises(LevelError, match="no room for a robot"):
+        empty_room(39, 60)
