@@ -141,12 +141,7 @@ class MainScreen(Screen[None], SessionListener):
             session, ui, data_dir / "levels", self.drafts, self.library.open_level, self._panel
         )
         self.bookmark = Bookmark(
-            session,
-            self.drafts,
-            ui,
-            self.library.open_level,
-            self.library.open_program,
-            self.labyrinth.close_briefing,
+            session, self.drafts, ui, self.library.open_level, self.library.open_program
         )
         self.offers = Offers(ui, lambda: self.is_active)
         self.learning = LearningController(
@@ -193,7 +188,7 @@ class MainScreen(Screen[None], SessionListener):
         self.recorder.attach(self.ui, changed=self.scheduler.soon, measured=self.announcer.measured)
         self.set_focus(self.labyrinth)
         self.set_interval(_HEARTBEAT, self._beat)
-        self.level_opened(self.session.level)
+        self.announcer.level_opened(self.session.level)
         self._draw()
         self.call_after_refresh(self._start)
 
@@ -228,9 +223,8 @@ class MainScreen(Screen[None], SessionListener):
         return self.program.text
 
     def level_opened(self, level: Level) -> None:
-        """Show the level's briefing."""
+        """Show the level with no robot selected."""
         self.labyrinth.select(None)
-        self.labyrinth.briefing.tell(level)
         self.scheduler.soon()
 
     def quit(self) -> None:

@@ -103,12 +103,16 @@ class LabyrinthPane(Pane, can_focus=True):
 
 
 class Briefing(Overlay):
-    """The briefing, until the game runs or the player closes it."""
+    """The briefing at the start, until the game runs or the player closes it.
+
+    It covers the half of the labyrinth with fewer robots and areas.
+    """
 
     DEFAULT_CSS = """
     Briefing {
-        layer: picture; dock: bottom; padding: 0 1; max-height: 50%; border-top: solid $ink-faint;
+        dock: bottom; padding: 0 1; max-height: 50%; border-top: solid $ink-faint;
     }
+    Briefing.-top { dock: top; border-top: none; border-bottom: solid $ink-faint; }
     """
 
     def __init__(self) -> None:
@@ -118,6 +122,8 @@ class Briefing(Overlay):
     def tell(self, level: Level) -> None:
         """Show the briefing of a level, if it has one."""
         self._has_text = bool(level.briefing.strip())
+        below = [each.y > level.height / 2 for each in (*level.robots, *level.areas)]
+        self.set_class(2 * sum(below) > len(below), "-top")
         text = "\n".join(visible(line) for line in level.briefing.strip().splitlines())
         offers = {"run": "runs", "briefing": "hides this"}
         if level.hints:
