@@ -122,8 +122,9 @@ class Briefing(Overlay):
     def tell(self, level: Level) -> None:
         """Show the briefing of a level, if it has one."""
         self._has_text = bool(level.briefing.strip())
-        below = [each.y > level.height / 2 for each in (*level.robots, *level.areas)]
-        self.set_class(2 * sum(below) > len(below), "-top")
+        down = [*(robot.y for robot in level.robots), *(area.y for area in level.areas)]
+        below = sum(y > level.height / 2 for y in down)
+        self.set_class(2 * below > len(down), "-top")
         text = "\n".join(visible(line) for line in level.briefing.strip().splitlines())
         offers = {"run": "runs", "briefing": "hides this"}
         if level.hints:

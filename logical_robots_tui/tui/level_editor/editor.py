@@ -90,6 +90,11 @@ class LevelEditor:
         return as_it_stands(self.level, self._state())
 
     @property
+    def is_under_way(self) -> bool:
+        """Whether the robots have left their starts."""
+        return self._state().tick > 0
+
+    @property
     def thing(self) -> Thing | None:
         """The selected thing, at its current place."""
         return None if self.selected is None else things.thing(self.standing, self.selected)
@@ -196,13 +201,16 @@ class LevelEditor:
         return what
 
     def set_values(self, ref: Ref, values: dict[str, Any], *, what: str = "properties") -> None:
-        """Set properties of a thing.
+        """Set properties of a thing; a robot under way stays where it is.
 
         Raises:
             LevelError: They are invalid.
         """
         self._note_pose(ref)
-        if self.edits.do(what, things.change(self.level, ref, **values)):
+        level = things.change(self.level, ref, **values)
+        if ref.kind == "robots" and self.is_under_way:
+            self.poses.note(level.robots[ref.index], self.standing.robots[ref.index])
+        if self.edits.do(what, level):
             self._changed()
 
     def change_level(self, what: str, level: Level) -> None:
