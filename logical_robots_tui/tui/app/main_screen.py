@@ -24,6 +24,7 @@ from logical_robots_tui.tui.inspector.pages.robots import RobotsView
 from logical_robots_tui.tui.inspector.pane import InspectorPane
 from logical_robots_tui.tui.inspector.predicate_list import DECISION, ROBOTS, WATCH, WHY
 from logical_robots_tui.tui.labyrinth.pane import LabyrinthPane
+from logical_robots_tui.tui.labyrinth.robot_drag import RobotPut
 from logical_robots_tui.tui.labyrinth.victory import VictoryAnnouncer
 from logical_robots_tui.tui.labyrinth.view import LabyrinthView
 from logical_robots_tui.tui.layout.arrangement import LEAST_HEIGHT, LEAST_WIDTH, Arrangement, Layout
@@ -358,6 +359,10 @@ class MainScreen(Screen[None], SessionListener):
         self._select(event.name)
         if self.inspector.inspected not in (DECISION, WHY, WATCH):
             self.inspector.inspect(ROBOTS)
+
+    @on(RobotPut)
+    def _robot_put(self, event: RobotPut) -> None:
+        self.session.put(event.name, event.pose)
 
     @on(Sighted)
     def _sight_pointed(self, event: Sighted) -> None:

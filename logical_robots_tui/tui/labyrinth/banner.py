@@ -147,7 +147,8 @@ _LABEL = 11
 def results_lines(recorder: ProgressRecorder) -> list[Content]:
     """Return lines of equal width: titles, the victory, the bests, the reference and the trial.
 
-    If several programs won together, the last one alone is measured, from the start. A new best is marked with a star; unknown values are a dot.
+    If several programs won together, the last one alone is measured, from the start. A new best is
+    marked with a star; unknown values are a dot.
     """
     rows = [_row("", _TITLES, INK.dim)]
     if recorder.latest is not None and not recorder.is_reference:

@@ -13,6 +13,7 @@ from logical_robots_tui.tui.commands.keymap import command
 from logical_robots_tui.tui.inspector.widgets.cells import written
 from logical_robots_tui.tui.labyrinth.banner import Overlay, VictoryBanner
 from logical_robots_tui.tui.labyrinth.camera import Sight
+from logical_robots_tui.tui.labyrinth.robot_drag import RobotPointed
 from logical_robots_tui.tui.labyrinth.view import LabyrinthView
 from logical_robots_tui.tui.layout.pane import Pane
 from logical_robots_tui.tui.theme.safe_text import clip, one_line, visible
@@ -49,6 +50,7 @@ class LabyrinthPane(Pane, can_focus=True):
         self.briefing = Briefing()
         self.banner = VictoryBanner()
         self._shown: tuple[Level, Frame] | None = None
+        self._pointed: str | None = None
         super().__init__(self.view, self.card, self.briefing, self.banner, title="Labyrinth")
 
     def on_mount(self) -> None:
@@ -62,17 +64,24 @@ class LabyrinthPane(Pane, can_focus=True):
         self.select(self.view.selected)
 
     def select(self, robot_name: str | None) -> None:
-        """Highlight a robot and show its card; None for no robot."""
+        """Highlight a robot, and show its card or that of the one under the pointer."""
         self.view.selected = robot_name
         if self._shown is None:
             return
         level, frame = self._shown
-        robot = next((each for each in frame.after.robots if each.name == robot_name), None)
+        name = robot_name if self._pointed is None else self._pointed
+        robot = next((each for each in frame.after.robots if each.name == name), None)
         view = self.view.view
         middle = view.left + view.width / 2 if view else 0.0
         on_the_left = robot is not None and robot.x < middle
-        shown = None if self.view.camera.sight is Sight.SENSES else robot_name
+        shown = None if self.view.camera.sight is Sight.SENSES else name
         self.card.show(level, frame, shown, on_the_left=on_the_left)
+
+    @on(RobotPointed)
+    def _robot_pointed(self, event: RobotPointed) -> None:
+        """Show the card of the robot under the pointer."""
+        self._pointed = event.name
+        self.select(self.view.selected)
 
     @on(LabyrinthView.Looked)
     def _looked(self) -> None:

@@ -75,9 +75,7 @@ class LevelEditor:
         self.selected: Ref | None = None
         self.cursor: Point = (float(edits.level.width // 2), float(edits.level.height // 2))
         self.stroke: Stroke | None = None
-        self._state = state
-        self._tell_changed = changed
-        self._complain = complain
+        self._state, self._tell_changed, self._complain = state, changed, complain
 
     @property
     def level(self) -> Level:
@@ -200,7 +198,7 @@ class LevelEditor:
             self._changed()
         return what
 
-    def set_values(self, ref: Ref, values: dict[str, Any], *, what: str = "properties") -> None:
+    def set_values(self, ref: Ref, values: dict[str, Any]) -> None:
         """Set properties of a thing; a robot under way stays where it is.
 
         Raises:
@@ -210,7 +208,7 @@ class LevelEditor:
         level = things.change(self.level, ref, **values)
         if ref.kind == "robots" and self.is_under_way:
             self.poses.note(level.robots[ref.index], self.standing.robots[ref.index])
-        if self.edits.do(what, level):
+        if self.edits.do("properties", level):
             self._changed()
 
     def change_level(self, what: str, level: Level) -> None:
