@@ -296,7 +296,7 @@ FILLS_CACHES = """if True:
     for folder, count in zip(folders, (20, 400, 400)):
         for number in range(count):
             folder.keep(f"e{number}", [bytes(folder.most_bytes // count * 2)])
-            os.utime(folder._path(f"e{number}"), (number, number))
+            os.utime(folder.place / f"e{number}{folder.suffix}", (number, number))
     found = [path.stat().st_size for path in own.rglob("*") if path.is_file()]
     assert len(found) < MOST_FILES / 4, len(found)
     assert MOST_BYTES / 20 < sum(found) < MOST_BYTES / 4, sum(found)

@@ -130,12 +130,17 @@ def words_for(text: str, place: Place) -> tuple[int, list[Word]]:
     if text[first:at] != source.skeleton[first:at] or _is_blanked(text, source.skeleton, first - 1):
         return len(begun), []
     groups = _fields(source.skeleton, owner, begun) if owner else _names(source, first, at)
-    words: dict[str, Word] = {}
-    for group in groups:
-        for word in sorted(group, key=lambda word: word.name.lower()):
-            if word.name.rpartition(".")[2].lower().startswith(begun.lower()):
-                words.setdefault(word.name, word)
-    return len(begun), list(words.values())
+    ordered = [
+        word for group in groups for word in sorted(group, key=lambda word: word.name.lower())
+    ]
+    words = {w.name: w for w in ordered if _last(w).lower().startswith(begun.lower())}
+    # What is written as typed comes first.
+    return len(begun), sorted(words.values(), key=lambda w: not _last(w).startswith(begun))
+
+
+def _last(word: Word) -> str:
+    """Return what is typed of a word, such as the field of ``sensor.radar``."""
+    return word.name.rpartition(".")[2]
 
 
 def _is_blanked(text: str, skeleton: str, at: int) -> bool:

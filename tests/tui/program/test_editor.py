@@ -54,6 +54,8 @@ def test_variables_of_the_rule_come_first_then_fields_predicates_and_functions()
     before = "Rays(x) = 1;\nF(radar, rag) = Min{ray.distance :- ray in ra"
     assert names("Other(rat) = 1;", before)[:4] == ["radar", "rag", "ray", "Rays"]
     assert "rat" not in names("Other(rat) = 1;", before)
+    assert names("", "P(sensor) :- x == S")[0] == "Sensor"
+    assert names("", "P(sensor) :- x == s")[0] == "sensor"
     assert names("", "P() :- Sensor(robot_name:, sensor:), sensor.radar == ra")[0] == "sensor.radar"
 
 
@@ -136,7 +138,8 @@ async def test_a_number_opens_no_list_and_a_setting_turns_it_off(data_dir: Path)
         await game.press("2", "0", ".", "5")
         await game.until(lambda: game.editor.text == "0.5")
         assert not game.editor.completion.display
-    async with opened(data_dir, text="", settings=Settings(completion=False)) as game:
+    other = data_dir / "other"
+    async with opened(other, text="", settings=Settings(completion=False)) as game:
         await game.press("2", "S")
         await game.until(lambda: game.editor.text.endswith("S"))
         assert not game.editor.completion.display
