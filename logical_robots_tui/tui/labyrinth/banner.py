@@ -46,7 +46,13 @@ class Overlay(Static):
     def on_click(self, event: events.Click) -> None:
         """Close."""
         event.stop()
-        self.display = False
+        self.close()
+
+    def close(self) -> None:
+        """Hide, and repaint what was below: Textual's layout alone may leave it on the screen."""
+        if self.display:
+            self.display = False
+            self.call_after_refresh(self.screen.refresh)
 
 
 class VictoryBanner(Overlay):

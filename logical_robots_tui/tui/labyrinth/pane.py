@@ -99,7 +99,7 @@ class LabyrinthPane(Pane, can_focus=True):
 
     def close_briefing(self) -> None:
         """Hide the briefing."""
-        self.briefing.display = False
+        self.briefing.close()
 
     def action_pan(self, across: int, down: int) -> None:
         """Pan the view by an eighth."""
@@ -152,7 +152,10 @@ class Briefing(Overlay):
 
     def toggle(self) -> bool:
         """Show or hide it; return False if there is nothing to show."""
-        self.display = self._has_text and not self.display
+        if self.display:
+            self.close()
+        else:
+            self.display = self._has_text
         return self._has_text
 
 
