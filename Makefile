@@ -62,7 +62,7 @@ screenshot: $(VENV)/.dev ## Draw docs/screenshot.svg and docs/levels.svg anew
 reference: $(VENV)/.dev ## Regenerate docs/reference.md
 	$(BIN)/python -m docs.reference
 
-learn: $(VENV)/.dev ## Regenerate docs/learn.md and its pictures
+learn: $(VENV)/.dev ## Regenerate docs/learn.md, docs/solutions.md and their pictures
 	$(BIN)/python -m docs.learn
 
 debugging: $(VENV)/.dev ## Regenerate docs/debugging.md and its pictures

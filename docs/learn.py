@@ -1,4 +1,4 @@
-"""Write ``docs/learn.md``, the course, and a picture of each level: ``python -m docs.learn``.
+"""Write the course, its solutions and a picture of each level: ``python -m docs.learn``.
 
 All of it is made from the levels and programs that the game shows, so that they can't disagree.
 """
@@ -27,7 +27,16 @@ HEAD = """\
 
 One lesson for each level, with the Logica that it needs. Read it next to the game: play the level
 until you are stuck, read on, try again. The game shows the same text bit by bit: the briefing next
-to the labyrinth, `h` for a hint, `t` for the lesson.
+to the labyrinth, `h` for a hint, `t` for the lesson. Programs that win are on
+[a page of their own](solutions.md).
+"""
+
+SOLUTIONS_HEAD = """\
+# Solutions of the course
+
+For each level of [the course](learn.md), a program that wins it in the way the lesson teaches.
+Yours may well be better: `m` in the game compares them. In a class, `play --no-solutions` hides
+each of these programs until its level is won.
 """
 
 SEES = {
@@ -43,16 +52,16 @@ FLOOR, WALL, ROBOT, BEACON, AREA = "#f4f1ea", "#4a4e5f", "#e8590c", "#b8860b", "
 
 
 def files() -> dict[Path, str]:
-    """What is written: the page and the pictures, by path."""
+    """What is written: the pages and the pictures, by path."""
     levels = [load_level(name) for name in list_levels()]
     page = "\n".join([HEAD, *(line for level in levels for line in _lesson(level))])
+    solutions = "\n".join([SOLUTIONS_HEAD, *(part for lv in levels for part in _solution(lv))])
     pictures = {FOLDER / PICTURES / f"{level.name}.svg": _picture(level) for level in levels}
-    return {FOLDER / "learn.md": page, **pictures}
+    return {FOLDER / "learn.md": page, FOLDER / "solutions.md": solutions, **pictures}
 
 
 def _lesson(level: Level) -> Iterator[str]:
-    number = int(level.name.partition("-")[0])
-    yield f"## {number}. {level.title}\n"
+    yield _title(level)
     yield f"*{level.idea}*\n"
     yield f"![The labyrinth of {level.title}]({PICTURES}/{level.name}.svg)\n"
     yield f"{level.briefing.strip()}\n"
@@ -65,10 +74,17 @@ def _lesson(level: Level) -> Iterator[str]:
         f"{number}. {escape(hint, quote=False)}" for number, hint in enumerate(level.hints, 1)
     )
     yield "\n</details>\n"
-    yield "<details><summary>A program that wins</summary>\n"
-    yield from _program(level.solution)
-    yield "</details>\n"
     yield f"**Further.** {level.further.strip()}\n"
+
+
+def _solution(level: Level) -> Iterator[str]:
+    yield _title(level)
+    yield from _program(level.solution)
+
+
+def _title(level: Level) -> str:
+    number = int(level.name.partition("-")[0])
+    return f"## {number}. {level.title}\n"
 
 
 def _program(name: str) -> Iterator[str]:
@@ -121,7 +137,7 @@ def _walls(level: Level) -> Iterator[str]:
 
 
 def main() -> None:
-    """Write the page and the pictures; pictures of levels that are gone are removed."""
+    """Write the pages and the pictures; pictures of levels that are gone are removed."""
     wanted = files()
     for path in (FOLDER / PICTURES).glob("*.svg"):
         if path not in wanted:

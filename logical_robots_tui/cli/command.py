@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 import json
 import math
+import os
 import sys
 import unicodedata
 from pathlib import Path
@@ -20,6 +21,7 @@ __all__ = [
     "Commands",
     "add_data_dir",
     "add_json",
+    "add_no_solutions",
     "columns",
     "finite",
     "folder_of",
@@ -87,6 +89,16 @@ def add_data_dir(command: argparse.ArgumentParser) -> None:
         type=Path,
         metavar="FOLDER",
         help="the folder for your programs, progress and unsaved work",
+    )
+
+
+def add_no_solutions(command: argparse.ArgumentParser) -> None:
+    """Add the option that hides solutions; a teacher sets it for a class."""
+    command.add_argument(
+        "--no-solutions",
+        action="store_true",
+        default=os.environ.get("LOGICAL_ROBOTS_NO_SOLUTIONS", "") not in ("", "0"),
+        help="for a class: hide the solution of each level until it is won",
     )
 
 

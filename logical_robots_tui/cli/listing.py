@@ -6,7 +6,13 @@ import json
 import sys
 from typing import TYPE_CHECKING
 
-from logical_robots_tui.cli.command import add_data_dir, columns, harmless, new_command
+from logical_robots_tui.cli.command import (
+    add_data_dir,
+    add_no_solutions,
+    columns,
+    harmless,
+    new_command,
+)
 from logical_robots_tui.errors import InputError
 from logical_robots_tui.paths import is_there
 
@@ -39,6 +45,7 @@ def declare(commands: Commands) -> None:
     )
     programs.add_argument("--json", action="store_true", help="print JSON")
     add_data_dir(programs)
+    add_no_solutions(programs)
     _declare_config(commands)
 
 
@@ -68,8 +75,12 @@ def list_all_programs(options: argparse.Namespace) -> int:
     """Print the name and file of each program."""
     from logical_robots_tui.cli.command import own_programs
     from logical_robots_tui.game import list_programs, load_program
+    from logical_robots_tui.game.source import hide_solutions
+    from logical_robots_tui.progress import FILE_NAME, Progress
 
     own = own_programs(options.data_dir)
+    if options.no_solutions:
+        hide_solutions(Progress(own.parent / FILE_NAME))
     sources = [load_program(name, own) for name in list_programs(own)]
     if options.json:
         found = [

@@ -26,7 +26,7 @@ from logical_robots_tui.game.continuing import (
     program_to_begin_with,
 )
 from logical_robots_tui.game.frame import events_between
-from logical_robots_tui.game.source import target
+from logical_robots_tui.game.source import hide_solutions, target
 from logical_robots_tui.game.victory import keep_victory, result_line, victory_of
 from logical_robots_tui.mind import Program, ProgramError
 from logical_robots_tui.paths import is_there
@@ -59,19 +59,24 @@ help            this list
 quit            leave; so does the end of the input"""
 
 
-def play_in_lines(level_name: str | None, program: str | None, data_dir: Path) -> int:
+def play_in_lines(
+    level_name: str | None, program: str | None, data_dir: Path, *, solutions: bool = True
+) -> int:
     """Play in lines of text until the player leaves; return the exit status.
 
     Args:
         level_name: A level's name or path; by default the level played last.
         program: A program's name or path; by default the player's last program for that level.
         data_dir: The folder with the player's programs and progress.
+        solutions: Whether the solution of a level can be read before it is won.
 
     Raises:
         InputError: The level or the program can't be read.
         ProgramFileError: The program has errors.
     """
     progress = Progress(data_dir / FILE_NAME, _say)
+    if not solutions:
+        hide_solutions(progress)
     own = data_dir / "programs"
     try:
         level = load_level(level_name) if level_name else level_to_begin_with(progress)

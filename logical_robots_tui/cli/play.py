@@ -10,7 +10,7 @@ from datetime import date
 from importlib import import_module
 from typing import TYPE_CHECKING
 
-from logical_robots_tui.cli.command import add_data_dir, folder_of, new_command
+from logical_robots_tui.cli.command import add_data_dir, add_no_solutions, folder_of, new_command
 from logical_robots_tui.errors import InputError
 from logical_robots_tui.garbage import collect_later
 from logical_robots_tui.paths import is_folder
@@ -79,6 +79,7 @@ def declare(commands: Commands) -> None:
         default=os.environ.get("LOGICAL_ROBOTS_RESTRICTED", "") not in ("", "0"),
         help="for shared machines: only your own files, no other programs, limited resources",
     )
+    add_no_solutions(command)
     command.add_argument(
         "--allow-clipboard",
         action="store_true",
@@ -179,14 +180,20 @@ def _play_on_screen(options: argparse.Namespace) -> int:
     from logical_robots_tui.tui.app.ui import Permissions
 
     free = not options.restricted
-    permissions = Permissions(programs=free, clipboard=free or options.allow_clipboard)
+    permissions = Permissions(
+        programs=free,
+        clipboard=free or options.allow_clipboard,
+        solutions=not options.no_solutions,
+    )
     return play(options.level, options.program, options.data_dir, permissions)
 
 
 def _play_in_lines(options: argparse.Namespace) -> int:
     from logical_robots_tui.cli.plain import play_in_lines
 
-    return play_in_lines(options.level, options.program, options.data_dir)
+    return play_in_lines(
+        options.level, options.program, options.data_dir, solutions=not options.no_solutions
+    )
 
 
 def _day(text: str) -> date:

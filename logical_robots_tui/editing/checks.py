@@ -64,6 +64,7 @@ def check(level: Level) -> list[Finding]:
         *_goals(level),
         *_open_rim(level.walls),
         *_names_used_twice(level),
+        *_names_not_shared(level),
     ]
 
 
@@ -103,9 +104,15 @@ def _names_used_twice(level: Level) -> Iterator[Finding]:
         for some in getattr(level, kind):
             same[some.name].append(some)
         for name, things in same.items():
-            if len(things) > 1:
+            if len(things) > 1 and (kind == "robots" or name not in level.shared_names):
                 text = f'{len(things)} {kind} are called "{name}"{_UNTOLD[kind]}.'
                 yield Finding(text, things[1].x, things[1].y, forbids=kind == "robots")
+
+
+def _names_not_shared(level: Level) -> Iterator[Finding]:
+    for name in level.shared_names:
+        if all([one.name for one in some].count(name) < 2 for some in (level.beacons, level.areas)):
+            yield Finding(f'"{name}" is a shared name, but no two beacons or areas have it.')
 
 
 def _in_vain(level: Level) -> Iterator[Finding]:

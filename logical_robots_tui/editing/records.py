@@ -39,13 +39,14 @@ def record_of(thing: Thing) -> Record:
 
 
 def words_of(level: Level) -> Record:
-    """Return the record of a level's texts and visibility."""
+    """Return the record of a level's texts, visibility and shared names."""
     record: Record = {
         "title": level.title,
         "idea": level.idea,
         "starter": level.starter,
         "solution": level.solution,
         "visibility": {"memory": level.visibility.memory, "sensor": level.visibility.sensor},
+        "shared_names": list(level.shared_names),
         "briefing": level.briefing,
         "hints": list(level.hints),
         "lesson": level.lesson,

@@ -14,12 +14,14 @@ from logical_robots_tui.errors import InputError
 from logical_robots_tui.mind import ProgramError
 from logical_robots_tui.paths import is_file, is_folder, is_there, read_ordinary, real, typed_path
 from logical_robots_tui.shipped import did_you_mean, shipped_folder, shipped_names
+from logical_robots_tui.world import list_levels, load_level
 from logical_robots_tui.writing import write_atomically
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
     from logical_robots_tui.mind import Program, Report
+    from logical_robots_tui.progress import Progress
 
 __all__ = [
     "DEFAULT_PROGRAM",
@@ -27,6 +29,8 @@ __all__ = [
     "SUFFIX",
     "Source",
     "compile_program",
+    "hide_solutions",
+    "is_hidden",
     "list_programs",
     "load_program",
     "mistake_in_question",
@@ -60,10 +64,33 @@ class Source(NamedTuple):
 
 def list_programs(own: Path | None = None) -> list[str]:
     """Return the names of the shipped programs, then of those in the folder `own`, each sorted."""
-    names = shipped_names("programs", SUFFIX)
+    names = [name for name in shipped_names("programs", SUFFIX) if not is_hidden(name)]
     if own is not None and is_folder(own):
         names += sorted(p.stem for p in own.glob(f"*{SUFFIX}") if p.stem not in names)
     return names
+
+
+_hiding: list[Progress] = []
+
+
+def hide_solutions(progress: Progress) -> None:
+    """Hide the solution of each level that a player has not won, for the whole process."""
+    _hiding.append(progress)
+
+
+def is_hidden(name: str) -> bool:
+    """Return whether a shipped program is a solution that the player must not read yet. Blocks."""
+    return any(
+        progress.record(_solved_levels()[name]).state != "won"
+        for progress in _hiding
+        if name in _solved_levels()
+    )
+
+
+@lru_cache(maxsize=1)
+def _solved_levels() -> Mapping[str, str]:
+    """Return the level that each solution is for, by name."""
+    return {load_level(name).solution: name for name in list_levels()}
 
 
 def load_program(
@@ -77,7 +104,7 @@ def load_program(
         pipes: Whether it may be a pipe or a device, which may block.
 
     Raises:
-        InputError: There is no such program, or it is not a text file of at most 1 MB.
+        InputError: There is no such program, it is hidden, or it is not a text of at most 1 MB.
     """
     path = Path(path_or_name)
     try:
@@ -101,9 +128,9 @@ def load_program(
 @lru_cache(maxsize=1)
 def shipped_texts() -> Mapping[str, str]:
     """Return the texts of the shipped programs by name."""
+    folder = shipped_folder("programs")
     return {
-        name: _read(shipped_folder("programs") / f"{name}{SUFFIX}").text
-        for name in shipped_names("programs", SUFFIX)
+        name: _text_of(folder / f"{name}{SUFFIX}") for name in shipped_names("programs", SUFFIX)
     }
 
 
@@ -125,6 +152,18 @@ def save_program(path: Path, text: str) -> None:
 
 
 def _read(path: Path, *, pipes: bool = False) -> Source:
+    file = real(path)
+    shipped = file.parent == shipped_folder("programs").resolve()
+    if shipped and is_hidden(file.stem):
+        raise InputError(
+            "is the solution of a level that you have not won yet",
+            place=path.stem,
+            hint=f"Win {_solved_levels()[file.stem]}, and you can read it.",
+        )
+    return Source(path.stem, _text_of(path, pipes=pipes), path, shipped)
+
+
+def _text_of(path: Path, *, pipes: bool = False) -> str:
     place = str(path)
     if path.is_dir():
         raise InputError("is a folder, not a program", place=place, hint="Name a file in it.")
@@ -149,8 +188,7 @@ def _read(path: Path, *, pipes: bool = False) -> Source:
         ) from error
     if "\0" in text:
         raise InputError("is a binary file, not a program", place=place)
-    shipped = real(path).parent == shipped_folder("programs").resolve()
-    return Source(path.stem, text.replace("\r\n", "\n"), path, shipped)
+    return text.replace("\r\n", "\n")
 
 
 def target(

@@ -140,6 +140,7 @@ class Level:
         further: What to try after winning, or "".
         starter: Name of the program to start with, or "".
         solution: Name of the program that wins it as the lesson teaches, or "".
+        shared_names: Names that several beacons or several areas have on purpose.
         source: Path of the file it came from, or "".
     """
 
@@ -159,6 +160,7 @@ class Level:
     further: str = ""
     starter: str = ""
     solution: str = ""
+    shared_names: tuple[str, ...] = ()
     source: str = ""
 
 

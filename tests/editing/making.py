@@ -115,6 +115,7 @@ _WORDS = st.fixed_dictionaries(
         "briefing": TEXTS,
         "lesson": TEXTS,
         "hints": st.lists(TEXTS, max_size=3).map(tuple),
+        "shared_names": st.lists(NAMES, max_size=2).map(tuple),
         "visibility": st.sampled_from([Visibility(), Visibility("seen", "all")]),
     },
 )

@@ -52,8 +52,8 @@ def test_nothing_is_wrong_with_a_closed_hall() -> None:
 
 
 @pytest.mark.parametrize("name", list_levels())
-def test_of_our_own_levels_only_beacons_share_names(name: str) -> None:
-    assert [text for text in texts(check(load_level(name))) if "distinguish them" not in text] == []
+def test_nothing_is_wrong_with_our_own_levels(name: str) -> None:
+    assert check(load_level(name)) == []
 
 
 def test_a_goal_behind_a_wall_can_not_be_reached() -> None:
@@ -152,9 +152,18 @@ def test_names_used_twice_are_told_and_those_of_robots_forbid_loading() -> None:
         Finding('3 beacons are called "lamp"; a radar can\'t distinguish them.', 70, 60),
         Finding('2 areas are called "home".', 300, 100),
     ]
-    twins = replace(level, robots=level.robots * 2)
+    assert texts(check(replace(level, shared_names=("lamp",)))) == ['2 areas are called "home".']
+    assert check(replace(level, shared_names=("home", "lamp"))) == []
+    twins = replace(level, robots=level.robots * 2, shared_names=("Ann",))
     text = '2 robots are called "Ann"; each needs a unique name.'
     assert check(twins)[0] == Finding(text, 50.5, 100.5, forbids=True)
+
+
+def test_a_shared_name_that_nothing_shares_is_told() -> None:
+    level = hall(beacons=(Beacon("lamp", 60, 60),), areas=(goal(name="lamp"),))
+    assert texts(check(replace(level, shared_names=("lamp",)))) == [
+        '"lamp" is a shared name, but no two beacons or areas have it.'
+    ]
 
 
 @pytest.mark.parametrize(

@@ -14,6 +14,7 @@ from textual.binding import Binding
 from textual.errors import NoWidget
 
 from logical_robots_tui.game.continuing import level_to_begin_with, program_to_begin_with
+from logical_robots_tui.game.source import hide_solutions
 from logical_robots_tui.progress import FILE_NAME
 from logical_robots_tui.tui.app.main_screen import MainScreen
 from logical_robots_tui.tui.app.settings import Settings, read_settings, settings_path
@@ -262,7 +263,7 @@ def play(
             its starter.
         data_dir: Folder with drafts, the player's programs and progress; by default the system's
             data folder.
-        permissions: What the player may do with this machine; by default everything.
+        permissions: What the player may do and read; by default everything.
 
     Returns:
         The exit status.
@@ -272,8 +273,11 @@ def play(
         Exception: A bug in the game; the terminal has been restored.
     """
     data_dir = data_dir or user_data_path("logical-robots", appauthor=False)
+    permissions = permissions or Permissions()
     recorder = ProgressRecorder(data_dir / FILE_NAME)
     progress = recorder.progress
+    if not permissions.solutions:
+        hide_solutions(progress)
     level = load_level(level_name) if level_name else level_to_begin_with(progress)
     source, text = program_to_begin_with(recorder.progress, level, program, data_dir / "programs")
     app = LogicalRobotsApp(
@@ -282,7 +286,7 @@ def play(
         data_dir=data_dir,
         recorder=recorder,
         text=text,
-        permissions=permissions or Permissions(),
+        permissions=permissions,
         settings=read_settings(settings_path()),
         theme=recorder.progress.fact(THEME) or "",
         welcome=level_name is None and recorder.progress.fact(TOUR) is None,

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 
 from logical_robots_tui.errors import InputError
 from logical_robots_tui.game import load_program
+from logical_robots_tui.game.source import is_hidden
 from logical_robots_tui.progress import Version
 from logical_robots_tui.tui.commands.keymap import with_keys
 
@@ -80,6 +81,9 @@ class LearningController:
         level = self._session.level
         if not level.solution:
             self._ui.tell("This level has no reference program.")
+            return
+        if await asyncio.to_thread(is_hidden, level.solution):
+            self._ui.tell("You can read the reference program when you have won this level.")
             return
         if self._recorder.record.state != "won":
             answers = [("no", "No, I'll keep trying"), ("yes", "Yes, show it")]

@@ -145,7 +145,7 @@ _SENSORS = {"own": "its own", "all": "of all robots"}
 
 
 class LevelForm(Form):
-    """Edits size, texts and visibility.
+    """Edits size, texts, visibility and shared names.
 
     Args:
         editor: The level editor.
@@ -167,6 +167,7 @@ class LevelForm(Form):
         yield "New room", Flag("wall", "is wall", value=False)
         yield "Robot sees", Choice("sensor", _SENSORS, level.visibility.sensor)
         yield "Robot knows", Choice("memory", _MEMORIES, level.visibility.memory)
+        yield "Shared names", Text("shared_names", ", ".join(level.shared_names))
         yield "Briefing", Lines("briefing", level.briefing)
         yield "Hints", Lines("hints", "\n\n".join(level.hints))
 
@@ -177,7 +178,8 @@ class LevelForm(Form):
         left = int((width - level.width) * share)
         top = int((height - level.height) * share)
         changed = resize(level, width, height, left=left, top=top, wall=values["wall"])
-        briefing, hints = values["briefing"], values["hints"]
+        briefing, hints, shared = values["briefing"], values["hints"], values["shared_names"]
+        names = tuple(name.strip() for name in shared.split(",") if name.strip())
         hint_list = tuple(hint.strip() for hint in hints.split("\n\n") if hint.strip())
         changed = set_words(
             changed,
@@ -186,6 +188,7 @@ class LevelForm(Form):
             briefing=level.briefing if briefing == level.briefing.strip() else briefing,
             hints=level.hints if hints == "\n\n".join(level.hints).strip() else hint_list,
             visibility=Visibility(values["memory"], values["sensor"]),
+            shared_names=(level.shared_names if shared == ", ".join(level.shared_names) else names),
         )
         self._editor.change_level("level", changed)
 

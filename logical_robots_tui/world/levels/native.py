@@ -48,6 +48,7 @@ _TOP_KEYS = (
     "starter",
     "solution",
     "visibility",
+    "shared_names",
     "robots",
     "beacons",
     "areas",
@@ -108,7 +109,7 @@ def read_native(text: str, name: str, source: str) -> Level:
 
 
 class Words(TypedDict):
-    """A level's texts for the player, and what its programs may see."""
+    """A level's texts, what its programs may see, and names that are meant to be shared."""
 
     title: str
     idea: str
@@ -119,10 +120,11 @@ class Words(TypedDict):
     starter: str
     solution: str
     visibility: Visibility
+    shared_names: tuple[str, ...]
 
 
 def read_words(top: Fields) -> Words:
-    """Read the texts and the visibility of a level."""
+    """Read the texts, the visibility and the shared names of a level."""
     return Words(
         title=top.name("title"),
         idea=top.name("idea", ""),
@@ -133,6 +135,7 @@ def read_words(top: Fields) -> Words:
         starter=top.name("starter", ""),
         solution=top.name("solution", ""),
         visibility=_visibility(top.table("visibility")),
+        shared_names=top.names("shared_names"),
     )
 
 

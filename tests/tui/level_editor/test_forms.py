@@ -57,12 +57,14 @@ async def test_properties_are_set_in_forms_with_the_choices_there_are(
         form.query_one("#briefing", TextArea).text = "Go there."
         form.query_one("#hints", TextArea).text = "Turn.\n\nGo on."
         form.query_one("#sensor", Select).value = "all"
+        form.query_one("#shared_names", Input).value = "Lamp,  red light"
         await s.press("f2")
         await game.until(lambda: game.app.screen is game.main)
         assert s.live.width == 300
         assert s.live.briefing == "Go there."
         assert s.live.hints == ("Turn.", "Go on.")
         assert s.live.visibility == Visibility("own", "all")
+        assert s.live.shared_names == ("Lamp", "red light")
 
 
 async def test_the_form_of_a_robot_under_way_moves_what_was_changed(

@@ -1,0 +1,98 @@
+"""A class without solutions: each stays hidden until the player has won its level."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import pytest
+
+from logical_robots_tui.errors import InputError
+from logical_robots_tui.game import list_programs, load_program
+from logical_robots_tui.game.source import hide_solutions
+from logical_robots_tui.progress import FILE_NAME, Progress
+from logical_robots_tui.shipped import shipped_folder, shipped_names
+from logical_robots_tui.world import list_levels, load_level
+from tests.cli.running import in_terminal
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from tests.cli.running import Command
+
+SOLUTIONS = {load_level(name).solution: name for name in list_levels()}
+
+
+@pytest.fixture(autouse=True)
+def _for_this_test_only(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("logical_robots_tui.game.source._hiding", [])
+
+
+@pytest.fixture
+def progress(tmp_path: Path) -> Progress:
+    return Progress(tmp_path / "data" / FILE_NAME)
+
+
+def listed(command: Command, folder: Path, *options: str) -> set[str]:
+    told = command("programs", "--json", "--data-dir", folder, *options)
+    return {program["name"] for program in told.data}
+
+
+def test_the_list_of_programs_leaves_out_solutions(
+    command: Command, progress: Progress, tmp_path: Path
+) -> None:
+    everything = set(shipped_names("programs", ".l"))
+    assert listed(command, tmp_path / "data") == everything
+    progress.win("02-open-space", "text")
+    hidden = set(SOLUTIONS) - {"open-space"}
+    assert listed(command, tmp_path / "data", "--no-solutions") == everything - hidden
+
+
+def test_a_variable_of_the_environment_hides_them_too(
+    command: Command, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    monkeypatch.setenv("LOGICAL_ROBOTS_NO_SOLUTIONS", "1")
+    assert not listed(command, tmp_path) & set(SOLUTIONS)
+
+
+@pytest.mark.parametrize("name", SOLUTIONS)
+def test_a_solution_can_be_read_when_its_level_is_won(
+    name: str, progress: Progress, tmp_path: Path
+) -> None:
+    hide_solutions(progress)
+    file = shipped_folder("programs") / f"{name}.l"
+    link = tmp_path / "mine.l"
+    link.symlink_to(file)
+    for way in (name, file, link):
+        with pytest.raises(InputError, match="not won yet") as caught:
+            load_program(way)
+        assert SOLUTIONS[name] in caught.value.hint
+    assert name not in list_programs()
+    progress.win(SOLUTIONS[name], "text")
+    assert load_program(link).text == load_program(name).text == file.read_text("utf-8")
+    assert name in list_programs()
+
+
+def test_everything_else_can_be_read(progress: Progress) -> None:
+    hide_solutions(progress)
+    for name in set(shipped_names("programs", ".l")) - set(SOLUTIONS):
+        assert load_program(name).shipped
+
+
+def test_the_game_in_lines_opens_no_solution(command: Command, tmp_path: Path) -> None:
+    told = command(
+        "play", "01-first-steps", "first-steps", "--plain", "--no-solutions", "--data-dir", tmp_path
+    )
+    assert told.status == 2
+    assert "the solution of a level that you have not won yet" in told.err
+    assert "Win 01-first-steps" in told.err
+
+
+def test_the_game_on_a_screen_shows_no_solution(tmp_path: Path) -> None:
+    with in_terminal(
+        *("play", "01-first-steps", "--no-solutions", "--data-dir", tmp_path), size=(100, 40)
+    ) as terminal:
+        terminal.wait_for("· applied")
+        terminal.send("W")
+        terminal.wait_for("You can read the reference")
+        terminal.send("q")
+        assert terminal.finish() == 0
