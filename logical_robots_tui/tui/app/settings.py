@@ -50,6 +50,7 @@ class Settings(NamedTuple):
         trails: Whether to show trails.
         completion: Whether a dot or a capital letter opens the list of words.
         wrap: Whether lines of the program that are too long for the pane are wrapped.
+        drag_robots: Whether the mouse drags robots, or only the map.
         keys: Changed keys, in Textual's names, by id of the command.
         complaints: Errors in the file, each with its place.
     """
@@ -61,6 +62,7 @@ class Settings(NamedTuple):
     trails: bool = True
     completion: bool = True
     wrap: bool = True
+    drag_robots: bool = True
     keys: Mapping[str, tuple[str, ...]] = MappingProxyType({})
     complaints: tuple[str, ...] = ()
 
@@ -113,6 +115,7 @@ def _settings(found: dict[str, Any], complain: Complain) -> Settings:
         "trails": _truth,
         "completion": _truth,
         "wrap": _truth,
+        "drag_robots": _truth,
         "keys": lambda value: _keys(value, complain),
     }
     taken: dict[str, Any] = {}
@@ -213,6 +216,7 @@ def as_toml(settings: Settings) -> str:
         _set("trails", settings.trails),
         _set("completion", settings.completion),
         _set("wrap", settings.wrap),
+        _set("drag_robots", settings.drag_robots),
         "",
         "[keys]",
     ]
