@@ -95,7 +95,7 @@ Verdict: TypeAlias = Literal["counts", "reference", "clock", "edited"]
 
 _REFUSALS: dict[Verdict, str] = {
     "clock": "A thought was ended by the clock on the way: this victory is not kept.",
-    "edited": "The level was changed by hand: this victory is not kept.",
+    "edited": "The level was changed or a robot moved by hand: this victory is not kept.",
 }
 
 

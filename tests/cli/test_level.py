@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import re
+from collections import Counter
+from html import escape
 from typing import TYPE_CHECKING
 from xml.etree import ElementTree as ET
 
 import pytest
 
-from logical_robots_tui import load_level
+from logical_robots_tui import list_levels, load_level
 from logical_robots_tui.shipped import shipped_folder
 from logical_robots_tui.world.level import alike
 from tests.cli.running import in_terminal
@@ -189,6 +191,20 @@ def test_into_a_pipe_a_level_is_drawn_with_plain_characters(command: Command) ->
     assert told.out.isascii()
     assert "Otter" in told.out
     assert len({len(line) for line in told.out.splitlines()}) == 1
+
+
+@pytest.mark.parametrize("name", list_levels())
+def test_a_picture_has_the_names_of_beacons_and_areas(
+    name: str, command: Command, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    monkeypatch.setenv("COLUMNS", "100")
+    level, path = load_level(name), tmp_path / "level.svg"
+    drawn = command("level", "show", name).out
+    assert command("level", "show", name, "--svg", path).status == 0
+    for kind in (level.beacons, level.areas):
+        for wanted, times in Counter(each.name for each in kind).items():
+            assert drawn.count(wanted) >= times
+            assert path.read_text("utf-8").count(f">{escape(wanted)}<") >= times
 
 
 def test_a_terminal_shows_a_level_in_colours_as_large_as_fits() -> None:

@@ -247,8 +247,12 @@ class Levels:
         return any(changed <= tick for changed in self._ticks[1:])
 
     def change(self, tick: int, level: Level) -> None:
-        """Set the level from the end of a tick on, which must not precede the latest change."""
-        if tick > self._ticks[-1]:
+        """Set the level from the end of a tick on, which must not precede the latest change.
+
+        The same level means that robots were moved, which is a change at the start as well.
+        """
+        is_moved_at_start = level is self._latest and len(self._ticks) == 1
+        if tick > self._ticks[-1] or is_moved_at_start:
             self._earlier.append(_Packed.of(self._latest))
             self._ticks.append(tick)
         self._latest = level

@@ -138,6 +138,7 @@ class LogicalRobotsApp(DiffApp, inherit_bindings=False):
         self.main.scheduler.rate.frames = settings.frames
         view = self.main.labyrinth.view
         view.rays, view.trails = settings.cones, settings.trails
+        view.drags_robots = settings.drag_robots
         self.main.program.editor.completes = settings.completion
         for complaint in settings.complaints[:_COMPLAINTS]:
             self.main.warn(complaint)

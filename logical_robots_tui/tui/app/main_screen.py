@@ -24,6 +24,7 @@ from logical_robots_tui.tui.inspector.pages.robots import RobotsView
 from logical_robots_tui.tui.inspector.pane import InspectorPane
 from logical_robots_tui.tui.inspector.predicate_list import DECISION, ROBOTS, WATCH, WHY
 from logical_robots_tui.tui.labyrinth.pane import LabyrinthPane
+from logical_robots_tui.tui.labyrinth.robot_drag import RobotPut
 from logical_robots_tui.tui.labyrinth.victory import VictoryAnnouncer
 from logical_robots_tui.tui.labyrinth.view import LabyrinthView
 from logical_robots_tui.tui.layout.arrangement import LEAST_HEIGHT, LEAST_WIDTH, Arrangement, Layout
@@ -141,12 +142,7 @@ class MainScreen(Screen[None], SessionListener):
             session, ui, data_dir / "levels", self.drafts, self.library.open_level, self._panel
         )
         self.bookmark = Bookmark(
-            session,
-            self.drafts,
-            ui,
-            self.library.open_level,
-            self.library.open_program,
-            self.labyrinth.close_briefing,
+            session, self.drafts, ui, self.library.open_level, self.library.open_program
         )
         self.offers = Offers(ui, lambda: self.is_active)
         self.learning = LearningController(
@@ -193,7 +189,7 @@ class MainScreen(Screen[None], SessionListener):
         self.recorder.attach(self.ui, changed=self.scheduler.soon, measured=self.announcer.measured)
         self.set_focus(self.labyrinth)
         self.set_interval(_HEARTBEAT, self._beat)
-        self.level_opened(self.session.level)
+        self.announcer.level_opened(self.session.level)
         self._draw()
         self.call_after_refresh(self._start)
 
@@ -228,9 +224,8 @@ class MainScreen(Screen[None], SessionListener):
         return self.program.text
 
     def level_opened(self, level: Level) -> None:
-        """Show the level's briefing."""
+        """Show the level with no robot selected."""
         self.labyrinth.select(None)
-        self.labyrinth.briefing.tell(level)
         self.scheduler.soon()
 
     def quit(self) -> None:
@@ -364,6 +359,10 @@ class MainScreen(Screen[None], SessionListener):
         self._select(event.name)
         if self.inspector.inspected not in (DECISION, WHY, WATCH):
             self.inspector.inspect(ROBOTS)
+
+    @on(RobotPut)
+    def _robot_put(self, event: RobotPut) -> None:
+        self.session.put(event.name, event.pose)
 
     @on(Sighted)
     def _sight_pointed(self, event: Sighted) -> None:

@@ -255,6 +255,10 @@ class Session:
             self.levels.shown, self.frame = level, start_frame(level)
             self._changed()
 
+    def put(self, robot_name: str, pose: Pose) -> None:
+        """Put a robot elsewhere at the end of the current tick; its start stays the same."""
+        self.change_level(self.level, {robot_name: pose})
+
     def restart(self) -> None:
         """Start the level again, paused."""
         self.pause()

@@ -146,7 +146,7 @@ def properties(mode: EditMode) -> None:
     if ref is None or mode.editor.thing is None:
         mode.ui.warn(with_keys("Select an object first: click it, or press {next_object}."))
     else:
-        mode.ui.show(ThingForm(mode.editor, ref), lambda _: mode.redraw())
+        mode.ui.show(ThingForm(mode.editor, ref, mode.session.put), lambda _: mode.redraw())
 
 
 @editing.command("Duplicate", "d")

@@ -68,7 +68,7 @@ def leave(screen: MainScreen) -> None:
     if screen.arrangement.active is screen.labyrinth:
         screen.labyrinth.select(None)
         screen.labyrinth.banner.display = False
-        screen.labyrinth.briefing.display = False
+        screen.labyrinth.close_briefing()
     screen.go_to(screen.labyrinth)
 
 

@@ -46,7 +46,13 @@ class Overlay(Static):
     def on_click(self, event: events.Click) -> None:
         """Close."""
         event.stop()
-        self.display = False
+        self.close()
+
+    def close(self) -> None:
+        """Hide, and repaint what was below: Textual's layout alone may leave it on the screen."""
+        if self.display:
+            self.display = False
+            self.call_after_refresh(self.screen.refresh)
 
 
 class VictoryBanner(Overlay):
@@ -145,18 +151,21 @@ _LABEL = 11
 
 
 def results_lines(recorder: ProgressRecorder) -> list[Content]:
-    """Return lines of equal width: titles, then the victory, the bests and the reference.
+    """Return lines of equal width: titles, the victory, the bests, the reference and the trial.
 
-    A new best is marked with a star; unknown values are a dot.
+    If several programs won together, the last one alone is measured, from the start. A new best is
+    marked with a star; unknown values are a dot.
     """
     rows = [_row("", _TITLES, INK.dim)]
     if recorder.latest is not None and not recorder.is_reference:
-        rows.append(_latest(recorder.latest, recorder.former, recorder.trial))
-    elif recorder.trial is not None:
-        rows.append(_row("this run", ("·", "·", "·", _trial(recorder.trial)), INK.text))
+        label = "from start" if recorder.is_mixed else "this run"
+        rows.append(_latest(label, recorder.latest, recorder.former, recorder.trial))
     rows.append(_row("your bests", _numbers(recorder.record.bests), INK.text))
     if recorder.reference is not None:
         rows.append(_row("reference", _numbers(recorder.reference), INK.dim))
+    if recorder.trial is not None:
+        told = f"trial of shifted starts: {recorder.trial.tried} so far …"
+        rows.append(Content.styled(f"{told:^{_LABEL + sum(_WIDTHS)}}", INK.dim))
     return rows
 
 
@@ -172,7 +181,7 @@ def brief(bests: Bests, width: int) -> str:
     return told if len(told) <= width else "  ".join(parts)
 
 
-def _latest(latest: Measures, former: Bests, trial: Trial | None) -> Content:
+def _latest(label: str, latest: Measures, former: Bests, trial: Trial | None) -> Content:
     cells = list(_numbers(latest))
     fresh = [
         former.ticks is None or latest.ticks < former.ticks,
@@ -181,8 +190,8 @@ def _latest(latest: Measures, former: Bests, trial: Trial | None) -> Content:
         latest.wins is not None and (former.wins is None or latest.wins > former.wins),
     ]
     if trial is not None and latest.wins is None:
-        cells[3] = _trial(trial)
-    row = Content.styled(f"{'this run':<{_LABEL}}", f"bold {INK.key}")
+        cells[3] = "…"
+    row = Content.styled(f"{label:<{_LABEL}}", f"bold {INK.key}")
     for cell, width, is_fresh in zip(cells, _WIDTHS, fresh, strict=True):
         style = f"bold {INK.good}" if is_fresh else INK.text
         row = row.append(Content.styled(f"{cell:>{width - 2}}{' ★' if is_fresh else '  '}", style))
@@ -202,7 +211,3 @@ def _numbers(found: Bests | Measures) -> tuple[str, str, str, str]:
 
 def _number(value: int | None) -> str:
     return "·" if value is None else str(value)
-
-
-def _trial(trial: Trial) -> str:
-    return f"{trial.wins} of {trial.tried}…" if trial.tried else "trying…"

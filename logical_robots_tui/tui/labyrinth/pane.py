@@ -13,6 +13,7 @@ from logical_robots_tui.tui.commands.keymap import command
 from logical_robots_tui.tui.inspector.widgets.cells import written
 from logical_robots_tui.tui.labyrinth.banner import Overlay, VictoryBanner
 from logical_robots_tui.tui.labyrinth.camera import Sight
+from logical_robots_tui.tui.labyrinth.robot_drag import RobotPointed
 from logical_robots_tui.tui.labyrinth.view import LabyrinthView
 from logical_robots_tui.tui.layout.pane import Pane
 from logical_robots_tui.tui.theme.safe_text import clip, one_line, visible
@@ -49,6 +50,7 @@ class LabyrinthPane(Pane, can_focus=True):
         self.briefing = Briefing()
         self.banner = VictoryBanner()
         self._shown: tuple[Level, Frame] | None = None
+        self._pointed: str | None = None
         super().__init__(self.view, self.card, self.briefing, self.banner, title="Labyrinth")
 
     def on_mount(self) -> None:
@@ -62,17 +64,24 @@ class LabyrinthPane(Pane, can_focus=True):
         self.select(self.view.selected)
 
     def select(self, robot_name: str | None) -> None:
-        """Highlight a robot and show its card; None for no robot."""
+        """Highlight a robot, and show its card or that of the one under the pointer."""
         self.view.selected = robot_name
         if self._shown is None:
             return
         level, frame = self._shown
-        robot = next((each for each in frame.after.robots if each.name == robot_name), None)
+        name = robot_name if self._pointed is None else self._pointed
+        robot = next((each for each in frame.after.robots if each.name == name), None)
         view = self.view.view
         middle = view.left + view.width / 2 if view else 0.0
         on_the_left = robot is not None and robot.x < middle
-        shown = None if self.view.camera.sight is Sight.SENSES else robot_name
+        shown = None if self.view.camera.sight is Sight.SENSES else name
         self.card.show(level, frame, shown, on_the_left=on_the_left)
+
+    @on(RobotPointed)
+    def _robot_pointed(self, event: RobotPointed) -> None:
+        """Show the card of the robot under the pointer."""
+        self._pointed = event.name
+        self.select(self.view.selected)
 
     @on(LabyrinthView.Looked)
     def _looked(self) -> None:
@@ -90,7 +99,7 @@ class LabyrinthPane(Pane, can_focus=True):
 
     def close_briefing(self) -> None:
         """Hide the briefing."""
-        self.briefing.display = False
+        self.briefing.close()
 
     def action_pan(self, across: int, down: int) -> None:
         """Pan the view by an eighth."""
@@ -103,12 +112,16 @@ class LabyrinthPane(Pane, can_focus=True):
 
 
 class Briefing(Overlay):
-    """The briefing, until the game runs or the player closes it."""
+    """The briefing at the start, until the game runs or the player closes it.
+
+    It covers the half of the labyrinth with fewer robots and areas.
+    """
 
     DEFAULT_CSS = """
     Briefing {
-        layer: picture; dock: bottom; padding: 0 1; max-height: 50%; border-top: solid $ink-faint;
+        dock: bottom; padding: 0 1; max-height: 50%; border-top: solid $ink-faint;
     }
+    Briefing.-top { dock: top; border-top: none; border-bottom: solid $ink-faint; }
     """
 
     def __init__(self) -> None:
@@ -118,6 +131,9 @@ class Briefing(Overlay):
     def tell(self, level: Level) -> None:
         """Show the briefing of a level, if it has one."""
         self._has_text = bool(level.briefing.strip())
+        down = [*(robot.y for robot in level.robots), *(area.y for area in level.areas)]
+        below = sum(y > level.height / 2 for y in down)
+        self.set_class(2 * below > len(down), "-top")
         text = "\n".join(visible(line) for line in level.briefing.strip().splitlines())
         offers = {"run": "runs", "briefing": "hides this"}
         if level.hints:
@@ -136,7 +152,10 @@ class Briefing(Overlay):
 
     def toggle(self) -> bool:
         """Show or hide it; return False if there is nothing to show."""
-        self.display = self._has_text and not self.display
+        if self.display:
+            self.close()
+        else:
+            self.display = self._has_text
         return self._has_text
 
 

@@ -1,4 +1,4 @@
-"""Announcing victories."""
+"""Announcing the task of a level, and victories."""
 
 from __future__ import annotations
 
@@ -10,6 +10,7 @@ from logical_robots_tui.tui.theme.safe_text import one_line
 if TYPE_CHECKING:
     from collections.abc import Callable
 
+    from logical_robots_tui.game import Frame
     from logical_robots_tui.game.victory import Victory
     from logical_robots_tui.progress import Measures
     from logical_robots_tui.tui.app.session import Session
@@ -21,7 +22,7 @@ __all__ = ["VictoryAnnouncer"]
 
 
 class VictoryAnnouncer(SessionListener):
-    """Announces each victory once, after it has been recorded.
+    """Shows the briefing at the start, and announces each victory once, after it is recorded.
 
     Args:
         session: The session.
@@ -43,15 +44,30 @@ class VictoryAnnouncer(SessionListener):
         self._tell, self._is_hidden = tell, is_hidden
         self._waiting: Victory | None = None
         self._is_held = False
+        self._tick = 0
 
     def level_opened(self, level: Level) -> None:
-        """Hide the banner."""
+        """Show the briefing and hide the banner."""
         self.restarted()
 
     def restarted(self) -> None:
-        """Hide the banner."""
+        """Show the briefing and hide the banner."""
         self._waiting = None
         self._pane.banner.display = False
+        self._brief()
+
+    def tick_shown(self, frame: Frame) -> None:
+        """Show the briefing whenever the start is shown, and hide it afterwards."""
+        before, self._tick = self._tick, frame.tick
+        if before and not frame.tick:
+            self._brief()
+        elif frame.tick and not before:
+            self._pane.close_briefing()
+
+    def _brief(self) -> None:
+        self._tick = 0
+        if not self._is_held:
+            self._pane.briefing.tell(self._session.level)
 
     def won(self, victory: Victory) -> None:
         """Announce a victory, now or when the level is no longer edited."""
@@ -65,6 +81,8 @@ class VictoryAnnouncer(SessionListener):
         A victory meanwhile is announced if it still holds.
         """
         self._is_held = is_held
+        if not self._tick:
+            self._brief()
         if not is_held and self._session.won_at is not None:
             self._announce()
 
@@ -85,7 +103,7 @@ class VictoryAnnouncer(SessionListener):
         if victory is None:
             return
         who = "You are there" if len(victory.level.robots) == 1 else "Everybody is there"
-        self._pane.briefing.display = False
+        self._pane.close_briefing()
         if victory.refusal:
             self._tell(victory.refusal)
         self._pane.banner.celebrate(victory.tick, who, self._recorder)

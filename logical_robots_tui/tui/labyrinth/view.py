@@ -22,11 +22,10 @@ from logical_robots_tui.tui.labyrinth.drawing.palette import Palette
 from logical_robots_tui.tui.labyrinth.drawing.picture import Picture
 from logical_robots_tui.tui.labyrinth.drawing.robot_view import draw_senses
 from logical_robots_tui.tui.labyrinth.drawing.thin_lines import Traces
-from logical_robots_tui.tui.labyrinth.drawing.viewport import CELL_ASPECT, Viewport
+from logical_robots_tui.tui.labyrinth.robot_drag import Grip, RobotPointed, robot_near
 from logical_robots_tui.tui.terminal.direct_paint import paint_target_of
 from logical_robots_tui.tui.terminal.textual_internals import mark_rendered_stale
 from logical_robots_tui.tui.theme.themes import palette_of
-from logical_robots_tui.world.sensing import ROBOT_RADIUS
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -38,18 +37,14 @@ if TYPE_CHECKING:
     from logical_robots_tui.game.frame import Frame
     from logical_robots_tui.tui.labyrinth.camera import Overlay
     from logical_robots_tui.tui.labyrinth.drawing.glyphs import Highlight
+    from logical_robots_tui.tui.labyrinth.drawing.viewport import Viewport
+    from logical_robots_tui.world import RobotState
     from logical_robots_tui.world.level import Level
 
 __all__ = ["LabyrinthView"]
 
-_PICK_REACH = 2.5
-"""Columns beside a robot within which a click selects it."""
-
-_CROWD = 30
-"""Robots from which their light is left out while an overlay is drawn."""
-
-_BEAT = 0.35
-"""Seconds between changes of a beacon's brightness while the robots run."""
+_CROWD = 30  # robots from which their light is left out while an overlay is drawn
+_BEAT = 0.35  # seconds between changes of a beacon's brightness while the robots run
 
 
 class LabyrinthView(Widget):
@@ -64,17 +59,13 @@ class LabyrinthView(Widget):
         trails: Whether to show trails.
         drawing: The characters to draw with.
         selected: Name of the selected robot, or None.
+        drags_robots: Whether a drag that begins at a robot moves it, and not the map.
         camera: What is shown. ``view`` is the resulting part of the map, and converts cells of this
             widget to map units and back.
         palette: The colours, or None for those of the theme.
     """
 
-    DEFAULT_CSS = """
-    LabyrinthView {
-        width: 1fr;
-        height: 1fr;
-    }
-    """
+    DEFAULT_CSS = "LabyrinthView { width: 1fr; height: 1fr; }"
     ALLOW_SELECT: ClassVar[bool] = False
 
     rays: reactive[bool] = reactive(True, repaint=False)
@@ -109,10 +100,12 @@ class LabyrinthView(Widget):
         self._cells = self._picture.cells
         self._strips: dict[int, Strip] = {}
         self.overlay: Overlay | None = None
+        self.drags_robots = True
         self._highlight: tuple[Highlight, Frame] | None = None
         self._held: Offset | None = None
-        self._is_dragged = False
-        self._is_drawing = False
+        self._is_dragged = self._is_drawing = False
+        self._grip: Grip | None = None
+        self._pointed: str | None = None
 
     @property
     def view(self) -> Viewport | None:
@@ -190,11 +183,10 @@ class LabyrinthView(Widget):
 
     def _followed(self, *, at_once: bool = False) -> Camera:
         """Return the camera with the selected robot in view, if it is followed."""
-        if self.view is not None and self._frame is not None:
-            for robot in self._frame.after.robots:
-                if robot.name == self.selected and math.isfinite(robot.x + robot.y):
-                    return self.camera.following(robot.x, robot.y, self.view, at_once=at_once)
-        return self.camera
+        robot = self._robot(self.selected)
+        if self.view is None or robot is None or not math.isfinite(robot.x + robot.y):
+            return self.camera
+        return self.camera.following(robot.x, robot.y, self.view, at_once=at_once)
 
     def _look(self, camera: Camera) -> None:
         """Use a camera without drawing yet."""
@@ -207,14 +199,8 @@ class LabyrinthView(Widget):
         view, frame = self.view, self._frame
         if view is None or frame is None or self.camera.sight is Sight.SENSES:
             return None
-        x, y = view.position(row, column)
-        reach = max(_PICK_REACH * view.units, ROBOT_RADIUS + CELL_ASPECT * view.units / 2)
-        found = [
-            (distance, robot.name)
-            for robot in frame.after.robots
-            if (distance := math.hypot(robot.x - x, robot.y - y)) <= reach
-        ]
-        return min(found)[1] if found else None
+        robot = robot_near(frame.after.robots, *view.position(row, column), view.units)
+        return None if robot is None else robot.name
 
     def get_line_filters(self) -> Sequence[LineFilter]:
         """Return all filters except the conversion to true colour, which cells already have."""
@@ -315,18 +301,19 @@ class LabyrinthView(Widget):
             self.post_message(self.RobotPicked(name))
 
     def on_mouse_down(self, event: events.MouseDown) -> None:
-        """Start to drag the map, or what is edited."""
+        """Start to drag a robot, the map, or what is edited."""
         if self.overlay is not None and event.button == 1 and (at := self._point(event)):
             self._is_drawing = True
             self.capture_mouse()
             self.overlay.press(*at)
             return
         self._held, self._is_dragged = event.screen_offset, False
+        self._grip = self._grip_at(event) if self.drags_robots else None
         self.capture_mouse()
 
     def on_mouse_up(self) -> None:
         """Stop dragging."""
-        self._held = None
+        self._held = self._grip = None
         self.release_mouse()
         if self._is_drawing and self.overlay is not None:
             self.overlay.release()
@@ -338,11 +325,37 @@ class LabyrinthView(Widget):
             if at := self._point(event):
                 self.overlay.hover(*at, is_held=self._is_drawing)
             return
+        if self._held is None:
+            self._point_at(self.robot_at(event.x, event.y))
         if self._held is None or event.screen_offset == self._held:
             return
         moved = self._held - event.screen_offset
         self._held, self._is_dragged = event.screen_offset, True
-        self.pan(moved.x, moved.y)
+        if self._grip is None:
+            self.pan(moved.x, moved.y)
+        elif (robot := self._robot(self._grip.name)) and (at := self._point(event)):
+            self.post_message(self._grip.put(robot, *at))
+
+    def on_leave(self) -> None:
+        """Point at no robot."""
+        self._point_at(None)
+
+    def _point_at(self, name: str | None) -> None:
+        if name != self._pointed:
+            self._pointed = name
+            self.post_message(RobotPointed(name))
+
+    def _robot(self, name: str | None) -> RobotState | None:
+        robots = self._frame.after.robots if self._frame else ()
+        return next((robot for robot in robots if robot.name == name), None)
+
+    def _grip_at(self, event: events.MouseDown) -> Grip | None:
+        """Return how the pointer holds the robot there, if there is one."""
+        robot, at = self._robot(self.robot_at(event.x, event.y)), self._point(event)
+        if robot is None or at is None:
+            return None
+        is_turned = event.button != 1 or event.ctrl
+        return Grip(robot.name, at[0] - robot.x, at[1] - robot.y, is_turned)
 
     def on_mouse_scroll_up(self, event: events.MouseScrollUp) -> None:
         """Zoom in at the pointer."""

@@ -43,7 +43,7 @@ STOPS = (
         "labyrinth",
         "The labyrinth",
         "Your robots from above, and the light that they sense by. "
-        "Bring them into the green area. The briefing below explains the task.",
+        "Bring them into the green area. The briefing explains the task.",
     ),
     Stop(
         "editor",

@@ -75,9 +75,7 @@ class LevelEditor:
         self.selected: Ref | None = None
         self.cursor: Point = (float(edits.level.width // 2), float(edits.level.height // 2))
         self.stroke: Stroke | None = None
-        self._state = state
-        self._tell_changed = changed
-        self._complain = complain
+        self._state, self._tell_changed, self._complain = state, changed, complain
 
     @property
     def level(self) -> Level:
@@ -88,6 +86,11 @@ class LevelEditor:
     def standing(self) -> Level:
         """The level with its robots at their current places."""
         return as_it_stands(self.level, self._state())
+
+    @property
+    def is_under_way(self) -> bool:
+        """Whether the robots have left their starts."""
+        return self._state().tick > 0
 
     @property
     def thing(self) -> Thing | None:
@@ -195,14 +198,17 @@ class LevelEditor:
             self._changed()
         return what
 
-    def set_values(self, ref: Ref, values: dict[str, Any], *, what: str = "properties") -> None:
-        """Set properties of a thing.
+    def set_values(self, ref: Ref, values: dict[str, Any]) -> None:
+        """Set properties of a thing; a robot under way stays where it is.
 
         Raises:
             LevelError: They are invalid.
         """
         self._note_pose(ref)
-        if self.edits.do(what, things.change(self.level, ref, **values)):
+        level = things.change(self.level, ref, **values)
+        if ref.kind == "robots" and self.is_under_way:
+            self.poses.note(level.robots[ref.index], self.standing.robots[ref.index])
+        if self.edits.do("properties", level):
             self._changed()
 
     def change_level(self, what: str, level: Level) -> None:

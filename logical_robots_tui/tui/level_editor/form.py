@@ -9,6 +9,7 @@ from textual import on
 from textual.binding import Binding
 from textual.containers import Horizontal, VerticalScroll
 from textual.content import Content
+from textual.message import Message
 from textual.widgets import Button, Checkbox, Input, OptionList, Select, Static, TextArea
 
 from logical_robots_tui.tui.layout.dialogs import Dialog, Listing
@@ -75,7 +76,7 @@ class Lines(TextArea):
 
 
 class Choice(Select[str]):
-    """One of several names.
+    """One of several names; the space bar and the down key list them.
 
     Args:
         name: Its id.
@@ -83,6 +84,13 @@ class Choice(Select[str]):
         value: The chosen name; it can be chosen even if it is missing.
         nothing: The label for no name, or "" if one must be chosen.
     """
+
+    BINDINGS: ClassVar[list[Binding | tuple[str, str] | tuple[str, str, str]]] = [
+        Binding("enter", "submit", show=False),
+    ]
+
+    class Submitted(Message):
+        """Enter was pressed while the list was closed."""
 
     def __init__(self, name: str, labels: Mapping[str, str], value: str, nothing: str = "") -> None:
         options = [(Content(one_line(label)), each) for each, label in labels.items()]
@@ -100,6 +108,10 @@ class Choice(Select[str]):
     def read(self) -> str:
         """Return the name, or ""."""
         return "" if self.value is Select.NULL else str(self.value)
+
+    def action_submit(self) -> None:
+        """Post that enter was pressed."""
+        self.post_message(self.Submitted())
 
 
 class Flag(Checkbox):
@@ -168,6 +180,9 @@ class Form(Dialog[bool]):
 
     Args:
         title: The title of the box.
+
+    Attributes:
+        verb: The label of the button that applies the fields.
     """
 
     DEFAULT_CSS = """
@@ -193,7 +208,8 @@ class Form(Dialog[bool]):
         Binding("f2", "take", show=False, priority=True),
     ]
 
-    keys = "tab next   F2 or enter apply   esc close"
+    keys = "tab next   F2 or enter apply   esc cancel"
+    verb: ClassVar[str] = "Apply"
 
     def __init__(self, title: str) -> None:
         super().__init__(title)
@@ -220,8 +236,8 @@ class Form(Dialog[bool]):
                     yield Static(label, classes="label", markup=False)
                     yield field
         with Horizontal(id="buttons"):
-            yield Button("Take", id="take", compact=True)
-            yield Button("Close", id="close", compact=True)
+            yield Button(self.verb, id="take", compact=True)
+            yield Button("Cancel", id="close", compact=True)
 
     def on_mount(self) -> None:
         """Stop the cursors from blinking."""
@@ -229,6 +245,14 @@ class Form(Dialog[bool]):
             line.cursor_blink = False
 
     @on(Input.Submitted)
+    @on(Choice.Submitted)
+    def _submitted(self) -> None:
+        self.field_entered()
+
+    def field_entered(self) -> None:
+        """Handle the enter key in a field."""
+        self.action_take()
+
     @on(Button.Pressed, "#take")
     def action_take(self) -> None:
         """Apply the fields, or show what is wrong."""

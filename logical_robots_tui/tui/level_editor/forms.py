@@ -7,17 +7,17 @@ import math
 from dataclasses import replace
 from functools import partial
 from random import randrange
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from textual import on
 from textual.content import Content
 from textual.suggester import SuggestFromList
-from textual.widgets import OptionList, Select
+from textual.widgets import Button, OptionList, Select
 from textual.widgets.option_list import Option
 
 from logical_robots_tui.editing.checks import Finding
 from logical_robots_tui.editing.properties import resize, set_words
-from logical_robots_tui.editing.things import Ref
+from logical_robots_tui.editing.things import Ref, change
 from logical_robots_tui.editing.things import thing as thing_of
 from logical_robots_tui.tui.layout.dialogs import Dialog, Listing
 from logical_robots_tui.tui.level_editor.form import Choice, Flag, Form, Lines, Number, Text, Ticks
@@ -36,6 +36,7 @@ if TYPE_CHECKING:
     from logical_robots_tui.tui.app.ui import Ui
     from logical_robots_tui.tui.level_editor.editor import LevelEditor
     from logical_robots_tui.tui.level_editor.form import Field
+    from logical_robots_tui.world.changing import Pose
 
 __all__ = ["FindingList", "LevelForm", "NewLevelForm", "ThingForm", "ask_for_level"]
 
@@ -43,31 +44,46 @@ _COLOURS = (
     *("red", "orange", "gold", "yellow", "lime", "green", "teal", "cyan", "skyblue", "royalblue"),
     *("purple", "violet", "magenta", "pink", "brown", "white", "gray", "black"),
 )
+_POSE = ("x", "y", "angle")
 _TITLES = {"robots": "Robot", "beacons": "Beacon", "areas": "Area"}
 
 
 class ThingForm(Form):
     """Edits the properties of one thing; the fields have the names of its attributes.
 
+    While a robot is under way, its position and heading are those of the current tick, and its
+    start has fields of its own.
+
     Args:
         editor: The level editor.
         ref: The thing.
+        put: Puts a robot elsewhere at the current tick.
     """
 
-    def __init__(self, editor: LevelEditor, ref: Ref) -> None:
+    def __init__(self, editor: LevelEditor, ref: Ref, put: Callable[[str, Pose], None]) -> None:
         super().__init__(_TITLES[ref.kind])
         self._editor = editor
         self._ref = ref
         self._thing = thing_of(editor.level, ref)
+        self._put = put
+        self._is_moving = ref.kind == "robots" and editor.is_under_way
+        self._before: dict[str, Any] = {}
 
     def fields(self) -> Iterator[tuple[str, Field]]:
         """Yield the fields for this kind of thing."""
         thing = self._thing
         yield "Name", Text("name", thing.name)
-        yield "x", Number("x", thing.x, "x")
-        yield "y", Number("y", thing.y, "y")
+        now = thing_of(self._editor.standing, self._ref)
+        yield "x", Number("x", round(now.x, 2), "x")
+        yield "y", Number("y", round(now.y, 2), "y")
         if isinstance(thing, Robot):
-            yield "Heading", Number("angle", math.degrees(thing.angle), "The heading")
+            assert isinstance(now, Robot)
+            yield "Heading", Number("angle", round(math.degrees(now.angle), 2), "The heading")
+            if self._is_moving:
+                yield "Start x", Number("start_x", thing.x, "The start")
+                yield "Start y", Number("start_y", thing.y, "The start")
+                heading = math.degrees(thing.angle)
+                yield "Start heading", Number("start_angle", heading, "The heading at the start")
             yield "Colour", _colour(thing.color)
             yield "Battery", Flag("has_battery", "its engines need charge", value=thing.has_battery)
             capacity = Number("battery_capacity", thing.battery_capacity, "The capacity")
@@ -92,15 +108,29 @@ class ThingForm(Form):
             robots = [robot.name for robot in self._editor.level.robots]
             yield "Goal for", Ticks("victory_robots", robots, thing.victory_robots)
 
+    def on_mount(self) -> None:
+        """Remember the values, because only those that are changed are applied."""
+        super().on_mount()
+        self._before = self.values()
+
     def take(self) -> None:
-        """Apply the properties."""
-        values = self.values()
-        if isinstance(self._thing, Robot):
-            heading = values.pop("angle")
-            # What was not edited stays exactly as it was.
-            if f"{heading:.10g}" != f"{math.degrees(self._thing.angle):.10g}":
-                values["angle"] = math.radians(heading)
-        self._editor.set_values(self._ref, values)
+        """Apply the properties that were changed."""
+        editor, ref = self._editor, self._ref
+        values = {n: value for n, value in self.values().items() if value != self._before[n]}
+        for name in ("angle", "start_angle"):
+            if name in values:
+                values[name] = math.radians(values[name])
+        moved = {}
+        if self._is_moving:
+            moved = {name: values.pop(name) for name in _POSE if name in values}
+            values = {name.removeprefix("start_"): value for name, value in values.items()}
+            change(editor.level, ref, **moved)  # refuses what is out of range
+        editor.set_values(ref, values)
+        if moved:
+            now = thing_of(editor.standing, ref)
+            assert isinstance(now, Robot)
+            x, y, angle = (moved.get(name, getattr(now, name)) for name in _POSE)
+            self._put(now.name, (x, y, angle))
 
 
 def _colour(value: str) -> Text:
@@ -180,6 +210,9 @@ class NewLevelForm(Form):
         own: Folder of the player's levels.
     """
 
+    keys = "tab or enter next   F2 create   esc cancel"
+    verb = "Create"
+
     def __init__(self, names: list[str], here: str, own: Path) -> None:
         super().__init__("New level")
         self._names = names
@@ -206,6 +239,11 @@ class NewLevelForm(Form):
         """Start with a room."""
         super().on_mount()
         self._arrange()
+
+    def field_entered(self) -> None:
+        """Go on to the next field; after the last one, create the level."""
+        if isinstance(self.focus_next(), Button):
+            self.action_take()
 
     @on(Select.Changed, "#kind")
     def _arrange(self) -> None:

@@ -62,7 +62,8 @@ class EditPanel(EditView):
         """Let keys and mouse edit."""
         pane = self._pane
         pane.select(None)
-        pane.briefing.display = pane.banner.display = False
+        pane.close_briefing()
+        pane.banner.display = False
         pane.note("editing")
         if not self._tools.is_attached:
             pane.mount(self._tools, self._info)

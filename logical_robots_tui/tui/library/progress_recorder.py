@@ -55,6 +55,7 @@ class ProgressRecorder(SessionListener):
         former: The bests before that victory.
         trial: The progress of the robustness test at the current level, or None.
         is_reference: Whether the last victory was that of the reference program.
+        is_mixed: Whether several programs won it, so that `latest` is measured from the start.
     """
 
     def __init__(self, file: Path) -> None:
@@ -64,7 +65,7 @@ class ProgressRecorder(SessionListener):
         self.reference: Measures | None = None
         self.latest: Measures | None = None
         self.former: Bests = NEW.bests
-        self.is_reference = False
+        self.is_reference = self.is_mixed = False
         self._writer = ThreadPoolExecutor(
             max_workers=1, thread_name_prefix="logical-robots-recorder"
         )
@@ -167,6 +168,7 @@ class ProgressRecorder(SessionListener):
             return
         self.former, self.latest = self.record.bests, victory.measures
         self.is_reference = victory.verdict == "reference"
+        self.is_mixed = victory.measures is None
         if self.is_reference:
             return
         key = self._key

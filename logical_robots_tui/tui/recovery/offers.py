@@ -166,7 +166,6 @@ class Bookmark:
         ui: The user interface.
         open_level: Opens a level.
         open_program: Opens a program, with a text or its draft.
-        moved: Called before the robots go there.
     """
 
     def __init__(
@@ -176,10 +175,9 @@ class Bookmark:
         ui: Ui,
         open_level: Callable[[Level], Awaitable[None]],
         open_program: Callable[[Source, str | None], None],
-        moved: Callable[[], None],
     ) -> None:
         self._session, self._drafts, self._ui = session, drafts, ui
-        self._open_level, self._open_program, self._moved = open_level, open_program, moved
+        self._open_level, self._open_program = open_level, open_program
 
     def flush(self) -> None:
         """Write the current place. Safe in a signal handler; never raises."""
@@ -218,7 +216,6 @@ class Bookmark:
         source = await asyncio.to_thread(self._source_of, place)
         is_unsaved = self._drafts.get(("program", str(source.path))) is not None
         self._open_program(source, None if is_unsaved else place.programs[-1][1])
-        self._moved()
         await self._session.replay(place)
 
     def _source_of(self, place: Place) -> Source:

@@ -216,6 +216,16 @@ async def test_victory_takes_no_key_from_somebody_who_types(data_dir: Path) -> N
         assert game.session.won_at is not None
 
 
+async def test_two_messages_stand_apart(data_dir: Path) -> None:
+    async with opened(data_dir) as game:
+        await game.ready()
+        game.main.tell("One.")
+        game.main.tell("Two.")
+        await game.until(lambda: len(game.main.query(Toast)) == 2)
+        upper, lower = sorted((toast.region for toast in game.main.query(Toast)), key=lambda r: r.y)
+        assert lower.y > upper.bottom
+
+
 async def test_a_program_that_is_wrong_from_the_start_says_so_when_run(data_dir: Path) -> None:
     async with opened(data_dir, text=WRONG) as game:
         await game.ready()

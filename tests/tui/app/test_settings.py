@@ -33,11 +33,12 @@ def test_everything_can_be_set(tmp_path: Path) -> None:
     found = settings(
         tmp_path,
         'theme = "gruvbox"\ndrawing = "sextants"\nframes = 10\ncones = false\ntrails = false\n'
-        'completion = false\n[keys]\nrun = ["%", "F9"]\nrestart = []\ndefinition = "^]"\n',
+        "completion = false\ndrag_robots = false\n"
+        '[keys]\nrun = ["%", "F9"]\nrestart = []\ndefinition = "^]"\n',
     )
     keys = {"run": ("percent_sign", "f9"), "restart": ()}
     keys["definition"] = ("ctrl+right_square_bracket",)
-    assert found == Settings("gruvbox", Drawing.SEXTANTS, 10, False, False, False, keys)
+    assert found == Settings("gruvbox", Drawing.SEXTANTS, 10, False, False, False, False, keys)
 
 
 def test_a_command_without_a_key_is_found_where_the_palette_is() -> None:

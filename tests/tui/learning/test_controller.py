@@ -154,6 +154,8 @@ async def test_a_program_that_was_changed_on_the_way_is_measured_from_the_start(
         await game.until(lambda: game.main.recorder.record.bests.ticks is not None)
         assert won_at is not None
         assert game.main.recorder.record.bests.ticks == won_at - 1
+        await game.until(lambda: game.shows("from start"))
+        assert not game.shows("this run")
 
 
 async def test_what_is_measured_while_the_banner_is_closed_is_told(
@@ -171,7 +173,7 @@ async def test_the_trials_can_be_stopped(data_dir: Path, short: Path) -> None:
         game.main.action_command("stop_measuring")
         await game.until(lambda: game.shows("No robustness test is running."))
         await win(game)
-        await game.until(lambda: game.main.recorder.trial is not None)
+        await game.until(lambda: game.shows("trial of shifted starts: "))
         game.main.action_command("stop_measuring")
         await game.until(lambda: game.main.recorder.trial is None)
         assert game.main.recorder.record.state == "won"

@@ -6,21 +6,21 @@ import threading
 from typing import TYPE_CHECKING
 
 import numpy as np
-import pytest
-from textual.widgets import Checkbox, Input, Select, TextArea
+from textual.widgets import Input, Select
 
 from logical_robots_tui.editing.files import save_level
 from logical_robots_tui.game.victory import is_by_the_book
-from logical_robots_tui.tui.level_editor.form import Ticks
-from logical_robots_tui.tui.level_editor.forms import FindingList, LevelForm, ThingForm
+from logical_robots_tui.tui.level_editor.forms import FindingList
 from logical_robots_tui.tui.library.level_screen import LevelScreen
-from logical_robots_tui.world import Visibility, load_level
+from logical_robots_tui.world import load_level
 from tests.tui.conftest import STILL, opened
 from tests.tui.level_editor.conftest import ROOM, studio
 from tests.waiting import PATIENCE
 
 if TYPE_CHECKING:
     from pathlib import Path
+
+    import pytest
 
     from logical_robots_tui.world import Level
 
@@ -135,55 +135,6 @@ async def test_a_victory_while_the_level_is_edited_is_kept_at_once_and_told_afte
         await s.press("escape")
         await game.until(lambda: game.main.labyrinth.banner.display)
         assert not game.main.editing.is_on
-
-
-async def test_properties_are_set_in_forms_with_the_choices_there_are(
-    data_dir: Path, room_file: Path
-) -> None:
-    async with studio(data_dir, room_file, size=(80, 24)) as s:
-        game = s.game
-        await s.press("shift+tab", "i")
-        await game.until(lambda: isinstance(game.app.screen, ThingForm))
-        form = game.app.screen
-        form.query_one("#name", Input).value = "Gate"
-        form.query_one("#radius", Input).value = "wide"
-        await s.press("f2")
-        await game.until(lambda: game.shows("The radius must be a number"))
-        form.query_one("#radius", Input).value = "22"
-        form.query_one("#impenetrable", Checkbox).value = True
-        form.query_one("#off_beacon", Select).value = "Lamp"
-        form.query_one("#victory_robots", Ticks).toggle("Pip")
-        await s.press("f2")
-        await game.until(lambda: game.app.screen is game.main)
-        area = s.level.areas[0]
-        assert (area.name, area.radius, area.impenetrable) == ("Gate", 22, True)
-        assert (area.off_beacon, area.victory_robots) == ("Lamp", ())
-        await s.press("tab", "i")
-        await game.until(lambda: isinstance(game.app.screen, ThingForm))
-        form = game.app.screen
-        form.query_one("#has_battery", Checkbox).value = True
-        form.query_one("#battery_capacity", Input).value = "300"
-        form.query_one("#angle", Input).value = "90"
-        await s.press("enter")
-        await game.until(lambda: game.app.screen is game.main)
-        robot = s.level.robots[0]
-        assert (robot.has_battery, robot.battery_capacity) == (True, 300)
-        assert robot.angle == pytest.approx(1.5708, abs=1e-4)
-        await s.press("m")
-        await game.until(lambda: isinstance(game.app.screen, LevelForm))
-        form = game.app.screen
-        form.query_one("#width", Input).value = "300"
-        form.query_one("#briefing", TextArea).text = "Go there."
-        form.query_one("#hints", TextArea).text = "Turn.\n\nGo on."
-        form.query_one("#sensor", Select).value = "all"
-        form.query_one("#shared_names", Input).value = "Lamp,  red light"
-        await s.press("f2")
-        await game.until(lambda: game.app.screen is game.main)
-        assert s.live.width == 300
-        assert s.live.briefing == "Go there."
-        assert s.live.hints == ("Turn.", "Go on.")
-        assert s.live.visibility == Visibility("own", "all")
-        assert s.live.shared_names == ("Lamp", "red light")
 
 
 async def test_findings_are_listed_and_lead_to_their_place(data_dir: Path, room_file: Path) -> None:

@@ -1,0 +1,119 @@
+"""Pointing at robots with the mouse, dragging and turning them while the game is played."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+import pytest
+from textual import events
+
+from logical_robots_tui.tui.app.settings import Settings
+from tests.short import AHEAD
+from tests.tui.conftest import STILL, opened
+from tests.tui.level_editor.conftest import ROOM
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from tests.tui.conftest import Opened
+
+
+@pytest.fixture
+def room_file(tmp_path: Path) -> Path:
+    path = tmp_path / "room.toml"
+    path.write_text(ROOM, "utf-8")
+    return path
+
+
+async def mouse(
+    game: Opened, kind: type[events.MouseEvent], point: tuple[float, float], button: int = 1
+) -> None:
+    view = game.main.labyrinth.view
+    assert view.view is not None
+    cell = view.view.cell(*point)
+    assert cell is not None
+    x, y = view.region.x + cell[1], view.region.y + cell[0]
+    game.app.post_message(kind(None, x, y, 0, 0, button, False, False, False, x, y))
+    await game.pilot.pause(0)
+
+
+async def drag(game: Opened, *points: tuple[float, float], button: int = 1) -> None:
+    await mouse(game, events.MouseDown, points[0], button)
+    for point in points[1:]:
+        await mouse(game, events.MouseMove, point, button)
+    await mouse(game, events.MouseUp, points[-1], button)
+
+
+async def test_a_robot_is_dragged_and_turned_while_it_runs(data_dir: Path, room_file: Path) -> None:
+    async with opened(data_dir, level=room_file, text=STILL) as game:
+        await game.ready()
+        await game.press("space")
+        await game.until(lambda: game.tick > 2)
+        before = game.main.labyrinth.view.view
+        await drag(game, (40, 50), (90, 60), (150, 60))
+        await game.until(lambda: game.session.frame.after.robots[0].x > 140)
+        assert game.session.running
+        assert not game.main.editing.is_on
+        assert game.main.labyrinth.view.view == before
+        robot = game.session.frame.after.robots[0]
+        assert abs(robot.y - 60) < 8
+        await drag(game, (150, 60), (150, 80), button=3)
+        await game.until(lambda: game.session.frame.after.robots[0].angle > 1)
+        assert game.session.frame.after.robots[0].angle == pytest.approx(math.pi / 2, abs=0.4)
+        assert game.session.frame.after.robots[0].x == robot.x
+        assert game.session.level.robots[0].x == 40
+        await game.press("space")
+        await game.until(lambda: not game.session.running)
+        await game.press("r")
+        await game.until(lambda: game.tick == 0)
+        assert game.session.frame.after.robots[0].x == 40
+
+
+@pytest.mark.parametrize("ticks", [0, 1])
+async def test_a_victory_of_a_robot_that_was_dragged_does_not_count(
+    data_dir: Path, room_file: Path, ticks: int
+) -> None:
+    async with opened(data_dir, level=room_file, text=AHEAD) as game:
+        await game.ready()
+        await game.press(*["n"] * ticks)
+        await game.until(lambda: game.tick == ticks)
+        x = game.session.frame.after.robots[0].x
+        await drag(game, (x, 50), (100, 50), (200, 50))
+        await game.until(lambda: game.session.frame.after.robots[0].x > 190)
+        await game.press("space")
+        await game.until(lambda: game.shows("a robot moved by hand"))
+        assert game.main.recorder.record.state != "won"
+
+
+async def test_empty_ground_and_a_setting_drag_the_map(data_dir: Path, room_file: Path) -> None:
+    plain = Settings(drag_robots=False)
+    async with opened(data_dir, level=room_file, text=STILL, settings=plain) as game:
+        await game.ready()
+        view = game.main.labyrinth.view
+        view.zoom(2, (40, 50))
+        before = view.view
+        await drag(game, (40, 50), (60, 50))
+        await game.until(lambda: view.view != before)
+        assert game.session.frame.after.robots[0].x == 40
+        view.drags_robots = True
+        before = view.view
+        await drag(game, (80, 60), (70, 60))
+        await game.until(lambda: view.view != before)
+        assert game.session.frame.after.robots[0].x == 40
+
+
+async def test_pointing_at_a_robot_shows_its_card(data_dir: Path, room_file: Path) -> None:
+    async with opened(data_dir, level=room_file, text=AHEAD) as game:
+        await game.ready()
+        await game.press("n")
+        await game.until(lambda: game.tick == 1)
+        card = game.main.labyrinth.card
+        assert not card.display
+        x = game.session.frame.after.robots[0].x
+        await mouse(game, events.MouseMove, (x, 50))
+        await game.until(lambda: card.display and game.shows("engines"))
+        assert game.shows("battery")
+        assert game.main.labyrinth.view.selected is None
+        await mouse(game, events.MouseMove, (150, 80))
+        await game.until(lambda: not card.display)

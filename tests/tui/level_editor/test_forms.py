@@ -1,0 +1,137 @@
+"""The forms of the level editor: an object, the level, a new level."""
+
+from __future__ import annotations
+
+from functools import partial
+from typing import TYPE_CHECKING
+
+import pytest
+from textual.widgets import Checkbox, Input, Select, TextArea
+
+from logical_robots_tui.tui.level_editor.form import Ticks
+from logical_robots_tui.tui.level_editor.forms import LevelForm, ThingForm
+from logical_robots_tui.world import Visibility
+from tests.tui.conftest import opened
+from tests.tui.level_editor.conftest import studio
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+
+async def test_properties_are_set_in_forms_with_the_choices_there_are(
+    data_dir: Path, room_file: Path
+) -> None:
+    async with studio(data_dir, room_file, size=(80, 24)) as s:
+        game = s.game
+        await s.press("shift+tab", "i")
+        await game.until(lambda: isinstance(game.app.screen, ThingForm))
+        form = game.app.screen
+        form.query_one("#name", Input).value = "Gate"
+        form.query_one("#radius", Input).value = "wide"
+        await s.press("f2")
+        await game.until(lambda: game.shows("The radius must be a number"))
+        form.query_one("#radius", Input).value = "22"
+        form.query_one("#impenetrable", Checkbox).value = True
+        form.query_one("#off_beacon", Select).value = "Lamp"
+        form.query_one("#victory_robots", Ticks).toggle("Pip")
+        await s.press("f2")
+        await game.until(lambda: game.app.screen is game.main)
+        area = s.level.areas[0]
+        assert (area.name, area.radius, area.impenetrable) == ("Gate", 22, True)
+        assert (area.off_beacon, area.victory_robots) == ("Lamp", ())
+        await s.press("tab", "i")
+        await game.until(lambda: isinstance(game.app.screen, ThingForm))
+        form = game.app.screen
+        form.query_one("#has_battery", Checkbox).value = True
+        form.query_one("#battery_capacity", Input).value = "300"
+        form.query_one("#angle", Input).value = "90"
+        await s.press("enter")
+        await game.until(lambda: game.app.screen is game.main)
+        robot = s.level.robots[0]
+        assert (robot.has_battery, robot.battery_capacity) == (True, 300)
+        assert robot.angle == pytest.approx(1.5708, abs=1e-4)
+        await s.press("m")
+        await game.until(lambda: isinstance(game.app.screen, LevelForm))
+        form = game.app.screen
+        form.query_one("#width", Input).value = "300"
+        form.query_one("#briefing", TextArea).text = "Go there."
+        form.query_one("#hints", TextArea).text = "Turn.\n\nGo on."
+        form.query_one("#sensor", Select).value = "all"
+        form.query_one("#shared_names", Input).value = "Lamp,  red light"
+        await s.press("f2")
+        await game.until(lambda: game.app.screen is game.main)
+        assert s.live.width == 300
+        assert s.live.briefing == "Go there."
+        assert s.live.hints == ("Turn.", "Go on.")
+        assert s.live.visibility == Visibility("own", "all")
+        assert s.live.shared_names == ("Lamp", "red light")
+
+
+async def test_the_form_of_a_robot_under_way_moves_what_was_changed(
+    data_dir: Path, room_file: Path
+) -> None:
+    async with studio(data_dir, room_file) as s:
+        game, session = s.game, s.game.session
+
+        async def form() -> ThingForm:
+            await s.press("i")
+            await game.until(lambda: isinstance(game.app.screen, ThingForm))
+            shown = game.app.screen
+            assert isinstance(shown, ThingForm)
+            await game.until(lambda: shown.query("#color"))
+            return shown
+
+        async def close() -> None:
+            await s.press("f2")
+            await game.until(lambda: game.app.screen is game.main)
+
+        await s.press("N")
+        await game.until(lambda: game.tick == 10)
+        await s.press("tab")
+        before = session.frame.after.robots[0]
+        assert before.x > 44
+        shown = await form()
+        assert float(shown.query_one("#x", Input).value) == pytest.approx(before.x, abs=0.01)
+        assert shown.query_one("#start_x", Input).value == "40"
+        await close()
+        assert session.frame.after.robots[0] == before
+        assert not s.editor.edits.can_undo
+        shown = await form()
+        shown.query_one("#color", Input).value = "red"
+        shown.query_one("#start_y", Input).value = "60"
+        await close()
+        assert (s.level.robots[0].x, s.level.robots[0].y) == (40, 60)
+        assert session.frame.after.robots[0] == before
+        shown = await form()
+        shown.query_one("#x", Input).value = "150"
+        shown.query_one("#name", Input).value = "Pat"
+        await close()
+        after = session.frame.after.robots[0]
+        assert (after.name, after.x, after.y, after.angle) == ("Pat", 150, before.y, before.angle)
+        assert (s.level.robots[0].x, s.level.robots[0].y) == (40, 60)
+        shown = await form()
+        shown.query_one("#y", Input).value = "1e9"
+        await s.press("f2")
+        await game.until(lambda: shown.query_one("#complaint").display)
+        assert session.frame.after.robots[0] == after
+
+
+async def test_enter_leads_through_the_form_of_a_new_level_and_creates_it(data_dir: Path) -> None:
+    async with opened(data_dir) as game:
+        await game.ready()
+        await game.press("H")
+        await game.until(lambda: game.shows("Create") and game.shows("Cancel"))
+        form = game.app.screen
+        await game.until(lambda: form.focused is form.query_one("#kind"))
+        for field in ("title", "width", "height", "wall"):
+            await game.press("enter")
+            wanted = form.query_one(f"#{field}")
+            await game.until(partial(lambda wanted: form.focused is wanted, wanted))
+        assert not form.query_one("#kind", Select).expanded
+        form.query_one("#width", Input).value = "wide"
+        await game.press("enter")
+        await game.until(lambda: game.shows("The width must be a number"))
+        form.query_one("#width", Input).value = "300"
+        await game.press("enter")
+        await game.until(lambda: game.main.editing.is_on)
+        assert game.session.level.width == 300
