@@ -228,14 +228,15 @@ def _followed(level: Level, before: Thing, after: Thing) -> Level:
 
 
 def _free_name(name: str, taken: set[str]) -> str:
-    """Return an unused name by counting: Ann, Ann 2, Ann 3."""
+    """Return an unused name by counting: Ann, Ann 2, Ann 3, or Robo1, Robo2."""
     return name if name not in taken else next(n for n in _numbered(name) if n not in taken)
 
 
 def _numbered(name: str) -> Iterator[str]:
-    stem = re.sub(r" \d{1,4}$", "", name)
+    found = re.fullmatch(r"(.+?)( ?)\d{1,4}", name, re.DOTALL)
+    stem, gap = (found[1], found[2]) if found else (name, " ")
     for number in range(2, MOST_OF_A_KIND + 3):
-        ending = f" {number}"
+        ending = f"{gap}{number}"
         yield stem[: LONGEST_NAME - len(ending)] + ending
 
 

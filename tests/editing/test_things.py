@@ -44,6 +44,8 @@ def test_a_robot_whose_name_is_taken_counts_on() -> None:
     level, _ = add(level, Robot("Ann 2", 1, 1))
     level, _ = duplicate(level, ANN, 5, -5)
     assert [robot.name for robot in level.robots] == ["Ann", "Ann 2", "Ann 3", "Ann 4"]
+    some, _ = add(add(level, Robot("Robo1", 1, 1))[0], Robot("Robo1", 2, 2))
+    assert [robot.name for robot in some.robots][-2:] == ["Robo1", "Robo2"]
     assert (level.robots[3].x, level.robots[3].y) == (25.5, 15.5)
     long, _ = add(add(level, Robot("n" * 60, 1, 1))[0], Robot("n" * 60, 1, 1))
     assert long.robots[-1].name == "n" * 58 + " 2"

@@ -31,7 +31,7 @@ LEVELS = ("<!-- levels: made from the files of the levels -->\n", "<!-- end of l
 def keys_table() -> str:
     """The commands that are offered at the bottom of the screen, as a table."""
     rows = [
-        f"| {' '.join(f'`{name}`' for name in entry.key_names.split(', '))} | {entry.help} |"
+        f"| {' '.join(f'`{name}`' for name in entry.key_names.split(' · '))} | {entry.help} |"
         for entry in COMMANDS
         if entry.bar and entry.scope == "screen"
     ]

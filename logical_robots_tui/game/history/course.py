@@ -16,16 +16,17 @@ from logical_robots_tui.game.history.packing import Moment, Packed
 from logical_robots_tui.world.walls import PackedBits
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Iterator, Sequence
 
     from logical_robots_tui.game.debugging.breakpoints import Hit
     from logical_robots_tui.game.frame import Frame
     from logical_robots_tui.mind import Program
-    from logical_robots_tui.world import Level
+    from logical_robots_tui.world import Level, RobotState
 
 __all__ = ["Course", "Levels"]
 
 _TOGETHER = 32  # moments in a pack, unless they are heavy
+_STUCK_AFTER = 100  # ticks in a row that a robot is blocked
 _HEAVY = 12_000_000  # bytes of objects in a pack, unless a single moment has more
 
 _begin_of = attrgetter("first")
@@ -57,6 +58,7 @@ class Course:
         self._oldest = frame.tick  # that is kept, whether too old or not
         self._programs: list[tuple[int, Program]] = []
         self._unreliable_from: int | None = None
+        self._blocked: dict[str, int] = {}  # ticks in a row, by robot
 
     @property
     def last(self) -> int:
@@ -89,6 +91,8 @@ class Course:
         self._loose.append(Moment.of(frame, before.driven + driven(frame.before, frame.after)))
         for kind, who in marks_of(frame, before.decisions):
             self.marks.note(frame.tick, kind, who)
+        if stuck := self._newly_stuck(frame.after.robots):
+            self.marks.note(frame.tick, "stuck", stuck)
         if self._unreliable_from is None and not frame.is_reliable:
             self._unreliable_from = frame.tick
         if not self._programs or self._programs[-1][1] is not program:
@@ -105,6 +109,14 @@ class Course:
         while self._packs and self._begin_after_first_pack() <= self.last - self._length:
             self.forget_pack()
         return is_packed
+
+    def _newly_stuck(self, robots: Sequence[RobotState]) -> int:
+        """Return the indices of robots that have just been blocked for long enough, as bits."""
+        before = self._blocked
+        self._blocked = {r.name: before.get(r.name, 0) + 1 for r in robots if r.blocked}
+        return sum(
+            1 << i for i, r in enumerate(robots) if self._blocked.get(r.name) == _STUCK_AFTER
+        )
 
     def change_level(self, frame: Frame, level: Level) -> None:
         """Continue from the last tick in another level; the frame replaces that tick.
@@ -160,7 +172,19 @@ class Course:
         copy._packs = self._packs[:whole]
         begin = begins[whole]
         copy._loose = [self.moment(at) for at in range(begin, tick + 1)]
+        copy._blocked = self._blocked_until(tick)
         return copy
+
+    def _blocked_until(self, tick: int) -> dict[str, int]:
+        """Return for how many ticks robots were blocked up to a tick, counted as far as matters."""
+        counts: dict[str, int] = {}
+        for at in range(tick, max(self.first, tick - _STUCK_AFTER) - 1, -1):
+            blocked = [robot.name for robot in self.moment(at).after.robots if robot.blocked]
+            still = [name for name in blocked if counts.get(name, 0) == tick - at]
+            if not still:
+                break
+            counts.update(dict.fromkeys(still, tick - at + 1))
+        return counts
 
     def programs(self, tick: int) -> list[tuple[int, Program]]:
         """Return the programs up to a tick, each with the first tick that it decided."""

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 __all__ = ["MARK_KINDS", "Mark", "MarkKind", "Marks", "marks_of"]
 
 MarkKind: TypeAlias = Literal[
-    "victory", "breakpoint", "program", "edit", "area", "notice", "memory"
+    "victory", "breakpoint", "program", "edit", "stuck", "area", "notice", "memory"
 ]
 
 MARK_KINDS: tuple[MarkKind, ...] = get_args(MarkKind)
@@ -28,9 +28,9 @@ class Mark(NamedTuple):
 
     Attributes:
         kind: ``victory``; ``breakpoint``, one was hit; ``program``, another program decided than
-            in the previous tick; ``edit``, the level was edited at the end of the tick; ``area``,
-            one was switched; ``notice``, one appeared that the previous tick did not have;
-            ``memory``, one changed.
+            in the previous tick; ``edit``, the level was edited at the end of the tick; ``stuck``,
+            robots were blocked for 100 ticks; ``area``, one was switched; ``notice``, one appeared
+            that the previous tick did not have; ``memory``, one changed.
         names: The robots or areas concerned; () for the other kinds.
     """
 
@@ -110,6 +110,7 @@ class Marks:
         areas = _places([area.name for area in state.areas], self._areas)
         self._places: dict[MarkKind, list[int]] = {
             "area": areas,
+            "stuck": robots,
             "notice": robots,
             "memory": robots,
         }
@@ -186,7 +187,7 @@ class Marks:
     def _named(self, kind: MarkKind, who: int) -> tuple[str, ...]:
         if kind == "area":
             names = self._areas
-        elif kind in ("notice", "memory"):
+        elif kind in ("stuck", "notice", "memory"):
             names = self._robots
         else:
             names = []

@@ -140,6 +140,7 @@ class LogicalRobotsApp(DiffApp, inherit_bindings=False):
         view.rays, view.trails = settings.cones, settings.trails
         view.drags_robots = settings.drag_robots
         self.main.program.editor.completes = settings.completion
+        self.main.program.editor.soft_wrap = settings.wrap
         for complaint in settings.complaints[:_COMPLAINTS]:
             self.main.warn(complaint)
 
@@ -246,7 +247,8 @@ class LogicalRobotsApp(DiffApp, inherit_bindings=False):
         if now - self._interrupted_at < _TWICE:
             self.main.quit()
         self._interrupted_at = now
-        self.notify("Press ^C again to leave the game.", markup=False, timeout=_TWICE)
+        said = with_keys("Press ^C again to quit, or {quit} outside the editor.")
+        self.notify(said, markup=False, timeout=_TWICE)
 
 
 def play(

@@ -259,7 +259,8 @@ class MainScreen(Screen[None], SessionListener):
         self._status.show(status_of(self.session))
         self.timeline.show(self.session, self.labyrinth.view.selected)
         typing = isinstance(self.focused, (TextArea, Input))
-        self._bar.show(typing=typing, running=self.session.busy, editing=self._edits)
+        own = getattr(self.focused, "bar_keys", ())
+        self._bar.show(typing=typing, running=self.session.busy, editing=self._edits, own=own)
         tabs = tuple((pane.command_id, pane.label) for pane in self.arrangement.panes)
         self._tabs.show(tabs, self.arrangement.active.command_id)
 

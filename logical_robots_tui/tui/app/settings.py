@@ -49,6 +49,7 @@ class Settings(NamedTuple):
         cones: Whether to show the light of the robots' radars.
         trails: Whether to show trails.
         completion: Whether a dot or a capital letter opens the list of words.
+        wrap: Whether lines of the program that are too long for the pane are wrapped.
         drag_robots: Whether the mouse drags robots, or only the map.
         keys: Changed keys, in Textual's names, by id of the command.
         complaints: Errors in the file, each with its place.
@@ -60,6 +61,7 @@ class Settings(NamedTuple):
     cones: bool = True
     trails: bool = True
     completion: bool = True
+    wrap: bool = True
     drag_robots: bool = True
     keys: Mapping[str, tuple[str, ...]] = MappingProxyType({})
     complaints: tuple[str, ...] = ()
@@ -112,6 +114,7 @@ def _settings(found: dict[str, Any], complain: Complain) -> Settings:
         "cones": _truth,
         "trails": _truth,
         "completion": _truth,
+        "wrap": _truth,
         "drag_robots": _truth,
         "keys": lambda value: _keys(value, complain),
     }
@@ -212,6 +215,7 @@ def as_toml(settings: Settings) -> str:
         _set("cones", settings.cones),
         _set("trails", settings.trails),
         _set("completion", settings.completion),
+        _set("wrap", settings.wrap),
         _set("drag_robots", settings.drag_robots),
         "",
         "[keys]",

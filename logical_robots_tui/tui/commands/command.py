@@ -83,8 +83,8 @@ class Command(NamedTuple):
 
     @property
     def key_names(self) -> str:
-        """The keys as printed on a keyboard, such as ``space, F5``."""
-        return ", ".join(key_name(key) for key in self.keys)
+        """The keys as printed on a keyboard, such as ``space · F5``."""
+        return " · ".join(key_name(key) for key in self.keys)
 
     def bar_key(self, *, typing: bool) -> str:
         """The key that the command bar names, or "" if there is none.

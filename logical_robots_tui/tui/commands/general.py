@@ -88,7 +88,7 @@ def redraw(screen: MainScreen) -> None:
     screen.refresh(layout=True, repaint=True)
 
 
-@general.command("Quit", "q", bar="Quit")
+@general.command("Quit", "q", bar="Quit", spare=1)
 def quit_(screen: MainScreen) -> None:
     """Leave the game. Unsaved text is kept and offered the next time."""
     screen.quit()

@@ -6,11 +6,12 @@ from functools import partial
 from textwrap import wrap
 from typing import TYPE_CHECKING, ClassVar, Literal, TypeAlias
 
+from textual import on
 from textual.binding import Binding
 from textual.command import CommandPalette, DiscoveryHit, Hit, Provider
 from textual.containers import VerticalScroll
 from textual.content import Content
-from textual.widgets import Static
+from textual.widgets import Input, Static
 
 from logical_robots_tui.tui.commands.keymap import commands
 from logical_robots_tui.tui.labyrinth.drawing.glyphs import Drawing, legend
@@ -55,8 +56,8 @@ _ABOUT: dict[Subject, tuple[str, tuple[str, ...]]] = {
     ),
     "editor": (
         "Edit the program here; letters are text, so commands have Ctrl or function keys. What "
-        "you type is kept. A line with ✗ has a mistake, one with ! a warning; the message is at "
-        "the end of the line, if there is room, and below the text.",
+        "you type is kept. A line with ✗ has a mistake, one with ! a warning; the message is below "
+        "the text until you change the line.",
         ("In the program", "Program and level"),
     ),
     "inspector": (
@@ -73,11 +74,13 @@ _ABOUT: dict[Subject, tuple[str, tuple[str, ...]]] = {
 """For each subject a few sentences, and the sections that come first."""
 
 _KEYS_WIDTH, _TITLE_WIDTH = 12, 27
+_PALETTE_WIDTH = 100  # as in the style sheet
+_PALETTE_EDGES = 5  # left and right of a command, with the bar
 _BESIDE_FROM = 84  # columns from which the sentence stands beside its title
 
 
 class Help(Dialog[None]):
-    """A scrolling text: the pane in use first, then everything else.
+    """A scrolling text: the pane in use first, then everything else, or what matches a text.
 
     Args:
         drawing: The drawing style whose signs to explain.
@@ -90,48 +93,64 @@ class Help(Dialog[None]):
     """
 
     BINDINGS: ClassVar[list[Binding | tuple[str, str] | tuple[str, str, str]]] = [
-        Binding("question_mark,f1,q", "leave", "Close", show=False),
+        Binding("f1", "leave", "Close", show=False),
+        Binding("up", "scroll('up')", show=False),
+        Binding("down", "scroll('down')", show=False),
+        Binding("pageup", "scroll('page_up')", show=False),
+        Binding("pagedown", "scroll('page_down')", show=False),
     ]
 
-    keys = "↑↓ scroll   esc close"
+    keys = "letters filter   ↑↓ scroll   esc close"
 
     def __init__(self, drawing: Drawing, about: Subject = "labyrinth") -> None:
         super().__init__(f"Help · {about}")
         self._drawing, self._about = drawing, about
 
     def content_widgets(self) -> ComposeResult:
-        """One long text."""
-        with VerticalScroll():
+        """A line to type in, above one long text."""
+        yield Input(placeholder="Type to filter")
+        with VerticalScroll(can_focus=False):
             yield Static(id="help")
 
     def on_resize(self) -> None:
         """Wrap the lines again."""
         self.call_after_refresh(self._write)
 
+    def action_scroll(self, where: str) -> None:
+        """Scroll the text."""
+        getattr(self.query_one(VerticalScroll), f"scroll_{where}")()
+
+    @on(Input.Changed)
     def _write(self) -> None:
         width = self.query_one(VerticalScroll).scrollable_content_region.width
         self.query_one("#help", Static).update(self._content(width))
 
     def _content(self, width: int) -> Content:
-        sections: dict[str, list[Content]] = {}
-        for entry in commands():
-            keys = entry.key_names or entry.key_name
-            lines = _entry(keys, entry.title, entry.help, width)
-            sections.setdefault(entry.group, []).extend(lines)
         palette = palette_of(self.app.current_theme)
         signs = [
             (sign, hex_colour(rgb), said) for sign, rgb, said in legend(self._drawing, palette)
         ]
+        sections: dict[str, list[Content]] = {}
+        for entry in commands():
+            sections.setdefault(entry.group, []).append(_entry(entry, width))
         sections["In the labyrinth"] = _signs(signs)
         sections["In the timeline"] = _signs([*SIGNS.values(), DIVERGENCE, *TRACKS])
         sections["In the inspector"] = _signs([(s, INK.key, said) for s, said in _INSPECTOR_SIGNS])
         sentence, first = _ABOUT[self._about]
-        content = [
-            Content(""),
-            *(Content.styled(line, INK.text) for line in wrap(sentence, max(width, 1))),
-        ]
+        wanted = self.query_one(Input).value.casefold().split()
+        content = [Content.styled(line, INK.text) for line in wrap(sentence, max(width, 1))]
+        if wanted:
+            content = []
         for heading in dict.fromkeys((*first, *sections)):
-            content += [_heading(heading), *sections[heading]]
+            found = [
+                entry
+                for entry in sections[heading]
+                if all(word in " ".join(entry.plain.casefold().split()) for word in wanted)
+            ]
+            if found:
+                content += [_heading(heading), *found]
+        if not content:
+            content = [Content.styled("Nothing here has that in it.", INK.dim)]
         return Content("\n").join(content)
 
 
@@ -146,15 +165,25 @@ def _heading(text: str) -> Content:
     return Content.styled(f"\n{text}", f"bold {INK.title}")
 
 
-def _entry(keys: str, title: str, text: str, width: int) -> list[Content]:
+def _entry(entry: Command, width: int) -> Content:
     """Keys, title and help of a command, the help wrapped in a column of its own."""
-    head = f"  {keys:<{_KEYS_WIDTH}} "
-    first = Content.assemble((head, INK.key), (title, INK.text))
-    indent = len(head) + (_TITLE_WIDTH if width > _BESIDE_FROM else 2)
-    told = [Content.styled(line, INK.dim) for line in wrap(text, max(width, 40) - indent)]
+    keys = _keys(entry) if entry.keys else Content.styled(entry.key_name, INK.key)
+    head = Content("  ").append(keys)
+    indent = 3 + _KEYS_WIDTH
+    head = head.append(" " * max(indent - head.cell_length, 1))
+    first = head.append(Content.styled(entry.title, INK.text))
+    indent += _TITLE_WIDTH if width > _BESIDE_FROM else 2
+    told = [Content.styled(line, INK.dim) for line in wrap(entry.help, max(width, 40) - indent)]
     if told and width > _BESIDE_FROM:
         first = first.append(" " * (indent - first.cell_length)).append(told.pop(0))
-    return [first, *(Content(" " * indent).append(line) for line in told)]
+    return Content("\n").join([first, *(Content(" " * indent).append(line) for line in told)])
+
+
+def _keys(entry: Command) -> Content:
+    """The keys of a command in their colour, apart from each other."""
+    parts = entry.key_names.split(" ")
+    styled = [(part, INK.faint if part == "·" else INK.key) for part in parts]
+    return Content(" ").join(Content.styled(part, ink) for part, ink in styled)
 
 
 class Palette(CommandPalette, ClosedOnce[None]):
@@ -173,7 +202,7 @@ class CommandProvider(Provider):
         for entry in self.offered():
             if entry.id != "palette":
                 yield DiscoveryHit(
-                    _title(entry), self._caller(entry), text=entry.title, help=entry.help
+                    self._line(entry), self._caller(entry), text=entry.title, help=entry.help
                 )
 
     async def search(self, query: str) -> Hits:
@@ -183,8 +212,15 @@ class CommandProvider(Provider):
             score = max(matcher.match(entry.title), matcher.match(entry.help) * 0.5)
             if score > 0 and entry.id != "palette":
                 yield Hit(
-                    score, _title(entry), self._caller(entry), text=entry.title, help=entry.help
+                    score, self._line(entry), self._caller(entry), text=entry.title, help=entry.help
                 )
+
+    def _line(self, entry: Command) -> Content:
+        """The title of a command, and its keys at the right."""
+        title, keys = Content(entry.title), _keys(entry)
+        gap = min(self.app.size.width, _PALETTE_WIDTH) - _PALETTE_EDGES
+        gap -= title.cell_length + keys.cell_length
+        return title.append(" " * max(gap, 2)).append(keys)
 
     def _caller(self, entry: Command) -> Callable[[], object]:
         return partial(self.screen.run_action, f"command('{entry.id}')")
@@ -196,7 +232,3 @@ class EditingProvider(CommandProvider):
     def offered(self) -> list[Command]:
         """The commands, in the order in which they are shown."""
         return commands("level") + super().offered()
-
-
-def _title(entry: Command) -> str:
-    return f"{entry.title}   {entry.key_names}" if entry.keys else entry.title

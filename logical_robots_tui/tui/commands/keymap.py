@@ -83,7 +83,6 @@ _OTHERS = {
     "ctrl+j": "terminals send it for enter",
     "ctrl+m": "terminals send it for enter",
     "ctrl+q": "it resumes a stopped terminal",
-    "ctrl+s": "it stops the terminal",
     "ctrl+z": "it suspends the game",
     "ctrl+left_square_bracket": "terminals send it for escape",
 }

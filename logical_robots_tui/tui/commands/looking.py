@@ -22,7 +22,7 @@ def labyrinth(screen: MainScreen) -> None:
     screen.go_to(screen.labyrinth)
 
 
-@looking.command("Editor", "2", "e", bar="Edit")
+@looking.command("Editor", "2", "e", bar="Edit", spare=2)
 def editor(screen: MainScreen) -> None:
     """Go to the text of the program."""
     screen.go_to(screen.program)
@@ -34,7 +34,7 @@ def inspector(screen: MainScreen) -> None:
     screen.go_to(screen.inspector)
 
 
-@looking.command("Why", "w", bar="Why", spare=2)
+@looking.command("Why", "w", bar="Why")
 def why(screen: MainScreen) -> None:
     """Prove what the robot did at this tick, or why a predicate has its rows, as a tree."""
     screen.go_to(screen.inspector)

@@ -17,7 +17,7 @@ __all__ = ["learning", "program", "writing"]
 program = Group("Program and level")
 
 
-@program.command("Apply the program", "ctrl+r", "f4", bar="Apply", place="anywhere", spare=2)
+@program.command("Apply the program", "ctrl+r", "f4", bar="Apply", place="anywhere")
 def apply(screen: MainScreen) -> None:
     """Compile the text in the editor; the robots use it from the next tick on."""
     screen.session.apply(screen.text)
@@ -65,13 +65,19 @@ def external_editor(screen: MainScreen) -> None:
     screen.program_controller.edit_elsewhere()
 
 
+@program.command("Wrap lines")
+def wrap(screen: MainScreen) -> None:
+    """Wrap lines of the program that are too long for the pane, or cut them."""
+    screen.program.editor.soft_wrap = not screen.program.editor.soft_wrap
+
+
 @program.command("Rename the predicate")
 async def rename(screen: MainScreen) -> None:
     """Rename the predicate under the cursor wherever it is used."""
     await screen.program_controller.rename()
 
 
-@program.command("Choose a level", "l", bar="Level")
+@program.command("Choose a level", "l", bar="Level", spare=2)
 async def level(screen: MainScreen) -> None:
     """Show all levels and what you have won, or type the path of a level file."""
     await screen.library.choose_level()
@@ -89,16 +95,22 @@ async def daily(screen: MainScreen) -> None:
     await screen.library.open_daily()
 
 
-@program.command("Choose a program", "o", bar="Open")
+@program.command("Choose a program", "o", bar="Open", spare=4)
 async def program_(screen: MainScreen) -> None:
     """Choose a program, or type the path of a program file."""
     await screen.library.choose_program()
 
 
-@program.command("Save the program as…", "s", "f2", bar="Save", spare=3)
+@program.command("Save the program", "ctrl+s", bar="Save", place="editor")
 async def save(screen: MainScreen) -> None:
-    """Save the text in the editor as a program of your own."""
+    """Save the text in the editor in its file, or under a name if that is not your own."""
     await screen.library.save()
+
+
+@program.command("Save the program as…", "s", "f2", bar="Save as", spare=9)
+async def save_as(screen: MainScreen) -> None:
+    """Save the text in the editor as a program of your own, under any name."""
+    await screen.library.save_as()
 
 
 @program.command("Revert to the file")
@@ -129,7 +141,7 @@ def briefing(screen: MainScreen) -> None:
         screen.tell("This level has no briefing.")
 
 
-@learning.command("Hints", "h", bar="Hint", spare=5)
+@learning.command("Hints", "h", bar="Hint")
 def hint(screen: MainScreen) -> None:
     """Reveal the hints of the level, one at a time."""
     screen.learning.hints()

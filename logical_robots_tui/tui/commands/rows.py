@@ -188,11 +188,12 @@ def transpose(screen: MainScreen) -> None:
 def copy_rows(screen: MainScreen) -> None:
     """Copy the rows as CSV, to the terminal's clipboard and into a file."""
     from logical_robots_tui.tui.inspector.widgets.row_order import as_csv
+    from logical_robots_tui.tui.theme.safe_text import counted
 
     if (table := _table(screen)) is not None:
         text, count = as_csv(table.shown), len(table.shown.rows)
         screen.app.copy_to_clipboard(text)
-        screen.tell(f"{count:,} row{'s' * (count != 1)} copied{_but(table)}.")
+        screen.tell(f"{counted(count, 'row')} copied{_but(table)}.")
         screen.program_controller.keep_copy(text)
 
 

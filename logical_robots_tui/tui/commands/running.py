@@ -33,25 +33,25 @@ def step(screen: MainScreen) -> None:
     screen.session.step()
 
 
-@running.command("Step back", "p", "comma", bar="Back")
+@running.command("Step back", "p", "comma", bar="Back", spare=2)
 def back(screen: MainScreen) -> None:
     """Go back one tick."""
     screen.session.back()
 
 
-@running.command("Restart", "r", bar="Restart", spare=1)
+@running.command("Restart", "r", bar="Restart")
 def restart(screen: MainScreen) -> None:
     """Start the level again at tick 0, with the same program."""
     screen.session.restart()
 
 
-@running.command("Slower", "minus", bar="-")
+@running.command("Slower", "minus", bar="-", spare=3)
 def slower(screen: MainScreen) -> None:
     """Choose the next lower speed."""
     screen.session.slower()
 
 
-@running.command("Faster", "plus", "equals_sign", bar="Speed")
+@running.command("Faster", "plus", "equals_sign", bar="Speed", spare=3)
 def faster(screen: MainScreen) -> None:
     """Choose the next higher speed; the highest is unlimited."""
     screen.session.faster()

@@ -174,11 +174,11 @@ def brief(bests: Bests, width: int) -> str:
     if bests.ticks is None:
         return ""
     ticks, rules, distance, _ = _numbers(bests)
-    parts = [f"{ticks} ticks", f"{rules} rule{'s' * (rules != '1')}", f"{distance} far"]
+    parts = [f"{ticks} ticks", f"{rules} rule{'s' * (rules != '1')}", f"{distance} driven"]
     if bests.wins is not None:
         parts.append(f"{bests.wins}/{bests.starts}")
-    told = " · ".join(parts)
-    return told if len(told) <= width else "  ".join(parts)
+    told = (gap.join(parts) for gap in (" · ", "  "))
+    return next((each for each in told if len(each) <= width), " ".join(parts))
 
 
 def _latest(label: str, latest: Measures, former: Bests, trial: Trial | None) -> Content:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from logical_robots_tui.tui.app.session_state import SessionListener
-from logical_robots_tui.tui.theme.safe_text import one_line
+from logical_robots_tui.tui.theme.safe_text import clip, one_line
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -63,6 +63,12 @@ class VictoryAnnouncer(SessionListener):
             self._brief()
         elif frame.tick and not before:
             self._pane.close_briefing()
+        if frame.tick == before + 1 and self._session.history is not None:
+            for mark in self._session.history.marks.at(frame.tick):
+                if mark.kind == "stuck":
+                    verb = "is" if len(mark.names) == 1 else "are"
+                    names = clip(one_line(", ".join(mark.names)), 60)
+                    self._tell(f"{names} {verb} stuck: blocked for 100 ticks.")
 
     def _brief(self) -> None:
         self._tick = 0

@@ -12,6 +12,8 @@ from logical_robots_tui.tui.commands.keymap import command, commands
 from logical_robots_tui.tui.theme.themes import INK
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from textual import events
 
     from logical_robots_tui.tui.commands.command import Command
@@ -61,7 +63,7 @@ class Labels(Widget):
         """Run the command under the pointer."""
         event.stop()
         for row, start, end, command_id in self.places:
-            if event.y == row and start <= event.x < end:
+            if command_id and event.y == row and start <= event.x < end:
                 self.post_message(CommandChosen(command_id))
 
 
@@ -77,18 +79,27 @@ class CommandBar(Labels):
         self._typing = False
         self._game_runs = False
         self._edits = False
+        self._own: Sequence[tuple[str, str]] = ()
 
-    def show(self, *, typing: bool, running: bool, editing: bool = False) -> None:
+    def show(
+        self,
+        *,
+        typing: bool,
+        running: bool,
+        editing: bool = False,
+        own: Sequence[tuple[str, str]] = (),
+    ) -> None:
         """Show the commands for a situation.
 
         Args:
             typing: Whether printable keys are text.
             running: Whether the robots run.
             editing: Whether keys edit the level.
+            own: Keys of the focused widget with what they do; they come first.
         """
-        now = typing, running, editing
-        if now != (self._typing, self._game_runs, self._edits):
-            self._typing, self._game_runs, self._edits = now
+        now = typing, running, editing, own
+        if now != (self._typing, self._game_runs, self._edits, self._own):
+            self._typing, self._game_runs, self._edits, self._own = now
             self.refresh()
 
     def render(self) -> Content:
@@ -102,25 +113,30 @@ class CommandBar(Labels):
             shown = [*kept[:1], *editing, *kept[1:]]
         if self._typing:
             shown.sort(key=lambda entry: entry.id != "apply")
+        own = [(_label(key, does), "") for key, does in self._own]
+        if own:
+            shown = [entry for entry in shown if entry.place == "anywhere"]
         labels = {entry.id: self._label(entry) for entry in shown}
-        room = self.size.width - 1
+        room = self.size.width - 1 - sum(label.cell_length + _GAP for label, _ in own)
         fitting: set[str] = set()
         for entry in sorted(shown, key=lambda entry: entry.spare):
             need = labels[entry.id].cell_length + (_GAP if fitting else 0)
             if need <= room:
                 fitting.add(entry.id)
                 room -= need
-        return self.line([pair[::-1] for pair in labels.items() if pair[0] in fitting], gap=_GAP)
+        fit = [(label, name) for name, label in labels.items() if name in fitting]
+        return self.line([*own, *fit], gap=_GAP)
 
     def _label(self, entry: Command) -> Content:
         title = "Pause" if entry.id == "run" and self._game_runs else entry.bar
-        key = entry.bar_key(typing=self._typing)
-        label = Content.styled(key, f"bold {INK.key}")
-        return (
-            label
-            if title == key
-            else label.append(" " * bool(key)).append(Content.styled(title, INK.text))
-        )
+        return _label(entry.bar_key(typing=self._typing), title)
+
+
+def _label(key: str, title: str) -> Content:
+    label = Content.styled(key, f"bold {INK.key}")
+    if title == key:
+        return label
+    return label.append(" " * bool(key)).append(Content.styled(title, INK.text))
 
 
 class PaneTabs(Labels):

@@ -47,10 +47,10 @@ class Reader(Dialog[None]):
 
     BINDINGS: ClassVar[list[Binding | tuple[str, str] | tuple[str, str, str]]] = [
         Binding("q,t,W,K", "leave", "Close", show=False),
-        Binding("space", "page", "On", show=False),
+        Binding("space", "page", "Next page", show=False),
     ]
 
-    keys = "↑↓ scroll   space on   esc close"
+    keys = "↑↓ scroll   space next page   esc close"
 
     def __init__(self, title: str, text: Widget) -> None:
         super().__init__(title)

@@ -303,11 +303,12 @@ class LevelEditor:
     def _place(self, tool: Tool, x: float, y: float) -> None:
         new: Thing
         if tool is Tool.ROBOT:
-            new = Robot("Robot", round(x), round(y))
+            name = _free("Robo", {robot.name for robot in self.level.robots})
+            new = Robot(name, round(x), round(y))
         elif tool is Tool.BEACON:
-            new = Beacon(_free("beacon", {b.name for b in self.level.beacons}), round(x), round(y))
+            new = Beacon(_free("beacon ", {b.name for b in self.level.beacons}), round(x), round(y))
         else:
-            name = _free("area", {area.name for area in self.level.areas})
+            name = _free("area ", {area.name for area in self.level.areas})
             new = Area(name, round(x), round(y), _NEW_RADIUS)
 
         def work(level: Level) -> Level:
@@ -396,4 +397,4 @@ def handle_of(thing: Thing, units: float) -> Point | None:
 
 def _free(stem: str, taken: set[str]) -> str:
     numbers = range(1, len(taken) + 2)
-    return next(name for number in numbers if (name := f"{stem} {number}") not in taken)
+    return next(name for number in numbers if (name := f"{stem}{number}") not in taken)

@@ -115,7 +115,7 @@ class InfoLine(Widget):
             style = f"bold {INK.bad}" if forbidden else INK.warn
             told.append(Content.styled(f"! {findings} finding{'s' * (findings != 1)}", style))
         elif findings == 0:
-            told.append(Content.styled("✓ sound", INK.good))
+            told.append(Content.styled("✓ no problems", INK.good))
         told.append(Content.styled(described(thing), INK.text if thing else INK.dim))
         line = Content(" ").append(Content("   ").join(told))
         if line.markup != self._line.markup:

@@ -19,7 +19,7 @@ from logical_robots_tui.game import list_programs, load_program
 from logical_robots_tui.paths import typed_path
 from logical_robots_tui.tui.app.background import in_background
 from logical_robots_tui.tui.layout.dialogs import Dialog, Listing
-from logical_robots_tui.tui.theme.safe_text import clip, one_line, visible_lines
+from logical_robots_tui.tui.theme.safe_text import clip, counted, one_line, visible_lines
 from logical_robots_tui.tui.theme.themes import INK
 
 if TYPE_CHECKING:
@@ -282,9 +282,9 @@ def _verdict(version: Version) -> str:
     lines = version.text.count("\n") + 1
     measures = version.measures
     if measures is None:
-        return "★ won" if version.won else f"{lines} lines"
+        return "★ won" if version.won else counted(lines, "line")
     robust = f", {measures.wins}/{measures.starts}" if measures.wins is not None else ""
-    return f"★ {measures.ticks} ticks{robust}"
+    return f"★ {counted(measures.ticks, 'tick')}{robust}"
 
 
 def _first_comment(source: Source) -> str:

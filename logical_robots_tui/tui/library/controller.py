@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from logical_robots_tui.errors import InputError
-from logical_robots_tui.game import Source, load_program
+from logical_robots_tui.game import Source, load_program, save_program
 from logical_robots_tui.tui.recovery.offers import short_name, when_saved
 from logical_robots_tui.tui.theme.safe_text import one_line
 from logical_robots_tui.world import list_levels, load_level
@@ -152,12 +152,31 @@ class LibraryController:
         self._session.open_program(source, text)
 
     async def save(self) -> None:
+        """Save the text in its file, or ask for a name if that is not the player's."""
+        source = self._session.source
+        if source.shipped:
+            await self.save_as()
+            return
+        try:
+            await asyncio.to_thread(save_program, source.path, self._program.text)
+            saved = await asyncio.to_thread(load_program, source.path)
+        except InputError as error:
+            self._ui.warn(str(error))
+        else:
+            self._saved(source, saved)
+
+    async def save_as(self) -> None:
         """Ask for a name and save the text under it."""
         from logical_robots_tui.tui.library.save_dialog import SaveAs
 
         former, text = self._session.source, self._program.text
         saved = await self._ui.ask(SaveAs(former, text, self._own))
         if saved is not None:
+            self._saved(former, saved)
+
+    def _saved(self, former: Source, saved: Source) -> None:
+        """Go on with a program that was saved, unless another one was opened meanwhile."""
+        if self._session.source.path == former.path:
             self._drafts.drop(("program", str(former.path)))
             self._session.saved_as(saved)
             self._autosave.edited()

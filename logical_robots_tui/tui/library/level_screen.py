@@ -19,7 +19,7 @@ from logical_robots_tui.tui.layout.dialogs import Dialog
 from logical_robots_tui.tui.library.card import LevelCard, miniature, shipped_level
 from logical_robots_tui.tui.library.cards import LevelCards
 from logical_robots_tui.tui.library.chooser import is_path
-from logical_robots_tui.tui.theme.safe_text import one_line
+from logical_robots_tui.tui.theme.safe_text import counted, one_line
 from logical_robots_tui.tui.theme.themes import INK, palette_of
 from logical_robots_tui.world import Level, list_levels, load_level
 from logical_robots_tui.world.levels.load import SUFFIXES
@@ -207,7 +207,7 @@ class LevelScreen(Dialog["Level | NewLevel"]):
             told = Content.styled("Nothing has this name.", INK.dim)
         else:
             count = len(card.level.robots) if card.level else 0
-            robots = "" if not count else "1 robot · " if count == 1 else f"{count} robots · "
+            robots = f"{counted(count, 'robot')} · " if count else ""
             told = Content.assemble((robots, INK.dim), (card.idea, INK.text))
         self.query_one("#detail", Static).update(told)
 

@@ -28,8 +28,6 @@ if TYPE_CHECKING:
     from textual.theme import Theme
     from textual.widgets.text_area import Edit, EditResult
 
-    from logical_robots_tui.tui.program.mistakes import Mark
-
 __all__ = ["Editor"]
 
 _A_PASTE = 0.005
@@ -77,7 +75,7 @@ class Editor(TextArea):
         super().__init__(
             id="text",
             show_line_numbers=True,
-            soft_wrap=False,
+            soft_wrap=True,
             compact=True,
             max_checkpoints=500,
         )
@@ -88,7 +86,7 @@ class Editor(TextArea):
         self._states = LineStates()
         self._last_key_at = float("-inf")
         self._syntax: dict[str, Style] = {}
-        self._marks: Mapping[int, Mark] = {}
+        self._marks: Mapping[int, bool] = {}
         self._pointed_out: Selection | None = None
         self.completion = Completion()
         self.completes = True
@@ -141,8 +139,8 @@ class Editor(TextArea):
         self._states.forget()
         super().redo()
 
-    def mark(self, marks: Mapping[int, Mark]) -> None:
-        """Mark lines with errors or warnings, by their numbers from 0."""
+    def mark(self, marks: Mapping[int, bool]) -> None:
+        """Mark lines, by their numbers from 0, with errors, or where False with warnings."""
         if marks != self._marks:
             self._marks = marks
             self.notify_style_update()
@@ -356,18 +354,22 @@ class Editor(TextArea):
             state = self._states.at(line_index, self.document.get_line)
             for start, end, kind in pieces(line, state):
                 text.stylize(self._syntax[kind], start, end)
-        if line_index in self._marks and self._marks[line_index].is_wrong:
+        if self._marks.get(line_index):
             text.stylize(self._syntax["mistake"])
         return text
 
     def render_line(self, y: int) -> Strip:
         """Return a line of the widget, with its mark."""
         strip = super().render_line(y)
-        number = self.scroll_offset.y + y
-        mark = self._marks.get(number)
-        if mark is None or number >= self.document.line_count:
+        place = self.scroll_offset.y + y
+        if not self._marks or place >= self.wrapped_document.height:
             return strip
-        return marked(strip, mark, number, self.gutter_width, self._syntax)
+        row, column = self.wrapped_document.offset_to_location(Offset(0, place))
+        if row not in self._marks:
+            return strip
+        begins = None if column else row
+        is_wrong = self._marks[row]
+        return marked(strip, begins, self.gutter_width, self._syntax, is_wrong=is_wrong)
 
 
 def _without_comment(line: str) -> str:

@@ -1,10 +1,9 @@
-"""Errors: marks in the lines of a program, and a strip of messages below the text."""
+"""Errors: signs beside the lines of a program, and a strip of messages below the text."""
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING
 
-from rich.cells import cell_len
 from rich.segment import Segment
 from rich.style import Style
 from textual.content import Content
@@ -20,7 +19,7 @@ if TYPE_CHECKING:
 
     from logical_robots_tui.mind import Diagnostic
 
-__all__ = ["Mark", "MistakeStrip", "marked"]
+__all__ = ["MistakeStrip", "marked"]
 
 _MOST_SHOWN = 3
 _LONGEST = 400
@@ -37,11 +36,23 @@ class MistakeStrip(Static):
     MistakeStrip.-odd { background: $odd-strip; }
     """
 
+    _shown: tuple[Diagnostic, ...] = ()
+
     class Chosen(Message):
         """The player goes to the error."""
 
-    def show(self, mistakes: tuple[Diagnostic, ...]) -> None:
-        """Show errors, or nothing."""
+    def show(self, mistakes: tuple[Diagnostic, ...], row: int) -> None:
+        """Show errors, or nothing; of many those in a line come first.
+
+        Args:
+            mistakes: The errors.
+            row: The number of the line, from 0.
+        """
+        if len(mistakes) > _MOST_SHOWN:
+            mistakes = tuple(sorted(mistakes, key=lambda mistake: mistake.line != row + 1))
+        if mistakes == self._shown:
+            return
+        self._shown = mistakes
         self.display = bool(mistakes)
         self.set_class(all(mistake.severity == "warning" for mistake in mistakes), "-odd")
         lines = [_described(mistake) for mistake in mistakes[:_MOST_SHOWN]]
@@ -67,44 +78,24 @@ def _described(mistake: Diagnostic) -> Content:
     return content
 
 
-_GAP = 3
-"""Cells between a line and its message, for the cursor."""
-
-_LEAST_ROOM = 16
-"""The fewest cells for a message."""
-
-
-class Mark(NamedTuple):
-    """The mark of a line.
-
-    Attributes:
-        message: One sentence.
-        is_wrong: Whether it is an error and not a warning.
-    """
-
-    message: str
-    is_wrong: bool
-
-
-def marked(strip: Strip, mark: Mark, row: int, gutter: int, styles: Mapping[str, Style]) -> Strip:
-    """Return a line with a sign in the gutter, and a message after it if there is room.
+def marked(
+    strip: Strip, row: int | None, gutter: int, styles: Mapping[str, Style], *, is_wrong: bool
+) -> Strip:
+    """Return a line with a sign in the gutter and, for an error, a ground of its own.
 
     Args:
-        strip: The line drawn by the text area.
-        mark: The mark.
-        row: The number of the line, from 0.
+        strip: The line drawn by the text area, or a part of a wrapped line.
+        row: The number of the line, from 0; None where a wrapped line goes on.
         gutter: Cells of the gutter.
         styles: By the names in ``SYNTAX``.
+        is_wrong: Whether it is an error and not a warning.
     """
-    sign, ink = ("✗", "mistake-gutter") if mark.is_wrong else ("!", "odd-gutter")
-    paper = styles["mistake"] if mark.is_wrong else Style()
-    label = Segment(f"{row + 1:>{gutter - 2}}{sign} ", styles[ink])
+    sign, ink = ("✗", "mistake-gutter") if is_wrong else ("!", "odd-gutter")
+    label = " " * gutter if row is None else f"{row + 1:>{gutter - 2}}{sign} "
     rest = strip.crop(gutter)
-    end = cell_len(rest.text.rstrip()) + _GAP
-    space = rest.cell_length - end
-    if space >= _LEAST_ROOM:
-        message = clip(f"◂ {one_line(mark.message)}", space)
-        told = Strip([Segment(message, styles["message"])]).crop(0, space)
-        rest = Strip.join([rest.crop(0, end), told, rest.crop(end + told.cell_length)])
-    text = [Segment(text, (style or Style()) + paper, control) for text, style, control in rest]
-    return Strip([label, *text])
+    if is_wrong:
+        paper = styles["mistake"]
+        rest = Strip(
+            [Segment(text, (style or Style()) + paper, control) for text, style, control in rest]
+        )
+    return Strip([Segment(label, styles[ink]), *rest])

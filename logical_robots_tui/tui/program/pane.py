@@ -12,9 +12,9 @@ from textual.widgets import Static, TextArea
 from logical_robots_tui.tui.layout.pane import Pane
 from logical_robots_tui.tui.program.completion import call_before, definitions, help_on
 from logical_robots_tui.tui.program.editor import Editor
-from logical_robots_tui.tui.program.mistakes import Mark, MistakeStrip
+from logical_robots_tui.tui.program.mistakes import MistakeStrip
 from logical_robots_tui.tui.program.text_operations import followed
-from logical_robots_tui.tui.theme.safe_text import clip, one_line
+from logical_robots_tui.tui.theme.safe_text import clip, counted, one_line
 
 if TYPE_CHECKING:
     from logical_robots_tui.mind import Diagnostic
@@ -72,7 +72,7 @@ class ProgramPane(Pane):
         """
         state = state.seen_from(self.text)
         star = "" if saved else "*"
-        self.note(f"{clip(one_line(name), 24)}{star} · {self._verdict(state)}")
+        self.note(f"{self._verdict(state)} · {clip(one_line(name), 24)}{star}")
         if state != self._state:
             self._state = state
             self._mistakes = {found: found for found in state.mistakes}
@@ -85,7 +85,7 @@ class ProgramPane(Pane):
             self._follow_text(self._state)
 
     def _follow_text(self, state: ProgramState) -> None:
-        """Show the errors at the current places of their lines; a deleted line loses its error."""
+        """Show the errors at the current places of their lines; a changed line shows none."""
         lines = self.text.split("\n")
         if lines == self._tried:
             self._mistakes = {found: found for found in state.mistakes}
@@ -98,13 +98,20 @@ class ProgramPane(Pane):
                 if row is not None
             }
         self._lines = lines
-        mistakes = tuple(self._mistakes.values())
-        self._strip.show(mistakes)
-        # Of several in a line the first is shown, errors before warnings.
-        ranked = sorted(mistakes, key=lambda mistake: mistake.severity != "error")
-        marks = {m.line - 1: Mark(m.message, m.severity == "error") for m in reversed(ranked)}
+        marks: dict[int, bool] = {}
+        for mistake in self._untouched():
+            row = mistake.line - 1
+            marks[row] = marks.get(row, False) or mistake.severity == "error"
         self.editor.mark(marks)
         self._tell()
+
+    def _untouched(self) -> tuple[Diagnostic, ...]:
+        """Return the errors of lines that are as they were tried."""
+        return tuple(
+            now
+            for found, now in self._mistakes.items()
+            if self._lines[now.line - 1] == self._tried[found.line - 1]
+        )
 
     def go_to_mistake(self) -> None:
         """Put the cursor on the first error, if there is one."""
@@ -138,15 +145,8 @@ class ProgramPane(Pane):
         self._tell()
 
     def _tell(self) -> None:
-        """Show the error of the cursor's line, or help on the word under the cursor.
-
-        For a changed line show the help, because its error may be fixed.
-        """
-        row = self.editor.cursor_location[0]
-        for found, now in self._mistakes.items():
-            if now.line == row + 1 and self._lines[row] == self._tried[found.line - 1]:
-                self._say(found.message)
-                return
+        """Show the errors, and help on the word under the cursor."""
+        self._strip.show(self._untouched(), self.editor.cursor_location[0])
         names = self.editor.word, call_before(self.editor.before_cursor)
         words = (help_on(self.text, name) for name in names if name[:1].isupper())
         word = next((word for word in words if word is not None), None)
@@ -171,9 +171,9 @@ class ProgramPane(Pane):
             return f"compiling… {done} of {of_all}" if of_all else "compiling…"
         text = self.text
         if state.phase == "mistake" and text == state.tried:
-            count = len(state.mistakes)
-            return "1 mistake" if count == 1 else f"{count} mistakes"
+            found = counted(len(state.mistakes), "mistake")
+            return found if state.applied is None else f"{found}, the old version runs on"
         if text != state.applied:
-            return "edited, not applied"
-        count = len(state.mistakes)
-        return "applied" + (f", {count} warning{'s' * (count > 1)}" if count else "")
+            return "not applied"
+        warnings = len(state.mistakes)
+        return f"applied, {counted(warnings, 'warning')}" if warnings else "applied"

@@ -264,7 +264,6 @@ SYNTAX = {
     "field": "$ink-field",
     "operator": "$ink-operator",
     "mistake": "on $mistake",
-    "message": f"italic {INK.text}",
     "odd-gutter": f"bold {INK.warn}",
     "mistake-gutter": f"bold $mistake-ink on {INK.bad}",
 }

@@ -23,7 +23,15 @@ if TYPE_CHECKING:
 
 __all__ = ["Search", "TimelineController"]
 
-_SOUGHT: tuple[MarkKind, ...] = ("victory", "breakpoint", "program", "edit", "area", "notice")
+_SOUGHT: tuple[MarkKind, ...] = (
+    "victory",
+    "breakpoint",
+    "program",
+    "edit",
+    "stuck",
+    "area",
+    "notice",
+)
 
 
 class TimelineController(SessionListener):

@@ -31,6 +31,7 @@ SIGNS: dict[MarkKind, tuple[str, str, str]] = {
     "breakpoint": ("◉", f"bold {INK.bad}", "a breakpoint was hit"),
     "program": ("¶", f"bold {INK.title}", "another program is used from here on"),
     "edit": ("✎", f"bold {INK.title}", "the labyrinth was changed by hand"),
+    "stuck": ("⊘", f"bold {INK.warn}", "a robot is stuck: blocked for 100 ticks"),
     "area": ("◇", INK.good, "an area was switched"),
     "notice": ("!", f"bold {INK.warn}", "a notice"),
     "memory": ("┷", INK.record, "a memory changed; only the selected robot's, if one is selected"),
@@ -245,6 +246,8 @@ class Timeline(Widget, can_focus=True):
         if mark.kind == "breakpoint" and self._history is not None:
             hits = self._history.hits_at(self._span.tick)
             words = one_line("; ".join(hit.values for hit in hits))
+        elif mark.kind == "stuck":
+            words += " is stuck" if len(mark.names) == 1 else " are stuck"
         elif mark.kind in ("victory", "program", "edit"):
             words = {"victory": "won", "program": "program changed", "edit": "edited"}[mark.kind]
         return Content.assemble((f"{sign} ", style), (words, INK.text))

@@ -68,7 +68,7 @@ def test_a_restricted_game_without_memory_says_so_and_loses_nothing(
         terminal.send("2")
         terminal.wait_for("Leave")
         terminal.send("# typed by ada")
-        terminal.wait_for("edited, not applied")
+        terminal.wait_for("not applied")
         leave_room(terminal, room * MIB)
         work(terminal)
         terminal.wait_for_quiet(1.0)

@@ -33,12 +33,13 @@ def test_everything_can_be_set(tmp_path: Path) -> None:
     found = settings(
         tmp_path,
         'theme = "gruvbox"\ndrawing = "sextants"\nframes = 10\ncones = false\ntrails = false\n'
-        "completion = false\ndrag_robots = false\n"
+        "completion = false\nwrap = false\ndrag_robots = false\n"
         '[keys]\nrun = ["%", "F9"]\nrestart = []\ndefinition = "^]"\n',
     )
     keys = {"run": ("percent_sign", "f9"), "restart": ()}
     keys["definition"] = ("ctrl+right_square_bracket",)
-    assert found == Settings("gruvbox", Drawing.SEXTANTS, 10, False, False, False, False, keys)
+    off = (False,) * 5
+    assert found == ("gruvbox", Drawing.SEXTANTS, 10, *off, keys, ())
 
 
 def test_a_command_without_a_key_is_found_where_the_palette_is() -> None:
@@ -112,7 +113,7 @@ def test_a_byte_order_mark_is_no_mistake(tmp_path: Path) -> None:
 
 
 def test_one_wrong_key_leaves_the_others(tmp_path: Path) -> None:
-    found = settings(tmp_path, '[keys]\nrun = ["^B", "%"]\nrestart = "^S"\n')
+    found = settings(tmp_path, '[keys]\nrun = ["^B", "%"]\nrestart = "^Q"\n')
     assert found.keys == {"run": ("percent_sign",), "restart": ("r",)}
 
 

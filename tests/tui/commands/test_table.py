@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING
 
 import pytest
 from textual.binding import Binding
-from textual.widgets import Static, TextArea
+from textual.content import Content
+from textual.widgets import OptionList, Static, TextArea
 from textual.widgets.text_area import Selection
 
 from logical_robots_tui.tui.commands.command import key_name
@@ -19,6 +20,7 @@ from logical_robots_tui.tui.labyrinth.drawing.glyphs import Drawing
 from logical_robots_tui.tui.labyrinth.view import LabyrinthView
 from logical_robots_tui.tui.layout.command_bar import CommandBar
 from logical_robots_tui.tui.program.editor import Editor
+from logical_robots_tui.tui.theme.themes import INK
 from tests.tui.conftest import PAPER, opened
 from tests.waiting import PATIENCE
 
@@ -40,11 +42,12 @@ ONLY_IN_THE_PALETTE = {
         "stop_measuring",
         "theme",
         "tour",
+        "wrap",
     )
 }
 SCREEN = [entry for entry in COMMANDS if entry.scope == "screen"]
 WRITING = [entry for entry in COMMANDS if entry.scope == "text"]
-TAKEN_BY_OTHERS = {"ctrl+a", "ctrl+b", "ctrl+s", "ctrl+q", "ctrl+z", "ctrl+c"}
+TAKEN_BY_OTHERS = {"ctrl+a", "ctrl+b", "ctrl+q", "ctrl+z", "ctrl+c"}
 
 
 def test_no_two_commands_share_a_key_in_one_place() -> None:
@@ -121,7 +124,7 @@ async def test_the_bar_fits_in_80_columns_and_offers_the_way_out(data_dir: Path)
     async with opened(data_dir, size=(80, 24)) as game:
         line = game.main.query_one(CommandBar).render()
         assert line.cell_length <= 80
-        for words in ("space Run", "? Help", "q Quit"):
+        for words in ("space Run", "r Restart", "^R Apply", "w Why", "h Hint", "? Help", "q Quit"):
             assert words in line.plain
 
 
@@ -132,6 +135,7 @@ async def test_the_bar_in_the_editor_names_only_keys_that_work_there(data_dir: P
         line = game.main.query_one(CommandBar).render().plain
         assert "^R Apply" in line
         assert "F5 Run" in line
+        assert "^S Save" in line
         assert "Quit" not in line
 
 
@@ -164,27 +168,27 @@ async def test_what_keys_do_in_the_editor_the_palette_does_from_anywhere(data_di
             await game.press("ctrl+p")
             await game.until(lambda: game.shows("Find a command"))
             await game.press(*words)
-            await game.until(lambda: game.shows(shown))
+            await game.until(lambda: shown in " ".join(game.screen().split()))
             await game.press("enter")
             await game.until(lambda: game.app.screen is game.main)
 
-        await ask_for("commentlines", "Comment lines   ^_")
+        await ask_for("commentlines", "Comment lines ^_")
         await game.until(lambda: game.editor.text == f"# {PAPER}")
         assert game.editor.has_focus
-        await ask_for("undointhe", "Undo in the program   ^Z")
+        await ask_for("undointhe", "Undo in the program ^Z")
         await game.until(lambda: game.editor.text == PAPER)
         await game.press("escape")
-        await ask_for("redointhe", "Redo in the program   ^Y")
+        await ask_for("redointhe", "Redo in the program ^Y")
         await game.until(lambda: game.editor.text == f"# {PAPER}")
         game.editor.put(f"Fr\n{PAPER}")
         game.editor.move_cursor((0, 2))
         await game.press("escape")
-        await ask_for("completethe", "Complete the word   ^space")
+        await ask_for("completethe", "Complete the word ^space")
         await game.until(lambda: game.editor.completion.display)
         assert "FreedomMotion" in game.editor.completion.names
         await game.press("escape")
         await game.until(lambda: not game.editor.completion.display)
-        await ask_for("copy", "Copy   ^C")
+        await ask_for("copy", "Copy ^C")
         await game.until(lambda: game.shows("Select something to copy first."))
 
 
@@ -258,6 +262,36 @@ async def test_the_help_begins_with_what_the_player_works_in(data_dir: Path) -> 
         assert "In the level editor" in await headings("editing")
 
 
+async def test_the_help_shows_what_matches_the_typed_words(data_dir: Path) -> None:
+    async with opened(data_dir, size=(80, 24)) as game:
+        await game.press("question_mark", *"watch pin")
+        shown = game.app.screen.query_one("#help", Static)
+        await game.until(lambda: "Restart" not in str(shown.visual))
+        assert "Watch" in str(shown.visual)
+        await game.press(*"qqq")
+        await game.until(lambda: game.shows("Nothing here has that in it."))
+        await game.press("escape")
+        await game.until(lambda: game.app.screen is game.main)
+
+
+@pytest.mark.parametrize("size", [(80, 24), (120, 40)], ids=["80x24", "120x40"])
+async def test_the_palette_shows_keys_at_the_right_in_their_colour(
+    data_dir: Path, size: tuple[int, int]
+) -> None:
+    async with opened(data_dir, size=size) as game:
+        await game.press("ctrl+p")
+        await game.until(lambda: game.shows("n · . · F8") and game.shows("space · F5"))
+        lines = game.screen().splitlines()
+        ends = {len(line.rstrip()) for line in lines if line.rstrip().endswith(("F5", "F8"))}
+        assert len(ends) == 1
+        options = game.app.screen.query_one(OptionList)
+        prompt = options.get_option_at_index(0).prompt
+        assert isinstance(prompt, Content)
+        assert prompt.plain.startswith("Run or pause ")
+        inks = [span.style for span in prompt.spans if prompt.plain[span.start : span.end] == "F5"]
+        assert inks == [INK.key]
+
+
 async def test_the_help_lists_every_command_with_its_keys(data_dir: Path) -> None:
     async with opened(data_dir) as game:
         await game.press("question_mark")
@@ -287,7 +321,7 @@ async def test_rays_and_the_way_of_drawing_change_by_key(data_dir: Path) -> None
 async def test_q_leaves_and_so_does_a_second_ctrl_c_but_not_ctrl_q(data_dir: Path) -> None:
     async with opened(data_dir) as game:
         await game.press("ctrl+q", "ctrl+c")
-        await game.until(lambda: game.shows("again to leave"))
+        await game.until(lambda: game.shows("^C again to quit, or q"))
         assert game.app.is_running
         await game.press("ctrl+c")
         await game.until(lambda: not game.app.is_running)

@@ -4,10 +4,12 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+import pytest
 from textual.widgets import Static
 
 from logical_robots_tui.tui.inspector.pages.ask import QueryLine
 from logical_robots_tui.tui.inspector.widgets.table import ValueTable
+from logical_robots_tui.tui.layout.command_bar import CommandBar
 from tests.short import AHEAD
 from tests.tui.conftest import opened
 
@@ -182,3 +184,19 @@ async def test_an_answer_that_is_cut_off_says_so_and_how_to_narrow_it_down(data_
         await ask(game, "x in Range(1001), x > 990")
         await game.until(lambda: game.shows("Ask · tick 0 · 10 rows"))
         assert not table.missing
+
+
+@pytest.mark.parametrize("size", [(80, 24), (120, 40)], ids=["80x24", "120x40"])
+async def test_the_line_shows_an_example_and_the_bar_names_its_keys(
+    data_dir: Path, size: tuple[int, int]
+) -> None:
+    async with opened(data_dir, size=size) as game:
+        await game.ready()
+        await game.press("slash")
+        await game.until(lambda: game.shows("sensor.forward_distance < 60"))
+        bar = game.main.query_one(CommandBar)
+        await game.until(lambda: bar.render().plain.startswith(" enter Ask  ↑↓ Earlier"))
+        assert "F5 Run" in bar.render().plain
+        await game.pilot.click(CommandBar, offset=(2, 0))
+        await game.press(*"sensor.forward_distance < 600", "enter", "escape")
+        await game.until(lambda: "enter Ask" not in bar.render().plain)

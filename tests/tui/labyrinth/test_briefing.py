@@ -61,3 +61,27 @@ async def test_the_briefing_stays_away_while_the_level_is_edited(
         assert not game.shows(TASK)
         await game.press("escape")
         await game.until(lambda: not game.main.editing.is_on and game.shows(TASK))
+
+
+async def test_a_stuck_robot_is_told_and_marked(data_dir: Path, short: Path) -> None:
+    ahead = STILL.replace("left_engine: 0.0", "left_engine: 1.0")
+    backwards = ahead.replace("right_engine: 0.0", "right_engine: 1.0").replace(": 1.0", ": -1.0")
+    async with opened(data_dir, level=short, text=backwards) as game:
+        await game.ready()
+        game.session.run_until(150)
+        await game.until(lambda: game.shows("Pip is stuck: blocked for 100 ticks."))
+        await game.until(lambda: game.tick == 150)
+        history = game.session.history
+        assert history is not None
+        await game.press("left_curly_bracket")
+        await game.until(lambda: game.shows("⊘ Pip is stuck"))
+        first = game.tick
+        ticks = range(first - 99, first + 1)
+        assert all(history.around(tick)[1].after.robots[0].blocked for tick in ticks)
+        game.session.go_to(first - 50)
+        await game.until(lambda: game.tick == first - 50)
+        await game.write(backwards.replace("memory: 1", "memory: 2"))
+        await game.until(lambda: "memory: 2" in (game.session.state.applied or ""))
+        game.session.run_until(first + 20)
+        await game.until(lambda: game.tick == first + 20)
+        assert [mark.kind for mark in history.marks.at(first)].count("stuck") == 1

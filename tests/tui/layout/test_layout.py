@@ -100,11 +100,11 @@ async def test_a_tab_is_chosen_by_click_and_tells_about_the_program(data_dir: Pa
     async with opened(data_dir, size=(80, 24)) as game:
         await game.ready()
         tabs = game.main.query_one(PaneTabs)
-        await game.until(lambda: "Program · mine · applied" in tabs.render().plain)
+        await game.until(lambda: "Program · applied · mine" in tabs.render().plain)
         await game.pilot.click(PaneTabs, offset=(tabs.render().plain.index("Program"), 0))
         await game.until(lambda: shown(game) == ["editor"])
         await game.press("x")
-        await game.until(lambda: "mine* · edited, not applied" in tabs.render().plain)
+        await game.until(lambda: "not applied · mine*" in tabs.render().plain)
 
 
 async def test_what_is_typed_right_after_the_key_for_the_editor_goes_into_the_editor(

@@ -102,8 +102,8 @@ async def test_things_are_placed_dragged_turned_and_deleted(
         assert s.level.areas[0].radius == pytest.approx(30, abs=s.units)
         await s.press("o")
         await s.drag((60, 30))
-        assert [robot.name for robot in s.level.robots] == ["Pip", "Robot"]
-        assert [robot.name for robot in s.game.session.frame.after.robots] == ["Pip", "Robot"]
+        assert [robot.name for robot in s.level.robots] == ["Pip", "Robo1"]
+        assert [robot.name for robot in s.game.session.frame.after.robots] == ["Pip", "Robo1"]
         await s.press("c")
         await s.drag((60, 70))
         await s.press("a")
@@ -117,7 +117,7 @@ async def test_things_are_placed_dragged_turned_and_deleted(
         assert len(s.level.robots) == 1
         await s.press("tab")
         info = s.game.main.query_one(InfoLine)
-        assert "Robot" in info.render().plain
+        assert "Robo1" in info.render().plain
         await s.press("x")
         await s.game.until(lambda: s.game.shows("A level needs at least one robot"))
         while s.editor.edits.can_undo:

@@ -269,3 +269,18 @@ async def test_a_path_that_can_not_be_shown_is_not_proposed(
         await fill(game, "own")
         await game.press("enter")
         await game.until(lambda: game.session.source.name == "own")
+
+
+async def test_the_key_in_the_editor_saves_what_is_the_players_and_asks_for_what_is_ours(
+    data_dir: Path,
+) -> None:
+    async with opened(data_dir, text=STILL) as game:
+        await game.ready()
+        path = game.session.source.path
+        await game.press("2", *"# so", "ctrl+s")
+        await game.until(lambda: path.read_text() == f"# so{STILL}")
+        await game.until(lambda: game.shows("Saved as mine."))
+        assert game.app.screen is game.main
+        game.session.saved_as(load_program("obstacle-avoider"))
+        await game.press("ctrl+s")
+        await game.until(lambda: isinstance(game.app.screen, SaveAs))

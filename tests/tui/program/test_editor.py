@@ -172,12 +172,28 @@ async def test_how_a_function_is_called_is_told_while_typing(data_dir: Path) -> 
         await game.until(lambda: game.shows(line.shape))
 
 
-async def test_the_message_of_a_line_is_told_where_the_cursor_is(data_dir: Path) -> None:
+async def test_a_message_is_told_once_until_its_line_is_changed(data_dir: Path) -> None:
     async with opened(data_dir, text=WRONG, size=(80, 24)) as game:
         await game.ready()
         await game.press("ctrl+g")
-        message = game.session.state.mistakes[0].message
-        await game.until(lambda: game.screen().count(message[:30]) == 3)
+        message = game.session.state.mistakes[0].message[:30]
+        await game.until(lambda: game.screen().count(message) == 1)
+        await game.press("x")
+        await game.until(lambda: not game.shows(message))
+        await game.press("backspace")
+        await game.until(lambda: game.screen().count(message) == 1)
+
+
+async def test_of_many_messages_that_of_the_cursors_line_comes_first(data_dir: Path) -> None:
+    many = "".join(f"P{number}(x) :- Nowhere{number}(x);\n" for number in range(5))
+    async with opened(data_dir, text=many + STILL, size=(80, 24)) as game:
+        await game.ready()
+        await game.press("2", "ctrl+home")
+        await game.until(lambda: len(game.session.state.mistakes) > 3)
+        line = game.session.state.mistakes[-1].line
+        await game.until(lambda: not game.shows(f"line {line},"))
+        game.editor.move_cursor((line - 1, 0))
+        await game.until(lambda: game.shows(f"line {line},"))
 
 
 async def test_a_key_goes_to_the_definition(data_dir: Path) -> None:

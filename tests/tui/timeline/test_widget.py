@@ -209,7 +209,7 @@ async def test_the_old_future_is_kept_compared_and_gone_over_to(
         assert game.session.frame.memories == {"Pip": 1}
         assert game.session.program is not None
         assert game.session.program.text == TURNS
-        assert game.shows("edited, not applied")
+        assert game.shows("not applied")
         await game.press("right_parenthesis")
         await game.until(lambda: game.tick == 30)
 

@@ -47,13 +47,18 @@ class QueryLine(Input):
 
     Args:
         leave: What escape does.
+
+    Attributes:
+        bar_keys: Its keys with what they do, for the command bar.
     """
+
+    bar_keys = (("enter", "Ask"), ("↑↓", "Earlier"), ("→", "Complete"), ("esc", "To the rows"))
 
     def __init__(self, leave: Callable[[], None]) -> None:
         self._leave = leave
         self._completion = _Completion()
         super().__init__(
-            placeholder="Ask anything: Robot   Sensor(robot_name:, sensor:)   1 + 1",
+            placeholder="Ask, such as  sensor.forward_distance < 60  or  Robot",
             suggester=self._completion,
             compact=True,
             id="query",
