@@ -107,3 +107,17 @@ def test_the_map_grows_by_one_round_a_tick(played: tuple[list[Any], set[tuple[st
         reach = before | {road["finish"] for road in roads if road["start"] in before}
         assert set(distances(memory)) <= reach
         before = {BASE} | set(distances(memory))
+
+
+@pytest.mark.slow
+def test_a_distance_rises_when_a_road_turns_out_longer_as_the_lesson_says(
+    level: Level, played: tuple[list[Any], set[tuple[str, str]]]
+) -> None:
+    assert "must **rise**" in level.lesson
+    told, _ = played
+    least: dict[str, float] = {}
+    for memory in told:
+        for label, far in distances(memory).items():
+            least[label] = min(far, least.get(label, far))
+    last = distances(told[-1])
+    assert any(far > least[label] + 2 for label, far in last.items())
