@@ -125,7 +125,7 @@ def walk(found: Facts) -> Iterator[Step]:
     yield Step(ESCAPE, "space Run")
     yield Step("p", f"Ask · tick {found.lost - 1}")
     yield Step("2", "esc Leave")
-    yield Step(f"{UP * 40}{DOWN * 4}{LINE_END}{RUB_OUT}", "not applied")
+    yield Step(f"{UP * 60}{DOWN * 9}{LINE_END}{RUB_OUT}", "not applied")
     yield Step(f"\x1b[200~{MENDED}\x1b[201~", "in [")
     yield Step(APPLY, "· applied")
     yield Step(ESCAPE, "space Run")

@@ -101,7 +101,9 @@ def test_in_the_first_minute_somebody_new_wins_by_doing_what_the_briefing_says(
     player.tmux.wait_for("Try first")
     enter_editor(player)
     back = len(line) - line.index(before) - len(before)
-    player.tmux.press(*["Down"] * row, "End", *["Left"] * back, *["BSpace"] * len(before))
+    # From below, because lines above the rule wrap.
+    up = ["C-End", *["Up"] * (len(lines) - row)]
+    player.tmux.press(*up, "End", *["Left"] * back, *["BSpace"] * len(before))
     player.tmux.type(after)
     player.tmux.wait_for(after)
     player.tmux.press("C-r")
