@@ -87,7 +87,7 @@ def daily_level(progress: Progress, day: date, size: DailySize) -> Level:
         fact = f"won {daily.name}"
         if progress.fact(fact) is not None:
             return level
-        program = program or Program.compile(load_program(_PROVING).text)
+        program = program or Program.compile(shipped_texts()[_PROVING])
         try:
             played = play_through(level, program, _TICKS_PER_CELL * daily.cells)
         except LateError:

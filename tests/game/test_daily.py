@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import pytest
 
 from logical_robots_tui.errors import InputError
-from logical_robots_tui.game import robustness
+from logical_robots_tui.game import robustness, source
 from logical_robots_tui.game.continuing import daily_level, level_to_begin_with, note_level
 from logical_robots_tui.game.robustness import LateError, Played
 from logical_robots_tui.progress import Progress
@@ -41,6 +41,14 @@ def test_our_program_wins_what_is_offered(day: date, size: DailySize, progress: 
     level = daily_level(progress, day, size)
     assert level.name == Daily(day, size).name
     assert int(progress.fact(f"won {level.name}") or 0) > 100
+
+
+def test_it_is_offered_where_solutions_are_hidden(
+    progress: Progress, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(source, "_hiding", [progress])
+    monkeypatch.setattr(robustness, "play_through", lambda *_: Played(900, 0.0))
+    assert daily_level(progress, TODAY, "small").name == "daily-2026-11-22-small"
 
 
 def test_what_was_shown_once_is_not_shown_again(
