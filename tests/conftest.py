@@ -179,7 +179,7 @@ def _progress_closed(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
 @pytest.fixture
 def late(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     """The clock ends the thought in tick 3, and no other test has computed that tick."""
-    monkeypatch.setenv("LOGICAL_ROBOTS_CACHE_DIR", str(tmp_path / "cache"))
+    monkeypatch.setenv(FOLDER_VARIABLE, str(tmp_path / "cache"))
     from logical_robots_tui.mind.mind import Mind
 
     think = Mind.think

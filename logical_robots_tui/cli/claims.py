@@ -16,6 +16,8 @@ if TYPE_CHECKING:
 
 __all__ = ["read_claims"]
 
+_MOST_BYTES = 20_000_000
+
 _Count = Annotated[int, msgspec.Meta(ge=0, le=1_000_000_000)]
 
 
@@ -38,23 +40,22 @@ class _Export(msgspec.Struct):
     levels: list[_Level]
 
 
-def read_claims(file: Path, most: int, version: int) -> Iterator[tuple[str, str, Measures]]:
+def read_claims(file: Path, version: int) -> Iterator[tuple[str, str, Measures]]:
     """Read an exported file, and return level, program and measures of each victory.
 
     Args:
         file: The file.
-        most: The largest size in bytes.
         version: The version of the format.
 
     Raises:
         InputError: It can't be read, or is not such a file; with the key that is wrong.
     """
     try:
-        content = read_ordinary(file, most + 1)
+        content = read_ordinary(file, _MOST_BYTES + 1)
     except OSError as error:
         raise InputError(f"Can't be read: {error.strerror or error}.", place=str(file)) from error
-    if len(content) > most:
-        raise InputError(f"The file has more than {most:,} bytes.", place=str(file))
+    if len(content) > _MOST_BYTES:
+        raise InputError(f"The file has more than {_MOST_BYTES:,} bytes.", place=str(file))
     try:
         export = msgspec.json.decode(content, type=_Export)
     except (msgspec.DecodeError, RecursionError) as error:

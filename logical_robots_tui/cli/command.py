@@ -26,6 +26,7 @@ __all__ = [
     "finite",
     "folder_of",
     "harmless",
+    "is_set",
     "line_of_json",
     "new_command",
     "number_from",
@@ -92,12 +93,17 @@ def add_data_dir(command: argparse.ArgumentParser) -> None:
     )
 
 
+def is_set(variable: str) -> bool:
+    """Return whether an environment variable turns something on."""
+    return os.environ.get(variable, "") not in ("", "0")
+
+
 def add_no_solutions(command: argparse.ArgumentParser) -> None:
     """Add the option that hides solutions; a teacher sets it for a class."""
     command.add_argument(
         "--no-solutions",
         action="store_true",
-        default=os.environ.get("LOGICAL_ROBOTS_NO_SOLUTIONS", "") not in ("", "0"),
+        default=is_set("LOGICAL_ROBOTS_NO_SOLUTIONS"),
         help="for a class: hide the solution of each level until it is won",
     )
 

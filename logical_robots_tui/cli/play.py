@@ -10,7 +10,13 @@ from datetime import date
 from importlib import import_module
 from typing import TYPE_CHECKING
 
-from logical_robots_tui.cli.command import add_data_dir, add_no_solutions, folder_of, new_command
+from logical_robots_tui.cli.command import (
+    add_data_dir,
+    add_no_solutions,
+    folder_of,
+    is_set,
+    new_command,
+)
 from logical_robots_tui.errors import InputError
 from logical_robots_tui.garbage import collect_later
 from logical_robots_tui.paths import is_folder
@@ -76,7 +82,7 @@ def declare(commands: Commands) -> None:
     command.add_argument(
         "--restricted",
         action="store_true",
-        default=os.environ.get("LOGICAL_ROBOTS_RESTRICTED", "") not in ("", "0"),
+        default=is_set("LOGICAL_ROBOTS_RESTRICTED"),
         help="for shared machines: only your own files, no other programs, limited resources",
     )
     add_no_solutions(command)

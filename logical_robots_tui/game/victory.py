@@ -27,6 +27,7 @@ __all__ = [
     "Victory",
     "count_rules",
     "is_by_the_book",
+    "is_reference",
     "is_shipped",
     "keep_victory",
     "level_key",
@@ -138,12 +139,17 @@ def victory_of(game: Game, level: Level) -> Victory | None:
         verdict = "clock"
     elif not is_by_the_book(history, level, tick):
         verdict = "edited"
-    elif level.solution and program.text == shipped_texts().get(level.solution):
+    elif is_reference(level, program.text):
         verdict = "reference"
     measures = None
     if history.is_all_by(program.text, tick):
         measures = Measures(tick, count_rules(program.text), history.driven(tick))
     return Victory(level, program, tick, verdict, measures)
+
+
+def is_reference(level: Level, text: str) -> bool:
+    """Return whether a program is the reference program of a level."""
+    return bool(level.solution) and text == shipped_texts().get(level.solution)
 
 
 def is_by_the_book(history: History, level: Level, tick: int) -> bool:

@@ -10,11 +10,16 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from logical_robots_tui.cli.play import SIZES
 from logical_robots_tui.world import LevelError, load_level
 from logical_robots_tui.world.level import alike
 from logical_robots_tui.world.levels.daily import DAILY_SIZES, Daily
 
 DAYS = [date(2026, 11, 1) + timedelta(days) for days in range(100)]
+
+
+def test_the_command_offers_each_size() -> None:
+    assert SIZES == DAILY_SIZES
 
 
 @given(st.dates(), st.sampled_from(DAILY_SIZES), st.integers(1, 99))

@@ -8,7 +8,7 @@ from __future__ import annotations
 import asyncio
 from datetime import date
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, cast
 
 from logical_robots_tui.errors import InputError
 from logical_robots_tui.game import Source, load_program, save_program
@@ -28,6 +28,7 @@ if TYPE_CHECKING:
     from logical_robots_tui.tui.recovery.autosave import Autosave
     from logical_robots_tui.tui.recovery.offers import Offers
     from logical_robots_tui.world import Level
+    from logical_robots_tui.world.levels.daily import DailySize
 
 __all__ = ["LibraryController"]
 
@@ -106,7 +107,7 @@ class LibraryController:
         asked = Question("Labyrinth of the day", f"{today.isoformat()}: which size?", answers)
         if (answer := await self._ui.ask(asked)) is None:
             return
-        size = next(size for size in DAILY_SIZES if size == answer)
+        size = cast("DailySize", answer)
         try:
             progress = self._recorder.progress
             level = await asyncio.to_thread(daily_level, progress, today, size)

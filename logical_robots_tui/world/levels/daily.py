@@ -9,7 +9,7 @@ from __future__ import annotations
 import re
 from dataclasses import replace
 from datetime import date
-from typing import TYPE_CHECKING, Literal, NamedTuple, TypeAlias, get_args
+from typing import TYPE_CHECKING, Literal, NamedTuple, TypeAlias, cast, get_args
 from zlib import crc32
 
 from logical_robots_tui.world.level import Beacon
@@ -56,8 +56,7 @@ class Daily(NamedTuple):
             day = date.fromisoformat(found[1])
         except ValueError:
             return None
-        size = next(size for size in DAILY_SIZES if size == found[2])
-        return cls(day, size, int(found[3] or 1))
+        return cls(day, cast("DailySize", found[2]), int(found[3] or 1))
 
     @property
     def name(self) -> str:
