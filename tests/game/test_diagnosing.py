@@ -148,6 +148,14 @@ async def test_a_mistake_is_told_with_its_line(
     assert said.removeprefix("by ") in words
 
 
+async def test_a_predicate_without_columns_is_watched_like_others(tmp_path: Path) -> None:
+    rules = f"Awake() :- Sensor(robot_name: r);\n{PLAIN[:-1]}, Awake();"
+    found = await diagnosed(tmp_path, rules)
+    assert found.findings == ()
+    never = rules.replace("robot_name: r", 'robot_name: "Nobody"')
+    assert "no rows" in the_kinds(await diagnosed(tmp_path, never))
+
+
 async def test_of_a_made_predicate_the_conditions_are_told_that_it_really_has(
     tmp_path: Path,
 ) -> None:

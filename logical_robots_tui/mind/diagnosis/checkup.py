@@ -107,6 +107,6 @@ def _key(rule: Rule, span: Span) -> str:
 
 def _is_constant(rules: list[Rule]) -> bool:
     """Return whether these are the rules of a constant: no arguments and no conditions."""
-    (first, *others) = (fv for rule in rules for fv in rule["head"]["record"]["field_value"])
-    is_value = first["field"] == VALUE and value_of(first) is not None
-    return is_value and not others and "body" not in rules[0]
+    given = [fv for rule in rules for fv in rule["head"]["record"]["field_value"]]
+    is_value = [fv["field"] for fv in given] == [VALUE] and value_of(given[0]) is not None
+    return is_value and "body" not in rules[0]
