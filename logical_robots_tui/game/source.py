@@ -14,7 +14,6 @@ from logical_robots_tui.errors import InputError
 from logical_robots_tui.mind import ProgramError
 from logical_robots_tui.paths import is_file, is_folder, is_there, read_ordinary, real, typed_path
 from logical_robots_tui.shipped import did_you_mean, shipped_folder, shipped_names
-from logical_robots_tui.world import list_levels, load_level
 from logical_robots_tui.writing import write_atomically
 
 if TYPE_CHECKING:
@@ -90,6 +89,8 @@ def is_hidden(name: str) -> bool:
 @lru_cache(maxsize=1)
 def _solved_levels() -> Mapping[str, str]:
     """Return the level that each solution is for, by name."""
+    from logical_robots_tui.world import list_levels, load_level  # loads numpy
+
     return {load_level(name).solution: name for name in list_levels()}
 
 

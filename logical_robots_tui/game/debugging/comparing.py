@@ -64,7 +64,7 @@ async def compare_proofs(game: Game, divergence: Divergence) -> Comparison | Non
         return None
     history, tick = game.history, divergence.tick
     turns = history.turns
-    here = _Course(robot, history.around(tick)[0], history.known(tick), game.limits)
+    here = _Course(robot, *history.replay(tick), game.limits)
     there = _Course(robot, *history.in_other(tick), game.limits)
     programs = history.program_at(tick), history.program_in_other(tick)
     mine, other = (program or game.program for program in programs)

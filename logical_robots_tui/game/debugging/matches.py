@@ -226,12 +226,11 @@ async def search_ticks(
         for at in range(0, len(ticks), together):
             numbers = ticks[at : at + together]
             try:
-                some = [(history.around(tick)[0], history.known(tick)) for tick in numbers]
+                some = [history.replay(tick) for tick in numbers]
             except NoSuchTickError:  # dropped in the meantime
                 break
-            for tick, answer in zip(
-                numbers, await thinker.do(partial(ask, question, some)), strict=True
-            ):
+            answers = await thinker.do(partial(ask, question, some))
+            for tick, answer in zip(numbers, answers, strict=True):
                 last = tick
                 if isinstance(answer, str):
                     problem = problem or f"Tick {tick}: {answer}"

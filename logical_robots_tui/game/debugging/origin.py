@@ -152,8 +152,7 @@ async def origin_in_game(
             raise Superseded
         told(at)
         try:
-            before, _ = history.around(at)
-            known = history.known(at)
+            before, known = history.replay(at)
         except NoSuchTickError:
             raise QueryError(f"Tick {at} is no longer in the timeline.") from None
         program = history.program_at(at) or game.program

@@ -171,8 +171,7 @@ class _Diagnosing:
                 raise Superseded
             if tick < history.first:
                 continue  # it was dropped in the meantime
-            known = history.known(tick)
-            before = history.around(tick)[0]
+            before, known = history.replay(tick)
             await self._thinker.do(partial(self._ask, tally, names, before, known, viewers))
             self._done += 1
             self._report(self._done, max(self._all, self._done))

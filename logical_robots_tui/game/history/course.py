@@ -157,6 +157,10 @@ class Course:
         moment = self.moment(tick)
         return Known(self.levels.at(tick - bool(moment.decisions)), moment)
 
+    def replay(self, tick: int) -> tuple[Moment, Known]:
+        """Return the moment before a stored tick, and the tick, for replay."""
+        return self.moment(max(tick - 1, 0)), self.known(tick)
+
     def up_to(self, tick: int) -> Course:
         """Return a copy of the course up to a tick."""
         copy = Course.__new__(Course)

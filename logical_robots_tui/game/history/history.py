@@ -143,11 +143,14 @@ class History:
         Raises:
             NoSuchTickError: The tick is not in history.
         """
+        self._check(tick)
+        return self._course.moment(max(tick - 1, 0)), self._course.moment(tick)
+
+    def _check(self, tick: int) -> None:
         if not self.first <= tick <= self.last:
             raise NoSuchTickError(
                 f"Tick {tick} is not in history, which holds ticks {self.first} to {self.last}."
             )
-        return self._course.moment(max(tick - 1, 0)), self._course.moment(tick)
 
     def is_changed_up_to(self, tick: int) -> bool:
         """Return whether the level was edited between the start and the end of a tick."""
@@ -163,8 +166,17 @@ class History:
         Raises:
             NoSuchTickError: The tick is not in history.
         """
-        self.around(tick)
+        self._check(tick)
         return self._course.known(tick)
+
+    def replay(self, tick: int) -> tuple[Moment, Known]:
+        """Return the moment before a tick, and the tick, for replay.
+
+        Raises:
+            NoSuchTickError: The tick is not in history.
+        """
+        self._check(tick)
+        return self._course.replay(tick)
 
     def programs(self, tick: int) -> list[tuple[int, Program]]:
         """Return the programs up to a tick, each with the first tick that it decided."""
@@ -183,7 +195,7 @@ class History:
         there = self._other
         if there is None or not there.first <= tick <= there.last:
             raise NoSuchTickError(f"The other future does not hold tick {tick}.")
-        return there.moment(max(tick - 1, 0)), there.known(tick)
+        return there.replay(tick)
 
     def program_in_other(self, tick: int) -> Program | None:
         """Return the program that decided a tick of the other course, or None."""
@@ -278,9 +290,8 @@ class Past:
             NoSuchTickError: History does not hold it.
         """
         history = self._history
-        before, _ = history.around(tick)
+        before, known = history.replay(tick)
         if self._last is None or self._last.tick != tick or self._turns != history.turns:
-            known = history.known(tick)
             self._last = known_frame(self.worlds, before, known)
             self._turns = history.turns
         return self._last
