@@ -146,7 +146,8 @@ def _wrong_aggregate(node: Node) -> Iterator[str]:
     numbers = [e for e in elements if isinstance(e, int | float)]
     expected: Any = value
     if operator in ("+", "Sum"):
-        expected = sum(numbers) if numbers else None
+        # What is no number counts as 0; only null is left out.
+        expected = sum(numbers) if any(e is not None for e in elements) else None
     elif operator in ("List",):
         good = Counter(map(repr, elements)) == Counter(map(repr, value or []))
         expected = value if good else elements
