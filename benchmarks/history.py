@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING
 from benchmarks.halls import halls
 from benchmarks.measure import Effort, Measurement, summed_up
 from benchmarks.subjects import LARGEST, program_text, robots_of
-from benchmarks.with_screen import opened
+from benchmarks.with_screen import SIZE, opened
 from logical_robots_tui import Program, load_level
 from logical_robots_tui.game import Frame, Game, History, load_program
 from logical_robots_tui.game.history.history import DEFAULT_LENGTH
@@ -106,7 +106,9 @@ def _key_to_screen(presses: int) -> Measurement:
             terminal.send("p")
             there = partial(_shows, terminal, presses + 100 - press)
             found.append(1000 * (terminal.arrival_of(there) - began))
-    return summed_up("key to tick before", f"120x40, {LARGEST}", "ms", found, required="< 20")
+    return summed_up(
+        "key to tick before", f"{SIZE[0]}x{SIZE[1]}, {LARGEST}", "ms", found, required="< 20"
+    )
 
 
 def _shows(terminal: Terminal, tick: int) -> bool:

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 from benchmarks.measure import Effort, Measurement, summed_up
 from benchmarks.subjects import LARGEST
-from benchmarks.with_screen import opened
+from benchmarks.with_screen import SIZE, opened
 from logical_robots_tui import Program, load_level
 from logical_robots_tui.game import load_program
 
@@ -39,7 +39,7 @@ def inspector(effort: Effort) -> Iterator[Measurement]:
             for _ in range(STEPS):
                 tick += 1
                 found.setdefault(name, []).append(_step(terminal, name, tick))
-    subject = f"120x40, {LARGEST}"
+    subject = f"{SIZE[0]}x{SIZE[1]}, {LARGEST}"
     reasons = found.pop("Why")
     medians = {name: statistics.median(times) for name, times in found.items()}
     slowest = max(medians, key=lambda name: medians[name])

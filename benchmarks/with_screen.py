@@ -19,7 +19,7 @@ from tests.terminal import Terminal
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
-__all__ = ["opened", "traffic", "with_screen"]
+__all__ = ["SIZE", "opened", "traffic", "with_screen"]
 
 SIZE = (120, 40)
 LEVEL, PROGRAM = "02-open-space", "open-space-starter"  # never wins

@@ -70,7 +70,7 @@ class Asking:
         frozen: bool = False,
     ) -> None:
         self._program = program
-        self.plain = PlainTables(limits)
+        self.plain_tables = PlainTables(limits)
         self._tuned = None if plain else _tables(program, limits, frozen=frozen)
         self._deepest = limits.depth
         self._read_value = Interner().read if frozen else from_sql
@@ -166,7 +166,7 @@ class Asking:
 
     def close(self) -> None:
         """Close the databases."""
-        self.plain.close()
+        self.plain_tables.close()
         if self._tuned is not None:
             self._tuned.close()
 
@@ -184,7 +184,7 @@ class Asking:
             FailureError: It failed, or took too long.
         """
         with failures_in_words(within):
-            columns, rows = self.plain.ask(sql, moment, view, within, parameters)
+            columns, rows = self.plain_tables.ask(sql, moment, view, within, parameters)
             return columns, self._read_all(rows, within)
 
     # -- inside --------------------------------------------------------------------------------

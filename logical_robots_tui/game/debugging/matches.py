@@ -147,9 +147,12 @@ def _find(name: str) -> Matches | None:
 
 
 def _keep(name: str, found: Matches) -> None:
+    folder = _folder()
+    if folder.place is None:
+        return
     body = json.dumps(asdict(found)).encode()
     if len(body) < _LARGEST:
-        _folder().keep(name, [_digest(name, body), b"\n", body])
+        folder.keep(name, [_digest(name, body), b"\n", body])
 
 
 def _digest(name: str, body: bytes) -> bytes:

@@ -11,7 +11,7 @@ import numpy as np
 
 from logical_robots_tui.game.advancing import Known
 from logical_robots_tui.game.frame import driven
-from logical_robots_tui.game.history.marks import Marks, marks_of
+from logical_robots_tui.game.history.marks import STUCK_AFTER, Marks, marks_of
 from logical_robots_tui.game.history.packing import Moment, Packed
 from logical_robots_tui.world.walls import PackedBits
 
@@ -26,7 +26,6 @@ if TYPE_CHECKING:
 __all__ = ["Course", "Levels"]
 
 _TOGETHER = 32  # moments in a pack, unless they are heavy
-_STUCK_AFTER = 100  # ticks in a row that a robot is blocked
 _HEAVY = 12_000_000  # bytes of objects in a pack, unless a single moment has more
 
 _begin_of = attrgetter("first")
@@ -114,9 +113,7 @@ class Course:
         """Return the indices of robots that have just been blocked for long enough, as bits."""
         before = self._blocked
         self._blocked = {r.name: before.get(r.name, 0) + 1 for r in robots if r.blocked}
-        return sum(
-            1 << i for i, r in enumerate(robots) if self._blocked.get(r.name) == _STUCK_AFTER
-        )
+        return sum(1 << i for i, r in enumerate(robots) if self._blocked.get(r.name) == STUCK_AFTER)
 
     def change_level(self, frame: Frame, level: Level) -> None:
         """Continue from the last tick in another level; the frame replaces that tick.
@@ -182,7 +179,7 @@ class Course:
     def _blocked_until(self, tick: int) -> dict[str, int]:
         """Return for how many ticks robots were blocked up to a tick, counted as far as matters."""
         counts: dict[str, int] = {}
-        for at in range(tick, max(self.first, tick - _STUCK_AFTER) - 1, -1):
+        for at in range(tick, max(self.first, tick - STUCK_AFTER) - 1, -1):
             blocked = [robot.name for robot in self.moment(at).after.robots if robot.blocked]
             still = [name for name in blocked if counts.get(name, 0) == tick - at]
             if not still:

@@ -13,11 +13,14 @@ if TYPE_CHECKING:
     from logical_robots_tui.mind import Decision
     from logical_robots_tui.world import WorldState
 
-__all__ = ["MARK_KINDS", "Mark", "MarkKind", "Marks", "marks_of"]
+__all__ = ["MARK_KINDS", "STUCK_AFTER", "Mark", "MarkKind", "Marks", "marks_of"]
 
 MarkKind: TypeAlias = Literal[
     "victory", "breakpoint", "program", "edit", "stuck", "area", "notice", "memory"
 ]
+
+STUCK_AFTER = 100
+"""Ticks in a row for which a robot that is stuck has been blocked."""
 
 MARK_KINDS: tuple[MarkKind, ...] = get_args(MarkKind)
 """All kinds, the rarest and so most significant first."""
@@ -29,8 +32,8 @@ class Mark(NamedTuple):
     Attributes:
         kind: ``victory``; ``breakpoint``, one was hit; ``program``, another program decided than
             in the previous tick; ``edit``, the level was edited at the end of the tick; ``stuck``,
-            robots were blocked for 100 ticks; ``area``, one was switched; ``notice``, one appeared
-            that the previous tick did not have; ``memory``, one changed.
+            robots were blocked for `STUCK_AFTER` ticks; ``area``, one was switched; ``notice``, one
+            appeared that the previous tick did not have; ``memory``, one changed.
         names: The robots or areas concerned; () for the other kinds.
     """
 

@@ -198,16 +198,12 @@ def _names(rules: list[Rule], text: str, doubtful: frozenset[str]) -> Iterator[D
 def _without_arguments(rules: list[Rule], text: str) -> Iterator[Diagnostic]:
     """Find functions and predicates that are named where a value belongs."""
     known = {*defined(rules), *INPUTS} - {*_types(rules)}
-    for rule in rules:
-        if head_name(rule).startswith("@"):
-            continue
-        for node in nodes([rule]):
-            if not _is_value(node):
-                continue
-            name = node["the_predicate"]["predicate_name"]
-            if name in known or (builtins.is_built_in(name) and name.upper() not in TYPES):
-                message = f"{name} is named without its arguments, so it has no value"
-                yield diagnostic_for(text, name, message, f"Write {name}(...).", "warning")
+    own = [rule for rule in rules if not head_name(rule).startswith("@")]
+    for node in filter(_is_value, nodes(own)):
+        name = node["the_predicate"]["predicate_name"]
+        if name in known or (builtins.is_built_in(name) and name.upper() not in TYPES):
+            message = f"{name} is named without its arguments, so it has no value"
+            yield diagnostic_for(text, name, message, f"Write {name}(...).", "warning")
 
 
 def _is_value(node: Rule) -> bool:

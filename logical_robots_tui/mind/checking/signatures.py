@@ -19,6 +19,7 @@ from logical_robots_tui.mind.compiling.rules import (
     reached,
     subject,
     value_of,
+    variable_of,
 )
 from logical_robots_tui.mind.program import INPUTS
 from logical_robots_tui.mind.similar_names import closest
@@ -142,8 +143,7 @@ def _in_value(rule: Rule) -> frozenset[int]:
     return frozenset(
         fv["field"]
         for fv in record
-        if isinstance(fv["field"], int)
-        and (value_of(fv) or {}).get("variable", {}).get("var_name") in mentioned
+        if isinstance(fv["field"], int) and variable_of(value_of(fv) or {}) in mentioned
     )
 
 

@@ -23,7 +23,8 @@ from logical_robots_tui.mind.compiling.rules import (
     fields,
     heads,
     nodes,
-    value_of,
+    operands,
+    variable_of,
 )
 from logical_robots_tui.mind.diagnostics import Diagnostic, ProgramError
 from logical_robots_tui.mind.program import INPUTS, Question
@@ -186,17 +187,12 @@ def _open_inputs(tree: Rule) -> list[str]:
     """Return the columns of the inputs that a question uses as variables and gives no value."""
     given = set()
     for node in nodes(tree):
-        given.add(_variable(node.get("element")))
+        if "inclusion" in node:
+            given.add(variable_of(node["inclusion"]["element"]))
         if "predicate" in node and node["predicate"]["predicate_name"] not in CONDITIONS:
-            values = node["predicate"]["record"]["field_value"]
-            given |= {_variable(value_of(each)) for each in values}
+            given |= {variable_of(value) for value in operands(node["predicate"])}
     columns = {column for inputs in INPUTS.values() for column in inputs}
     return [name for name in _in_text(tree) if name in columns and name not in given]
-
-
-def _variable(tree: object) -> str:
-    """Return the name of an expression that is only a variable, or ""."""
-    return str(tree.get("variable", {}).get("var_name", "")) if isinstance(tree, dict) else ""
 
 
 def _supplied(left_open: Sequence[str]) -> str:

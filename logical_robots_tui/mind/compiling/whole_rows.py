@@ -18,6 +18,7 @@ from logical_robots_tui.mind.compiling.rules import (
     nodes,
     prelude_rules,
     value_of,
+    variable_of,
 )
 from logical_robots_tui.mind.program import INPUTS
 
@@ -98,7 +99,7 @@ def _left(call: Rule, known: dict[str, list[str]]) -> list[str]:
 
 
 def _row(fv: Rule, rows: dict[str, list[str]]) -> list[str] | None:
-    return rows.get((value_of(fv) or {}).get("variable", {}).get("var_name", ""))
+    return rows.get(variable_of(value_of(fv) or {}))
 
 
 def _in_rule(rule: Rule, known: dict[str, list[str]]) -> None:

@@ -53,9 +53,9 @@ def check_up(text: str, functions: frozenset[str], is_quick: Callable[[str, int]
     for name, rule in rules:
         if name in needed and name not in functions:
             tracer.rule(rule, tells_robot=name == MAIN)
-    for name, (original, within) in tracer.copies.items():
+    for name, (_, within) in tracer.copies.items():
         if within in needed and name not in functions:
-            tracer.copy(name, original, within)
+            tracer.copy(name)
     asked = dict(list(tracer.probes.items())[:_MOST_PROBES])
     copied = [rule for mine in expanded.rules.values() for rule in mine]
     probed = [rule for rule, _ in asked.values()]

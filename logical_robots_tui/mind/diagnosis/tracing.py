@@ -41,15 +41,13 @@ _LEAVES = ("desire", VALUE)
 class Tracer(ValueTracing):
     """Traces rules part by part."""
 
-    def copy(self, name: str, original: str, within: str) -> None:
+    def copy(self, name: str) -> None:
         """Trace the rules that ``:=`` copied.
 
         Args:
-            name: The predicate that they define.
-            original: The predicate whose rules these are.
-            within: The predicate made with ``:=``.
+            name: The predicate that they define, one of `copies`.
         """
-        self._within = within
+        _, self._within = self.copies[name]
         for rule in self._own[name]:
             self.rule(rule, tells_robot=False)
         self._within = ""

@@ -115,9 +115,9 @@ class Explainer:
             QueryError: As `why` does.
         """
         given = self._about(predicate, None, "")
-        nearest = Nearest(self._program, self._derivations, given)
-        rules = self._decompose(predicate, "").rules
-        return [(rule.span, each) for rule in rules for each in nearest.of(predicate, rule)]
+        nearest = Nearest(self._program, self._derivations, given, self._limits)
+        probing = self._decompose(predicate, "")
+        return [(rule.span, each) for rule in probing.rules for each in nearest.of(probing, rule)]
 
     def calls(self, function: str) -> Table:
         """Return the calls of a function: arguments and results, each once.

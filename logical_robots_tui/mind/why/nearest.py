@@ -20,6 +20,7 @@ from logical_robots_tui.mind.why.refuting import Refuting
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence
 
+    from logical_robots_tui.mind.limits import Limits
     from logical_robots_tui.mind.program import Program
     from logical_robots_tui.mind.why.derivations import Derivations
     from logical_robots_tui.mind.why.probing import Call, Probing, RuleParts, Term
@@ -62,28 +63,39 @@ class Nearest:
         program: The program.
         derivations: Finds rows of its predicates.
         given: Values of columns that a row must have.
+        limits: Bounds on compiling what is tested.
     """
 
     def __init__(
-        self, program: Program, derivations: Derivations, given: Mapping[str, Value]
+        self,
+        program: Program,
+        derivations: Derivations,
+        given: Mapping[str, Value],
+        limits: Limits,
     ) -> None:
         self._program, self._derivations, self._given = program, derivations, given
+        self._limits = limits
         self._relations = derivations.relations
 
-    def of(self, predicate: str, rule: RuleParts) -> Iterator[Suggestion]:
+    def of(self, probing: Probing, rule: RuleParts) -> Iterator[Suggestion]:
         """Yield the single changes that would have given a rule a row, the smallest first.
+
+        Args:
+            probing: The predicate.
+            rule: One of its rules.
 
         Raises:
             Stopped: It was stopped.
         """
         self._relations.renew()
-        stop = self._stop(self._derivations.decompose(predicate, ""), rule, self._given)
+        stop = self._stop(probing, rule, self._given)
         candidates = sorted(self._of_stop(stop, 0), key=itemgetter(0)) if stop else ()
         distinct: dict[tuple[int, str], Suggestion] = {}
         for _, each in candidates:
             distinct.setdefault((each.span.start, each.change), each)
         tried = list(distinct.values())[:_MOST_TRIED]
-        yield from islice((e for e in tried if self._works(predicate, rule.span, e)), MOST)
+        working = (each for each in tried if self._works(probing.predicate, rule.span, each))
+        yield from islice(working, MOST)
 
     # -- what failed ---------------------------------------------------------------------------
 
@@ -270,7 +282,8 @@ class Nearest:
         stop = rule.stop + (moved if span.start < rule.stop else 0)
         written = changed[start:stop].replace(predicate, _ASKED, 1)
         try:
-            rows = self._relations.answer(replace(self._program, text=changed), f"{written};")
+            program = replace(self._program, text=changed)
+            rows = self._relations.answer(program, f"{written};", self._limits)
         except (ProgramError, FailureError):
             return False
         row = next((row for row in rows if self._is_wanted(row)), {})

@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
     from logical_robots_tui.mind.asking import Asking
+    from logical_robots_tui.mind.limits import Limits
     from logical_robots_tui.mind.program import Program
     from logical_robots_tui.mind.sqlite.database import Answer, Scalar
     from logical_robots_tui.mind.sqlite.moment import Moment, View, Within
@@ -26,9 +27,7 @@ __all__ = [
     "Relations",
     "Way",
     "alike",
-    "alike_in_sql",
     "same",
-    "same_in_sql",
 ]
 
 SAME = "why_same"
@@ -54,10 +53,10 @@ class Relations:
     """
 
     def __init__(self, asking: Asking, moment: Moment, view: View, within: Within) -> None:
-        self._asking, self._plain = asking, asking.plain
+        self._asking, self._plain = asking, asking.plain_tables
         self._moment, self._view, self._within = moment, view, within
-        self._plain.offer(SAME, same_in_sql, 2)
-        self._plain.offer(ALIKE, alike_in_sql, 2)
+        self._plain.offer(SAME, _same_in_sql, 2)
+        self._plain.offer(ALIKE, _alike_in_sql, 2)
         self._rows: dict[str, tuple[dict[str, Value], ...]] = {}
         self._columns: dict[str, Sequence[str]] = {}
         self._loaded: dict[str, Sequence[Mapping[str, Value]]] = {}
@@ -83,7 +82,7 @@ class Relations:
         self.spend(STEPS_OF_A_CALL * len(found))  # the caller looks through them
         return found
 
-    def answer(self, program: Program, query: str) -> list[dict[str, Value]]:
+    def answer(self, program: Program, query: str, limits: Limits) -> list[dict[str, Value]]:
         """Return the rows of a question about a program, by the names of the columns.
 
         It may be another program than that of the mind.
@@ -93,7 +92,7 @@ class Relations:
             FailureError: It failed.
         """
         self.renew()
-        question = program.question(query, stop=self._within.stop)
+        question = program.question(query, stop=self._within.stop, limits=limits)
         columns, rows = self._asking.plainly(question.sql, *self._where)
         return [dict(zip(columns, row, strict=True)) for row in rows]
 
@@ -240,12 +239,12 @@ def _sorted(value: Value) -> Value:
     return value
 
 
-def alike_in_sql(one: Scalar, other: Scalar) -> bool:
+def _alike_in_sql(one: Scalar, other: Scalar) -> bool:
     """Return the same of values as SQLite has them."""
     return alike(from_sql(one), from_sql(other))
 
 
-def same_in_sql(one: Scalar, other: Scalar) -> bool:
+def _same_in_sql(one: Scalar, other: Scalar) -> bool:
     """Return the same of values as SQLite has them."""
     if one.__class__ is other.__class__ and one == other:
         return True

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from logical_robots_tui.game.history.marks import STUCK_AFTER
 from logical_robots_tui.tui.app.session_state import SessionListener
 from logical_robots_tui.tui.theme.safe_text import clip, one_line
 
@@ -63,12 +64,14 @@ class VictoryAnnouncer(SessionListener):
             self._brief()
         elif frame.tick and not before:
             self._pane.close_briefing()
-        if frame.tick == before + 1 and self._session.history is not None:
-            for mark in self._session.history.marks.at(frame.tick):
-                if mark.kind == "stuck":
-                    verb = "is" if len(mark.names) == 1 else "are"
-                    names = clip(one_line(", ".join(mark.names)), 60)
-                    self._tell(f"{names} {verb} stuck: blocked for 100 ticks.")
+        history = self._session.history
+        if frame.tick != before + 1 or history is None:
+            return
+        if history.marks.has("stuck", frame.tick, frame.tick):
+            (mark,) = (each for each in history.marks.at(frame.tick) if each.kind == "stuck")
+            verb = "is" if len(mark.names) == 1 else "are"
+            names = clip(one_line(", ".join(mark.names)), 60)
+            self._tell(f"{names} {verb} stuck: blocked for {STUCK_AFTER} ticks.")
 
     def _brief(self) -> None:
         self._tick = 0

@@ -11,6 +11,7 @@ from textual.message import Message
 from textual.widget import Widget
 
 from logical_robots_tui.game import MARK_KINDS, MarkKind
+from logical_robots_tui.game.history.marks import STUCK_AFTER
 from logical_robots_tui.tui.terminal.direct_paint import repaint
 from logical_robots_tui.tui.theme.safe_text import clip, one_line
 from logical_robots_tui.tui.theme.themes import INK
@@ -24,14 +25,14 @@ if TYPE_CHECKING:
     from logical_robots_tui.game.history.history import History
     from logical_robots_tui.tui.app.session import Session
 
-__all__ = ["SIGNS", "Scale", "Span", "Timeline", "track"]
+__all__ = ["DIVERGENCE", "SIGNS", "TRACKS", "Scale", "Span", "Timeline", "track"]
 
 SIGNS: dict[MarkKind, tuple[str, str, str]] = {
     "victory": ("★", f"bold {INK.key}", "victory"),
     "breakpoint": ("◉", f"bold {INK.bad}", "a breakpoint was hit"),
     "program": ("¶", f"bold {INK.title}", "another program is used from here on"),
     "edit": ("✎", f"bold {INK.title}", "the labyrinth was changed by hand"),
-    "stuck": ("⊘", f"bold {INK.warn}", "a robot is stuck: blocked for 100 ticks"),
+    "stuck": ("⊘", f"bold {INK.warn}", f"a robot is stuck: blocked for {STUCK_AFTER} ticks"),
     "area": ("◇", INK.good, "an area was switched"),
     "notice": ("!", f"bold {INK.warn}", "a notice"),
     "memory": ("┷", INK.record, "a memory changed; only the selected robot's, if one is selected"),
