@@ -84,7 +84,7 @@ class VictoryBanner(Overlay):
     def toggle(self, recorder: ProgressRecorder) -> None:
         """Show the results so far, or hide the banner."""
         if self.display:
-            self.display = False
+            self.close()
             return
         self._seed, self._offers, self._said = None, _LOOKED_UP, "Results"
         self._show(recorder)

@@ -50,7 +50,6 @@ class LabyrinthPane(Pane, can_focus=True):
         self.briefing = Briefing()
         self.banner = VictoryBanner()
         self._shown: tuple[Level, Frame] | None = None
-        self._pointed: str | None = None
         super().__init__(self.view, self.card, self.briefing, self.banner, title="Labyrinth")
 
     def on_mount(self) -> None:
@@ -69,7 +68,8 @@ class LabyrinthPane(Pane, can_focus=True):
         if self._shown is None:
             return
         level, frame = self._shown
-        name = robot_name if self._pointed is None else self._pointed
+        pointed = None if self.view.overlay is not None else self.view.pointed
+        name = robot_name if pointed is None else pointed
         robot = next((each for each in frame.after.robots if each.name == name), None)
         view = self.view.view
         middle = view.left + view.width / 2 if view else 0.0
@@ -78,9 +78,8 @@ class LabyrinthPane(Pane, can_focus=True):
         self.card.show(level, frame, shown, on_the_left=on_the_left)
 
     @on(RobotPointed)
-    def _robot_pointed(self, event: RobotPointed) -> None:
+    def _robot_pointed(self) -> None:
         """Show the card of the robot under the pointer."""
-        self._pointed = event.name
         self.select(self.view.selected)
 
     @on(LabyrinthView.Looked)
@@ -100,6 +99,11 @@ class LabyrinthPane(Pane, can_focus=True):
     def close_briefing(self) -> None:
         """Hide the briefing."""
         self.briefing.close()
+
+    def close_overlays(self) -> None:
+        """Hide the briefing and the banner."""
+        self.briefing.close()
+        self.banner.close()
 
     def action_pan(self, across: int, down: int) -> None:
         """Pan the view by an eighth."""
@@ -202,7 +206,7 @@ class RobotCard(Static):
             self.update(content)
 
     def on_click(self) -> None:
-        """Hide until another robot is selected."""
+        """Hide until the next tick, or until another robot is selected."""
         self.display = False
 
 

@@ -54,7 +54,7 @@ class VictoryAnnouncer(SessionListener):
     def restarted(self) -> None:
         """Show the briefing and hide the banner."""
         self._waiting = None
-        self._pane.banner.display = False
+        self._pane.banner.close()
         self._brief()
 
     def tick_shown(self, frame: Frame) -> None:
