@@ -12,7 +12,13 @@ from textual.message import Message
 from textual.widgets import TextArea
 from textual.widgets.text_area import Selection, TextAreaTheme
 
-from logical_robots_tui.tui.program.completion import Completion, Place, word_around, words_for
+from logical_robots_tui.tui.program.completion import (
+    Completion,
+    Place,
+    begun,
+    word_around,
+    words_for,
+)
 from logical_robots_tui.tui.program.lexer import LONGEST_LINE, LineStates, pieces
 from logical_robots_tui.tui.program.mistakes import marked
 from logical_robots_tui.tui.program.text_operations import WIDTH, indentation_after, shifted
@@ -205,7 +211,7 @@ class Editor(TextArea):
 
     def action_complete(self) -> None:
         """Offer words for the cursor's place."""
-        _, words = words_for(self.text, Place(*self.cursor_location))
+        words = words_for(self.text, Place(*self.cursor_location))
         self.completion.offer(words, self.cursor_screen_offset)
 
     def on_text_area_changed(self) -> None:
@@ -256,10 +262,8 @@ class Editor(TextArea):
         self.completion.close()
         if chosen is not None:
             row, column = self.cursor_location
-            begun, _ = words_for(self.text, Place(row, column))
-            self.replace(
-                chosen.name, (row, column - begun), (row, column), maintain_selection_offset=False
-            )
+            start = row, column - len(begun(self.before_cursor))
+            self.replace(chosen.name, start, (row, column), maintain_selection_offset=False)
 
     def action_copy(self) -> None:
         """Copy the selection, and post it."""
