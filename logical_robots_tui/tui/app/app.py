@@ -8,7 +8,6 @@ import signal
 from time import monotonic
 from typing import TYPE_CHECKING, ClassVar
 
-from platformdirs import user_data_path
 from textual import events
 from textual.binding import Binding
 from textual.errors import NoWidget
@@ -252,9 +251,9 @@ class LogicalRobotsApp(DiffApp, inherit_bindings=False):
 
 
 def play(
-    level_name: str | None = None,
-    program: str | None = None,
-    data_dir: Path | None = None,
+    level_name: str | None,
+    program: str | None,
+    data_dir: Path,
     permissions: Permissions | None = None,
 ) -> int:
     """Open the game and return when the player leaves.
@@ -263,8 +262,7 @@ def play(
         level_name: A level's name or path; by default the level played last, or the first one.
         program: A program's name or path; by default the player's last program for that level, or
             its starter.
-        data_dir: Folder with drafts, the player's programs and progress; by default the system's
-            data folder.
+        data_dir: Folder with drafts, the player's programs and progress.
         permissions: What the player may do and read; by default everything.
 
     Returns:
@@ -274,14 +272,13 @@ def play(
         InputError: The level or the program can't be used.
         Exception: A bug in the game; the terminal has been restored.
     """
-    data_dir = data_dir or user_data_path("logical-robots", appauthor=False)
     permissions = permissions or Permissions()
     recorder = ProgressRecorder(data_dir / FILE_NAME)
     progress = recorder.progress
     if not permissions.solutions:
         hide_solutions(progress)
     level = load_level(level_name) if level_name else level_to_begin_with(progress)
-    source, text = program_to_begin_with(recorder.progress, level, program, data_dir / "programs")
+    source, text = program_to_begin_with(progress, level, program, data_dir / "programs")
     app = LogicalRobotsApp(
         level,
         source,
@@ -290,8 +287,8 @@ def play(
         text=text,
         permissions=permissions,
         settings=read_settings(settings_path()),
-        theme=recorder.progress.fact(THEME) or "",
-        welcome=level_name is None and recorder.progress.fact(TOUR) is None,
+        theme=progress.fact(THEME) or "",
+        welcome=level_name is None and progress.fact(TOUR) is None,
     )
     app.suit_terminal()
     put_back = end_on_hangup(app.save_unsaved, app.leave_soon)
