@@ -210,7 +210,7 @@ class NewLevelForm(Form):
 
     def fields(self) -> Iterator[tuple[str, Field]]:
         """Yield the fields; each kind of level has its own."""
-        yield "Make", Choice("kind", _KINDS, "room")
+        yield "Kind", Choice("kind", _KINDS, "room")
         yield "Title", Text("title", "")
         yield "Width", Number("width", 600, "The width", whole=True)
         yield "Height", Number("height", 400, "The height", whole=True)
@@ -221,7 +221,7 @@ class NewLevelForm(Form):
         yield "Loops, 0 to 1", Number("loops", 0.1, "The share of loops")
         seed = randrange(1000)  # noqa: S311 - no secret is made of it
         yield "Seed", Number("seed", seed, "The seed", whole=True)
-        yield "Of", Choice("original", {name: name for name in self._names}, self._here)
+        yield "Copy of", Choice("original", {name: name for name in self._names}, self._here)
 
     def on_mount(self) -> None:
         """Start with a room."""
