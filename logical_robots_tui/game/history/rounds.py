@@ -1,4 +1,4 @@
-"""Robots that go round in circles: they follow their own trace again and again."""
+"""Robots that go round in circles: they go the same way again and again."""
 
 from __future__ import annotations
 
@@ -17,18 +17,23 @@ ROUNDS = 3
 
 _CELL = 10.0  # map units
 _SECTORS = 8  # of headings
-_LONGEST = 1024  # places that are remembered, so that a round has at most a third of them
+_SHORTEST = 20  # ticks of a round
+_SOONEST = 100  # ticks of rounds before they are told
+_FEWEST = 4  # places of a round; a robot on the border between two may change to and fro
+_MISSES = 3  # places in a row that may differ from the round before
+_MOST = 4096  # places that are remembered
 
 
 class Rounds:
     """Follows the robots, and notices who goes round in circles.
 
-    The trace of a robot is a list of places, each a square of the map with a sector of headings. A
-    round is a part of it that follows immediately on the same places in the same order.
+    A place is a square of the map with a sector of headings. A robot goes round if it comes to
+    place after place where it was the same number of ticks before, within a tenth.
     """
 
     def __init__(self) -> None:
         self._traces: dict[str, _Trace] = {}
+        self._tick = 0
 
     def follow(self, robots: Sequence[RobotState]) -> int:
         """Return the indices of robots that have just ended their last round, as bits.
@@ -37,6 +42,7 @@ class Rounds:
             robots: All robots after the next tick.
         """
         found = 0
+        self._tick += 1
         for index, robot in enumerate(robots):
             place = (
                 robot.x // _CELL,
@@ -46,7 +52,7 @@ class Rounds:
             trace = self._traces.get(robot.name)
             if trace is None:
                 trace = self._traces[robot.name] = _Trace()
-            if place != trace.places[-1] and trace.enter(place):
+            if place != trace.place and trace.enter(place, self._tick):
                 found |= 1 << index
         return found
 
@@ -55,29 +61,47 @@ _Place = tuple[float, float, float]
 
 
 class _Trace:
-    """Where one robot was, and how far it has followed its earlier trace."""
+    """Where one robot was when.
 
-    __slots__ = ("followed", "latest", "match", "places")
+    Attributes:
+        place: Where it is.
+        seen: The tick of the latest visit to each place.
+        period: Ticks of a round, or 0 if the robot is somewhere new.
+        since: The tick in which it began to go the same way as a period before.
+        hits: The number of places to which it came a period after the last visit.
+        misses: The number of places in a row to which it came earlier or later.
+        is_told: Whether it was told, and has been nowhere new since.
+    """
+
+    __slots__ = ("hits", "is_told", "misses", "period", "place", "seen", "since")
 
     def __init__(self) -> None:
-        self._forget()
+        self.place: _Place | None = None
+        self.seen: dict[_Place, int] = {}
+        self.period = self.since = self.hits = self.misses = 0
+        self.is_told = False
 
-    def _forget(self) -> None:
-        self.places: list[_Place] = [(math.inf, math.inf, math.inf)]
-        self.latest: dict[_Place, int] = {}
-        self.match = self.followed = 0
-
-    def enter(self, place: _Place) -> bool:
-        """Add a place; return whether the last round ends there."""
-        if len(self.places) > _LONGEST:
-            self._forget()
-        here = len(self.places)
-        if self.match and self.places[self.match + 1] == place:
-            self.match += 1
-            self.followed += 1
+    def enter(self, place: _Place, tick: int) -> bool:
+        """Come to a place; return whether rounds are to be told now."""
+        self.place = place
+        if len(self.seen) >= _MOST:
+            self.seen.clear()
+        lag = tick - self.seen.get(place, tick)
+        self.seen[place] = tick
+        if 0 < lag < _SHORTEST:
+            return False
+        if self.period and abs(lag - self.period) <= max(3, self.period // 10):
+            self.hits, self.misses = self.hits + 1, 0
         else:
-            self.match = self.latest.get(place, 0)
-            self.followed = int(self.match > 0)
-        self.places.append(place)
-        self.latest[place] = here
-        return self.match > 0 and self.followed == (ROUNDS - 1) * (here - self.match)
+            self.misses += 1
+            if not self.period or self.misses > _MISSES:
+                self.period, self.since, self.hits, self.misses = lag, tick, 0, 0
+                self.is_told = self.is_told and lag > 0
+        return self._is_to_be_told(tick - self.since)
+
+    def _is_to_be_told(self, ticks: int) -> bool:
+        again = ROUNDS - 1
+        if self.is_told or not self.period or ticks < max(again * self.period, _SOONEST):
+            return False
+        self.is_told = self.hits >= again * _FEWEST
+        return self.is_told

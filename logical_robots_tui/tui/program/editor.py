@@ -40,6 +40,8 @@ _A_PASTE = 0.005
 """Keys that follow each other faster, in seconds, were not typed."""
 _OPENING = re.compile(r"[A-Za-z_]\w*\.$|(?<![\w.])[A-Z]$")
 """What opens the list of words when it is typed."""
+_FIRST_RULE = re.compile(r"(?:[ \t]*(?:#.*)?\n)*(?=.)")
+"""Comments and empty lines at the start of a program, if anything follows."""
 
 
 class Editor(TextArea):
@@ -126,9 +128,11 @@ class Editor(TextArea):
         self.move_cursor(place)
 
     def load_text(self, text: str) -> None:
-        """Load another text without undo history."""
+        """Load another text without undo history; the cursor goes to its first rule."""
         self._states.forget()
         super().load_text(text)
+        if (rule := _FIRST_RULE.match(text)) is not None:
+            self.move_cursor((rule.group().count("\n"), 0))
 
     def edit(self, edit: Edit) -> EditResult:
         """Apply an edit."""
