@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from typing import TYPE_CHECKING
 
 from textual.content import Content
@@ -28,7 +29,7 @@ __all__ = ["Briefing", "least_covering"]
 class Briefing(Overlay):
     """The briefing at the start, until the game runs or the player closes it.
 
-    It is in the corner where it covers the fewest robots and goals.
+    It is where it hides the fewest robots and goals.
 
     Args:
         view: The picture that it lies over.
@@ -42,25 +43,25 @@ class Briefing(Overlay):
         super().__init__(id="briefing")
         self._view = view
         self._level: Level | None = None
-        self._content = Content("")
+        self._as_written = self._flowing = Content("")
         self._place: tuple[Level, Viewport] | None = None
 
     def tell(self, level: Level) -> None:
         """Show the briefing of a level, if it has one."""
         text = "\n".join(visible(line) for line in level.briefing.strip().splitlines())
+        title = (f"{one_line(level.title)}\n", f"bold {INK.title}")
         offers = {"run": "runs", "briefing": "hides this"}
         if level.hints:
             offers["hint"] = "gives a hint"
         if level.lesson:
             offers["lesson"] = "lesson"
-        keys = "   ".join(f"{command(c).key_name} {said}" for c, said in offers.items())
-        self._content = Content.assemble(
-            (f"{one_line(level.title)}\n", f"bold {INK.title}"),
-            (f"{text}\n", INK.text),
-            (keys, INK.dim),
+        keys = [f"{command(name).key_name} {said}" for name, said in offers.items()]
+        halves = "\n".join("   ".join(keys[i : i + 2]) for i in range(0, len(keys), 2))
+        self._as_written, self._flowing = (
+            Content.assemble(title, (f"{words}\n", INK.text), (said, INK.dim))
+            for words, said in ((text, "   ".join(keys)), (_FOLDED.sub(" ", text), halves))
         )
         self._level, self._place = level if text else None, None
-        self.update(self._content)
         self.display = bool(text)
         self.place()
 
@@ -74,45 +75,62 @@ class Briefing(Overlay):
         return self._level is not None
 
     def place(self) -> None:
-        """Go to the best corner of the picture as it is now."""
+        """Go to the best place of the picture as it is now."""
         if self._level is None or not self.display or not self._view.size.area:
             return
         viewport = self._view.camera.viewport(self._level, *self._view.size)
         if self._place is None or self._place != (self._level, viewport):
             self._place = self._level, viewport
-            x, y, width, height = least_covering(self._level, viewport, self._content)
-            self.styles.width, self.styles.height = width, height
-            self.styles.offset = x, y
+            content, spot = least_covering(self._level, viewport, self._as_written, self._flowing)
+            self.update(content)
+            self.styles.width, self.styles.height = spot.size
+            self.styles.offset = spot.offset
 
 
 _EDGES = 4  # columns of the border and the padding
+_FOLDED = re.compile(r"(?<=[^.:!?\n])\n(?=\S)")
+"""Line ends within a sentence."""
 
 
-def least_covering(level: Level, viewport: Viewport, content: Content) -> Region:
-    """Return the cells for a text over a picture of a level.
+def least_covering(
+    level: Level, viewport: Viewport, as_written: Content, flowing: Content
+) -> tuple[Content, Region]:
+    """Return the text to show over a picture of a level, and the cells for it.
 
-    They are in a corner, narrower than the text if that hides fewer robots and goals.
+    They hide as few robots and goals as possible. Corners are better than other places, and lines
+    as they are written than narrower ones.
+
+    Args:
+        level: The level.
+        viewport: The part of it that is shown.
+        as_written: The text with the lines that its author wanted.
+        flowing: The text for less width.
     """
-    needed = content.get_optimal_width({}, viewport.columns)
+    needed = as_written.get_optimal_width({}, viewport.columns)
     spots = []
-    for width in (needed, needed * 3 // 4, needed // 2):
+    for width in range(needed, needed // 2 - 1, -max(needed // 8, 1)):
+        content = as_written if width == needed <= viewport.columns - _EDGES else flowing
         inner = max(min(width, viewport.columns - _EDGES), 1)
         height = content.get_height({}, inner) + 2
         most = min(height, max(viewport.rows * 3 // 4, 3))
-        right, bottom = viewport.columns - inner - _EDGES, viewport.rows - most
-        for x, y in ((0, bottom), (right, bottom), (0, 0), (right, 0)):
-            spots.append((height - most, Region(max(x, 0), max(y, 0), inner + _EDGES, most)))
+        right = max(viewport.columns - inner - _EDGES, 0)
+        bottom = max(viewport.rows - most, 0)
+        spots += [
+            (height - most, content, Region(x, y, inner + _EDGES, most))
+            for y in dict.fromkeys((bottom, 0, *range(bottom, 0, -1)))
+            for x in (0, right, right // 2)
+        ]
     goals = [(a.x, a.y, a.radius) for a in level.areas if a.victory_robots]
     near = ROBOT_RADIUS + 2 * viewport.units
     important = [*goals, *((robot.x, robot.y, near) for robot in level.robots)]
     others = [(area.x, area.y, area.radius) for area in level.areas]
     others += [(beacon.x, beacon.y, BEACON_RADIUS) for beacon in level.beacons]
 
-    def cost(spot: tuple[int, Region]) -> tuple[int, int, int]:
-        cut, region = spot
+    def cost(spot: tuple[int, Content, Region]) -> tuple[int, int, int]:
+        cut, _, region = spot
         return cut, _hidden(region, viewport, important), _hidden(region, viewport, others)
 
-    return min(spots, key=cost)[1]
+    return min(spots, key=cost)[1:]
 
 
 def _hidden(

@@ -46,7 +46,7 @@ async def test_the_first_win_takes_few_keys(data_dir: Path, size: tuple[int, int
         await press("space")
         await game.until(lambda: game.shows("Ada is stuck"))
         await press("r")
-        await game.until(lambda: game.shows('change "forward_distance < 1" to'))
+        await game.until(lambda: game.shows("Try first: change"))
         await press("2")
         await game.until(lambda: game.editor.has_focus)
         while not line(game).endswith("forward_distance < 1"):
