@@ -12,7 +12,6 @@ from typing import TYPE_CHECKING, cast
 
 from logical_robots_tui.errors import InputError
 from logical_robots_tui.game import Source, load_program, save_program
-from logical_robots_tui.tui.layout.dialogs import Question
 from logical_robots_tui.tui.recovery.offers import short_name, when_saved
 from logical_robots_tui.tui.theme.safe_text import one_line
 from logical_robots_tui.world import list_levels, load_level
@@ -100,6 +99,7 @@ class LibraryController:
     async def open_daily(self) -> None:
         """Ask for a size, and open today's labyrinth."""
         from logical_robots_tui.game.continuing import daily_level
+        from logical_robots_tui.tui.layout.dialogs import Question
         from logical_robots_tui.world.levels.daily import DAILY_SIZES
 
         today = date.today()

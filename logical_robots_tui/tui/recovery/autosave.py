@@ -7,7 +7,6 @@ from functools import partial
 from typing import TYPE_CHECKING, Generic, Protocol, TypeVar
 
 from logical_robots_tui.game.drafts import Draft
-from logical_robots_tui.tui.layout.dialogs import Question
 from logical_robots_tui.tui.theme.safe_text import clip, one_line
 
 if TYPE_CHECKING:
@@ -148,6 +147,8 @@ def leave(ui: Ui, end: Callable[[], None], drafts: Drafts, *unsaved: Unsaved) ->
 
 
 async def _ask(ui: Ui, end: Callable[[], None], draft: Draft, error: OSError) -> None:
+    from logical_robots_tui.tui.layout.dialogs import Question
+
     question = (
         f"What you changed in “{clip(one_line(draft.name), 40)}” is not saved and can't be "
         f"kept for next time: {error.strerror or error}."

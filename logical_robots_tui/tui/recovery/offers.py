@@ -11,7 +11,6 @@ from logical_robots_tui.errors import InputError, LogicalRobotsError
 from logical_robots_tui.game import Place, level_key, load_program, place_of
 from logical_robots_tui.game.drafts import Draft
 from logical_robots_tui.paths import is_file
-from logical_robots_tui.tui.layout.dialogs import Question
 from logical_robots_tui.tui.theme.safe_text import clip, one_line
 from logical_robots_tui.world import load_level
 from logical_robots_tui.world.level import alike
@@ -26,6 +25,7 @@ if TYPE_CHECKING:
     from logical_robots_tui.game.drafts import Drafts
     from logical_robots_tui.tui.app.session import Session
     from logical_robots_tui.tui.app.ui import Ui
+    from logical_robots_tui.tui.layout.dialogs import Question
     from logical_robots_tui.world import Level
 
 __all__ = ["Bookmark", "Offering", "Offers", "offer", "short_name", "when_saved"]
@@ -87,6 +87,8 @@ class Offers:
             answers: Pairs of name and label.
             text: A text that the answer ``show`` shows.
         """
+        from logical_robots_tui.tui.layout.dialogs import Question
+
         await self._free()
         self._asked = Question(title, question, answers, text=text, noticing=_NOTICING)
         return await self._ui.ask(self._asked)
