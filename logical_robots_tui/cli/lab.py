@@ -92,7 +92,7 @@ def declare(commands: Commands) -> None:
         description="Look into a folder of sweep or grade, go on with it, export or report it.",
         epilog=_LAB,
     )
-    lab.add_argument("action", choices=_ACTIONS, help="what to do")
+    lab.add_argument("action", choices=list(_ACTIONS), help="what to do")
     lab.add_argument("folder", metavar="FOLDER", type=Path, help="the folder")
     _add_engine(lab)
 

@@ -23,6 +23,7 @@ __all__ = [
     "LateError",
     "Played",
     "Thought",
+    "named_start_of",
     "play_through",
     "shifted",
     "start_of",
@@ -79,6 +80,16 @@ class Thought(NamedTuple):
 def start_of(level: Level, start: int) -> Level:
     """Return the level with its robots at a start: 0 is the given one, others are shifted."""
     return shifted(level, start - 1) if start else level
+
+
+def named_start_of(level: Level, start: int) -> Level:
+    """Return the same as `start_of`, as a level of its own, which is not in a file."""
+    if not start:
+        return level
+    name = f"{level.name}-start-{start}"
+    return replace(
+        start_of(level, start), name=name, title=f"{level.title}, start {start}", source=""
+    )
 
 
 def shifted(level: Level, seed: int) -> Level:

@@ -17,7 +17,6 @@ from typing import TYPE_CHECKING, Any, Literal, TypeAlias
 
 import msgspec
 
-from logical_robots_tui.caching import digest_of_code
 from logical_robots_tui.game.robustness import LateError, play_through, start_of
 from logical_robots_tui.game.run import simulation_digest
 from logical_robots_tui.game.victory import count_rules
@@ -152,7 +151,7 @@ def engine() -> dict[str, str]:
     """Return the versions of everything that can affect the result of a run."""
     from importlib import metadata
 
-    own = digest_of_code([Path(__file__).parent], ())
+    own = Path(__file__).read_bytes()
     return {
         "code": hashlib.sha256(simulation_digest() + own).hexdigest(),
         **{name: metadata.version(name) for name in ("logica", "numpy", "sqlglot")},
