@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import html
 import re
+import sys
 from collections import Counter
 from typing import TYPE_CHECKING, Any
 
@@ -157,9 +158,7 @@ def _varied(manifest: Manifest, done: list[Done]) -> str:
 
 
 def _curve(title: str, name: str, group: list[tuple[Cell, list[Done]]]) -> str:
-    import pygal
-
-    chart = pygal.Line(**_style(title), range=(0, 100), x_title=name, y_title="% won")
+    chart = _pygal().Line(**_style(title), range=(0, 100), x_title=name, y_title="% won")
     chart.x_labels = [str(cell.settings[name]) for cell, _ in group]
     shares = [share_of(runs) for _, runs in group]
     chart.add("won", [100 * share.share for share in shares])
@@ -195,8 +194,6 @@ def _heat_map(across: str, down: str, group: list[tuple[Cell, list[Done]]]) -> s
 
 def _ticks(done: list[Done]) -> str:
     """Return a histogram of the ticks to win, for each level."""
-    import pygal
-
     parts = ["<h2>Ticks to win</h2>"]
     for level, runs in by_level(done).items():
         ticks = sorted(each.result.ticks for each in runs if each.result.outcome == "won")
@@ -204,7 +201,7 @@ def _ticks(done: list[Done]) -> str:
             continue
         width = max(1, -(-(ticks[-1] + 1 - ticks[0]) // _BARS))
         counts = Counter((tick - ticks[0]) // width for tick in ticks)
-        chart = pygal.Bar(**_style(level), show_legend=False, x_title="ticks", y_title="runs")
+        chart = _pygal().Bar(**_style(level), show_legend=False, x_title="ticks", y_title="runs")
         chart.x_label_rotation = 40
         chart.x_labels = [f"{ticks[0] + n * width:,}" for n in range(max(counts) + 1)]
         chart.add("runs", [counts[n] for n in range(max(counts) + 1)])
@@ -261,6 +258,17 @@ def _cells(manifest: Manifest, done: list[Done]) -> str:
     head = ("", "level", "program", "given start", "won", "95 % interval", "median ticks", "replay")
     said = "The commands are typed in this folder; why instead of play explains a tick."
     return f"<h2>Programs in levels</h2><p>{said}</p>" + _table(head, rows)
+
+
+def _pygal() -> Any:
+    """Return the library for plots, without the importer that it leaves behind.
+
+    Python 3.11 warns of that one at the next import that finds nothing.
+    """
+    import pygal
+
+    sys.meta_path[:] = [each for each in sys.meta_path if hasattr(each, "find_spec")]
+    return pygal
 
 
 def _style(title: str) -> dict[str, Any]:
