@@ -39,6 +39,9 @@ _HOMES = {
     "config": "listing",
     "progress": "progress",
     "level": "level",
+    "sweep": "lab",
+    "grade": "lab",
+    "lab": "lab",
     "doctor": "doctor",
     "completion": "completion",
 }
@@ -72,6 +75,8 @@ examples:
   logical-robots help ArgMin           explain a function of the language
   logical-robots progress              list your results
   logical-robots level new maze.toml   create a level
+  logical-robots sweep experiment.toml -o out
+                                       run an experiment
   logical-robots config                show settings and keys
   logical-robots doctor                check this machine and this terminal
 

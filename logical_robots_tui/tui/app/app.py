@@ -255,6 +255,8 @@ def play(
     program: str | None,
     data_dir: Path,
     permissions: Permissions | None = None,
+    *,
+    start: int = 0,
 ) -> int:
     """Open the game and return when the player leaves.
 
@@ -264,6 +266,7 @@ def play(
             its starter.
         data_dir: Folder with drafts, the player's programs and progress.
         permissions: What the player may do and read; by default everything.
+        start: The number of a shifted start; 0 is the given one.
 
     Returns:
         The exit status.
@@ -278,6 +281,10 @@ def play(
     if not permissions.solutions:
         hide_solutions(progress)
     level = load_level(level_name) if level_name else level_to_begin_with(progress)
+    if start:
+        from logical_robots_tui.game.robustness import named_start_of
+
+        level = named_start_of(level, start)
     source, text = program_to_begin_with(progress, level, program, data_dir / "programs")
     app = LogicalRobotsApp(
         level,
