@@ -30,8 +30,8 @@ __all__ = [
     "Worlds",
     "advance",
     "after_change",
-    "frame_ending_in",
     "fresh_frame",
+    "is_thought_alike",
     "known_frame",
     "start_frame",
 ]
@@ -206,30 +206,7 @@ def after_change(
     return changed_state(frame.after, before, after, poses), memories
 
 
-def frame_ending_in(
-    worlds: Worlds,
-    frame: Frame,
-    before: Level,
-    after: Level,
-    state: WorldState,
-    memories: Mapping[str, Value],
-) -> Frame:
-    """Return a frame whose tick ends in another level; keeps its decisions if possible.
-
-    Args:
-        worlds: The worlds to sense in.
-        frame: The frame.
-        before: The old level.
-        after: The new level.
-        state: The state of the world in the new level.
-        memories: Each robot's memory then, by robot name.
-    """
-    if frame.decisions and _is_thought_alike(before, after):
-        return replace(frame, after=state)
-    return fresh_frame(worlds.of(after), state, memories)
-
-
-def _is_thought_alike(before: Level, after: Level) -> bool:
+def is_thought_alike(before: Level, after: Level) -> bool:
     """Return whether robots, areas and visibility are the same, so that decisions stay valid."""
     return before.visibility == after.visibility and all(
         [thing.name for thing in one] == [thing.name for thing in other]

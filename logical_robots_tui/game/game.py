@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 import asyncio
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from logical_robots_tui.game.advancing import (
     Worlds,
     advance,
     after_change,
-    frame_ending_in,
     fresh_frame,
+    is_thought_alike,
     start_frame,
 )
 from logical_robots_tui.game.debugging.breakpoints import Breakpoint, Breakpoints, mistake_in
@@ -43,14 +43,7 @@ _SECONDS_AWAY = 0.03  # when only the end matters: switching threads costs half 
 
 @dataclass(frozen=True, slots=True)
 class Answer:
-    """Rows of a predicate at one tick.
-
-    Attributes:
-        run: Number of the run it belongs to; stale if ``game.run_number`` differs.
-        tick: The tick.
-        predicate: Name of the predicate.
-        table: Its columns and rows.
-    """
+    """Rows of a predicate at one tick; stale if ``game.run_number`` is not its `run`."""
 
     run: int
     tick: int
@@ -131,7 +124,7 @@ class Game:
     @property
     def hits(self) -> tuple[Hit, ...]:
         """The breakpoints that were hit in the current tick."""
-        return self.history.hits_at(self._frame.tick)
+        return self.history.hits_at(self.frame.tick)
 
     def problem_with(self, breakpoint_: Breakpoint) -> str:
         """Return why a breakpoint can't be hit, one sentence, or ""."""
@@ -228,18 +221,26 @@ class Game:
         Raises:
             ValueError: A pose is for an unknown robot.
         """
-        changed = after_change(self._frame, self.level, level, poses or {})
-        return self.go_on_in(level, *changed)
+        state, memories = after_change(self._frame, self.level, level, poses or {})
+        keeps = bool(self._frame.decisions) and is_thought_alike(self.level, level)
+        return self.go_on_in(level, state, memories, keeps_decisions=keeps)
 
-    def go_on_in(self, level: Level, state: WorldState, memories: Mapping[str, Value]) -> Frame:
+    def go_on_in(
+        self,
+        level: Level,
+        state: WorldState,
+        memories: Mapping[str, Value],
+        *,
+        keeps_decisions: bool,
+    ) -> Frame:
         """Continue in a given state, or begin a course with it if it is that of another tick."""
+        frame = replace(self._frame, after=state)
+        if not keeps_decisions:
+            frame = fresh_frame(self._past.worlds.of(level), state, memories)
         self._supersede()
-        worlds = self._past.worlds
         if state.tick == self._frame.tick:
-            frame = frame_ending_in(worlds, self._frame, self.level, level, state, memories)
             self.history.change_level(frame, level)
         else:
-            frame = fresh_frame(worlds.of(level), state, memories)
             self.history.begin_anew(frame, level)
         self._past.forget()
         self._show(frame)

@@ -19,6 +19,7 @@ import msgspec
 import numpy as np
 
 from logical_robots_tui.errors import InputError
+from logical_robots_tui.game.advancing import is_thought_alike
 from logical_robots_tui.game.frame import Superseded
 from logical_robots_tui.game.history.packing import is_state
 from logical_robots_tui.paths import read_ordinary
@@ -90,6 +91,7 @@ class Stage(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
         level: The level as the text of its file.
         state: The world when it began, which is after tick `state.tick`.
         memories: Each robot's memory then, by robot name, as JSON.
+        is_decided: Whether the decisions of that tick are still there: no robot or area came or went.
         desires: For each robot what it wanted in the ticks that follow: the left and the right
             engine as little-endian doubles, each combined by exclusive or with the tick before;
             not a number where there was no desire.
@@ -98,6 +100,7 @@ class Stage(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     level: str
     state: WorldState
     memories: str
+    is_decided: bool
     desires: tuple[bytes, ...]
 
 
@@ -190,13 +193,16 @@ class Replay(msgspec.Struct, frozen=True, forbid_unknown_fields=True, dict=True)
             raise ValueError("its stages are out of order")
         if texts != sorted(set(texts)) or texts[:1] != [begins[0] + 1]:
             raise ValueError("its programs are out of order")
+        previous: Level | None = None
         for stage, level, end in zip(self.stages, self.levels, ends, strict=True):
             state, memories = stage.state, json.loads(stage.memories)
             sizes = {len(each) for each in stage.desires} - {(end - state.tick) * _DESIRE_BYTES}
             if sizes or len(stage.desires) != len(level.robots):
                 raise ValueError("its robots don't act in every tick")
-            if not is_state(state, memories, state.tick, level):
+            fits = previous is not None and is_thought_alike(previous, level)
+            if not is_state(state, memories, state.tick, level) or stage.is_decided > fits:
                 raise ValueError(f"its state at tick {state.tick} does not fit the level")
+            previous = level
 
 
 def load_replay(path: Path) -> Replay:
@@ -263,6 +269,7 @@ async def gather(
         level, start = history.level_at(first), history.around(max(first, history.first))
         moment = start[0] if first < history.first else start[1]
         wanted = np.full((end - first, len(level.robots), 2), np.nan, "<f8")
+        is_decided = bool(moment.decisions) and first > begin
         memories = json.dumps(dict(moment.memories), ensure_ascii=False)
         for tick in range(first + 1, end + 1):
             _, after = history.around(tick)
@@ -275,7 +282,7 @@ async def gather(
                 await asyncio.sleep(0)
                 if history.turns != turns:
                     raise Superseded
-        stages.append(Stage(write(level), moment.after, memories, _packed(wanted)))
+        stages.append(Stage(write(level), moment.after, memories, is_decided, _packed(wanted)))
     texts = [
         Text(max(tick, begin + 1), name(program), program.text if with_programs else None)
         for tick, program in history.programs(last)
@@ -314,9 +321,13 @@ class Verifier:
     def __init__(self, replay: Replay) -> None:
         self.difference: tuple[int, str] | None = None
         self._replay = replay
+        # A change by hand at the end of these ticks took their decisions away.
+        self._undecided = {stage.state.tick for stage in replay.stages if not stage.is_decided}
 
     def decide(self, tick: int, decisions: tuple[Decision, ...]) -> tuple[Decision, ...]:
         """Return the decisions of a tick, with the desires that are in the replay."""
+        if tick in self._undecided:
+            return decisions
         wanted = self._replay.desires_in(tick)
         for decision in decisions:
             if decision.desire != wanted[decision.robot_name] and self._replay.has_programs:
@@ -360,7 +371,7 @@ async def play_into(
             if tick in changes:
                 stage, level = replay.stages[changes[tick]], replay.levels[changes[tick]]
                 memories = json.loads(stage.memories)
-                game.go_on_in(level, stage.state, memories)
+                game.go_on_in(level, stage.state, memories, keeps_decisions=stage.is_decided)
             if tick in uses:
                 use(uses[tick])
             verifier.look(game.frame)

@@ -10,7 +10,6 @@ from textual import events
 from textual.widgets._toast import Toast
 
 from logical_robots_tui.mind.limits import Limits
-from logical_robots_tui.tui.labyrinth.banner import VictoryBanner
 from tests.game.playing import SLOW as ENDLESS
 from tests.tui.conftest import PAPER, SLOW, STILL, WRONG, opened
 from tests.waiting import PATIENCE
@@ -160,10 +159,9 @@ async def test_the_banner_of_victory_can_be_clicked(data_dir: Path) -> None:
         await game.until(lambda: game.shows("Everybody is there"))
         recorder = game.main.recorder  # whose trial of shifted starts has a line that goes
         await game.until(lambda: recorder.latest and recorder.latest.wins is not None)
-        banner = game.main.query_one("#banner", VictoryBanner)
-        lines = banner.render().plain.splitlines()
-        row = next(row for row, line in enumerate(lines) if "again" in line)
-        await game.pilot.click("#banner", offset=(lines[row].index("again") + 1, row))
+        lines = game.screen().splitlines()
+        row = next(row for row, line in enumerate(lines) if "again" in line and "stay" in line)
+        await game.pilot.click(offset=(lines[row].index("again") + 1, row))
         await game.until(lambda: game.tick == 0)
         assert not game.shows("Everybody is there")
 

@@ -37,6 +37,7 @@ ONLY_IN_THE_PALETTE = {
         "find_next",
         "rename",
         "revert",
+        "save_replay",
         "screenshot",
         "select_all",
         "stop_measuring",
