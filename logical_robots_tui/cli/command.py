@@ -22,6 +22,7 @@ __all__ = [
     "add_data_dir",
     "add_json",
     "add_no_solutions",
+    "add_start",
     "columns",
     "finite",
     "folder_of",
@@ -81,6 +82,19 @@ def number_from(least: int) -> Callable[[str], int]:
         return number
 
     return read
+
+
+def add_start(command: argparse.ArgumentParser) -> None:
+    """Add the option that chooses a start; its value is `start_number`."""
+    command.add_argument(
+        "--start",
+        dest="start_number",
+        type=number_from(0),
+        default=0,
+        metavar="N",
+        help="a shifted start by its number, as laboratory and robustness try it "
+        "(default: 0, the given one)",
+    )
 
 
 def add_data_dir(command: argparse.ArgumentParser) -> None:

@@ -40,6 +40,9 @@ _HOMES = {
     "replay": "replay",
     "progress": "progress",
     "level": "level",
+    "sweep": "lab",
+    "grade": "lab",
+    "lab": "lab",
     "doctor": "doctor",
     "completion": "completion",
 }
@@ -75,6 +78,8 @@ examples:
   logical-robots help ArgMin           explain a function of the language
   logical-robots progress              list your results
   logical-robots level new maze.toml   create a level
+  logical-robots sweep experiment.toml -o out
+                                       run an experiment
   logical-robots config                show settings and keys
   logical-robots doctor                check this machine and this terminal
 

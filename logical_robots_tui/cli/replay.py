@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 from logical_robots_tui.cli.command import (
     add_data_dir,
     add_no_solutions,
+    add_start,
     finite,
     harmless,
     new_command,
@@ -90,14 +91,7 @@ def _declare_record(commands: Commands) -> None:
         metavar="N",
         help="end after this many ticks (default: %(default)s)",
     )
-    command.add_argument(
-        "--start",
-        dest="shift",
-        type=number_from(0),
-        default=0,
-        metavar="K",
-        help="from the shifted start of this number; 0 is the given one",
-    )
+    add_start(command)
     command.add_argument(
         "--no-programs", action="store_true", help="leave the text of the program out"
     )
@@ -109,10 +103,8 @@ def _record(options: argparse.Namespace) -> int:
     from logical_robots_tui.editing.level_text import write_native
     from logical_robots_tui.game import Game
     from logical_robots_tui.game.replay import gather
-    from logical_robots_tui.game.robustness import shifted
 
     level, program = opened(options)
-    level = shifted(level, options.shift) if options.shift else level
 
     async def run() -> Replay:
         game = Game(level, program, history=options.ticks)

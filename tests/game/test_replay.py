@@ -208,7 +208,7 @@ def changed(replay: Replay, **values: object) -> Replay:
 
 def first_stage(replay: Replay, **values: object) -> Replay:
     first, *rest = replay.stages
-    return changed(replay, stages=(changed(first, **values), *rest))  # type: ignore[type-var]
+    return changed(replay, stages=(msgspec.structs.replace(first, **values), *rest))
 
 
 def moved(replay: Replay, x: float) -> Replay:

@@ -66,6 +66,20 @@ def _write_maze(folder: Path) -> None:
     assert main(["level", "convert", str(folder / "maze.toml"), str(folder / "maze.json")]) == 0
 
 
+def _write_files_of_lab(folder: Path) -> None:
+    """The files that the page on the laboratory prints, under the names that it gives them."""
+    text = (DOCS / "lab.md").read_text("utf-8")
+    for name, content in re.findall(r"^`([^`\n]+)`:\n\n```\w+\n(.*?)^```$", text, re.M | re.S):
+        file = folder / name
+        file.parent.mkdir(parents=True, exist_ok=True)
+        file.write_text(content, "utf-8")
+
+
+def _sweep(folder: Path) -> None:
+    _write_files_of_lab(folder)
+    assert main(["sweep", str(folder / "experiment.toml"), "-o", str(folder / "out")]) == 0
+
+
 def _make_folders(_folder: Path) -> None:
     for name in (".local/share/bash-completion/completions", ".zfunc", ".config/fish/completions"):
         (Path.home() / name).mkdir(parents=True)
@@ -75,6 +89,11 @@ BEFORE: dict[str, Callable[[Path], None]] = {
     "docs/levels.md": _write_gate,
     f"{PROGRAM} level convert": _write_both_formats,
     f"{PROGRAM} level check": _write_maze,
+    "docs/lab.md": _write_files_of_lab,
+    PROGRAM: _write_files_of_lab,
+    f"{PROGRAM} sweep": _write_files_of_lab,
+    f"{PROGRAM} grade": _write_files_of_lab,
+    f"{PROGRAM} lab": _sweep,
     f"{PROGRAM} completion": _make_folders,
 }
 """What makes the files and folders that a text speaks of and that its own examples do not make."""

@@ -267,6 +267,8 @@ def play(
     program: str | None = None,
     data_dir: Path | None = None,
     permissions: Permissions | None = None,
+    *,
+    start: int = 0,
     replay: Replay | None = None,
 ) -> int:
     """Open the game and return when the player leaves.
@@ -278,6 +280,7 @@ def play(
         data_dir: Folder with drafts, the player's programs and progress; by default the system's
             data folder.
         permissions: What the player may do and read; by default everything.
+        start: The number of a shifted start; 0 is the given one.
         replay: What to open instead of a level and a program.
 
     Returns:
@@ -298,7 +301,11 @@ def play(
         level, source = level_of(replay), source_of(replay, own)
     else:
         level = load_level(level_name) if level_name else level_to_begin_with(progress)
-        source, text = program_to_begin_with(recorder.progress, level, program, own)
+        if start:
+            from logical_robots_tui.game.robustness import named_start_of
+
+            level = named_start_of(level, start)
+        source, text = program_to_begin_with(progress, level, program, own)
     app = LogicalRobotsApp(
         level,
         source,
