@@ -37,7 +37,7 @@ _HOMES = {
     "levels": "listing",
     "programs": "listing",
     "config": "listing",
-    "replay": "replay",
+    "replay": "runs.replay",
     "progress": "progress",
     "level": "level",
     "sweep": "lab",

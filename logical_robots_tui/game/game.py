@@ -221,9 +221,9 @@ class Game:
         Raises:
             ValueError: A pose is for an unknown robot.
         """
-        state, memories = after_change(self._frame, self.level, level, poses or {})
+        changed = after_change(self._frame, self.level, level, poses or {})
         keeps = bool(self._frame.decisions) and is_thought_alike(self.level, level)
-        return self.go_on_in(level, state, memories, keeps_decisions=keeps)
+        return self.go_on_in(level, *changed, keeps_decisions=keeps)
 
     def go_on_in(
         self,
@@ -341,13 +341,10 @@ class Game:
         Returns:
             Whether the condition was true or a breakpoint was hit.
         """
-        run, together = self.run_number, min(most or _KNOWN_TOGETHER, _KNOWN_TOGETHER)
-        known = self.history.known_ahead(
-            self._frame.tick,
-            together,
-            self.program.text,
-            is_course_wanted=not self._is_program_wanted,
-        )
+        run, here, text = self.run_number, self._frame.tick, self.program.text
+        together = min(most or _KNOWN_TOGETHER, _KNOWN_TOGETHER)
+        leads_on = not self._is_program_wanted
+        known = self.history.known_ahead(here, together, text, is_course_wanted=leads_on)
         for each in await self._ahead(most, known, seconds):
             self._take(each, run, is_known=bool(known))
             if each.hits or (condition and condition(each.frame)):

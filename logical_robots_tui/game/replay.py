@@ -91,7 +91,7 @@ class Stage(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
         level: The level as the text of its file.
         state: The world when it began, which is after tick `state.tick`.
         memories: Each robot's memory then, by robot name, as JSON.
-        is_decided: Whether the decisions of that tick are still there: no robot or area came or went.
+        is_decided: Whether the decisions of that tick are still there.
         desires: For each robot what it wanted in the ticks that follow: the left and the right
             engine as little-endian doubles, each combined by exclusive or with the tick before;
             not a number where there was no desire.

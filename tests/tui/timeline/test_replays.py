@@ -54,7 +54,8 @@ async def test_what_the_timeline_holds_is_saved_and_opened_elsewhere(
         await game.until(lambda: game.session.state.applied == STILL)
         await game.press("escape", "n", "n")
         await game.until(lambda: game.tick == 5)
-        there = [game.session.game.frame_at(tick) for tick in range(6)]  # type: ignore[union-attr]
+        assert game.session.game is not None
+        there = [game.session.game.frame_at(tick) for tick in range(6)]
         await game.press("p")
         replay = await saved(game)
     async with played(replay, tmp_path / "elsewhere") as game:

@@ -62,7 +62,7 @@ def declare(commands: Commands) -> None:
 _RECORD_EPILOG = """\
 examples:
   logical-robots replay record 01-first-steps first-steps -o first.replay
-  logical-robots replay record 08-formation mine.l -o mine.replay --ticks 600
+  logical-robots replay record 08-formation formation -o chain.replay --ticks 600
   logical-robots replay record 01-first-steps first-steps -o third.replay --start 3
 
 exit status: 0 recorded, 2 bad level or program, or the file can't be written
