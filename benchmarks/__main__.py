@@ -22,6 +22,7 @@ from benchmarks.first_frame import first_frame
 from benchmarks.folding import folding
 from benchmarks.history import history
 from benchmarks.inspector import inspector
+from benchmarks.lab import laboratory
 from benchmarks.machine import machine
 from benchmarks.measure import Effort, Measurement
 from benchmarks.memory import memory
@@ -57,10 +58,11 @@ BENCHMARKS = {
     "traffic": traffic,
     "ssh": ssh,
     "class": classes,
+    "lab": laboratory,
     "processor": processor,
     "first-frame": first_frame,
 }
-LONG = {"memory", "traffic", "ssh", "class"}
+LONG = {"memory", "traffic", "ssh", "class", "lab"}
 """Left out of a quick run that names no benchmarks."""
 
 THOROUGH = Effort(repeats=7, ticks=400)
