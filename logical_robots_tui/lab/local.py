@@ -12,6 +12,7 @@ from contextlib import suppress
 from time import monotonic
 from typing import TYPE_CHECKING
 
+from logical_robots_tui.errors import InputError
 from logical_robots_tui.garbage import collect_seldom
 from logical_robots_tui.lab.running import CHUNK_SECONDS, Answer, execute
 
@@ -105,10 +106,16 @@ class _Worker:
         self._deadline = monotonic() + CHUNK_SECONDS + task.seconds + _GRACE
 
     def finish(self) -> tuple[object, Answer]:
-        """Return the key and the answer of the finished task."""
+        """Return the key and the answer of the finished task.
+
+        Raises:
+            InputError: The process died before it could begin.
+        """
         assert self.future is not None
         error = self.future.exception()
         if isinstance(error, BrokenProcessPool):
+            if self._pid is None or self._pid.exception() is not None:
+                raise InputError("a worker process can't start", hint="Is there memory left?")
             answer = Answer(failure="its worker process died")
             self.close(at_once=True)
         elif error is not None:
