@@ -23,6 +23,8 @@ if TYPE_CHECKING:
 
 __all__ = ["LocalEngine"]
 
+_MOST_FALSE_STARTS = 2  # in a row
+
 _GRACE = 60.0
 """Seconds after the time of a task after which a worker that says nothing is ended."""
 
@@ -85,6 +87,7 @@ class _Worker:
         self._pool: ProcessPoolExecutor | None = None
         self._pid: Future[int] | None = None
         self._deadline = 0.0
+        self._false_starts = 0
 
     def start(self, key: object, task: Task) -> None:
         self._key, self.task = key, task
@@ -109,12 +112,14 @@ class _Worker:
         """Return the key and the answer of the finished task.
 
         Raises:
-            InputError: The process died before it could begin.
+            InputError: Its process died again and again before it could begin.
         """
         assert self.future is not None
         error = self.future.exception()
         if isinstance(error, BrokenProcessPool):
-            if self._pid is None or self._pid.exception() is not None:
+            has_begun = self._pid is not None and self._pid.exception() is None
+            self._false_starts = 0 if has_begun else self._false_starts + 1
+            if self._false_starts > _MOST_FALSE_STARTS:
                 raise InputError("a worker process can't start", hint="Is there memory left?")
             answer = Answer(failure="its worker process died")
             self.close(at_once=True)
