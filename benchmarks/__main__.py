@@ -22,6 +22,7 @@ from benchmarks.first_frame import first_frame
 from benchmarks.folding import folding
 from benchmarks.history import history
 from benchmarks.inspector import inspector
+from benchmarks.lab import laboratory
 from benchmarks.machine import machine
 from benchmarks.measure import Effort, Measurement
 from benchmarks.memory import memory
@@ -58,10 +59,11 @@ BENCHMARKS = {
     "ssh": ssh,
     "class": classes,
     "large-class": large_classes,
+    "lab": laboratory,
     "processor": processor,
     "first-frame": first_frame,
 }
-LONGEST = {"large-class"}
+LONGEST = {"large-class", "lab"}
 """Left out of a run that names no benchmarks."""
 LONG = {"memory", "traffic", "ssh", "class"}
 """Left out of a quick run as well."""
@@ -117,7 +119,7 @@ def _measure(names: Sequence[str], effort: Effort) -> list[Measurement]:
 
 def _parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(prog="python -m benchmarks", description=__doc__)
-    names = f"{', '.join(BENCHMARKS)}; by default all but {', '.join(LONGEST)}"
+    names = f"{', '.join(BENCHMARKS)}; by default all but {', '.join(sorted(LONGEST))}"
     parser.add_argument("only", nargs="*", metavar="BENCHMARK", help=names)
     parser.add_argument("--json", type=Path, metavar="FILE", help="also write JSON to a file")
     parser.add_argument(
