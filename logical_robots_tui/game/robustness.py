@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
     from logical_robots_tui.mind import Decision, Limits, Program
     from logical_robots_tui.values import SensorRow, Value
-    from logical_robots_tui.world import Level
+    from logical_robots_tui.world import Level, WorldState
 
 __all__ = [
     "STARTS",
@@ -67,14 +67,14 @@ class Thought(NamedTuple):
         rows: What the robots sensed.
         memories: What they remembered.
         decisions: What they decided.
-        world: The world after the tick.
+        state: The world after the tick.
     """
 
     mind: Mind
     rows: Sequence[SensorRow]
     memories: Mapping[str, Value]
     decisions: Sequence[Decision]
-    world: World
+    state: WorldState
 
 
 def start_of(level: Level, start: int) -> Level:
@@ -145,7 +145,7 @@ def play_through(
             world.act({d.robot_name: d.desire for d in decisions if d.desire is not None})
             before, after = world.save(), before
             distance += driven(after, before)
-            if is_over is not None and is_over(Thought(mind, rows, memories, decisions, world)):
+            if is_over is not None and is_over(Thought(mind, rows, memories, decisions, before)):
                 break
             memories = {d.robot_name: d.memory for d in decisions}
     finally:

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import logging
+import math
 from collections import deque
+from concurrent.futures import CancelledError
 from contextlib import suppress
 from time import monotonic
 from typing import TYPE_CHECKING, Any
@@ -20,6 +23,8 @@ __all__ = ["ClusterEngine"]
 _AHEAD = 2
 """Tasks for each thread of a worker, so that none waits for the coordinator."""
 
+_COUNT_SECONDS = 2.0  # for which the number of threads is good
+_FETCH_SECONDS = 1.0
 _CONNECT_SECONDS = 30.0
 _RECONNECT_SECONDS = 600.0
 
@@ -40,17 +45,23 @@ class ClusterEngine:
         except ImportError:
             hint = "Install it with: pip install 'logical-robots-tui[dask]'"
             raise InputError("a cluster needs Dask", hint=hint) from None
+        logging.getLogger("distributed").setLevel(logging.CRITICAL)  # losses are expected
         self._dask: Any = distributed
         self._address = address
         self._tasks: dict[Any, tuple[object, Task]] = {}
         self._lost: deque[tuple[object, Task]] = deque()
         self._client: Any = None
+        self._threads, self._counted_at = 1, -math.inf
         self._connect(_CONNECT_SECONDS)
 
     @property
     def slots(self) -> int:
         """The number of tasks at a time."""
-        return max(1, sum(self._threads().values()))
+        if monotonic() > self._counted_at + _COUNT_SECONDS:
+            with suppress(Exception):  # the scheduler may be gone
+                self._threads = max(1, sum(self._client.nthreads().values()))
+            self._counted_at = monotonic()
+        return self._threads
 
     @property
     def free(self) -> int:
@@ -71,17 +82,21 @@ class ClusterEngine:
         """Wait for tasks that end within some time; yield their keys and answers."""
         if self._client.status != "running" or self._lost:
             self._reconnect()
-        with suppress(TimeoutError, self._dask.TimeoutError):
+        with suppress(TimeoutError, CancelledError, ValueError):  # or there are none
             self._dask.wait(list(self._tasks), timeout=seconds, return_when="FIRST_COMPLETED")
         for future in [future for future in self._tasks if future.done()]:
-            key, task = self._tasks.pop(future)
-            if future.status == "cancelled":
-                self._lost.append((key, task))  # the scheduler has lost it
+            try:
+                answer = future.result(timeout=_FETCH_SECONDS)
+            except TimeoutError:
+                continue  # the worker that has it says nothing: later, or from another worker
+            except (CancelledError, OSError):
+                self._lost.append(self._tasks.pop(future))  # the scheduler has lost it
                 continue
-            error = future.exception()
-            answer = Answer(failure=f"its worker died: {error}") if error else future.result()
-            future.release()
+            except Exception as error:
+                answer = Answer(failure=f"its worker died: {error}")
+            key, _ = self._tasks.pop(future)
             yield key, answer
+            future.release()  # it is recorded now: should its worker die, nothing runs again
 
     def close(self, *, at_once: bool = False) -> None:
         """Cancel what is left, and leave the cluster."""
@@ -89,12 +104,6 @@ class ClusterEngine:
             self._client.cancel(list(self._tasks))
         with suppress(Exception):
             self._client.close(timeout=1 if at_once else 10)
-
-    def _threads(self) -> dict[str, int]:
-        try:
-            return dict(self._client.nthreads())
-        except Exception:  # the scheduler is gone
-            return {}
 
     def _connect(self, seconds: float) -> None:
         try:

@@ -12,6 +12,7 @@ from contextlib import suppress
 from time import monotonic
 from typing import TYPE_CHECKING
 
+from logical_robots_tui.errors import InputError
 from logical_robots_tui.garbage import collect_seldom
 from logical_robots_tui.lab.running import CHUNK_SECONDS, Answer, execute
 
@@ -21,6 +22,8 @@ if TYPE_CHECKING:
     from logical_robots_tui.lab.running import Task
 
 __all__ = ["LocalEngine"]
+
+_MOST_FALSE_STARTS = 2  # in a row
 
 _GRACE = 60.0
 """Seconds after the time of a task after which a worker that says nothing is ended."""
@@ -84,6 +87,7 @@ class _Worker:
         self._pool: ProcessPoolExecutor | None = None
         self._pid: Future[int] | None = None
         self._deadline = 0.0
+        self._false_starts = 0
 
     def start(self, key: object, task: Task) -> None:
         self._key, self.task = key, task
@@ -105,10 +109,18 @@ class _Worker:
         self._deadline = monotonic() + CHUNK_SECONDS + task.seconds + _GRACE
 
     def finish(self) -> tuple[object, Answer]:
-        """Return the key and the answer of the finished task."""
+        """Return the key and the answer of the finished task.
+
+        Raises:
+            InputError: Its process died again and again before it could begin.
+        """
         assert self.future is not None
         error = self.future.exception()
         if isinstance(error, BrokenProcessPool):
+            has_begun = self._pid is not None and self._pid.exception() is None
+            self._false_starts = 0 if has_begun else self._false_starts + 1
+            if self._false_starts > _MOST_FALSE_STARTS:
+                raise InputError("a worker process can't start", hint="Is there memory left?")
             answer = Answer(failure="its worker process died")
             self.close(at_once=True)
         elif error is not None:
