@@ -12,6 +12,7 @@ from time import monotonic
 from typing import TYPE_CHECKING
 
 from logical_robots_tui.cli.command import harmless, new_command, number_from
+from logical_robots_tui.errors import InputError
 
 if TYPE_CHECKING:
     import argparse
@@ -144,6 +145,8 @@ def _planned(
         return WRONG
     folder = Folder(options.output)
     with folder.locked():
+        with folder.ledger(mixed=options.mixed):
+            pass  # it can be used: otherwise the manifest beside it stays
         return _work(options, folder, folder.write(manifest, inputs))
 
 
@@ -170,6 +173,10 @@ def _work(options: argparse.Namespace, folder: Folder, manifest: Manifest) -> in
             engine = _engine(options)
             try:
                 coordinator.work(engine, is_stopped, show)
+            except InputError as error:  # such as a full disk
+                engine.close(at_once=True)
+                print(harmless(str(error)), file=sys.stderr)
+                return INCOMPLETE
             except BaseException:
                 engine.close(at_once=True)
                 raise
