@@ -163,8 +163,8 @@ def _curve(title: str, name: str, group: list[tuple[Cell, list[Done]]]) -> str:
     shares = [share_of(runs) for _, runs in group]
     chart.add("won", [100 * share.share for share in shares])
     for label, values in (
-        ("95 % interval, from", [100 * share.low for share in shares]),
-        ("to", [100 * share.high for share in shares]),
+        ("from (95 %)", [100 * share.low for share in shares]),
+        ("to (95 %)", [100 * share.high for share in shares]),
     ):
         chart.add(label, values, stroke_style={"dasharray": "4"})
     return _svg(chart, title)
@@ -198,6 +198,7 @@ def _ticks(done: list[Done]) -> str:
         chart = _pygal().Bar(**_style(level), show_legend=False, x_title="ticks", y_title="runs")
         chart.x_label_rotation = 40
         chart.x_labels = [f"{ticks[0] + n * width:,}" for n in range(max(counts) + 1)]
+        chart.y_labels = range(0, max(counts.values()) + 1, max(1, max(counts.values()) // 5))
         chart.add("runs", [counts[n] for n in range(max(counts) + 1)])
         parts.append(_svg(chart, level))
     return "\n".join(parts) if len(parts) > 1 else ""
