@@ -37,6 +37,7 @@ _HOMES = {
     "levels": "listing",
     "programs": "listing",
     "config": "listing",
+    "replay": "runs.replay",
     "progress": "progress",
     "level": "level",
     "sweep": "lab",
@@ -72,6 +73,8 @@ examples:
                                        find out where a value comes from
   logical-robots diagnose 01-first-steps first-steps
                                        scan a run for likely mistakes
+  logical-robots replay record 01-first-steps first-steps -o first.replay
+                                       record a run in a file
   logical-robots help ArgMin           explain a function of the language
   logical-robots progress              list your results
   logical-robots level new maze.toml   create a level

@@ -26,8 +26,9 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from logical_robots_tui.cli.command import Commands
+    from logical_robots_tui.game.replay import Replay
 
-__all__ = ["declare"]
+__all__ = ["declare", "play_replay"]
 
 SIZES = ("small", "medium", "large")
 
@@ -196,6 +197,20 @@ def _play_on_screen(options: argparse.Namespace) -> int:
     return play(
         options.level, options.program, options.data_dir, permissions, start=options.start_number
     )
+
+
+def play_replay(options: argparse.Namespace, replay: Replay) -> int:
+    """Open a replay on the screen.
+
+    Raises:
+        InputError: There is no terminal.
+    """
+    _prepare_screen()
+    from logical_robots_tui.tui.app.app import play
+    from logical_robots_tui.tui.app.ui import Permissions
+
+    permissions = Permissions(solutions=not options.no_solutions)
+    return play(None, None, folder_of(options.data_dir), permissions, replay=replay)
 
 
 def _play_in_lines(options: argparse.Namespace) -> int:

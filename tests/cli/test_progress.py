@@ -86,6 +86,7 @@ def test_an_export_holds_the_programs_of_the_best_results(
     assert {victory["program"] for victory in first["victories"]} == {won[0], "Worse() = 1;"}
 
 
+@pytest.mark.slow
 def test_programs_are_played_again(
     command: Command, tmp_path: Path, won: tuple[str, Measures]
 ) -> None:
