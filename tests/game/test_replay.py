@@ -180,7 +180,7 @@ FALSE = {
         b"logical-robots replay 1\n" + sha256(b"abc").digest() + b"abc",
         "is no replay",
     ),
-    "too long": (b"logical-robots replay 1\n" + bytes(9_000_000), "more than 8,000,000 bytes"),
+    "too long": (b"logical-robots replay 1\n" + bytes(64_000_000), "more than 64,000,000 bytes"),
     "of another kind": (packed(msgspec.msgpack.encode([1, 2])), "is no replay"),
     "deep": (packed(b"\x91" * 100_000), "is no replay"),
 }
@@ -231,6 +231,8 @@ def moved(replay: Replay, x: float) -> Replay:
         (lambda it: changed(it, last=10**9), "out of bounds"),
         (lambda it: changed(it, last=0), "out of bounds"),
         (lambda it: changed(it, stages=(it.stages[0], it.stages[0])), "out of order"),
+        (lambda it: changed(it, stages=it.stages * 6000), "too many levels"),
+        (lambda it: first_stage(it, level="#" * 40_000_000), "too many levels"),
         (lambda it: changed(it, texts=()), "out of order"),
         (lambda it: changed(it, texts=(it.texts[0], it.texts[0])), "out of order"),
         (lambda it: first_stage(it, level="[[robots]]"), "is no replay"),
