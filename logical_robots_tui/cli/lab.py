@@ -12,6 +12,7 @@ from time import monotonic
 from typing import TYPE_CHECKING
 
 from logical_robots_tui.cli.command import harmless, new_command, number_from
+from logical_robots_tui.errors import InputError
 
 if TYPE_CHECKING:
     import argparse
@@ -92,7 +93,7 @@ def declare(commands: Commands) -> None:
         description="Look into a folder of sweep or grade, go on with it, export or report it.",
         epilog=_LAB,
     )
-    lab.add_argument("action", choices=list(_ACTIONS), help="what to do")
+    lab.add_argument("action", choices=["status", "resume", "export", "report"], help="what to do")
     lab.add_argument("folder", metavar="FOLDER", type=Path, help="the folder")
     _add_engine(lab)
 
@@ -144,19 +145,31 @@ def _planned(
         return WRONG
     folder = Folder(options.output)
     with folder.locked():
+        with folder.ledger(mixed=options.mixed):
+            pass  # it can be used: otherwise the manifest beside it stays
         return _work(options, folder, folder.write(manifest, inputs))
 
 
 def _lab(options: argparse.Namespace) -> int:
+    from logical_robots_tui.lab.coordinating import Coordinator
     from logical_robots_tui.lab.folder import Folder
 
-    return _ACTIONS[options.action](options, Folder(options.folder))
-
-
-def _resume(options: argparse.Namespace, folder: Folder) -> int:
+    folder = Folder(options.folder)
     manifest = folder.manifest()
-    with folder.locked():
-        return _work(options, folder, manifest)
+    if options.action == "resume":
+        with folder.locked():
+            return _work(options, folder, manifest)
+    with folder.ledger(mixed=options.mixed) as ledger:
+        status = _tell(folder, manifest, ledger, Coordinator(folder, manifest, ledger))
+        if options.action == "export":
+            _export(folder, manifest, ledger)
+        elif options.action == "report":
+            from logical_robots_tui.lab.reporting import write_report
+            from logical_robots_tui.lab.summary import lines_of
+
+            print(*map(harmless, lines_of(manifest, ledger)), sep="\n")
+            print(harmless(f"Written: {write_report(folder, manifest, ledger)}"))
+    return status
 
 
 def _work(options: argparse.Namespace, folder: Folder, manifest: Manifest) -> int:
@@ -170,11 +183,18 @@ def _work(options: argparse.Namespace, folder: Folder, manifest: Manifest) -> in
             engine = _engine(options)
             try:
                 coordinator.work(engine, is_stopped, show)
+            except InputError as error:  # such as a full disk
+                engine.close(at_once=True)
+                print(harmless(str(error)), file=sys.stderr)
+                return INCOMPLETE
             except BaseException:
                 engine.close(at_once=True)
                 raise
             engine.close()
-        return _tell(folder, manifest, ledger, coordinator, exports=True)
+        status = _tell(folder, manifest, ledger, coordinator)
+        if status == COMPLETE:
+            _export(folder, manifest, ledger)
+        return status
 
 
 def _engine(options: argparse.Namespace) -> Engine:
@@ -187,23 +207,8 @@ def _engine(options: argparse.Namespace) -> Engine:
     return LocalEngine(options.workers)
 
 
-def _status(options: argparse.Namespace, folder: Folder) -> int:
-    from logical_robots_tui.lab.coordinating import Coordinator
-
-    manifest = folder.manifest()
-    with folder.ledger(mixed=options.mixed) as ledger:
-        return _tell(folder, manifest, ledger, Coordinator(folder, manifest, ledger))
-
-
-def _tell(
-    folder: Folder,
-    manifest: Manifest,
-    ledger: Ledger,
-    coordinator: Coordinator,
-    *,
-    exports: bool = False,
-) -> int:
-    """Say how far the work is, export it if it is complete, and return the exit status."""
+def _tell(folder: Folder, manifest: Manifest, ledger: Ledger, coordinator: Coordinator) -> int:
+    """Say how far the work is, and return the exit status."""
     tally = coordinator.tally()
     print(
         harmless(f"{manifest.title}: {tally.done:,} runs done in {ledger.seconds():,.1f} s of work")
@@ -222,22 +227,10 @@ def _tell(
         left = f"{tally.due:,} runs are left. " if tally.due else ""
         print(f"{left}Go on with: logical-robots lab resume {harmless(str(folder.path))}")
         return INCOMPLETE
-    if exports:
-        _write_tables(folder, manifest, ledger)
     return COMPLETE
 
 
-def _export(options: argparse.Namespace, folder: Folder) -> int:
-    from logical_robots_tui.lab.coordinating import Coordinator
-
-    manifest = folder.manifest()
-    with folder.ledger(mixed=options.mixed) as ledger:
-        status = _tell(folder, manifest, ledger, Coordinator(folder, manifest, ledger))
-        _write_tables(folder, manifest, ledger)
-    return status
-
-
-def _write_tables(folder: Folder, manifest: Manifest, ledger: Ledger) -> None:
+def _export(folder: Folder, manifest: Manifest, ledger: Ledger) -> None:
     from logical_robots_tui.lab.exporting import export_runs, has_extra
 
     written = export_runs(folder, manifest, ledger)
@@ -248,23 +241,6 @@ def _write_tables(folder: Folder, manifest: Manifest, ledger: Ledger) -> None:
     print(harmless(f"Written to {folder.path}: {', '.join(written)}"))
     if not has_extra("pyarrow"):
         print("Parquet needs pyarrow: pip install 'logical-robots-tui[lab]'")
-
-
-def _report(options: argparse.Namespace, folder: Folder) -> int:
-    from logical_robots_tui.lab.coordinating import Coordinator
-    from logical_robots_tui.lab.reporting import write_report
-    from logical_robots_tui.lab.summary import lines_of
-
-    manifest = folder.manifest()
-    with folder.ledger(mixed=options.mixed) as ledger:
-        print(*map(harmless, lines_of(manifest, ledger)), sep="\n")
-        status = _tell(folder, manifest, ledger, Coordinator(folder, manifest, ledger))
-        written = write_report(folder, manifest, ledger)
-    print(harmless(f"Written: {written}"))
-    return status
-
-
-_ACTIONS = {"status": _status, "resume": _resume, "export": _export, "report": _report}
 
 
 # -- while it runs -----------------------------------------------------------------------------
@@ -301,26 +277,6 @@ def _progress(manifest: Manifest, coordinator: Coordinator) -> Iterator[Callable
     if not first.due:
         yield lambda: None
         return
-    if not sys.stderr.isatty():
-        due = began + _LINE_SECONDS
-
-        def say() -> None:
-            nonlocal due
-            if monotonic() >= due:
-                due = monotonic() + _LINE_SECONDS
-                tally = coordinator.tally()
-                pace = (tally.done - first.done) / (monotonic() - began)
-                left = f"{tally.due / pace:,.0f} s left" if pace else "time left unknown"
-                failed = f", {tally.failed:,} failed" if tally.failed else ""
-                print(
-                    f"{tally.done:,} of {tally.done + tally.due:,} runs, {pace:.1f} runs/s, {left}"
-                    f"{failed}",
-                    file=sys.stderr,
-                    flush=True,
-                )
-
-        yield say
-        return
     from rich.console import Console
     from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
 
@@ -329,19 +285,27 @@ def _progress(manifest: Manifest, coordinator: Coordinator) -> Iterator[Callable
         BarColumn(),
         TextColumn("{task.completed:,.0f} of {task.total:,.0f} runs"),
         TextColumn("{task.fields[pace]:.1f} runs/s"),
-        TimeRemainingColumn(elapsed_when_finished=True),
+        TimeRemainingColumn(),
         TextColumn("{task.fields[failed]}"),
     )
-    with Progress(*columns, console=Console(stderr=True), transient=True) as bar:
-        task = bar.add_task(
-            harmless(manifest.title), total=first.done + first.due, pace=0.0, failed=""
-        )
+    is_bar = sys.stderr.isatty()
+    console = Console(stderr=True, width=None if is_bar else 120)
+    with Progress(*columns, console=console, transient=True, disable=not is_bar) as bar:
+        title, total = harmless(manifest.title), first.done + first.due
+        task = bar.add_task(title, completed=first.done, total=total, pace=0.0, failed="")
+        due = began + _LINE_SECONDS
 
-        def draw() -> None:
-            tally = coordinator.tally()
-            pace = (tally.done - first.done) / (monotonic() - began)
+        def show() -> None:
+            nonlocal due
+            tally, now = coordinator.tally(), monotonic()
+            pace = (tally.done - first.done) / (now - began)
             failed = f"{tally.failed:,} failed" if tally.failed else ""
-            total = tally.done + tally.due
-            bar.update(task, completed=tally.done, total=total, pace=pace, failed=failed)
+            done, total = tally.done, tally.done + tally.due
+            bar.update(task, completed=done, total=total, pace=pace, failed=failed)
+            if not is_bar and now >= due:
+                due = now + _LINE_SECONDS
+                left = f"{tally.due / pace:,.0f} s left" if pace else "time left unknown"
+                said = f"{done:,} of {total:,} runs, {pace:.1f} runs/s, {left}"
+                print(said, failed, sep=", " * bool(failed), file=sys.stderr, flush=True)
 
-        yield draw
+        yield show

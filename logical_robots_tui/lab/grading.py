@@ -198,6 +198,9 @@ def export_grades(folder: Folder, manifest: Manifest, ledger: Ledger) -> list[st
         folder.put(folder.path / f"feedback/{name}.md", _feedback(manifest.title, grade, show))
         folder.put(folder.path / f"feedback/{name}.json", _json(data))
         folder.put(folder.path / f"gradescope/{name}.json", _json(_gradescope(grade, show)))
+    for old in (*folder.path.glob("feedback/*"), *folder.path.glob("gradescope/*")):
+        if old.stem not in names:
+            old.unlink()  # of an earlier class list
     if len(grades) == 1:
         folder.put(folder.path / "results.json", _json(_gradescope(grades[0], show)))
     folder.put(folder.path / "gradebook.csv", csv_of(_gradebook(grades)))

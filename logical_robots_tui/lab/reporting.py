@@ -163,8 +163,8 @@ def _curve(title: str, name: str, group: list[tuple[Cell, list[Done]]]) -> str:
     shares = [share_of(runs) for _, runs in group]
     chart.add("won", [100 * share.share for share in shares])
     for label, values in (
-        ("95 % interval, from", [100 * share.low for share in shares]),
-        ("to", [100 * share.high for share in shares]),
+        ("from (95 %)", [100 * share.low for share in shares]),
+        ("to (95 %)", [100 * share.high for share in shares]),
     ):
         chart.add(label, values, stroke_style={"dasharray": "4"})
     return _svg(chart, title)
@@ -173,23 +173,17 @@ def _curve(title: str, name: str, group: list[tuple[Cell, list[Done]]]) -> str:
 def _heat_map(across: str, down: str, group: list[tuple[Cell, list[Done]]]) -> str:
     shares = {(c.settings[across], c.settings[down]): share_of(runs) for c, runs in group}
     columns, lines = (list(dict.fromkeys(key[i] for key in shares)) for i in (0, 1))
-    corner = f"{html.escape(down)} \\ {html.escape(across)}"
-    head = "".join(f"<th>{html.escape(str(column))}</th>" for column in columns)
-    rows = []
-    for line in lines:
-        row = f"<th>{html.escape(str(line))}</th>"
-        for column in columns:
-            share = shares.get((column, line))
-            if share is None:
-                row += "<td></td>"
-                continue
-            shade = f"background: hsl({120 * share.share:.0f} 60% 80%)"
-            title = f"{share.won} of {share.tried}, {_interval(share)}"
-            row += (
-                f'<td class="number" style="{shade}" title="{title}">{_percent(share.share)}</td>'
-            )
-        rows.append(f"<tr>{row}</tr>")
-    return f"<table><tr><th>{corner}</th>{head}</tr>" + "\n".join(rows) + "</table>"
+
+    def cell(share: Share) -> str:
+        shade = f"background: hsl({120 * share.share:.0f} 60% 80%); padding: .2rem"
+        said = f"{_percent(share.share)} ({share.won} of {share.tried}, {_interval(share)})"
+        return _Html(f'<span style="{shade}">{said}</span>')
+
+    rows = [
+        (str(line), *(cell(shares[key]) if (key := (c, line)) in shares else "" for c in columns))
+        for line in lines
+    ]
+    return _table((f"{down} \\ {across}", *map(str, columns)), rows)
 
 
 def _ticks(done: list[Done]) -> str:
@@ -204,6 +198,7 @@ def _ticks(done: list[Done]) -> str:
         chart = _pygal().Bar(**_style(level), show_legend=False, x_title="ticks", y_title="runs")
         chart.x_label_rotation = 40
         chart.x_labels = [f"{ticks[0] + n * width:,}" for n in range(max(counts) + 1)]
+        chart.y_labels = range(0, max(counts.values()) + 1, max(1, max(counts.values()) // 5))
         chart.add("runs", [counts[n] for n in range(max(counts) + 1)])
         parts.append(_svg(chart, level))
     return "\n".join(parts) if len(parts) > 1 else ""

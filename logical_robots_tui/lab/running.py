@@ -20,7 +20,14 @@ import msgspec
 from logical_robots_tui.game.robustness import LateError, play_through, start_of
 from logical_robots_tui.game.run import simulation_digest
 from logical_robots_tui.game.victory import count_rules
-from logical_robots_tui.mind import Limits, Program, ProgramError, QueryError, Stopped
+from logical_robots_tui.mind import (
+    Diagnostic,
+    Limits,
+    Program,
+    ProgramError,
+    QueryError,
+    Stopped,
+)
 from logical_robots_tui.world.levels.load import read_level
 
 if TYPE_CHECKING:
@@ -32,7 +39,6 @@ __all__ = [
     "CHUNK_SECONDS",
     "Answer",
     "Asked",
-    "Diagnosed",
     "Outcome",
     "Result",
     "Series",
@@ -89,15 +95,6 @@ class Task(msgspec.Struct, frozen=True):
     fingerprint: str
 
 
-class Diagnosed(msgspec.Struct, frozen=True):
-    """A mistake in a program that does not compile."""
-
-    line: int
-    column: int
-    message: str
-    hint: str = ""
-
-
 class Series(msgspec.Struct, frozen=True):
     """The rows of a question: each begins with its tick. They may be cut off at a limit."""
 
@@ -127,7 +124,7 @@ class Result(msgspec.Struct, frozen=True, omit_defaults=True):
     notices: dict[str, int] = {}
     first: tuple[int, str, str] | None = None
     series: dict[str, Series] = {}
-    mistakes: tuple[Diagnosed, ...] = ()
+    mistakes: tuple[Diagnostic, ...] = ()
 
 
 class Answer(msgspec.Struct, frozen=True):
@@ -209,7 +206,7 @@ class _Prepared:
         self.task = task
         self.level: Level = _level(task.level)
         self.limits = Limits(think_steps=task.steps, query_steps=max(task.steps, 200_000_000))
-        self.mistakes: tuple[Diagnosed, ...] = ()
+        self.mistakes: tuple[Diagnostic, ...] = ()
         self.questions: dict[Asked, Question] = {}
         try:
             self.program = Program.compile(task.program)
@@ -219,11 +216,7 @@ class _Prepared:
         except ProgramError as error:
             if error.is_unfinished:
                 raise
-            self.mistakes = tuple(
-                Diagnosed(found.line, found.column, found.message, found.hint)
-                for found in error.diagnostics
-                if found.severity == "error"
-            )
+            self.mistakes = tuple(d for d in error.diagnostics if d.severity == "error")
 
     def run(self, start: int) -> Result:
         """Return the result from a start.

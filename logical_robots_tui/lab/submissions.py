@@ -191,12 +191,13 @@ def _students(
     late: set[str],
 ) -> list[Student]:
     """Return the students of the roster, and then whoever else has submitted something."""
-    by_submission = {row.get("submission") or row["id"]: row for row in roster}
-    known = list(by_submission) + [name for name in entries if name not in by_submission]
+    known: list[tuple[str, dict[str, str]]]
+    known = [(row.get("submission") or row["id"], row) for row in roster]  # several may share one
+    used = {name for name, _ in known}
     after = assignment.late.after
     students = []
-    for name in known:
-        row, entry = by_submission.get(name, {}), entries.get(name)
+    for name, row in [*known, *((name, {}) for name in entries if name not in used)]:
+        entry = entries.get(name)
         remarks = [] if entry is None else list(entry.remarks)
         if entry is None:
             remarks.append("nothing was submitted")

@@ -177,9 +177,14 @@ class _Plan:
         names = [
             (bool(vary.constant), vary.constant or vary.level) for vary in self._experiment.vary
         ]
-        for number, name in enumerate(names):
+        for number, (name, (value, *_)) in enumerate(zip(names, varied, strict=True)):
             if name in names[:number]:
                 self._spec.problem(("vary", number), f"{name[1]} is varied twice")
+            one = {name[1]: value[2]}
+            for level in self._levels:
+                for program in self._programs:
+                    constants, fields = (one, {}) if name[0] else ({}, one)
+                    self._cell(level, program, (("vary", number), constants, fields))
         found: list[tuple[Path_, dict[str, Scalar], dict[str, Scalar]]] = []
         if varied or not self._experiment.case:
             for each in itertools.product(*varied):
@@ -264,17 +269,22 @@ def _with_fields(text: str, fields: tuple[tuple[str, Scalar], ...]) -> str:
 
 
 def _set(data: Any, keys: list[str], whole: str, value: Scalar) -> None:
-    key, *rest = keys
-    if isinstance(data, list):
-        numbers = range(len(data)) if key == "*" else [int(key)] if key.isdecimal() else []
-        places: list[Any] = [number for number in numbers if number < len(data)]
-    else:
-        places = [key] if isinstance(data, dict) and (not rest or key in data) else []
-    if not places:
+    """Set a key within data; an asterisk stands for all items of a list that have the rest."""
+    *path, last = keys
+    found = [data]
+    for key in path:
+        found = [inner for each in found for inner in _inside(each, key)]
+    tables = [each for each in found if isinstance(each, dict)]
+    if not tables:
         hint = "A key is like robots.*.battery.capacity or areas.0.radius."
-        raise InputError(f'the level has no "{key}"', place=whole, hint=hint)
-    for place in places:
-        if rest:
-            _set(data[place], rest, whole, value)
-        else:
-            data[place] = value
+        raise InputError("the level has no such key", place=whole, hint=hint)
+    for table in tables:
+        table[last] = value
+
+
+def _inside(data: Any, key: str) -> list[Any]:
+    if isinstance(data, list):
+        if key == "*":
+            return list(data)
+        return data[int(key) : int(key) + 1] if key.isdecimal() else []
+    return [data[key]] if isinstance(data, dict) and key in data else []
