@@ -11,6 +11,7 @@ import asyncio
 import hashlib
 import json
 import lzma
+from bisect import bisect_left
 from dataclasses import replace
 from functools import cached_property
 from typing import TYPE_CHECKING
@@ -63,9 +64,11 @@ Robot(robot_name:, desire: {left_engine: 0.0, right_engine: 0.0}, memory: "") :-
 
 _FORMAT = 1
 _MAGIC = b"logical-robots replay "
-_MOST_BYTES = 8_000_000
+_MOST_BYTES = 64_000_000
 _MOST_UNPACKED = 200_000_000
 _MOST_TICKS = 1_000_000
+_MOST_STAGES = 10_000
+_MOST_TEXT = 32_000_000  # characters of all levels that differ
 _DESIRE_BYTES = 16  # two engines
 _HASH_BYTES = 8
 
@@ -160,11 +163,16 @@ class Replay(msgspec.Struct, frozen=True, forbid_unknown_fields=True, dict=True)
         Raises:
             LevelError: A text is not that of a level.
         """
-        return tuple(read_native(stage.level, self.name, "") for stage in self.stages)
+        levels = {text: read_native(text, self.name, "") for text in self._level_texts}
+        return tuple(levels[stage.level] for stage in self.stages)
+
+    @property
+    def _level_texts(self) -> list[str]:
+        return list(dict.fromkeys(stage.level for stage in self.stages))
 
     def desires_in(self, tick: int) -> Mapping[str, Desire | None]:
         """Return what each robot wanted in a tick after the first, by robot name."""
-        at = max(i for i, stage in enumerate(self.stages) if stage.state.tick < tick)
+        at = bisect_left(self.stages, tick, key=lambda stage: stage.state.tick) - 1
         names = [robot.name for robot in self.levels[at].robots]
         wanted = self._desires[at][tick - self.stages[at].state.tick - 1]
         return {
@@ -184,6 +192,8 @@ class Replay(msgspec.Struct, frozen=True, forbid_unknown_fields=True, dict=True)
             ValueError: They don't.
             LevelError: A text is not that of a level.
         """
+        if len(self.stages) > _MOST_STAGES or sum(map(len, self._level_texts)) > _MOST_TEXT:
+            raise ValueError("it has too many levels")
         begins = [stage.state.tick for stage in self.stages]
         ends = [*begins[1:], self.last]
         texts = [each.tick for each in self.texts]
@@ -261,9 +271,12 @@ async def gather(
 
     Raises:
         Superseded: The course was changed in the meantime.
+        InputError: The level was changed too often.
     """
     begin, last, turns = max(history.first - 1, 0), history.last, history.turns
     changes = [tick for tick in range(begin + 1, last + 1) if history.is_changed_in(tick)]
+    if len(changes) >= _MOST_STAGES:
+        raise InputError("The level was changed too often for a replay.")
     stages, hashes = [], {}
     for first, end in zip([begin, *changes], [*changes, last], strict=True):
         level, start = history.level_at(first), history.around(max(first, history.first))

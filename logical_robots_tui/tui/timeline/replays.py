@@ -110,6 +110,8 @@ class Replays:
             size = await asyncio.to_thread(_write, path, replay)
         except Superseded:
             self._ui.warn("The robots went another way meanwhile: no replay was saved.")
+        except InputError as error:
+            self._ui.warn(str(error))
         except OSError as error:
             self._ui.warn(f"The replay could not be saved: {error.strerror or error}.")
         else:
