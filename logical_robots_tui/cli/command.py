@@ -136,13 +136,19 @@ def folder_of(data_dir: Path | None, player: str | None = None) -> Path:
     return data_dir / "players" / player if player else data_dir
 
 
-def own_programs(data_dir: Path | None) -> Path:
-    """Return the folder with the player's own programs.
+def own_programs(options: argparse.Namespace) -> Path:
+    """Return the folder with the player's own programs, and hide solutions if that is wanted.
 
     Args:
-        data_dir: The folder for all of the player's files, or None for the system's default.
+        options: Of a command with `add_data_dir` and `add_no_solutions`.
     """
-    return folder_of(data_dir) / "programs"
+    folder = folder_of(options.data_dir)
+    if options.no_solutions:
+        from logical_robots_tui.game.source import hide_solutions
+        from logical_robots_tui.progress import FILE_NAME, Progress
+
+        hide_solutions(Progress(folder / FILE_NAME))
+    return folder / "programs"
 
 
 def add_json(command: argparse.ArgumentParser) -> None:

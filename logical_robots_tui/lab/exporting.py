@@ -9,6 +9,8 @@ from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias
 
 from logical_robots_tui.errors import InputError
 from logical_robots_tui.lab.coordinating import starts_due, text_of
+from logical_robots_tui.lab.ledger import ATTEMPTS
+from logical_robots_tui.lab.running import Result
 from logical_robots_tui.mind.diagnostics import printable
 
 if TYPE_CHECKING:
@@ -16,7 +18,6 @@ if TYPE_CHECKING:
 
     from logical_robots_tui.lab.folder import Cell, Folder, Manifest
     from logical_robots_tui.lab.ledger import Ledger
-    from logical_robots_tui.lab.running import Result
 
 __all__ = ["Done", "Table", "csv_of", "done_runs", "export_runs", "harmless_cell", "replay"]
 
@@ -62,6 +63,26 @@ def done_runs(manifest: Manifest, ledger: Ledger) -> Iterator[Done]:
             yield Done(cell, program, start, job, results[job])
 
 
+def failed_runs(manifest: Manifest, ledger: Ledger) -> Iterator[Done]:
+    """Yield all runs that could not be done, in the order of the manifest."""
+    failures = {
+        job: found[-1] for job, found in ledger.failures().items() if len(found) >= ATTEMPTS
+    }
+    outcomes = ledger.outcomes() if failures else {}
+    for cell in manifest.cells if failures else ():
+        program = text_of(manifest, cell, outcomes)
+        for start in range(manifest.starts + 1):
+            job = manifest.job(cell, start, program)
+            if job in failures:
+                yield Done(
+                    cell,
+                    program,
+                    start,
+                    job,
+                    Result("infrastructure", first=(0, "", failures[job])),
+                )
+
+
 def replay(cell: Cell, program: str, start: int) -> str:
     """Return the command that plays a run on the screen, to be typed in the folder."""
     command = f"logical-robots play inputs/{cell.level} inputs/{program}"
@@ -75,7 +96,7 @@ def export_runs(folder: Folder, manifest: Manifest, ledger: Ledger) -> list[str]
         InputError: A file can't be written.
     """
     done = list(done_runs(manifest, ledger))
-    tables = {"runs": _runs(manifest, ledger, done)}
+    tables = {"runs": _runs(manifest, ledger, [*done, *failed_runs(manifest, ledger)])}
     if manifest.asked:
         tables["series"] = _series(manifest, done)
     written = []
@@ -103,6 +124,8 @@ def _runs(manifest: Manifest, ledger: Ledger, done: list[Done]) -> Table:
             "rules": result.rules or None,
         }
         first = result.first and "tick {}, {}: {}".format(*result.first)
+        if result.outcome == "infrastructure" and result.first:
+            first = result.first[2]
         if result.mistakes:
             first = f"line {result.mistakes[0].line}: {result.mistakes[0].message}"
         rows.append(
@@ -118,7 +141,7 @@ def _runs(manifest: Manifest, ledger: Ledger, done: list[Done]) -> Table:
                 result.ticks,
                 sum(result.notices.values()),
                 first or "",
-                engines[job],
+                engines.get(job, ""),
                 replay(cell, program, start),
             )
         )

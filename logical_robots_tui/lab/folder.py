@@ -6,6 +6,7 @@ import fcntl
 import hashlib
 import os
 from contextlib import contextmanager
+from errno import ENOSPC
 from typing import TYPE_CHECKING, Any, Literal
 
 import msgspec
@@ -161,9 +162,14 @@ class Folder:
 
     def write(self, manifest: Manifest, inputs: Mapping[str, str]) -> Manifest:
         """Keep a manifest, and the texts that it names by their digests; return the manifest."""
-        for name, text in inputs.items():
-            if not (file := self.path / "inputs" / name).exists():
-                self.put(file, text)
+        try:
+            for name, text in inputs.items():
+                file, content = self.path / "inputs" / name, text.encode()
+                if not file.exists() or file.read_bytes() != content:
+                    file.write_bytes(content)
+            os.sync()  # once, for thousands of files, before the manifest names them
+        except OSError as error:
+            raise self._unwritable(file, error) from error
         manifest = msgspec.structs.replace(manifest, engine=engine())
         self.put(self.path / "manifest.json", msgspec.json.format(msgspec.json.encode(manifest)))
         return manifest
@@ -178,10 +184,7 @@ class Folder:
             file.parent.mkdir(parents=True, exist_ok=True)
             write_atomically(file, content)
         except OSError as error:
-            hint = "Make room, then resume." if error.errno == 28 else ""
-            raise InputError(
-                f"can't be written: {error.strerror}", place=str(file), hint=hint
-            ) from (error)
+            raise self._unwritable(file, error) from error
 
     def manifest(self) -> Manifest:
         """Return the manifest.
@@ -228,6 +231,10 @@ class Folder:
             yield ledger
         finally:
             ledger.close()
+
+    def _unwritable(self, file: Path, error: OSError) -> InputError:
+        hint = "Make room, then do the same again." if error.errno == ENOSPC else ""
+        return InputError(f"can't be written: {error.strerror}", place=str(file), hint=hint)
 
     def _error(self, message: str, hint: str) -> InputError:
         return InputError(message, place=str(self.path), hint=hint)

@@ -57,8 +57,9 @@ _SLOW_TICKS = 10
 _MOST_CELLS = 1_000_000  # of all series of a run
 
 Outcome: TypeAlias = Literal[
-    "won", "out of ticks", "nothing changes", "too many steps", "does not compile"
+    "won", "out of ticks", "nothing changes", "too many steps", "does not compile", "infrastructure"
 ]
+"""How a run ended; `infrastructure` stands for runs that could not be done, and is no result."""
 
 
 class Asked(msgspec.Struct, frozen=True):

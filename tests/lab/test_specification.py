@@ -6,10 +6,12 @@ from typing import TYPE_CHECKING
 
 import pytest
 
+from logical_robots_tui.cli.main import main
 from logical_robots_tui.lab.specification import SpecificationError
 from logical_robots_tui.lab.submissions import normalised, plan_grading
 from logical_robots_tui.lab.sweeping import plan_sweep
 from logical_robots_tui.mind import Program, ProgramError
+from logical_robots_tui.world.levels.load import read_level
 from tests.lab.laboratory import FIRST_STEPS, write_experiment
 
 if TYPE_CHECKING:
@@ -101,6 +103,20 @@ def test_what_is_varied_is_crossed_and_cases_are_not(tmp_path: Path) -> None:
     program = inputs[manifest.cells[-1].program]
     assert program == FIRST_STEPS.replace("Near() = 40;", "Near() = 55.5;")
     assert "heading = 45" in inputs[manifest.cells[1].level]
+
+
+def test_a_level_of_the_web_platform_can_be_varied(tmp_path: Path) -> None:
+    theirs = tmp_path / "theirs.json"
+    assert main(["level", "convert", "11-power-line", str(theirs)]) == 0
+    (tmp_path / "first.l").write_text(FIRST_STEPS)
+    file = tmp_path / "e.toml"
+    file.write_text(
+        '[experiment]\nlevel = "theirs.json"\nprogram = "first.l"\nticks = 5\n'
+        '[[vary]]\nlevel = "robots.*.battery_capacity"\nvalues = [7]\n'
+    )
+    manifest, inputs = plan_sweep(file)
+    level = read_level(inputs[manifest.cells[0].level], "theirs")
+    assert [robot.battery_capacity for robot in level.robots] == [7] * len(level.robots)
 
 
 @pytest.mark.parametrize("value", ["60", "-0.5", "true", '"a b"', "[1, 2]"])

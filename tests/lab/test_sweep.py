@@ -2,16 +2,21 @@
 
 from __future__ import annotations
 
+import csv
 import os
 import re
 import signal
+import sqlite3
+from contextlib import closing
 from pathlib import Path
 
 import pytest
 
 from logical_robots_tui.lab import local
 from logical_robots_tui.lab.coordinating import Coordinator
+from logical_robots_tui.lab.exporting import done_runs, export_runs
 from logical_robots_tui.lab.folder import Folder
+from logical_robots_tui.lab.ledger import Entry
 from logical_robots_tui.lab.local import LocalEngine
 from logical_robots_tui.lab.sweeping import plan_sweep
 from tests.cli.running import Command, in_terminal
@@ -91,6 +96,54 @@ def test_a_run_that_ends_every_worker_is_found_and_not_its_neighbours(
         assert list(ledger.failures().values()) == [["its worker process died"] * 3] * 2
         again = Coordinator(folder, manifest, ledger)
         assert again.tally() == tally
+        export_runs(folder, manifest, ledger)
+    table = (folder.path / "runs.csv").read_text("utf-8")
+    assert table.count(",infrastructure,") == 2
+    assert table.count("its worker process died") == 2
+
+
+def test_the_command_of_a_row_replays_that_very_run(tmp_path: Path, command: Command) -> None:
+    out = tmp_path / "out"
+    file = write_experiment(tmp_path, values=(40,), starts=1, ticks=2000)
+    assert command("sweep", file, "-o", out, "--workers", 1).status == 0
+    *_, row = csv.DictReader((out / "runs.csv").read_text("utf-8").splitlines())
+    assert (row["start"], row["outcome"]) == ("1", "won")
+    _, play, *arguments = row["replay"].split()
+    assert play == "play"
+    arguments[:2] = [str(out / name) for name in arguments[:2]]
+    data = command("run", *arguments, "--json").data
+    assert data["ticks"] == int(row["ticks"])
+    with in_terminal("play", *arguments) as terminal:
+        terminal.wait_for("start 1")
+        terminal.send("q")
+        terminal.finish()
+
+
+def test_results_of_another_version_count_only_if_asked(tmp_path: Path, command: Command) -> None:
+    out = tmp_path / "out"
+    file = write_experiment(tmp_path)
+    assert command("sweep", file, "-o", out, "--workers", 1).status == 0
+    with closing(sqlite3.connect(out / "ledger.db", isolation_level=None)) as ledger:
+        ledger.execute("UPDATE results SET engine = 'another', run = 'of another ' || run")
+    told = command("lab", "resume", out)
+    assert told.status == 2
+    assert "--mixed" in told.err
+    assert command("lab", "resume", out, "--mixed").status == 0
+    assert recorded(out) == 4
+    assert (out / "runs.csv").read_text("utf-8").count(",another,") == 4
+
+
+def test_two_results_of_a_run_that_differ_are_said_loudly(tmp_path: Path, command: Command) -> None:
+    folder = Folder(tmp_path / "out")
+    assert command("sweep", write_experiment(tmp_path), "-o", folder.path).status == 0
+    with folder.ledger() as ledger:
+        (run, *_), manifest = done_runs(folder.manifest(), ledger), folder.manifest()
+        result = '{"outcome":"won","ticks":1}'
+        ledger.record([Entry(run.job, manifest.run(run.job), result, 0.1, "elsewhere/1")])
+    told = command("lab", "status", folder.path)
+    assert told.status == 1
+    assert "DEFECT" in told.out
+    assert manifest.run(run.job) in told.out
 
 
 def test_the_first_interrupt_stops_after_the_runs_at_hand(tmp_path: Path) -> None:

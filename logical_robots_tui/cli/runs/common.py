@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 from logical_robots_tui.cli.command import (
     add_data_dir,
     add_json,
+    add_no_solutions,
     add_start,
     harmless,
     new_command,
@@ -95,6 +96,7 @@ def new_run_command(
     if not only_json:
         add_json(command)
     add_data_dir(command)
+    add_no_solutions(command)
     return command
 
 
@@ -111,7 +113,7 @@ def opened(options: argparse.Namespace) -> tuple[Level, Program]:
     from logical_robots_tui.world import load_level
 
     level = named_start_of(load_level(options.level), options.start_number)
-    source = load_program(options.program, own_programs(options.data_dir), pipes=True)
+    source = load_program(options.program, own_programs(options), pipes=True)
     try:
         program = Program.compile(source.text)
     except ProgramError as error:

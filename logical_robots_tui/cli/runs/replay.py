@@ -96,6 +96,7 @@ def _declare_record(commands: Commands) -> None:
         "--no-programs", action="store_true", help="leave the text of the program out"
     )
     add_data_dir(command)
+    add_no_solutions(command)
 
 
 def _record(options: argparse.Namespace) -> int:

@@ -8,7 +8,6 @@ import signal
 from time import monotonic
 from typing import TYPE_CHECKING, ClassVar
 
-from platformdirs import user_data_path
 from textual import events
 from textual.binding import Binding
 from textual.errors import NoWidget
@@ -263,9 +262,9 @@ class LogicalRobotsApp(DiffApp, inherit_bindings=False):
 
 
 def play(
-    level_name: str | None = None,
-    program: str | None = None,
-    data_dir: Path | None = None,
+    level_name: str | None,
+    program: str | None,
+    data_dir: Path,
     permissions: Permissions | None = None,
     *,
     start: int = 0,
@@ -277,8 +276,7 @@ def play(
         level_name: A level's name or path; by default the level played last, or the first one.
         program: A program's name or path; by default the player's last program for that level, or
             its starter.
-        data_dir: Folder with drafts, the player's programs and progress; by default the system's
-            data folder.
+        data_dir: Folder with drafts, the player's programs and progress.
         permissions: What the player may do and read; by default everything.
         start: The number of a shifted start; 0 is the given one.
         replay: What to open instead of a level and a program.
@@ -290,7 +288,6 @@ def play(
         InputError: The level or the program can't be used.
         Exception: A bug in the game; the terminal has been restored.
     """
-    data_dir = data_dir or user_data_path("logical-robots", appauthor=False)
     permissions = permissions or Permissions()
     recorder = ProgressRecorder(data_dir / FILE_NAME)
     progress = recorder.progress
@@ -315,8 +312,8 @@ def play(
         permissions=permissions,
         replay=replay,
         settings=read_settings(settings_path()),
-        theme=recorder.progress.fact(THEME) or "",
-        welcome=not (level_name or replay) and recorder.progress.fact(TOUR) is None,
+        theme=progress.fact(THEME) or "",
+        welcome=not (level_name or replay) and progress.fact(TOUR) is None,
     )
     app.suit_terminal()
     put_back = end_on_hangup(app.save_unsaved, app.leave_soon)

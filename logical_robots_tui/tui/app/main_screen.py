@@ -22,7 +22,7 @@ from logical_robots_tui.tui.commands.keymap import KEY_MAP, command
 from logical_robots_tui.tui.inspector.page import Placed, Sighted
 from logical_robots_tui.tui.inspector.pages.robots import RobotsView
 from logical_robots_tui.tui.inspector.pane import InspectorPane
-from logical_robots_tui.tui.inspector.predicate_list import DECISION, ROBOTS, WATCH, WHY
+from logical_robots_tui.tui.inspector.predicate_list import ROBOTS
 from logical_robots_tui.tui.labyrinth.pane import LabyrinthPane
 from logical_robots_tui.tui.labyrinth.robot_drag import RobotPut
 from logical_robots_tui.tui.labyrinth.victory import VictoryAnnouncer
@@ -366,7 +366,7 @@ class MainScreen(Screen[None], SessionListener):
     @on(LabyrinthView.RobotPicked)
     def _robot_picked(self, event: LabyrinthView.RobotPicked) -> None:
         self._select(event.name)
-        if self.inspector.inspected not in (DECISION, WHY, WATCH):
+        if not self.inspector.shows_robot:
             self.inspector.inspect(ROBOTS)
 
     @on(RobotPut)

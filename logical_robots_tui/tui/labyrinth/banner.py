@@ -10,7 +10,7 @@ from textual.style import Style
 from textual.widgets import Static
 
 from logical_robots_tui.tui.commands.keymap import command
-from logical_robots_tui.tui.theme.safe_text import clip
+from logical_robots_tui.tui.theme.safe_text import clip, counted
 from logical_robots_tui.tui.theme.themes import INK
 
 if TYPE_CHECKING:
@@ -78,13 +78,13 @@ class VictoryBanner(Overlay):
             recorder: Has the measures.
         """
         self._seed, self._offers = ticks, _OFFERS
-        self._said = f"★ {clip(who, 50)} — {ticks} tick{'s' * (ticks != 1)} ★"
+        self._said = f"★ {clip(who, 50)} — {counted(ticks, 'tick')} ★"
         self._show(recorder)
 
     def toggle(self, recorder: ProgressRecorder) -> None:
         """Show the results so far, or hide the banner."""
         if self.display:
-            self.display = False
+            self.close()
             return
         self._seed, self._offers, self._said = None, _LOOKED_UP, "Results"
         self._show(recorder)
@@ -171,10 +171,10 @@ def results_lines(recorder: ProgressRecorder) -> list[Content]:
 
 def brief(bests: Bests, width: int) -> str:
     """Return the bests in a few words that fit, or "" if there are none."""
-    if bests.ticks is None:
+    if bests.ticks is None or bests.rules is None or bests.distance is None:
         return ""
-    ticks, rules, distance, _ = _numbers(bests)
-    parts = [f"{ticks} ticks", f"{rules} rule{'s' * (rules != '1')}", f"{distance} driven"]
+    parts = [counted(bests.ticks, "tick"), counted(bests.rules, "rule")]
+    parts.append(f"{bests.distance:.0f} driven")
     if bests.wins is not None:
         parts.append(f"{bests.wins}/{bests.starts}")
     told = (gap.join(parts) for gap in (" · ", "  "))
