@@ -276,7 +276,7 @@ def _set(data: Any, keys: list[str], whole: str, value: Scalar) -> None:
         found = [inner for each in found for inner in _inside(each, key)]
     tables = [each for each in found if isinstance(each, dict)]
     if not tables:
-        hint = "A key is like robots.*.battery.capacity or areas.0.radius."
+        hint = "Only tables that the level has can be varied, such as areas.0 in areas.0.radius."
         raise InputError("the level has no such key", place=whole, hint=hint)
     for table in tables:
         table[last] = value

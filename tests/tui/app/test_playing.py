@@ -137,7 +137,7 @@ async def test_the_goal_shows_who_is_in_and_victory_is_celebrated_once(data_dir:
         await game.press(*["plus"] * 6, "space")
         await game.until(lambda: game.session.won_at is not None)
         await game.until(lambda: not game.session.running)
-        assert "needs all: R ✓ P ✓ Q ✓" in game.status
+        await game.until(lambda: "needs all: R ✓ P ✓ Q ✓" in game.status)
         assert "WON" in game.status
         await game.until(lambda: game.shows("Everybody is there"))
         assert game.shows(f"{game.session.won_at} ticks")
@@ -159,6 +159,7 @@ async def test_the_banner_of_victory_can_be_clicked(data_dir: Path) -> None:
         await game.until(lambda: game.shows("Everybody is there"))
         recorder = game.main.recorder  # whose trial of shifted starts has a line that goes
         await game.until(lambda: recorder.latest and recorder.latest.wins is not None)
+        await game.until(lambda: not game.shows("so far"))
         lines = game.screen().splitlines()
         row = next(row for row, line in enumerate(lines) if "again" in line and "stay" in line)
         await game.pilot.click(offset=(lines[row].index("again") + 1, row))
