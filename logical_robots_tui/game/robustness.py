@@ -41,10 +41,12 @@ class Played:
     Attributes:
         won_at: The tick of victory, or None.
         distance: Map units driven by all robots together.
+        is_blocked: Whether a robot was blocked in any tick.
     """
 
     won_at: int | None
     distance: float
+    is_blocked: bool = False
 
 
 def shifted(level: Level, seed: int) -> Level:
@@ -81,7 +83,7 @@ def play_through(
     visibility = level.visibility
     mind = Mind(program, memory=visibility.memory, sensor=visibility.sensor, frozen=True)
     memories: dict[str, Value] = {robot.name: "" for robot in level.robots}
-    distance = 0.0
+    distance, is_blocked = 0.0, False
     try:
         before = world.save()
         while world.tick < patience and world.won_at is None:
@@ -92,9 +94,10 @@ def play_through(
             memories = {d.robot_name: d.memory for d in decisions}
             before, after = world.save(), before
             distance += driven(after, before)
+            is_blocked = is_blocked or any(robot.blocked for robot in before.robots)
     finally:
         mind.close()
-    return Played(world.won_at, distance)
+    return Played(world.won_at, distance, is_blocked)
 
 
 def try_starts(

@@ -140,10 +140,12 @@ class Briefing(Overlay):
             offers["hint"] = "gives a hint"
         if level.lesson:
             offers["lesson"] = "lesson"
+        goals = "".join(f"   ☆ {goal.words}" for goal in level.second_goals)
         keys = "   ".join(f"{command(c).key_name} {said}" for c, said in offers.items())
         self.update(
             Content.assemble(
-                (f"{one_line(level.title)}\n", f"bold {INK.title}"),
+                (one_line(level.title), f"bold {INK.title}"),
+                (f"{goals}\n", INK.dim),
                 (f"{text}\n", INK.text),
                 (keys, INK.dim),
             )
